@@ -1,0 +1,78 @@
+"""adr-opt: plan active-debris-removal missions, and prove how good the plans are.
+
+Conventions, everywhere: SI units (metres, seconds, metres per second, radians), with the unit in a
+name where it can be mistaken; degrees only in instance files; times count from the epoch of the
+instance; altitudes are radii minus 6378.137 km; bodies are numbered with the station first (0).
+
+>>> import adr_opt
+>>> instance = adr_opt.generate("tiny", seed=0)
+>>> result = adr_opt.solve(instance, method="greedy-guarded")
+>>> adr_opt.check(instance, result.plan)
+()
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .checking import Violation, check
+    from .errors import InputError, MissingExtra
+    from .front import solve
+    from .generator import generate
+    from .instance import Instance, load
+    from .mission import Mission
+    from .plan import Plan, load_plan
+    from .result import Result
+    from .timetable import Matrices, Timetable
+
+# Importing the package must cost next to nothing, so names are imported when first used.
+_HOME = {
+    "Violation": "checking",
+    "check": "checking",
+    "InputError": "errors",
+    "MissingExtra": "errors",
+    "solve": "front",
+    "generate": "generator",
+    "Instance": "instance",
+    "load": "instance",
+    "Mission": "mission",
+    "Plan": "plan",
+    "load_plan": "plan",
+    "Result": "result",
+    "Matrices": "timetable",
+    "Timetable": "timetable",
+}
+
+__all__ = [
+    "Instance",
+    "InputError",
+    "Matrices",
+    "MissingExtra",
+    "Mission",
+    "Plan",
+    "Result",
+    "Timetable",
+    "Violation",
+    "__version__",
+    "check",
+    "generate",
+    "load",
+    "load_plan",
+    "solve",
+]
+
+__version__ = "0.1.0"
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f".{_HOME[name]}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

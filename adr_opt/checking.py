@@ -1,0 +1,253 @@
+"""Check a plan against its instance, from the instance alone.
+
+Shares nothing with the planners but the physics of one transfer (`kernels.orbits`,
+`kernels.transfer`, `kernels.burns`): departure events, the choice of the entry and the mission
+rules are stated here a second time, on purpose, and plainly.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from .errors import InputError
+from .instance import Instance
+from .kernels import burns as burn_kernels
+from .kernels import orbits, transfer
+from .plan import Leg, Plan
+
+TIME_TOLERANCE_S = 1e-3
+DELTA_V_TOLERANCE_M_S = 1e-4
+OBJECTIVE_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True)
+class Violation:
+    """One thing that is wrong with a plan.
+
+    Attributes
+    ----------
+    leg : int or None
+        Number of the leg, from 1; None if it concerns the plan as a whole.
+    rule : str
+        Short name of the rule that is broken.
+    message : str
+        What is stated and what is true.
+    """
+
+    leg: int | None
+    rule: str
+    message: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        where = "plan" if self.leg is None else f"leg {self.leg}"
+        return f"{where}: {self.rule}: {self.message}"
+
+
+def check(instance: Instance, plan: Plan) -> tuple[Violation, ...]:
+    """All violations of a plan; none means that it may be flown.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan
+
+    Raises
+    ------
+    InputError
+        The plan belongs to another instance.
+    """
+    if plan.instance.name != instance.name or plan.instance.sha256 != instance.sha256:
+        raise InputError(
+            f"the plan belongs to the instance {plan.instance.name!r} "
+            f"(sha256 {plan.instance.sha256[:12]}…), not to {instance.name!r} "
+            f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
+        )
+    return (*_check_legs(instance, plan), *_check_totals(instance, plan))
+
+
+def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
+    """Follow the mission leg by leg: order, times, ΔV, burns."""
+    index = {name: number for number, name in enumerate(instance.names)}
+    elements = instance.orbits()
+    limits = instance.mission
+    where, free, left = instance.station.name, 0.0, limits.delta_v_m_s
+    visited: set[str] = set()
+    serviced = 0
+    for number, leg in enumerate(plan.legs, start=1):
+        unknown = [name for name in (leg.origin, leg.destination) if name not in index]
+        if unknown:
+            # Nothing after this leg has a state to be checked against.
+            yield Violation(number, "body", f"{unknown[0]!r} is not a body of the instance")
+            return
+        if leg.origin != where:
+            yield Violation(
+                number, "chain", f"starts at {leg.origin!r}, but the chaser is at {where!r}"
+            )
+        if leg.destination == leg.origin:
+            yield Violation(number, "order", f"goes from {leg.origin!r} to itself")
+            return
+        if leg.destination == instance.station.name:
+            if serviced == 0:
+                yield Violation(
+                    number, "refuelling", "no target was visited since the last refuelling"
+                )
+        elif leg.destination in visited:
+            yield Violation(number, "order", f"{leg.destination!r} was visited before")
+        if abs(leg.ready_s - free) > TIME_TOLERANCE_S:
+            yield Violation(
+                number, "ready", f"ready_s = {leg.ready_s!r}, but the chaser is free at {free!r}"
+            )
+        i, j = index[leg.origin], index[leg.destination]
+        yield from _check_transfer(instance, number, leg, i, j)
+
+        at_station = leg.destination == instance.station.name
+        revolutions = limits.refuel_revolutions if at_station else limits.service_revolutions
+        end = leg.arrival_s + revolutions * orbits.period(elements[j, orbits.RADIUS])
+        if abs(leg.end_s - end) > TIME_TOLERANCE_S:
+            yield Violation(number, "service", f"end_s = {leg.end_s!r}, but it ends at {end!r}")
+        if leg.end_s > limits.duration_s + TIME_TOLERANCE_S:
+            yield Violation(
+                number, "duration", f"ends at {leg.end_s!r} s, after {limits.duration_s!r} s"
+            )
+        if leg.delta_v_m_s > left + DELTA_V_TOLERANCE_M_S:
+            yield Violation(
+                number, "delta-v", f"needs {leg.delta_v_m_s!r} m/s, but only {left!r} are left"
+            )
+        left = limits.delta_v_m_s if at_station else left - leg.delta_v_m_s
+        if abs(leg.delta_v_left_m_s - left) > DELTA_V_TOLERANCE_M_S:
+            yield Violation(
+                number,
+                "delta-v-left",
+                f"delta_v_left_m_s = {leg.delta_v_left_m_s!r}, but {left!r} are left",
+            )
+        serviced = 0 if at_station else serviced + 1
+        if not at_station:
+            visited.add(leg.destination)
+        # Go on from what the leg states, so that one mistake is reported once.
+        where, free, left = leg.destination, leg.end_s, leg.delta_v_left_m_s
+
+
+def _check_transfer(
+    instance: Instance, number: int, leg: Leg, i: int, j: int
+) -> Iterator[Violation]:
+    """The departure is the next event, and the leg is what the model flies from there."""
+    elements = instance.orbits()
+    rule = instance.transfer_rule()
+    extra = float(instance.eccentricity_delta_v()[i, j])
+    pair = transfer.prepare(elements[i], elements[j], extra, rule)
+
+    # Angle of the chaser past the line of nodes, in half turns: whole at a departure event.
+    past = (pair.phase_i + pair.rate_i * leg.departure_s) / math.pi
+    half_turns = round(past)
+    departure = leg.departure_s + (half_turns - past) * math.pi / pair.rate_i
+    if abs(departure - leg.departure_s) > TIME_TOLERANCE_S:
+        yield Violation(
+            number,
+            "departure",
+            f"departure_s = {leg.departure_s!r} is not a crossing of the line of nodes; "
+            f"the nearest is at {departure!r}",
+        )
+        return
+    if departure < leg.ready_s - TIME_TOLERANCE_S:
+        yield Violation(number, "departure", "leaves before the chaser is ready")
+        return
+    previous = departure - math.pi / pair.rate_i
+    if previous >= leg.ready_s + TIME_TOLERANCE_S:
+        yield Violation(
+            number, "departure", f"does not leave at the next event, which is at {previous!r}"
+        )
+        return
+    lead = math.fmod(pair.phase_j + pair.rate_j * departure - math.pi * half_turns, 2.0 * math.pi)
+    flown = transfer.best_sequence(pair, rule, departure, lead % (2.0 * math.pi))
+    if not math.isfinite(flown.delta_v):
+        yield Violation(number, "transfer", "there is no transfer at this departure")
+        return
+    approach = rule.approach_revolutions * orbits.period(elements[j, orbits.RADIUS])
+    arrival = departure + flown.flight_time + approach
+    if abs(leg.arrival_s - arrival) > TIME_TOLERANCE_S:
+        yield Violation(
+            number, "arrival", f"arrival_s = {leg.arrival_s!r}, but it arrives at {arrival!r}"
+        )
+    if abs(leg.delta_v_m_s - flown.delta_v) > DELTA_V_TOLERANCE_M_S:
+        yield Violation(
+            number, "cost", f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {flown.delta_v!r}"
+        )
+    if leg.phasing_revolutions != flown.revolutions:
+        yield Violation(
+            number,
+            "phasing",
+            f"phasing_revolutions = {leg.phasing_revolutions}, but {flown.revolutions} are flown",
+        )
+    if abs(leg.eccentricity_delta_v_m_s - extra) > DELTA_V_TOLERANCE_M_S:
+        yield Violation(
+            number,
+            "eccentricity",
+            f"eccentricity_delta_v_m_s = {leg.eccentricity_delta_v_m_s!r}, but it is {extra!r}",
+        )
+    times, vectors, phases = burn_kernels.burns(
+        elements[i], elements[j], pair, rule, departure, flown.revolutions, flown.phasing_radius
+    )
+    stated_phases = [burn.phase for burn in leg.burns]
+    expected_phases = [burn_kernels.PHASES[phase] for phase in phases]
+    if stated_phases != expected_phases:
+        yield Violation(
+            number, "burns", f"phases are {stated_phases}, but should be {expected_phases}"
+        )
+        return
+    for which, burn in enumerate(leg.burns):
+        late = abs(burn.time_s - times[which])
+        off = float(np.linalg.norm(np.array(burn.delta_v_m_s) - vectors[which]))
+        if late > TIME_TOLERANCE_S or off > DELTA_V_TOLERANCE_M_S:
+            yield Violation(
+                number,
+                "burns",
+                f"burn {which + 1} ({burn.phase}) is off by {late:.3g} s and {off:.3g} m/s",
+            )
+
+
+def _check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
+    """Objective, certificate and the list of unvisited targets."""
+    prize = {target.name: target.prize for target in instance.targets}
+    visited = {leg.destination for leg in plan.legs} & set(prize)
+    objective = sum(prize[name] for name in sorted(visited))
+    slack = OBJECTIVE_TOLERANCE * max(1.0, abs(objective))
+    if abs(plan.objective - objective) > slack:
+        yield Violation(
+            None, "objective", f"objective = {plan.objective!r}, but the prizes sum to {objective!r}"
+        )
+    if plan.upper_bound is not None:
+        if plan.objective > plan.upper_bound + slack:
+            yield Violation(
+                None, "bound", f"objective {plan.objective!r} exceeds bound {plan.upper_bound!r}"
+            )
+        gap = (plan.upper_bound - plan.objective) / plan.upper_bound if plan.upper_bound else 0.0
+        if plan.gap is None or abs(plan.gap - gap) > OBJECTIVE_TOLERANCE:
+            yield Violation(None, "gap", f"gap = {plan.gap!r}, but it is {gap!r}")
+    elif plan.gap is not None:
+        yield Violation(None, "gap", "a gap is stated without an upper bound")
+    if plan.status == "optimal":
+        proven = min(
+            sum(prize.values()), math.inf if plan.upper_bound is None else plan.upper_bound
+        )
+        if plan.objective < proven - slack:
+            yield Violation(
+                None, "status", f"optimal is stated, but the bound is {proven!r}, not met"
+            )
+    stated = [entry.target for entry in plan.unvisited]
+    for name in sorted(set(prize) - visited - set(stated)):
+        yield Violation(None, "unvisited", f"{name!r} is neither visited nor listed")
+    for name in sorted({name for name in stated if stated.count(name) > 1}):
+        yield Violation(None, "unvisited", f"{name!r} is listed more than once")
+    for name in sorted(set(stated) & visited):
+        yield Violation(None, "unvisited", f"{name!r} is listed, but the plan visits it")
+    for name in sorted(set(stated) - set(prize)):
+        yield Violation(None, "unvisited", f"{name!r} is not a target of the instance")

@@ -1,0 +1,27 @@
+"""What can be wrong with a call or a file, said in one sentence."""
+
+
+class InputError(ValueError):
+    """The input or the call is wrong: the command line prints the sentence and exits with 2.
+
+    The sentence names the file, the field, the value and what to do, as far as they are known.
+    """
+
+
+class MissingExtra(InputError):
+    """An optional dependency is not installed.
+
+    Parameters
+    ----------
+    what : str
+        What was asked for, "flying a plan" for example.
+    package : str
+        The package that is missing.
+    extra : str
+        The extra of adr-opt that installs it.
+    """
+
+    def __init__(self, what: str, package: str, extra: str) -> None:
+        super().__init__(
+            f"{what} needs the package {package}: install it with pip install 'adr-opt[{extra}]'"
+        )

@@ -1,0 +1,142 @@
+"""Reading and writing JSON files: whole or not at all, every error one sentence."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from .errors import InputError
+
+Model = TypeVar("Model", bound=BaseModel)
+
+LONGEST_VALUE = 60
+"""Longer values are cut in error messages."""
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """Read a text file, with an :class:`InputError` that says what is wrong with it."""
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; check the path") from None
+    except IsADirectoryError:
+        raise InputError(f"{path}: this is a folder; name a file in it") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a text file in UTF-8; give a JSON file") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check it") from None
+
+
+def read_model(path: str | os.PathLike[str], model: type[Model]) -> Model:
+    """Read and validate a JSON file.
+
+    Raises
+    ------
+    InputError
+        The file is missing, not JSON, or breaks the format; the sentence names the first field
+        at fault.
+    """
+    return parse_model(read_text(path), model, str(path))
+
+
+def parse_model(text: str, model: type[Model], source: str) -> Model:
+    """Validate JSON text; ``source`` names it in errors."""
+    try:
+        return model.model_validate_json(text)
+    except ValidationError as error:
+        raise InputError(f"{source}: {_sentence(error)}") from None
+
+
+def _sentence(error: ValidationError) -> str:
+    """The first validation error as a sentence: field, value, what to do."""
+    details = error.errors(include_url=False)
+    first = details[0]
+    if first["type"] == "json_invalid":
+        return f"not JSON: {first['ctx']['error']}; give a JSON file"
+    field = ""
+    for part in first["loc"]:
+        field += f"[{part}]" if isinstance(part, int) else f".{part}" if field else str(part)
+    said = first["msg"].removeprefix("Value error, ")
+    said = said[0].lower() + said[1:] if said else "invalid"
+    more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
+    where = f"field {field}" if field else "the file"
+    if first["type"] == "missing":
+        return f"{where}: missing; add it{more}"
+    if first["type"] == "extra_forbidden":
+        return f"{where}: unknown; remove it or correct its name{more}"
+    value: Any = first["input"]
+    shown = ""
+    if not isinstance(value, (dict, list)) and field:
+        shown = repr(value)
+        if len(shown) > LONGEST_VALUE:
+            shown = shown[: LONGEST_VALUE - 1] + "…"
+        shown = f" = {shown}"
+    return f"{where}{shown}: {said}{more}"
+
+
+def to_text(content: dict[str, Any]) -> str:
+    """A JSON object as text with one item of each list to a line.
+
+    The same content gives the same bytes on every machine: Python's shortest float repr.
+    """
+    lines = []
+    for key, value in content.items():
+        if isinstance(value, list) and value:
+            items = ",\n".join("  " + json.dumps(item, ensure_ascii=False) for item in value)
+            lines.append(f" {json.dumps(key)}: [\n{items}\n ]")
+        else:
+            lines.append(f" {json.dumps(key)}: {json.dumps(value, ensure_ascii=False)}")
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def check_writable(path: str | os.PathLike[str]) -> None:
+    """Raise :class:`InputError` now if ``path`` could not be written after a long computation."""
+    target = Path(path)
+    if target.is_dir():
+        raise InputError(f"{path}: this is a folder; name a file in it")
+    if not target.parent.is_dir():
+        raise InputError(f"{path}: the folder {target.parent} does not exist; create it first")
+    if not os.access(target.parent, os.W_OK):
+        raise InputError(f"{path}: the folder {target.parent} cannot be written to; choose another")
+
+
+def write_whole(path: str | os.PathLike[str], write: Callable[[Path], None]) -> None:
+    """Write a file whole or not at all: to a temporary neighbour, then renamed over it.
+
+    Parameters
+    ----------
+    path : path
+    write : callable
+        Called with the temporary path, which keeps the suffix of ``path``.
+    """
+    check_writable(path)
+    target = Path(path)
+    handle, name = tempfile.mkstemp(
+        dir=target.parent, prefix=f".{target.stem}-", suffix=target.suffix
+    )
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        write(temporary)
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)  # mkstemp is private; a written file is like any other
+        temporary.replace(target)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a text file whole or not at all."""
+    write_whole(path, lambda temporary: _write(temporary, text))
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", newline="\n")

@@ -1,0 +1,285 @@
+"""The instance: one chaser's mission over a field of debris, as data and as a file.
+
+The pydantic models below are the format ``adr-opt-instance/1``: the published JSON Schema is made
+from them (:func:`json_schema`). All are frozen; :meth:`Record.replace` makes variants.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import os
+from datetime import datetime, timezone
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import (
+    AwareDatetime,
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    field_serializer,
+    model_validator,
+)
+
+from .errors import InputError
+from .files import read_model, to_text
+from .kernels.constants import EARTH_RADIUS_M, MU_M3_S2
+from .kernels.transfer import TransferRule
+
+FORMAT = "adr-opt-instance/1"
+
+Name = Annotated[str, Field(min_length=1)]
+NonNegative = Annotated[float, Field(ge=0.0)]
+Positive = Annotated[float, Field(gt=0.0)]
+
+
+class Record(BaseModel):
+    """Base of all data: frozen, strict about types, no unknown keys, no NaN or infinity."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    def replace(self, **changes: Any) -> Self:
+        """A validated copy with some fields changed.
+
+        Raises
+        ------
+        InputError
+            A change is not valid.
+        """
+        values = {name: getattr(self, name) for name in type(self).model_fields}
+        try:
+            return type(self)(**(values | changes))
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+            field = ".".join(str(part) for part in first["loc"])
+            raise InputError(f"field {field}: {first['msg']}") from None
+
+
+class Orbit(Record):
+    """Keplerian elements in the inertial frame at the epoch of the instance."""
+
+    semi_major_axis_m: Positive
+    eccentricity: Annotated[float, Field(ge=0.0, lt=1.0)]
+    inclination_deg: Annotated[float, Field(ge=0.0, le=180.0)]
+    raan_deg: float
+    argument_of_perigee_deg: float
+    true_anomaly_deg: float
+
+    @model_validator(mode="after")
+    def _above_the_ground(self) -> Self:
+        perigee = self.semi_major_axis_m * (1.0 - self.eccentricity)
+        if perigee <= EARTH_RADIUS_M:
+            raise ValueError(
+                f"the perigee radius of {perigee:.0f} m is under the ground "
+                f"({EARTH_RADIUS_M:.0f} m); raise semi_major_axis_m or lower eccentricity"
+            )
+        return self
+
+    def circular_elements(self) -> tuple[float, float, float, float]:
+        """The circle that is planned with: radius, inclination, RAAN, argument of latitude.
+
+        r = a and u = argument of perigee + mean anomaly (MODEL section 1) [m, rad].
+        """
+        e = self.eccentricity
+        true = math.radians(self.true_anomaly_deg)
+        eccentric = true - 2.0 * math.atan2(
+            # atan(β sin ν / (1 + β cos ν)) form of E: no loss of digits, no branch at ν = π
+            (e / (1.0 + math.sqrt(1.0 - e * e))) * math.sin(true),
+            1.0 + (e / (1.0 + math.sqrt(1.0 - e * e))) * math.cos(true),
+        )
+        mean = eccentric - e * math.sin(eccentric)
+        latitude = math.radians(self.argument_of_perigee_deg) + mean
+        return (
+            self.semi_major_axis_m,
+            math.radians(self.inclination_deg),
+            math.radians(self.raan_deg),
+            latitude,
+        )
+
+    def eccentricity_vector(self) -> npt.NDArray[np.float64]:
+        """Inertial eccentricity vector, shape (3,)."""
+        i, o, w = (
+            math.radians(x)
+            for x in (self.inclination_deg, self.raan_deg, self.argument_of_perigee_deg)
+        )
+        node = np.array([math.cos(o), math.sin(o), 0.0])
+        ahead = np.array(
+            [-math.sin(o) * math.cos(i), math.cos(o) * math.cos(i), math.sin(i)], dtype=float
+        )
+        return self.eccentricity * (math.cos(w) * node + math.sin(w) * ahead)
+
+
+class Station(Record):
+    """Where the chaser starts and refuels."""
+
+    name: Name
+    orbit: Orbit
+
+
+class Target(Record):
+    """A debris object that may be visited, and what servicing it is worth."""
+
+    name: Name
+    prize: NonNegative = 1.0
+    orbit: Orbit
+
+
+class MissionLimits(Record):
+    """Duration, ΔV budget and the time spent at a body (in its periods)."""
+
+    duration_s: NonNegative
+    delta_v_m_s: NonNegative
+    service_revolutions: NonNegative = 1.0
+    refuel_revolutions: NonNegative = 1.0
+
+
+class TransferSettings(Record):
+    """Parameters of the co-elliptic sequence (MODEL section 2)."""
+
+    first_leg_fraction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.75
+    standoff_m: NonNegative = 1000.0
+    safety_ellipse_revolutions: Positive = 0.5
+    max_phasing_revolutions: Annotated[int, Field(ge=0, le=100)] = 12
+    min_altitude_m: Positive = 300e3
+    max_altitude_m: Positive = 2000e3
+    time_value_m_s_per_h: NonNegative = 75.0
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.max_altitude_m <= self.min_altitude_m:
+            raise ValueError("max_altitude_m must be greater than min_altitude_m")
+        if self.safety_ellipse_revolutions % 1.0 != 0.5:
+            raise ValueError(
+                "safety_ellipse_revolutions must be 0.5 plus whole inspection laps (0.5, 1.5, …)"
+            )
+        return self
+
+
+class KeepOutZone(Record):
+    """A closed altitude band that is forbidden during a closed time window (MODEL section 5)."""
+
+    min_altitude_m: NonNegative
+    max_altitude_m: NonNegative
+    start_s: float
+    end_s: float
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.max_altitude_m < self.min_altitude_m:
+            raise ValueError("max_altitude_m must not be less than min_altitude_m")
+        if self.end_s < self.start_s:
+            raise ValueError("end_s must not be before start_s")
+        return self
+
+
+class Instance(Record):
+    """A mission to plan. Bodies are numbered with the station first, then the targets in order."""
+
+    format: Literal["adr-opt-instance/1"] = FORMAT
+    name: Name
+    epoch: Annotated[AwareDatetime, Field(strict=False)]
+    station: Station
+    targets: Annotated[tuple[Target, ...], Field(strict=False)]
+    mission: MissionLimits
+    transfer: TransferSettings = TransferSettings()
+    keep_out_zones: Annotated[tuple[KeepOutZone, ...], Field(strict=False)] = ()
+
+    @model_validator(mode="after")
+    def _names_differ(self) -> Self:
+        seen = {self.station.name}
+        for target in self.targets:
+            if target.name in seen:
+                raise ValueError(
+                    f"two bodies have the name {target.name!r}; give each its own name"
+                )
+            seen.add(target.name)
+        return self
+
+    @field_serializer("epoch")
+    def _epoch_text(self, epoch: datetime) -> str:
+        return epoch.astimezone(timezone.utc).isoformat().replace("+00:00", "Z")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the bodies, the station first."""
+        return (self.station.name, *(target.name for target in self.targets))
+
+    @property
+    def is_approximate(self) -> bool:
+        """Whether some orbit is not a circle, so that the model is an approximation of it."""
+        return any(body.orbit.eccentricity > 0.0 for body in (self.station, *self.targets))
+
+    def to_json(self) -> str:
+        """The instance file, the same bytes on every machine."""
+        return to_text(self.model_dump(mode="json"))
+
+    @property
+    def sha256(self) -> str:
+        """SHA-256 of the file that :meth:`to_json` gives; plans carry it."""
+        return hashlib.sha256(self.to_json().encode()).hexdigest()
+
+    def orbits(self) -> npt.NDArray[np.float64]:
+        """Circular orbits of the bodies, shape (bodies, 4), columns ``kernels.ORBIT_COLUMNS``."""
+        bodies = (self.station, *self.targets)
+        return np.array([body.orbit.circular_elements() for body in bodies], dtype=float)
+
+    def eccentricity_delta_v(self) -> npt.NDArray[np.float64]:
+        """Cost of matching eccentricity vectors, v·|Δe|/2 with the destination's circular speed.
+
+        Returns
+        -------
+        (origin, destination) float64
+            [m/s]; zero between circles (MODEL section 1).
+        """
+        bodies = (self.station, *self.targets)
+        vectors = np.array([body.orbit.eccentricity_vector() for body in bodies])
+        speeds = np.sqrt(MU_M3_S2 / np.array([b.orbit.semi_major_axis_m for b in bodies]))
+        difference = np.linalg.norm(vectors[:, None, :] - vectors[None, :, :], axis=2)
+        cost: npt.NDArray[np.float64] = 0.5 * difference * speeds[None, :]
+        return cost
+
+    def transfer_rule(self) -> TransferRule:
+        """The transfer settings and zones as the kernels take them (radii, m/s per s)."""
+        settings = self.transfer
+        zones = np.array(
+            [
+                (
+                    EARTH_RADIUS_M + zone.min_altitude_m,
+                    EARTH_RADIUS_M + zone.max_altitude_m,
+                    zone.start_s,
+                    zone.end_s,
+                )
+                for zone in self.keep_out_zones
+            ],
+            dtype=float,
+        ).reshape(-1, 4)
+        return TransferRule(
+            settings.first_leg_fraction,
+            settings.standoff_m,
+            settings.safety_ellipse_revolutions,
+            settings.max_phasing_revolutions,
+            EARTH_RADIUS_M + settings.min_altitude_m,
+            EARTH_RADIUS_M + settings.max_altitude_m,
+            settings.time_value_m_s_per_h / 3600.0,
+            zones,
+        )
+
+
+def load(path: str | os.PathLike[str]) -> Instance:
+    """Read an instance file.
+
+    Raises
+    ------
+    InputError
+        No such file, not JSON, or not a valid instance.
+    """
+    return read_model(path, Instance)
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema of the instance file."""
+    schema = Instance.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -1,0 +1,96 @@
+"""The burns of a transfer as inertial vectors."""
+
+import math
+
+import numpy as np
+
+from . import orbits, transfer
+from .compile import kernel
+from .constants import MU_M3_S2
+
+HOHMANN_1, PHASING, CO_ELLIPTIC, TERMINAL, APPROACH = range(5)
+PHASES = ("hohmann-1", "phasing", "co-elliptic", "terminal", "approach")
+
+
+@kernel
+def half_ellipse_speeds(r1, r2):
+    """Speeds at the two ends of a half ellipse, by vis-viva [m/s]."""
+    start = math.sqrt(2.0 * MU_M3_S2 * r2 / (r1 * (r1 + r2)))
+    return start, start * r1 / r2
+
+
+@kernel
+def burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r):
+    """The burns of one sequence in time order.
+
+    Parameters
+    ----------
+    orbit_i, orbit_j : (4,) float64
+        Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
+    pair : adr_opt.kernels.transfer.Pair
+    rule : adr_opt.kernels.transfer.TransferRule
+    departure : float
+        A departure event of the pair [s].
+    revolutions : int
+        k.
+    r : float
+        Phasing radius [m].
+
+    Returns
+    -------
+    times : (burns,) float64
+        [s]; six burns for k = 0, seven else.
+    vectors : (burns, 3) float64
+        [m/s], inertial.
+    phases : (burns,) int64
+        Index into :data:`PHASES`: the phase that the burn begins; the second terminal burn ends
+        it, at the stand-off, and the second approach burn ends the approach, at the target.
+    """
+    count = 7 if revolutions > 0 else 6
+    times = np.empty(count)
+    vectors = np.empty((count, 3))
+    phases = np.empty(count, dtype=np.int64)
+
+    ri, rj = pair.radius_i, pair.radius_j
+    rc = r + rule.first_leg_fraction * (rj - r)
+    v1, v1_end = half_ellipse_speeds(ri, r)
+    v2, v2_end = half_ellipse_speeds(r, rc)
+    v3, v3_end = half_ellipse_speeds(rc, rj)
+    circle = math.sqrt(MU_M3_S2 / r) if revolutions > 0 else v2
+
+    # Half a revolution turns the forward direction round; before the turn it lies in plane i,
+    # after it in plane j, square to the same line of nodes.
+    _, _, normal_j = orbits.frame(orbit_j[orbits.INCLINATION], orbit_j[orbits.RAAN])
+    position, velocity = orbits.state(orbit_i, departure)
+    outward = position / ri
+    ahead_i = velocity / pair.speed_i
+    ahead_j = np.cross(normal_j, outward)
+    ahead_j /= math.sqrt(np.sum(ahead_j**2))
+
+    clock = math.pi / transfer.SQRT_MU
+    a1, a2, a3 = 0.5 * (ri + r), 0.5 * (r + rc), 0.5 * (rc + rj)
+    now = departure
+    times[0], vectors[0], phases[0] = now, (v1 - pair.speed_i) * ahead_i, HOHMANN_1
+    now += clock * a1 * math.sqrt(a1)
+    times[1], vectors[1] = now, v1_end * ahead_i - circle * ahead_j
+    phases[1] = CO_ELLIPTIC
+    b = 2
+    if revolutions > 0:
+        phases[1] = PHASING
+        now += revolutions * transfer.lap_time(r)[0]
+        times[2], vectors[2], phases[2] = now, (circle - v2) * ahead_j, CO_ELLIPTIC
+        b = 3
+    now += clock * a2 * math.sqrt(a2)
+    times[b], vectors[b], phases[b] = now, (v3 - v2_end) * ahead_j, TERMINAL
+    now += clock * a3 * math.sqrt(a3)
+    times[b + 1], vectors[b + 1] = now, (v3_end - pair.speed_j) * ahead_j
+    phases[b + 1] = TERMINAL
+
+    # Half of a 2:1 relative ellipse: a radial impulse n L/4 towards the Earth at its beginning
+    # and the same at its end (Clohessy–Wiltshire).
+    impulse = 0.25 * pair.rate_j * rule.standoff
+    times[b + 2], vectors[b + 2], phases[b + 2] = now, impulse * outward, APPROACH
+    now += rule.approach_revolutions * transfer.TWO_PI / pair.rate_j
+    at_target, _ = orbits.state(orbit_j, now)
+    times[b + 3], vectors[b + 3], phases[b + 3] = now, -impulse / rj * at_target, APPROACH
+    return times, vectors, phases

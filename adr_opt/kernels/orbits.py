@@ -1,0 +1,113 @@
+"""Circular orbits: frames, relative nodes and states.
+
+A body is a row of :data:`ORBIT_COLUMNS`; ``argument_of_latitude`` is taken at t = 0.
+"""
+
+import math
+
+import numpy as np
+
+from .compile import kernel
+from .constants import MU_M3_S2
+
+ORBIT_COLUMNS = ("radius", "inclination", "raan", "argument_of_latitude")
+RADIUS, INCLINATION, RAAN, ARGUMENT_OF_LATITUDE = range(4)
+
+COPLANAR_RAD = 1e-9
+"""Below this angle two planes count as one and the line of nodes is chosen freely [rad]."""
+
+
+@kernel
+def mean_motion(radius):
+    """Angular rate of a circular orbit [rad/s]."""
+    return math.sqrt(MU_M3_S2 / radius) / radius
+
+
+@kernel
+def period(radius):
+    """Period of a circular orbit [s]."""
+    return 2.0 * math.pi / mean_motion(radius)
+
+
+@kernel
+def frame(inclination, raan):
+    """Unit vectors of an orbital plane in the inertial frame.
+
+    Returns
+    -------
+    ascending, ahead, normal : (3,) float64
+        Towards the ascending node, a quarter of a revolution later, and along the angular
+        momentum.
+    """
+    ci, si = math.cos(inclination), math.sin(inclination)
+    co, so = math.cos(raan), math.sin(raan)
+    ascending = np.array([co, so, 0.0])
+    ahead = np.array([-so * ci, co * ci, si])
+    normal = np.array([so * si, -co * si, ci])
+    return ascending, ahead, normal
+
+
+@kernel
+def relative_node(inclination_i, raan_i, inclination_j, raan_j):
+    """Line of nodes of two planes, N = h_i × h_j.
+
+    Returns
+    -------
+    alpha_i, alpha_j : float
+        Arguments of latitude of N in plane i and in plane j [rad].
+    theta : float
+        Angle between the planes [rad].
+
+    Notes
+    -----
+    The components of N in each plane are written out by spherical trigonometry in the
+    difference of the RAANs, so that nearly equal planes lose no digits.
+
+    For planes closer than :data:`COPLANAR_RAD` any line will do. The model takes α = 0 in both
+    planes; that is one line only where the RAANs agree, which they need not do on two
+    equatorial orbits. Here α_i = 0, and α_j is the argument of latitude of the *same* line in
+    plane j: equal to the model's rule to 1e-9 rad wherever the inclination is not zero.
+    """
+    d = raan_j - raan_i
+    cd, sd = math.cos(d), math.sin(d)
+    ci, si = math.cos(inclination_i), math.sin(inclination_i)
+    cj, sj = math.cos(inclination_j), math.sin(inclination_j)
+    # h_j in the frame of plane i: x towards the ascending node, y ahead, z normal.
+    hj_x = sj * sd
+    sine_difference = math.sin(inclination_i - inclination_j)
+    versine = 2.0 * math.sin(0.5 * d) ** 2
+    hj_y = sine_difference + ci * sj * versine
+    hj_z = ci * cj + si * sj * cd
+    # h_i in the frame of plane j, by exchanging the roles.
+    hi_x = -si * sd
+    hi_y = -sine_difference + cj * si * versine
+    sine = math.hypot(hj_x, hj_y)
+    theta = math.atan2(sine, hj_z)
+    if theta < COPLANAR_RAD:
+        return 0.0, math.atan2(-sd * cj, cd), theta
+    # z × h_j = (-h_y, h_x); and N = h_i × h_j = -(h_j × h_i).
+    return math.atan2(hj_x, -hj_y), math.atan2(-hi_x, hi_y), theta
+
+
+@kernel
+def state(orbit, time):
+    """Inertial position and velocity on a circular orbit.
+
+    Parameters
+    ----------
+    orbit : (4,) float64
+        One row of :data:`ORBIT_COLUMNS`.
+    time : float
+        Time since the epoch [s].
+
+    Returns
+    -------
+    position, velocity : (3,) float64
+        [m], [m/s].
+    """
+    n = mean_motion(orbit[RADIUS])
+    u = orbit[ARGUMENT_OF_LATITUDE] + n * time
+    ascending, ahead, _ = frame(orbit[INCLINATION], orbit[RAAN])
+    outward = math.cos(u) * ascending + math.sin(u) * ahead
+    along = math.cos(u) * ahead - math.sin(u) * ascending
+    return orbit[RADIUS] * outward, orbit[RADIUS] * n * along

@@ -1,0 +1,146 @@
+"""The timetable: one entry for each departure event of each pair (MODEL section 3).
+
+Between two departure events nothing depends on the time but the wait, so a table over events is
+exact. How events are spaced and where entries lie is known to this module alone: planners ask
+:func:`events`, :func:`departure_at`, :func:`entry_at` and :func:`lookup`.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from . import orbits, transfer
+from .compile import kernel
+
+
+class Table(NamedTuple):
+    """Exact ΔV and arrival of every transfer at every departure event.
+
+    Attributes
+    ----------
+    first : (bodies, bodies) float64
+        Time of the first departure event of the pair (origin, destination) [s].
+    spacing : (bodies,) float64
+        Time between events of an origin: half its period [s].
+    count : (bodies, bodies) int32
+        Number of events at or before the end of the mission; 0 on the diagonal.
+    entries : (bodies, events, bodies, 2) float64
+        ΔV [m/s] and arrival, the end of the approach [s], of (origin, event, destination);
+        both +inf where there is no transfer. Destinations lie side by side because planners
+        ask for all of them at one time, and their events then have equal or adjacent numbers.
+    revolutions : (bodies, events, bodies) int8
+        Phasing revolutions k; −1 where there is no transfer.
+    """
+
+    first: np.ndarray
+    spacing: np.ndarray
+    count: np.ndarray
+    entries: np.ndarray
+    revolutions: np.ndarray
+
+
+@kernel
+def fill_row(origin, bodies, extra_delta_v, rule, duration, table):
+    """Fill all entries of one origin; rows are independent, so they may run in parallel.
+
+    Parameters
+    ----------
+    origin : int
+    bodies : (bodies, 4) float64
+        Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
+    extra_delta_v : (bodies, bodies) float64
+        Cost of matching the eccentricity vectors [m/s].
+    rule : TransferRule
+    duration : float
+        End of the mission: events after it are left out [s].
+    table : Table
+        Written in place, row ``origin`` only.
+    """
+    half_period = math.pi / orbits.mean_motion(bodies[origin, orbits.RADIUS])
+    table.spacing[origin] = half_period
+    most = table.entries.shape[1]
+    for j in range(bodies.shape[0]):
+        if j == origin:
+            continue
+        pair = transfer.prepare(bodies[origin], bodies[j], extra_delta_v[origin, j], rule)
+        first, half_turns = transfer.first_departure(pair)
+        table.first[origin, j] = first
+        approach = rule.approach_revolutions * transfer.TWO_PI / pair.rate_j
+        m = 0
+        while m < most:
+            departure = first + m * half_period
+            if departure > duration:
+                break
+            lead = transfer.target_lead(pair, departure, half_turns + m)
+            best = transfer.best_sequence(pair, rule, departure, lead)
+            table.entries[origin, m, j, 0] = best.delta_v
+            table.entries[origin, m, j, 1] = departure + best.flight_time + approach
+            table.revolutions[origin, m, j] = best.revolutions
+            m += 1
+        table.count[origin, j] = m
+
+
+@kernel
+def events(table, i, j):
+    """Number of departure events of the pair, numbered from 0 in time order."""
+    return table.count[i, j]
+
+
+@kernel
+def departure_at(table, i, j, event):
+    """Time of a departure event of the pair [s]."""
+    return table.first[i, j] + event * table.spacing[i]
+
+
+@kernel
+def entry_at(table, i, j, event):
+    """ΔV [m/s] and arrival [s] of the transfer that leaves at an event; +inf for none."""
+    return table.entries[i, event, j, 0], table.entries[i, event, j, 1]
+
+
+@kernel
+def next_event(table, i, j, time):
+    """The first event at or after a time; :func:`events` of the pair if there is none left."""
+    spacing = table.spacing[i]
+    first = table.first[i, j]
+    m = max(0, math.ceil((time - first) / spacing))
+    # The quotient may be rounded across an integer; the event's own time decides.
+    if m > 0 and first + (m - 1) * spacing >= time:
+        m -= 1
+    elif first + m * spacing < time:
+        m += 1
+    return min(m, table.count[i, j])
+
+
+@kernel
+def lookup(table, i, j, time):
+    """The transfer of a chaser that is ready at body i at a time and wants body j.
+
+    Returns
+    -------
+    delta_v : float
+        [m/s]; +inf where there is no transfer.
+    arrival : float
+        End of the approach, before service [s].
+    """
+    m = next_event(table, i, j, time)
+    if m >= table.count[i, j]:
+        return math.inf, math.inf
+    return table.entries[i, m, j, 0], table.entries[i, m, j, 1]
+
+
+@kernel
+def sample(table, departures, delta_v, duration):
+    """Sample the table on a list of ready times, into arrays (departure, origin, destination)."""
+    bodies = table.first.shape[0]
+    for d in range(departures.size):
+        for i in range(bodies):
+            for j in range(bodies):
+                if i == j:
+                    delta_v[d, i, j] = 0.0
+                    duration[d, i, j] = 0.0
+                else:
+                    dv, arrival = lookup(table, i, j, departures[d])
+                    delta_v[d, i, j] = dv
+                    duration[d, i, j] = arrival - departures[d]

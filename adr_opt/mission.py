@@ -1,0 +1,121 @@
+"""The mission: an instance with its timetable and its rules, as every planner gets it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from .errors import InputError
+from .instance import Instance
+from .kernels import orbits as orbit_kernels
+from .kernels import rules as kernels
+from .kernels.constants import STATION
+from .timetable import Timetable
+
+Sequence = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Timing:
+    """What happens when a sequence of bodies is visited as far as the rules allow.
+
+    Attributes
+    ----------
+    made : int
+        Number of legal moves; less than the length of the sequence if a move is illegal.
+    objective : float
+        Sum of the prizes of the moves made.
+    delta_v : float
+        Total ΔV of the moves made [m/s].
+    ends, lefts : (made,) float64
+        End of service [s] and ΔV left [m/s] after each move.
+    """
+
+    made: int
+    objective: float
+    delta_v: float
+    ends: npt.NDArray[np.float64]
+    lefts: npt.NDArray[np.float64]
+
+
+class Mission:
+    """An instance ready for planning.
+
+    Parameters
+    ----------
+    instance : Instance
+    timetable : Timetable, optional
+        Built on first use if not given.
+    threads : int, optional
+        Threads to build the timetable with; all cores by default.
+
+    Attributes
+    ----------
+    instance : Instance
+    names : tuple of str
+        Bodies, the station first (index 0).
+    """
+
+    def __init__(
+        self,
+        instance: Instance,
+        timetable: Timetable | None = None,
+        *,
+        threads: int | None = None,
+    ) -> None:
+        self.instance = instance
+        self.names = instance.names
+        self._threads = threads
+        if timetable is not None:
+            if timetable.instance != instance:
+                raise InputError("the timetable belongs to another instance")
+            self.__dict__["timetable"] = timetable
+
+    @cached_property
+    def timetable(self) -> Timetable:
+        """The exact costs of every transfer at every time."""
+        return Timetable(self.instance, self._threads)
+
+    @cached_property
+    def rules(self) -> kernels.Rules:
+        """The mission as the kernels take it; its arrays are read-only."""
+        limits = self.instance.mission
+        periods = np.array(
+            [orbit_kernels.period(radius) for radius in self.instance.orbits()[:, 0]]
+        )
+        service = limits.service_revolutions * periods
+        service[STATION] = limits.refuel_revolutions * periods[STATION]
+        prize = np.array([0.0, *(target.prize for target in self.instance.targets)])
+        service.setflags(write=False)
+        prize.setflags(write=False)
+        return kernels.Rules(
+            self.timetable.table, service, prize, limits.delta_v_m_s, limits.duration_s
+        )
+
+    @property
+    def total_prize(self) -> float:
+        """Sum of all prizes: the trivial upper bound."""
+        return float(sum(target.prize for target in self.instance.targets))
+
+    @property
+    def has_whole_prizes(self) -> bool:
+        """Whether all prizes are integers, so that a bound may be rounded down."""
+        return all(target.prize.is_integer() for target in self.instance.targets)
+
+    def time(self, sequence: Iterable[int]) -> Timing:
+        """Time a sequence of bodies exactly, as far as it is legal."""
+        moves = np.asarray(list(sequence), dtype=np.int64)
+        if moves.size and not (0 <= moves.min() and moves.max() < len(self.names)):
+            raise InputError(f"a sequence may only name the bodies 0 to {len(self.names) - 1}")
+        ends, lefts = np.empty(moves.size), np.empty(moves.size)
+        rules = self.rules
+        visited = np.zeros(len(self.names), dtype=np.bool_)
+        made, delta_v = kernels.replay(
+            rules, moves, 0, STATION, 0.0, rules.budget, 0, visited, ends, lefts
+        )
+        objective = float(kernels.collected(rules, moves[:made]))
+        return Timing(int(made), objective, float(delta_v), ends[:made], lefts[:made])

@@ -1,0 +1,133 @@
+"""The plan file ``adr-opt-plan/1``: what is flown, when, at what cost, and how good it is."""
+
+from __future__ import annotations
+
+import os
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from .files import read_model, to_text, write_text
+from .instance import Name, Record
+
+FORMAT = "adr-opt-plan/1"
+
+Status = Literal["optimal", "feasible", "infeasible", "unknown"]
+Reason = Literal["duration", "delta-v", "no-transfer", "not-worth-it"]
+Vector = tuple[float, float, float]
+
+
+class InstanceReference(Record):
+    """Which instance a plan belongs to: its name and the SHA-256 of its file."""
+
+    name: Name
+    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+
+
+class Burn(Record):
+    """An impulse in the inertial frame of the elements."""
+
+    time_s: float
+    delta_v_m_s: Annotated[Vector, Field(strict=False)]
+    phase: Literal["hohmann-1", "phasing", "co-elliptic", "terminal", "approach"]
+
+
+class Leg(Record):
+    """One transfer with the service that follows it.
+
+    ``ready_s`` is when the chaser is free at the origin, ``departure_s`` the node crossing,
+    ``arrival_s`` the end of the approach, ``end_s`` the end of service (refuelling, at the
+    station); ``delta_v_left_m_s`` is what is left then: the full budget after refuelling.
+    ``eccentricity_delta_v_m_s`` is the part of ``delta_v_m_s`` that matches eccentricity vectors;
+    it has no burn, because the burns fly between circles (MODEL section 1).
+    """
+
+    origin: Name
+    destination: Name
+    ready_s: float
+    departure_s: float
+    arrival_s: float
+    end_s: float
+    delta_v_m_s: float
+    delta_v_left_m_s: float
+    phasing_revolutions: int
+    eccentricity_delta_v_m_s: float = 0.0
+    burns: Annotated[tuple[Burn, ...], Field(strict=False)]
+
+
+class Unvisited(Record):
+    """A target that the plan leaves out, and why.
+
+    The reason is read off the end of the plan: ``no-transfer`` if no body of the mission has a
+    sequence to the target at any departure event, else ``duration`` or ``delta-v`` if one more
+    leg to it would break that limit (``duration`` first), else ``not-worth-it``: it could be
+    added, and the plan does not.
+    """
+
+    target: Name
+    reason: Reason
+
+
+class Plan(Record):
+    """A mission plan with its certificate."""
+
+    format: Literal["adr-opt-plan/1"] = FORMAT
+    instance: InstanceReference
+    method: Name
+    seed: Annotated[int, Field(ge=0)]
+    status: Status
+    objective: float
+    upper_bound: float | None = None
+    gap: float | None = None
+    runtime_s: Annotated[float, Field(ge=0.0)]
+    versions: dict[str, str] = {}
+    notes: Annotated[tuple[str, ...], Field(strict=False)] = ()
+    legs: Annotated[tuple[Leg, ...], Field(strict=False)] = ()
+    unvisited: Annotated[tuple[Unvisited, ...], Field(strict=False)] = ()
+
+    @property
+    def destinations(self) -> tuple[str, ...]:
+        """Names of the bodies in the order of the plan."""
+        return tuple(leg.destination for leg in self.legs)
+
+    @property
+    def delta_v_m_s(self) -> float:
+        """Total ΔV of all legs [m/s]."""
+        return sum(leg.delta_v_m_s for leg in self.legs)
+
+    def to_json(self) -> str:
+        """The plan file."""
+        return to_text(self.to_dict())
+
+    def to_dict(self) -> dict[str, Any]:
+        """The plan file as plain data."""
+        return self.model_dump(mode="json")
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the plan file, whole or not at all."""
+        write_text(path, self.to_json())
+
+
+def load_plan(path: str | os.PathLike[str]) -> Plan:
+    """Read a plan file.
+
+    Raises
+    ------
+    InputError
+        No such file, not JSON, or not a valid plan file. Whether the plan is legal is for
+        :func:`adr_opt.check` to say.
+    """
+    return read_model(path, Plan)
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema of the plan file."""
+    schema = Plan.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+def relative_gap(objective: float, upper_bound: float) -> float:
+    """(upper bound − objective) / upper bound; 0 where both are 0."""
+    return (upper_bound - objective) / upper_bound if upper_bound > 0.0 else 0.0
+
+

@@ -1,0 +1,102 @@
+"""From a sequence of bodies to a plan: legs, burns, and a reason for every target left out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from .errors import InputError
+from .kernels import burns as burn_kernels
+from .kernels import timetable as table_kernels
+from .kernels import transfer as transfer_kernels
+from .kernels.constants import STATION
+from .mission import Mission
+from .plan import Burn, Leg, Reason, Unvisited
+
+APPROXIMATE = (
+    "some orbits are eccentric: the burns fly between circles of the same semi-major axes, and "
+    "delta_v_m_s includes the cost of matching the eccentricity vectors; this is an approximation"
+)
+
+
+def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
+    """Price a sequence of bodies leg by leg.
+
+    Raises
+    ------
+    InputError
+        A move is illegal; the sentence says which.
+    """
+    moves = [int(j) for j in sequence]
+    timing = mission.time(moves)
+    if timing.made < len(moves):
+        raise InputError(
+            f"move {timing.made + 1} of the sequence, to {mission.names[moves[timing.made]]!r}, "
+            "breaks the mission rules"
+        )
+    instance, table = mission.instance, mission.timetable.table
+    orbits = instance.orbits()
+    extra = instance.eccentricity_delta_v()
+    rule = instance.transfer_rule()
+    priced = []
+    i, ready = STATION, 0.0
+    for j, end, left in zip(moves, timing.ends, timing.lefts, strict=True):
+        event = table_kernels.next_event(table, i, j, ready)
+        departure = float(table_kernels.departure_at(table, i, j, event))
+        delta_v, arrival = table_kernels.entry_at(table, i, j, event)
+        pair = transfer_kernels.prepare(orbits[i], orbits[j], extra[i, j], rule)
+        _, half_turns = transfer_kernels.first_departure(pair)
+        lead = transfer_kernels.target_lead(pair, departure, half_turns + event)
+        flown = transfer_kernels.best_sequence(pair, rule, departure, lead)
+        times, vectors, phases = burn_kernels.burns(
+            orbits[i], orbits[j], pair, rule, departure, flown.revolutions, flown.phasing_radius
+        )
+        priced.append(
+            Leg(
+                origin=mission.names[i],
+                destination=mission.names[j],
+                ready_s=float(ready),
+                departure_s=departure,
+                arrival_s=float(arrival),
+                end_s=float(end),
+                delta_v_m_s=float(delta_v),
+                delta_v_left_m_s=float(left),
+                phasing_revolutions=int(flown.revolutions),
+                eccentricity_delta_v_m_s=float(extra[i, j]),
+                burns=tuple(
+                    Burn(
+                        time_s=float(time),
+                        delta_v_m_s=(float(vector[0]), float(vector[1]), float(vector[2])),
+                        phase=burn_kernels.PHASES[phase],  # type: ignore[arg-type]
+                    )
+                    for time, vector, phase in zip(times, vectors, phases, strict=True)
+                ),
+            )
+        )
+        i, ready = j, end
+    return tuple(priced)
+
+
+def unvisited(mission: Mission, sequence: Iterable[int]) -> tuple[Unvisited, ...]:
+    """The targets that a sequence leaves out, each with its reason (see :class:`Unvisited`)."""
+    moves = [int(j) for j in sequence]
+    timing = mission.time(moves)
+    rules = mission.rules
+    body = moves[-1] if moves else STATION
+    time = float(timing.ends[-1]) if moves else 0.0
+    left = float(timing.lefts[-1]) if moves else rules.budget
+    missing = []
+    for j in sorted(set(range(1, len(mission.names))) - set(moves)):
+        reason: Reason
+        delta_v, arrival = table_kernels.lookup(rules.table, body, j, time)
+        if not np.isfinite(rules.table.entries[:, :, j, 0]).any():
+            reason = "no-transfer"
+        elif arrival + rules.service[j] > rules.duration:
+            reason = "duration"
+        elif delta_v > left:
+            reason = "delta-v"
+        else:
+            reason = "not-worth-it"
+        missing.append(Unvisited(target=mission.names[j], reason=reason))
+    return tuple(missing)

@@ -1,0 +1,153 @@
+"""The result of a planner or a bound: a certificate."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from .mission import Mission
+from .plan import InstanceReference, Plan, Status, relative_gap
+from .pricing import APPROXIMATE, legs, unvisited
+from .stop.proven import TOLERANCE
+
+PACKAGES = ("adr-opt", "numpy", "numba", "ortools")
+
+
+def versions() -> dict[str, str]:
+    """Versions of the packages that a plan depends on."""
+    found = {}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "unknown"
+    return found
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a planner or a bound has to say about a mission.
+
+    Attributes
+    ----------
+    method : str
+    sequence : tuple of int or None
+        Bodies in order of the best plan; None if none was found (a bound looks for none).
+    plan : Plan or None
+        The same, priced.
+    objective : float
+        Sum of the prizes of the plan; −inf without one.
+    upper_bound : float
+        Proven: no plan has a larger objective. +inf if nothing was proven.
+    status : {"optimal", "feasible", "infeasible", "unknown"}
+    counters : mapping
+        What the method did: iterations, nodes, labels …
+    seed : int
+    runtime_s : float
+    notes : tuple of str
+        What a reader of the result has to know.
+    versions : mapping
+    """
+
+    method: str
+    sequence: tuple[int, ...] | None
+    plan: Plan | None
+    objective: float
+    upper_bound: float
+    status: Status
+    counters: Mapping[str, float]
+    seed: int
+    runtime_s: float
+    notes: tuple[str, ...] = ()
+    versions: Mapping[str, str] = field(default_factory=versions)
+
+    @property
+    def gap(self) -> float:
+        """(upper bound − objective) / upper bound; +inf if one of them is missing."""
+        if not math.isfinite(self.upper_bound) or self.plan is None:
+            return math.inf
+        return relative_gap(self.objective, self.upper_bound)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result of a bound as plain data: what ``bound --json`` prints."""
+        return {
+            "method": self.method,
+            "upper_bound": self.upper_bound if math.isfinite(self.upper_bound) else None,
+            "objective": self.objective if math.isfinite(self.objective) else None,
+            "status": self.status,
+            "runtime_s": self.runtime_s,
+            "seed": self.seed,
+            "counters": dict(self.counters),
+            "notes": list(self.notes),
+            "versions": dict(self.versions),
+        }
+
+
+def certify(
+    mission: Mission,
+    method: str,
+    sequence: Iterable[int] | None,
+    *,
+    seed: int,
+    runtime_s: float,
+    upper_bound: float = math.inf,
+    counters: Mapping[str, float] | None = None,
+    notes: Iterable[str] = (),
+) -> Result:
+    """Make the certificate of a sequence of bodies and a bound: the way every method ends.
+
+    Parameters
+    ----------
+    mission : Mission
+    method : str
+    sequence : iterable of int or None
+        The best plan found.
+    seed : int
+    runtime_s : float
+    upper_bound : float
+        Proven bound, +inf for none.
+    counters, notes
+        As in :class:`Result`.
+
+    Raises
+    ------
+    InputError
+        The sequence breaks the mission rules.
+    """
+    said = tuple(notes)
+    if mission.instance.is_approximate:
+        said = (*said, APPROXIMATE)
+    if sequence is None:
+        return Result(
+            method, None, None, -math.inf, upper_bound, "unknown", dict(counters or {}), seed,
+            runtime_s, said,
+        )  # fmt: skip
+    moves = tuple(int(j) for j in sequence)
+    priced = legs(mission, moves)
+    objective = float(sum(mission.rules.prize[j] for j in moves))
+    # All prizes collected is a proof without any bound.
+    least_bound = min(upper_bound, mission.total_prize)
+    met = objective >= least_bound - TOLERANCE * max(1.0, abs(least_bound))
+    status: Status = "optimal" if met else "feasible"
+    bounded = math.isfinite(upper_bound)
+    plan = Plan(
+        instance=InstanceReference(name=mission.instance.name, sha256=mission.instance.sha256),
+        method=method,
+        seed=seed,
+        status=status,
+        objective=objective,
+        upper_bound=upper_bound if bounded else None,
+        gap=relative_gap(objective, upper_bound) if bounded else None,
+        runtime_s=runtime_s,
+        versions=versions(),
+        notes=said,
+        legs=priced,
+        unvisited=unvisited(mission, moves),
+    )
+    return Result(
+        method, moves, plan, objective, upper_bound, status, dict(counters or {}), seed, runtime_s,
+        said,
+    )  # fmt: skip

@@ -1,0 +1,19 @@
+"""Stopping criteria: small objects that a planner asks "enough?" with its incumbent and bound."""
+
+from .any_of import AnyOf
+from .criterion import Stop
+from .interrupted import Interrupted
+from .max_iterations import MaxIterations
+from .max_runtime import MaxRuntime
+from .no_improvement import NoImprovement
+from .proven import Proven
+
+__all__ = [
+    "AnyOf",
+    "Interrupted",
+    "MaxIterations",
+    "MaxRuntime",
+    "NoImprovement",
+    "Proven",
+    "Stop",
+]

@@ -1,0 +1,20 @@
+"""Stop at the first of several reasons."""
+
+from __future__ import annotations
+
+import math
+
+from .criterion import Stop
+
+
+class AnyOf:
+    """Enough as soon as one of its criteria says so. Every criterion is asked every time."""
+
+    def __init__(self, *criteria: Stop) -> None:
+        self._criteria = criteria
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        return any([criterion(incumbent, bound) for criterion in self._criteria])
+
+    def remaining_s(self) -> float:
+        return min((criterion.remaining_s() for criterion in self._criteria), default=math.inf)

@@ -1,0 +1,29 @@
+"""Stop after some time."""
+
+from __future__ import annotations
+
+import math
+import time
+
+from ..errors import InputError
+
+
+class MaxRuntime:
+    """Enough after a number of seconds, counted from the making of this object.
+
+    Raises
+    ------
+    InputError
+        The limit is not positive.
+    """
+
+    def __init__(self, limit_s: float) -> None:
+        if not limit_s > 0.0 or math.isnan(limit_s):
+            raise InputError(f"time limit = {limit_s:g}: must be positive, in seconds")
+        self._end = time.monotonic() + limit_s
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        return self.remaining_s() <= 0.0
+
+    def remaining_s(self) -> float:
+        return self._end - time.monotonic()
