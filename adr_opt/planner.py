@@ -25,6 +25,9 @@ class Progress(Protocol):
 class Planner(Protocol):
     """A planner or a bound: same mission, seed and work, same result.
 
+    A method that can begin from a known plan has a parameter ``start``, a sequence of bodies or
+    None; one that can use several cores has an option ``jobs``, 0 for all of them.
+
     Options are keyword-only parameters after ``progress``, each with a default whose type is the
     option's type; ``methods`` lists them from the signature.
     """
@@ -65,7 +68,7 @@ def get(name: str, group: str = PLANNERS) -> Planner:
 
 def options(planner: Planner) -> dict[str, inspect.Parameter]:
     """The options of a planner, read off its signature."""
-    fixed = {"seed", "stop", "progress"}
+    fixed = {"seed", "stop", "progress", "start"}
     return {
         name: parameter
         for name, parameter in inspect.signature(planner).parameters.items()
