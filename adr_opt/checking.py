@@ -132,8 +132,9 @@ def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
         serviced = 0 if at_station else serviced + 1
         if not at_station:
             visited.add(leg.destination)
-        # Go on from what the leg states, so that one mistake is reported once.
-        where, free, left = leg.destination, leg.end_s, leg.delta_v_left_m_s
+        # Go on from when the leg says it ends, so that one wrong time is reported once; but the
+        # ΔV left is counted here, so that no statement about it can hide an overdrawn budget.
+        where, free = leg.destination, leg.end_s
 
 
 def _check_transfer(

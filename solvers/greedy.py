@@ -63,6 +63,8 @@ def greedy_sequence(rules, alpha, beta, guarded):
         if choice < 0:
             choice = best
         if choice < 0:
+            if moves > 0 and body == STATION:
+                moves -= 1  # a refuelling that nothing follows
             return sequence[:moves]
         _, delta_v, now = rule_kernels.fits(rules, body, now, left, choice)
         left = rule_kernels.left_after(rules, left, delta_v, choice)

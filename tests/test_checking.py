@@ -1,0 +1,133 @@
+"""`check` finds what is wrong: every kind of tampering with a good plan is reported."""
+
+from __future__ import annotations
+
+import pytest
+from hand_made import OPTIMAL_PLAN, hand_made
+
+import adr_opt
+from adr_opt.plan import Plan, Unvisited
+from adr_opt.result import certify
+
+
+@pytest.fixture(scope="module")
+def mission() -> adr_opt.Mission:
+    return adr_opt.Mission(hand_made())
+
+
+@pytest.fixture(scope="module")
+def plan(mission) -> Plan:
+    result = certify(mission, "by-hand", OPTIMAL_PLAN, seed=0, runtime_s=0.0)
+    assert result.plan is not None
+    return result.plan
+
+
+def change_leg(plan: Plan, number: int, **changes) -> Plan:
+    legs = list(plan.legs)
+    legs[number] = legs[number].replace(**changes)
+    return plan.replace(legs=tuple(legs))
+
+
+def rules_broken(mission, plan) -> set[str]:
+    return {violation.rule for violation in adr_opt.check(mission.instance, plan)}
+
+
+def test_good_plan_passes(mission, plan):
+    """The worked-out plan has no violation."""
+    assert adr_opt.check(mission.instance, plan) == ()
+
+
+@pytest.mark.parametrize(
+    ("field", "by", "rule"),
+    [
+        ("ready_s", 1.0, "ready"),
+        ("departure_s", 1.0, "departure"),
+        ("arrival_s", 1.0, "arrival"),
+        ("end_s", 1.0, "service"),
+        ("delta_v_m_s", -1.0, "cost"),
+        ("delta_v_left_m_s", 1.0, "delta-v-left"),
+        ("phasing_revolutions", 1, "phasing"),
+        ("eccentricity_delta_v_m_s", 1.0, "eccentricity"),
+    ],
+)
+def test_every_number_of_a_leg_is_checked(mission, plan, field, by, rule):
+    """A wrong number in a leg is reported under the rule it breaks."""
+    for number, leg in enumerate(plan.legs):
+        wrong = change_leg(plan, number, **{field: getattr(leg, field) + by})
+        assert rule in rules_broken(mission, wrong), number
+
+
+def test_later_event_is_not_the_next(mission, plan):
+    """A departure one event late is a crossing of the node, but not the next one."""
+    half = adr_opt.Timetable(mission.instance).table.spacing[0]
+    leg = plan.legs[3]
+    late = leg.replace(
+        departure_s=leg.departure_s + half, arrival_s=leg.arrival_s + half, end_s=leg.end_s + half
+    )
+    violations = adr_opt.check(mission.instance, plan.replace(legs=(*plan.legs[:3], late)))
+    assert any("next event" in violation.message for violation in violations)
+
+
+def test_burns_are_checked(mission, plan):
+    """A turned, a delayed, a missing and a renamed burn are each reported."""
+    leg = plan.legs[0]
+    first = leg.burns[0]
+    x, y, z = leg.burns[1].delta_v_m_s
+    for burns in (
+        (first, leg.burns[1].replace(delta_v_m_s=(x, z, y)), *leg.burns[2:]),
+        (first.replace(time_s=first.time_s + 1.0), *leg.burns[1:]),
+        leg.burns[1:],
+        (first.replace(phase="phasing"), *leg.burns[1:]),
+    ):
+        assert "burns" in rules_broken(mission, change_leg(plan, 0, burns=burns))
+
+
+def test_order_rules(mission, plan):
+    """Visiting twice, refuelling unearned, jumping, and strangers are each reported."""
+    south, refuel, north, beyond = plan.legs
+    assert "order" in rules_broken(mission, plan.replace(legs=(south, refuel, south)))
+    assert "refuelling" in rules_broken(mission, plan.replace(legs=(south, refuel, refuel)))
+    assert "refuelling" in rules_broken(mission, plan.replace(legs=(refuel,)))
+    assert "chain" in rules_broken(mission, plan.replace(legs=(south, north)))
+    stranger = change_leg(plan, 0, destination="nobody")
+    assert "body" in rules_broken(mission, stranger)
+    assert "order" in rules_broken(mission, change_leg(plan, 0, destination="station"))
+
+
+def test_budgets(plan):
+    """The same legs break a shorter mission and a smaller budget."""
+    for variant, rule in ((hand_made(periods=13.0), "duration"), (hand_made(delta_v_m_s=250.0), "delta-v")):
+        other = plan.replace(instance=plan.instance.replace(sha256=variant.sha256))
+        found = {violation.rule for violation in adr_opt.check(variant, other)}
+        assert rule in found
+
+
+def test_totals(mission, plan):
+    """Objective, bound, gap, status and the list of unvisited targets are checked."""
+    assert "objective" in rules_broken(mission, plan.replace(objective=4.0))
+    assert "bound" in rules_broken(mission, plan.replace(upper_bound=2.0, gap=-0.5))
+    assert "gap" in rules_broken(mission, plan.replace(upper_bound=4.0, gap=0.1))
+    assert "gap" in rules_broken(mission, plan.replace(gap=0.1))
+    assert "status" in rules_broken(mission, plan.replace(status="optimal"))
+    assert "unvisited" in rules_broken(mission, plan.replace(unvisited=()))
+    for extra in ("north", "nobody"):
+        listed = (*plan.unvisited, Unvisited(target=extra, reason="duration"))
+        assert "unvisited" in rules_broken(mission, plan.replace(unvisited=listed))
+    twice = plan.unvisited * 2
+    assert "unvisited" in rules_broken(mission, plan.replace(unvisited=twice))
+    proven = plan.replace(upper_bound=3.0, gap=0.0, status="optimal")
+    assert adr_opt.check(mission.instance, proven) == ()
+
+
+def test_all_violations_are_listed(mission, plan):
+    """Two independent mistakes give at least two violations, each with its leg."""
+    wrong = change_leg(plan, 0, delta_v_m_s=1.0)
+    wrong = change_leg(wrong, 2, end_s=1.0)
+    legs = {violation.leg for violation in adr_opt.check(mission.instance, wrong)}
+    assert {1, 3} <= legs
+
+
+def test_other_instance(plan):
+    """A plan of another instance is refused, not judged."""
+    with pytest.raises(adr_opt.InputError, match="belongs to"):
+        adr_opt.check(hand_made(delta_v_m_s=301.0), plan)

@@ -1,0 +1,138 @@
+"""The timetable: exact at every time, not only at its events."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hand_made import hand_made
+
+import adr_opt
+from adr_opt.kernels import orbits, transfer
+from adr_opt.kernels import timetable as kernels
+
+
+@pytest.fixture(scope="module")
+def table() -> adr_opt.Timetable:
+    return adr_opt.Timetable(adr_opt.generate("tiny", 3, zones=3))
+
+
+def test_entries_are_what_one_transfer_gives(table):
+    """Each entry equals the transfer computed alone from the elements and the event's time."""
+    instance = table.instance
+    elements, rule = instance.orbits(), instance.transfer_rule()
+    for i in range(len(table.names)):
+        for j in range(len(table.names)):
+            if i == j:
+                assert kernels.events(table.table, i, j) == 0
+                continue
+            pair = transfer.prepare(elements[i], elements[j], 0.0, rule)
+            approach = 0.5 * orbits.period(elements[j, 0])
+            for event in range(kernels.events(table.table, i, j)):
+                departure = kernels.departure_at(table.table, i, j, event)
+                u = pair.phase_i + pair.rate_i * departure
+                half_turns = round(u / math.pi)
+                assert u == pytest.approx(half_turns * math.pi, abs=1e-9)
+                lead = transfer.target_lead(pair, departure, half_turns)
+                flown = transfer.best_sequence(pair, rule, departure, lead)
+                delta_v, arrival = kernels.entry_at(table.table, i, j, event)
+                assert delta_v == pytest.approx(flown.delta_v, rel=1e-9)
+                if math.isfinite(delta_v):
+                    assert arrival == pytest.approx(
+                        departure + flown.flight_time + approach, abs=1e-6
+                    )
+
+
+def test_all_events_of_the_mission_are_there(table):
+    """Events start within half a period, end at the deadline, and none is left out between."""
+    duration = table.instance.mission.duration_s
+    for i in range(len(table.names)):
+        for j in range(len(table.names)):
+            if i == j:
+                continue
+            count = kernels.events(table.table, i, j)
+            spacing = float(table.table.spacing[i])
+            assert 0.0 <= kernels.departure_at(table.table, i, j, 0) < spacing
+            assert kernels.departure_at(table.table, i, j, count - 1) <= duration
+            assert kernels.departure_at(table.table, i, j, count) > duration
+
+
+def test_lookup_takes_the_next_event(table):
+    """A lookup at any time gives the first event at or after it; exactly at an event, that one."""
+    rng = np.random.default_rng(0)
+    duration = table.instance.mission.duration_s
+    for _ in range(3000):
+        i, j = rng.choice(len(table.names), 2, replace=False)
+        count = kernels.events(table.table, i, j)
+        times = np.array([kernels.departure_at(table.table, i, j, m) for m in range(count)])
+        m = int(rng.integers(count))
+        for time in (rng.uniform(0, duration), times[m], np.nextafter(times[m], np.inf)):
+            expected = int(np.searchsorted(times, time, side="left"))
+            assert kernels.next_event(table.table, i, j, time) == expected
+            found = table.lookup(int(i), int(j), time)
+            if expected == count:
+                assert found == (math.inf, math.inf)
+            else:
+                assert found == kernels.entry_at(table.table, i, j, expected)
+
+
+def test_matrices_are_lookups(table):
+    """Sampled matrices have the stated shape and hold ΔV and arrival − ready, +inf together."""
+    departures = [0.0, 5000.0, 86400.0, 1e9]
+    sampled = table.matrices(departures)
+    size = len(table.names)
+    assert sampled.delta_v.shape == sampled.duration.shape == (4, size, size)
+    assert sampled.names[0] == "station"
+    for d, ready in enumerate(departures):
+        for i in range(size):
+            for j in range(size):
+                if i == j:
+                    assert sampled.delta_v[d, i, j] == sampled.duration[d, i, j] == 0.0
+                    continue
+                delta_v, arrival = table.lookup(i, j, ready)
+                assert sampled.delta_v[d, i, j] == delta_v
+                assert sampled.duration[d, i, j] == arrival - ready
+    assert np.isinf(sampled.delta_v[3][~np.eye(size, dtype=bool)]).all()
+
+
+@pytest.mark.parametrize("bad", [[-1.0], [math.nan], [math.inf]])
+def test_matrices_refuse_bad_times(table, bad):
+    """A negative or non-finite departure is refused."""
+    with pytest.raises(adr_opt.InputError, match="departures"):
+        table.matrices(bad)
+
+
+def test_threads_do_not_matter():
+    """One thread and several give the same bits."""
+    instance = adr_opt.generate("tiny", 1)
+    one, two = adr_opt.Timetable(instance, 1), adr_opt.Timetable(instance, 2)
+    for a, b in zip(one.table, two.table, strict=True):
+        assert np.array_equal(a, b)
+
+
+def test_table_is_read_only(table):
+    """Nobody can change a timetable."""
+    with pytest.raises(ValueError, match="read-only"):
+        table.table.entries[0, 0, 1, 0] = 0.0
+
+
+def test_no_transfer_between_limits():
+    """Where the phasing radius finds no room there is no transfer: both numbers are +inf."""
+    instance = hand_made()
+    tight = instance.transfer.replace(min_altitude_m=699e3, max_altitude_m=699.5e3)
+    table = adr_opt.Timetable(instance.replace(transfer=tight))
+    assert table.lookup("station", "north", 0.0) == (math.inf, math.inf)
+
+
+def test_hand_made_costs():
+    """Between equal circles that meet at the node, a leg costs the turn and the approach."""
+    table = adr_opt.Timetable(hand_made())
+    radius = table.instance.orbits()[0, 0]
+    speed, rate = math.sqrt(orbits.MU_M3_S2 / radius), orbits.mean_motion(radius)
+    period = orbits.period(radius)
+    for name, degrees in (("north", 1.0), ("beyond", 2.0), ("south", 1.0)):
+        delta_v, arrival = table.lookup("station", name, 0.0)
+        turn = 2.0 * speed * math.sin(math.radians(degrees) / 2.0)
+        assert delta_v == pytest.approx(turn + rate * 1000.0 / 2.0, abs=0.3)
+        assert arrival == pytest.approx(2.0 * period, abs=1.0)
