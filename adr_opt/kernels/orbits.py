@@ -14,7 +14,7 @@ ORBIT_COLUMNS = ("radius", "inclination", "raan", "argument_of_latitude")
 RADIUS, INCLINATION, RAAN, ARGUMENT_OF_LATITUDE = range(4)
 
 COPLANAR_RAD = 1e-9
-"""Below this angle two planes count as one and the line of nodes is chosen freely [rad]."""
+"""Nearer than this to equal or opposite, two planes have a line of nodes of free choice [rad]."""
 
 
 @kernel
@@ -61,7 +61,7 @@ def relative_node(inclination_i, raan_i, inclination_j, raan_j):
     Notes
     -----
     The components of N in each plane are written out by spherical trigonometry in the
-    difference of the RAANs, so that nearly equal planes lose no digits.
+    difference of the RAANs, so that nearly equal and nearly opposite planes lose no digits.
 
     For planes closer than :data:`COPLANAR_RAD` any line will do. The model takes α = 0 in both
     planes; that is one line only where the RAANs agree, which they need not do on two
@@ -74,16 +74,24 @@ def relative_node(inclination_i, raan_i, inclination_j, raan_j):
     cj, sj = math.cos(inclination_j), math.sin(inclination_j)
     # h_j in the frame of plane i: x towards the ascending node, y ahead, z normal.
     hj_x = sj * sd
-    sine_difference = math.sin(inclination_i - inclination_j)
-    versine = 2.0 * math.sin(0.5 * d) ** 2
-    hj_y = sine_difference + ci * sj * versine
+    # By the difference of the inclinations where the planes may be nearly equal, by their sum
+    # where they may be nearly opposite: each form is free of cancellation where it is used.
+    if cd >= 0.0:
+        sine_difference = math.sin(inclination_i - inclination_j)
+        versine = 2.0 * math.sin(0.5 * d) ** 2
+        hj_y = sine_difference + ci * sj * versine
+        hi_y = -sine_difference + cj * si * versine
+    else:
+        sine_sum = math.sin(inclination_i + inclination_j)
+        versine = 2.0 * math.cos(0.5 * d) ** 2
+        hj_y = sine_sum - ci * sj * versine
+        hi_y = sine_sum - cj * si * versine
     hj_z = ci * cj + si * sj * cd
     # h_i in the frame of plane j, by exchanging the roles.
     hi_x = -si * sd
-    hi_y = -sine_difference + cj * si * versine
     sine = math.hypot(hj_x, hj_y)
     theta = math.atan2(sine, hj_z)
-    if theta < COPLANAR_RAD:
+    if theta < COPLANAR_RAD or theta > math.pi - COPLANAR_RAD:
         return 0.0, math.atan2(-sd * cj, cd), theta
     # z × h_j = (-h_y, h_x); and N = h_i × h_j = -(h_j × h_i).
     return math.atan2(hj_x, -hj_y), math.atan2(-hi_x, hi_y), theta
