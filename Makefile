@@ -1,0 +1,64 @@
+# Two commands do everything on a machine with Python >= 3.11 and make: `make solve`, `make test`.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
+
+# `make solve INSTANCE=my.json METHOD=greedy-guarded` plans something else.
+INSTANCE := instances/nominal/nominal-000.json
+METHOD := ortools
+TIME_LIMIT := 10
+PLAN := plan-$(notdir $(INSTANCE))
+
+# Stamps: newer than the files that define the install, so that a second `make` installs nothing.
+DEFINITION := pyproject.toml constraints.txt
+BASE := $(VENV)/.installed
+DEVELOPMENT := $(VENV)/.installed-development
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help solve test lint format bench clean
+
+help: ## Show this list
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1@\2/p' $(MAKEFILE_LIST) | awk -F@ '{printf "%-14s %s\n", $$1, $$2}'
+
+solve: $(BASE) ## Install, plan the first nominal instance with OR-Tools and check the plan
+	$(BIN)/python -m adr_opt solve $(INSTANCE) --method $(METHOD) --time-limit $(TIME_LIMIT) --out $(PLAN)
+	$(BIN)/python -m adr_opt check $(INSTANCE) $(PLAN)
+
+test: lint ## Install the test extras, then linters, types, import contracts and tests
+	$(BIN)/python -m pytest -q
+
+lint: $(DEVELOPMENT) ## Linters, types and import contracts only
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(DEVELOPMENT) ## Format the code and sort the imports
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+bench: $(DEVELOPMENT) ## Run the benchmark scripts, one after the other (peers.py needs its extra)
+	@set -e; for script in $(filter-out bench/peers.py,$(wildcard bench/*.py)); do \
+	  echo "== $$script"; $(BIN)/python $$script; done
+
+clean: ## Remove the virtual environment, caches and written plans
+	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .import_linter_cache $(PLAN)
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+	  || { echo "adr-opt needs Python 3.11 or newer: make PYTHON=/path/to/python3 ..." >&2; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+
+$(BASE): $(DEFINITION) | $(BIN)/python
+	$(PIP) install --constraint constraints.txt --editable .
+	@touch $@
+
+# The development install holds the base, so it renews both stamps.
+$(DEVELOPMENT): $(DEFINITION) | $(BIN)/python
+	$(PIP) install --constraint constraints.txt --editable '.[test,dev]'
+	@touch $(BASE) $@
