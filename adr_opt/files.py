@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -18,6 +19,19 @@ Model = TypeVar("Model", bound=BaseModel)
 LONGEST_VALUE = 60
 """Longer values are cut in error messages."""
 
+PLAINER = (
+    (r"^Input should be an object$", "must be a JSON object {…}"),
+    (r"^Input should be a valid array$", "must be a JSON list […]"),
+    (r"^Input should be a valid datetime.*", "must be a time like 2026-01-01T00:00:00Z"),
+    (r"^Input should have timezone info$", "must say its time zone, like 2026-01-01T00:00:00Z"),
+    (r"^Input should be a valid ", "must be a "),
+    (r"^must be a integer", "must be an integer"),
+    (r"^Input should ", "must "),
+    (r"^String should have at least 1 character$", "must not be empty"),
+    (r"^String should match pattern ", "must match "),
+)
+"""Messages of pydantic as a user of the files would say them."""
+
 
 def read_text(path: str | os.PathLike[str]) -> str:
     """Read a text file, with an :class:`InputError` that says what is wrong with it."""
@@ -30,7 +44,9 @@ def read_text(path: str | os.PathLike[str]) -> str:
     except UnicodeDecodeError:
         raise InputError(f"{path}: not a text file in UTF-8; give a JSON file") from None
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check it") from None
+        raise InputError(
+            f"{path}: cannot be read ({error.strerror}); check the path and its permissions"
+        ) from None
 
 
 def read_model(path: str | os.PathLike[str], model: type[Model]) -> Model:
@@ -50,10 +66,10 @@ def parse_model(text: str, model: type[Model], source: str) -> Model:
     try:
         return model.model_validate_json(text)
     except ValidationError as error:
-        raise InputError(f"{source}: {_sentence(error)}") from None
+        raise InputError(f"{source}: {sentence(error)}") from None
 
 
-def _sentence(error: ValidationError) -> str:
+def sentence(error: ValidationError) -> str:
     """The first validation error as a sentence: field, value, what to do."""
     details = error.errors(include_url=False)
     first = details[0]
@@ -63,21 +79,32 @@ def _sentence(error: ValidationError) -> str:
     for part in first["loc"]:
         field += f"[{part}]" if isinstance(part, int) else f".{part}" if field else str(part)
     said = first["msg"].removeprefix("Value error, ")
+    for pattern, plain in PLAINER:
+        said = re.sub(pattern, plain, said)
     said = said[0].lower() + said[1:] if said else "invalid"
     more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
-    where = f"field {field}" if field else "the file"
+    if not field:
+        # a rule between fields, which names them itself
+        return f"{said if said.startswith('field ') else 'the file ' + said}{more}"
     if first["type"] == "missing":
-        return f"{where}: missing; add it{more}"
+        return f"field {field}: missing; add it{more}"
     if first["type"] == "extra_forbidden":
-        return f"{where}: unknown; remove it or correct its name{more}"
+        return f"field {field}: unknown; remove it or correct its name{more}"
     value: Any = first["input"]
     shown = ""
-    if not isinstance(value, (dict, list)) and field:
-        shown = repr(value)
+    if not isinstance(value, (dict, list, tuple, BaseModel)):
+        shown = _as_in_json(value)
         if len(shown) > LONGEST_VALUE:
             shown = shown[: LONGEST_VALUE - 1] + "…"
         shown = f" = {shown}"
-    return f"{where}{shown}: {said}{more}"
+    return f"field {field}{shown}: {said}{more}"
+
+
+def _as_in_json(value: Any) -> str:
+    try:
+        return json.dumps(value, ensure_ascii=False)
+    except (TypeError, ValueError):  # not from a file: a value given in Python
+        return repr(value)
 
 
 def to_text(content: dict[str, Any]) -> str:
@@ -100,9 +127,12 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     target = Path(path)
     if target.is_dir():
         raise InputError(f"{path}: this is a folder; name a file in it")
-    if not target.parent.is_dir():
+    if target.exists() and not target.is_file():
+        raise InputError(f"{path}: not an ordinary file; name one that can be replaced")
+    folder = target.resolve().parent
+    if not folder.is_dir():
         raise InputError(f"{path}: the folder {target.parent} does not exist; create it first")
-    if not os.access(target.parent, os.W_OK):
+    if not os.access(folder, os.W_OK):
         raise InputError(f"{path}: the folder {target.parent} cannot be written to; choose another")
 
 
@@ -112,25 +142,37 @@ def write_whole(path: str | os.PathLike[str], write: Callable[[Path], None]) -> 
     Parameters
     ----------
     path : path
+        A link is followed: the file it points to is replaced, not the link.
     write : callable
         Called with the temporary path, which keeps the suffix of ``path``.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
     """
     check_writable(path)
-    target = Path(path)
-    handle, name = tempfile.mkstemp(
-        dir=target.parent, prefix=f".{target.stem}-", suffix=target.suffix
-    )
-    os.close(handle)
-    temporary = Path(name)
+    target = Path(path).resolve()
     try:
-        write(temporary)
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)  # mkstemp is private; a written file is like any other
-        temporary.replace(target)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
+        handle, name = tempfile.mkstemp(
+            dir=target.parent, prefix=f".{target.stem[:50]}-", suffix=target.suffix
+        )
+        os.close(handle)
+        temporary = Path(name)
+        try:
+            write(temporary)
+            umask = os.umask(0)
+            os.umask(umask)
+            # mkstemp is private; a written file is like any other
+            temporary.chmod(0o666 & ~umask)
+            temporary.replace(target)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be written ({error.strerror or error}); choose another place"
+        ) from error
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:

@@ -1,20 +1,29 @@
-"""Solve an instance: the front door of the planners."""
+"""Solve or bound an instance: the front door of the planners and of the bounds."""
 
 from __future__ import annotations
 
+import inspect
 import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 from .errors import InputError
 from .generator import LARGEST_SEED
 from .instance import Instance
 from .mission import Mission
-from .planner import Progress, get, options, silent
+from .plan import Plan
+from .planner import BOUNDS, PLANNERS, Planner, Progress, get, names, silent
+from .planner import options as options_of
 from .result import Result
-from .stop import AnyOf, MaxRuntime, Stop
+from .start import start_sequence
+from .stop import AnyOf, MaxIterations, MaxRuntime, Stop
 
 DEFAULT_METHOD = "ortools"
 DEFAULT_TIME_LIMIT_S = 10.0
+DEFAULT_BOUND_TIME_LIMIT_S = 60.0
+
+Start = Plan | Iterable[int]
 
 
 def solve(
@@ -25,6 +34,10 @@ def solve(
     seed: int = 0,
     stop: Stop | None = None,
     progress: Progress = silent,
+    start: Start | None = None,
+    repair: bool = False,
+    jobs: int | None = None,
+    iterations: int | None = None,
     **method_options: Any,
 ) -> Result:
     """Plan a mission.
@@ -42,6 +55,14 @@ def solve(
         A further criterion; planning ends at whichever comes first.
     progress : callable
         Called with incumbent and bound whenever one improves.
+    start : Plan or sequence of int, optional
+        A plan to begin from, for planners that take one.
+    repair : bool
+        Begin from the legal beginning of ``start`` instead of refusing an illegal one.
+    jobs : int, optional
+        Cores to use, 0 for all, for planners that can use several.
+    iterations : int, optional
+        Most iterations: with it and without a tight time limit, the same work on any machine.
     **method_options
         Options of the planner, see ``python -m adr_opt methods``.
 
@@ -52,20 +73,216 @@ def solve(
     Raises
     ------
     InputError
-        Unknown method or option, or a value out of range.
+        Unknown method or option, a value out of range, or an illegal start plan.
     """
-    clock = MaxRuntime(time_limit)
+    return run(
+        PLANNERS, instance, method, time_limit=time_limit, seed=seed, stop=stop, progress=progress,
+        start=start, repair=repair, jobs=jobs, iterations=iterations, options=method_options,
+    )  # fmt: skip
+
+
+def bound(
+    instance: Instance | Mission,
+    method: str,
+    *,
+    time_limit: float = DEFAULT_BOUND_TIME_LIMIT_S,
+    seed: int = 0,
+    stop: Stop | None = None,
+    progress: Progress = silent,
+    start: Start | None = None,
+    jobs: int | None = None,
+    iterations: int | None = None,
+    **method_options: Any,
+) -> Result:
+    """Prove how much any plan of a mission can collect.
+
+    Parameters
+    ----------
+    instance : Instance or Mission
+    method : str
+        Name of an installed bound.
+    start : Plan or sequence of int, optional
+        A known plan, for bounds that can use one: what cannot beat it need not be searched.
+    time_limit, seed, stop, progress, jobs, iterations, **method_options
+        As in :func:`solve`.
+
+    Returns
+    -------
+    Result
+        With or without a plan; its ``upper_bound`` is proven.
+
+    Raises
+    ------
+    InputError
+        As in :func:`solve`.
+    """
+    return run(
+        BOUNDS, instance, method, time_limit=time_limit, seed=seed, stop=stop, progress=progress,
+        start=start, jobs=jobs, iterations=iterations, options=method_options,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A method with everything settled but the mission and the stop.
+
+    Whoever runs several methods side by side prepares each and gives them one stop.
+
+    Attributes
+    ----------
+    method : str
+    function : Planner
+    arguments : mapping
+        Seed, start and options.
+    notes : tuple of str
+        What a reader of the result has to know; added to it.
+    """
+
+    method: str
+    function: Planner
+    arguments: Mapping[str, Any]
+    notes: tuple[str, ...] = ()
+
+    def __call__(self, mission: Mission, stop: Stop, progress: Progress = silent) -> Result:
+        """Run the method."""
+        result = self.function(mission, stop=stop, progress=progress, **self.arguments)
+        if not self.notes:
+            return result
+        plan = result.plan
+        if plan is not None:
+            plan = plan.replace(notes=(*plan.notes, *self.notes))
+        return replace(result, notes=(*result.notes, *self.notes), plan=plan)
+
+
+def run(
+    group: str,
+    instance: Instance | Mission,
+    method: str,
+    *,
+    time_limit: float,
+    seed: int = 0,
+    stop: Stop | None = None,
+    progress: Progress = silent,
+    start: Start | None = None,
+    repair: bool = False,
+    jobs: int | None = None,
+    iterations: int | None = None,
+    options: Mapping[str, Any] | None = None,
+) -> Result:
+    """Run a planner or a bound: what :func:`solve` and :func:`bound` have in common.
+
+    ``group`` is ``planner.PLANNERS`` or ``planner.BOUNDS``; ``options`` may have any names, those
+    of the parameters above included.
+    """
+    criteria: list[Stop] = [MaxRuntime(time_limit)]
+    if iterations is not None:
+        criteria.append(MaxIterations(iterations))
+    if stop is not None:
+        criteria.append(stop)
+    mission = instance if isinstance(instance, Mission) else Mission(instance)
+    prepared = prepare(
+        group, mission, method, seed=seed, start=start, repair=repair, jobs=jobs, options=options
+    )
+    criterion = AnyOf(*criteria) if len(criteria) > 1 else criteria[0]
+    progress(-math.inf, math.inf)
+    return prepared(mission, criterion, progress)
+
+
+def prepare(
+    group: str,
+    mission: Mission,
+    method: str,
+    *,
+    seed: int = 0,
+    start: Start | None = None,
+    repair: bool = False,
+    jobs: int | None = None,
+    options: Mapping[str, Any] | None = None,
+) -> Prepared:
+    """Find a method and check everything that it is to be called with.
+
+    Raises
+    ------
+    InputError
+        As in :func:`solve`.
+    """
     if not 0 <= seed <= LARGEST_SEED:
         raise InputError(f"seed = {seed}: must be between 0 and {LARGEST_SEED}")
-    planner = get(method)
-    known = options(planner)
-    for option in method_options:
+    function = method_of(method, group)
+    chosen = dict(options or {})
+    for option in chosen:
+        known = options_of(function)
         if option not in known:
             listed = ", ".join(known) or "it has none"
             raise InputError(
                 f"option {option!r} of method {method!r} is unknown; use one of: {listed}"
             )
-    mission = instance if isinstance(instance, Mission) else Mission(instance)
-    criterion = AnyOf(clock, stop) if stop is not None else clock
-    progress(-math.inf, math.inf)
-    return planner(mission, seed=seed, stop=criterion, progress=progress, **method_options)
+    if jobs is not None:
+        if not takes_jobs(function):
+            raise InputError(
+                f"jobs = {jobs}: method {method!r} uses one core; leave it out"
+                f"{_others(group, takes_jobs)}"
+            )
+        if jobs < 0:
+            raise InputError(f"jobs = {jobs}: must be a number of cores, or 0 for all of them")
+        if "jobs" in chosen:
+            raise InputError("jobs is given twice, also as an option of the method; give it once")
+        chosen["jobs"] = jobs
+    if start is None:
+        if repair:
+            raise InputError("repair mends a start plan, but none is given; give one with start")
+        return Prepared(method, function, {"seed": seed, **chosen})
+    if not takes_start(function):
+        raise InputError(
+            f"method {method!r} takes no start plan; leave it out{_others(group, takes_start)}"
+        )
+    sequence = start_sequence(mission, start, repair=repair)
+    notes: tuple[str, ...] = ()
+    if isinstance(start, Plan) and len(sequence) < len(start.legs):
+        kept = f"only the first {len(sequence)}" if sequence else "none"
+        notes = (f"{kept} of the start plan's {len(start.legs)} legs could be kept",)
+    return Prepared(method, function, {"seed": seed, "start": sequence, **chosen}, notes)
+
+
+def method_of(name: str, group: str = PLANNERS) -> Planner:
+    """The planner (or bound) of a name, ready to be called.
+
+    Raises
+    ------
+    InputError
+        There is none of that name, or it is declared but cannot be imported.
+    """
+    if group == BOUNDS and not names(group):
+        raise InputError(
+            f"bound {name!r} is unknown and none is installed; "
+            f"install a package with an entry point in the group {BOUNDS!r}"
+        )
+    try:
+        return get(name, group)
+    except (ImportError, AttributeError) as error:
+        raise InputError(
+            f"method {name!r} is declared, but cannot be imported ({error}); "
+            "install the package that declares it anew"
+        ) from error
+
+
+def takes_start(function: Planner) -> bool:
+    """Whether a method can begin from a known plan."""
+    return "start" in inspect.signature(function).parameters
+
+
+def takes_jobs(function: Planner) -> bool:
+    """Whether a method can use several cores."""
+    return "jobs" in options_of(function)
+
+
+def _others(group: str, able: Callable[[Planner], bool]) -> str:
+    """The end of a sentence that says which methods are able to do something."""
+    found = []
+    for name in names(group):
+        try:
+            if able(get(name, group)):
+                found.append(name)
+        except (ImportError, AttributeError):
+            continue  # cannot be recommended; asked for by name, it says why
+    return f", or use one of: {', '.join(found)}" if found else ""

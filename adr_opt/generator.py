@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from datetime import datetime, timezone
+from datetime import UTC, datetime
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from .kernels.constants import EARTH_RADIUS_M
 
 DAY_S = 86400.0
 HOUR_S = 3600.0
-EPOCH = datetime(2026, 1, 1, tzinfo=timezone.utc)
+EPOCH = datetime(2026, 1, 1, tzinfo=UTC)
 LARGEST_SEED = 2**63 - 1
 
 ALTITUDE_KM = (700.0, 800.0)

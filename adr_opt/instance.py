@@ -9,14 +9,16 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-from datetime import datetime, timezone
+from datetime import UTC, datetime
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
 from pydantic import (
+    AfterValidator,
     AwareDatetime,
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     ValidationError,
@@ -25,7 +27,7 @@ from pydantic import (
 )
 
 from .errors import InputError
-from .files import read_model, to_text
+from .files import read_model, sentence, to_text
 from .kernels.constants import EARTH_RADIUS_M, MU_M3_S2
 from .kernels.transfer import TransferRule
 
@@ -34,6 +36,15 @@ FORMAT = "adr-opt-instance/1"
 Name = Annotated[str, Field(min_length=1)]
 NonNegative = Annotated[float, Field(ge=0.0)]
 Positive = Annotated[float, Field(gt=0.0)]
+
+# Far beyond any use, and near enough for arithmetic to hold: two-body motion about the Earth ends
+# some 1.5 million km out, angles of many turns have lost their digits, and prizes are summed.
+LARGEST_LENGTH_M = 1e9
+LARGEST_ANGLE_DEG = 1e6
+LARGEST_PRIZE = 1e12
+
+Length = Annotated[float, Field(gt=0.0, le=LARGEST_LENGTH_M)]
+Angle = Annotated[float, Field(ge=-LARGEST_ANGLE_DEG, le=LARGEST_ANGLE_DEG)]
 
 
 class Record(BaseModel):
@@ -53,20 +64,18 @@ class Record(BaseModel):
         try:
             return type(self)(**(values | changes))
         except ValidationError as error:
-            first = error.errors(include_url=False)[0]
-            field = ".".join(str(part) for part in first["loc"])
-            raise InputError(f"field {field}: {first['msg']}") from None
+            raise InputError(sentence(error)) from None
 
 
 class Orbit(Record):
     """Keplerian elements in the inertial frame at the epoch of the instance."""
 
-    semi_major_axis_m: Positive
+    semi_major_axis_m: Length
     eccentricity: Annotated[float, Field(ge=0.0, lt=1.0)]
     inclination_deg: Annotated[float, Field(ge=0.0, le=180.0)]
-    raan_deg: float
-    argument_of_perigee_deg: float
-    true_anomaly_deg: float
+    raan_deg: Angle
+    argument_of_perigee_deg: Angle
+    true_anomaly_deg: Angle
 
     @model_validator(mode="after")
     def _above_the_ground(self) -> Self:
@@ -123,7 +132,7 @@ class Target(Record):
     """A debris object that may be visited, and what servicing it is worth."""
 
     name: Name
-    prize: NonNegative = 1.0
+    prize: Annotated[float, Field(ge=0.0, le=LARGEST_PRIZE)] = 1.0
     orbit: Orbit
 
 
@@ -143,17 +152,21 @@ class TransferSettings(Record):
     standoff_m: NonNegative = 1000.0
     safety_ellipse_revolutions: Positive = 0.5
     max_phasing_revolutions: Annotated[int, Field(ge=0, le=100)] = 12
-    min_altitude_m: Positive = 300e3
-    max_altitude_m: Positive = 2000e3
+    min_altitude_m: Length = 300e3
+    max_altitude_m: Length = 2000e3
     time_value_m_s_per_h: NonNegative = 75.0
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if self.max_altitude_m <= self.min_altitude_m:
-            raise ValueError("max_altitude_m must be greater than min_altitude_m")
+            raise ValueError(
+                f"max_altitude_m = {self.max_altitude_m!r} must be greater than "
+                f"min_altitude_m = {self.min_altitude_m!r}"
+            )
         if self.safety_ellipse_revolutions % 1.0 != 0.5:
             raise ValueError(
-                "safety_ellipse_revolutions must be 0.5 plus whole inspection laps (0.5, 1.5, …)"
+                f"safety_ellipse_revolutions = {self.safety_ellipse_revolutions!r} must be 0.5 "
+                "plus whole inspection laps (0.5, 1.5, …)"
             )
         return self
 
@@ -169,10 +182,30 @@ class KeepOutZone(Record):
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         if self.max_altitude_m < self.min_altitude_m:
-            raise ValueError("max_altitude_m must not be less than min_altitude_m")
+            raise ValueError(
+                f"max_altitude_m = {self.max_altitude_m!r} must not be less than "
+                f"min_altitude_m = {self.min_altitude_m!r}"
+            )
         if self.end_s < self.start_s:
-            raise ValueError("end_s must not be before start_s")
+            raise ValueError(
+                f"end_s = {self.end_s!r} must not be before start_s = {self.start_s!r}"
+            )
         return self
+
+
+def _is_calendar_time(value: Any) -> Any:
+    """Refuse what pydantic would take for seconds since 1970."""
+    if isinstance(value, datetime) or (isinstance(value, str) and value[4:5] == "-"):
+        return value
+    raise ValueError("must be a time like 2026-01-01T00:00:00Z")
+
+
+def _has_utc(epoch: datetime) -> datetime:
+    try:
+        epoch.astimezone(UTC)
+    except OverflowError:
+        raise ValueError("must lie in the years 1 to 9999 in UTC") from None
+    return epoch
 
 
 class Instance(Record):
@@ -180,7 +213,12 @@ class Instance(Record):
 
     format: Literal["adr-opt-instance/1"] = FORMAT
     name: Name
-    epoch: Annotated[AwareDatetime, Field(strict=False)]
+    epoch: Annotated[
+        AwareDatetime,
+        Field(strict=False),
+        BeforeValidator(_is_calendar_time),
+        AfterValidator(_has_utc),
+    ]
     station: Station
     targets: Annotated[tuple[Target, ...], Field(strict=False)]
     mission: MissionLimits
@@ -190,17 +228,18 @@ class Instance(Record):
     @model_validator(mode="after")
     def _names_differ(self) -> Self:
         seen = {self.station.name}
-        for target in self.targets:
+        for number, target in enumerate(self.targets):
             if target.name in seen:
                 raise ValueError(
-                    f"two bodies have the name {target.name!r}; give each its own name"
+                    f"field targets[{number}].name = {target.name!r}: another body has this name; "
+                    "give each its own"
                 )
             seen.add(target.name)
         return self
 
     @field_serializer("epoch")
     def _epoch_text(self, epoch: datetime) -> str:
-        return epoch.astimezone(timezone.utc).isoformat().replace("+00:00", "Z")
+        return epoch.astimezone(UTC).isoformat().replace("+00:00", "Z")
 
     @property
     def names(self) -> tuple[str, ...]:

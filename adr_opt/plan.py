@@ -10,7 +10,7 @@ from pydantic import Field
 from .files import read_model, to_text, write_text
 from .instance import Name, Record
 
-FORMAT = "adr-opt-plan/1"
+FORMAT: Literal["adr-opt-plan/1"] = "adr-opt-plan/1"
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
 Reason = Literal["duration", "delta-v", "no-transfer", "not-worth-it"]
@@ -80,7 +80,7 @@ class Plan(Record):
     upper_bound: float | None = None
     gap: float | None = None
     runtime_s: Annotated[float, Field(ge=0.0)]
-    versions: dict[str, str] = {}
+    versions: dict[str, str] = Field(default_factory=dict)
     notes: Annotated[tuple[str, ...], Field(strict=False)] = ()
     legs: Annotated[tuple[Leg, ...], Field(strict=False)] = ()
     unvisited: Annotated[tuple[Unvisited, ...], Field(strict=False)] = ()

@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from .errors import InputError
 from .instance import Instance
-from .kernels import orbits as orbit_kernels
 from .kernels import timetable as kernels
+from .kernels.constants import MU_M3_S2
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -67,7 +67,7 @@ class Timetable:
         bodies = instance.orbits()
         size = len(bodies)
         duration = instance.mission.duration_s
-        shortest = math.pi * math.sqrt(bodies[:, 0].min() ** 3 / orbit_kernels.MU_M3_S2)
+        shortest = math.pi * math.sqrt(bodies[:, 0].min() ** 3 / MU_M3_S2)
         most = int(duration / shortest) + 2
         try:
             table = kernels.Table(

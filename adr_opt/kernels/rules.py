@@ -8,7 +8,6 @@ it is free, the ΔV left, how many targets it has serviced since the last refuel
 targets are done. Search methods keep ``visited`` in their own form and ask :func:`fits`.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np

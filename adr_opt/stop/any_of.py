@@ -14,7 +14,9 @@ class AnyOf:
         self._criteria = criteria
 
     def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
         return any([criterion(incumbent, bound) for criterion in self._criteria])
 
     def remaining_s(self) -> float:
+        """Seconds that may still be used."""
         return min((criterion.remaining_s() for criterion in self._criteria), default=math.inf)

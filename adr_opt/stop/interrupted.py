@@ -16,7 +16,9 @@ class Interrupted:
         self.is_set = True
 
     def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
         return self.is_set
 
     def remaining_s(self) -> float:
+        """Seconds that may still be used."""
         return 0.0 if self.is_set else math.inf

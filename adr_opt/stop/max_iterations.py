@@ -16,8 +16,10 @@ class MaxIterations:
         self._left = limit
 
     def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
         self._left -= 1
         return self._left < 0
 
     def remaining_s(self) -> float:
+        """Seconds that may still be used."""
         return math.inf

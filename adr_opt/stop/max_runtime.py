@@ -23,7 +23,9 @@ class MaxRuntime:
         self._end = time.monotonic() + limit_s
 
     def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
         return self.remaining_s() <= 0.0
 
     def remaining_s(self) -> float:
+        """Seconds that may still be used."""
         return self._end - time.monotonic()

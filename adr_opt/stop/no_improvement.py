@@ -18,6 +18,7 @@ class NoImprovement:
         self._stale = 0
 
     def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
         if incumbent > self._best:
             self._best = incumbent
             self._stale = 0
@@ -26,4 +27,5 @@ class NoImprovement:
         return self._stale >= self._limit
 
     def remaining_s(self) -> float:
+        """Seconds that may still be used."""
         return math.inf

@@ -12,7 +12,9 @@ class Proven:
     """Enough once the incumbent meets the bound."""
 
     def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
         return incumbent >= bound - TOLERANCE * max(1.0, abs(bound))
 
     def remaining_s(self) -> float:
+        """Seconds that may still be used."""
         return math.inf

@@ -1,0 +1,74 @@
+"""``bound``: prove how much any plan of a mission can collect."""
+
+from __future__ import annotations
+
+import math
+
+import click
+
+from .output import emit, emit_json, say
+from .parameters import (
+    instance_argument,
+    json_option,
+    parse_assignments,
+    quiet_option,
+    run_options,
+)
+
+
+@click.command("bound")
+@instance_argument
+@click.option("--method", required=True, metavar="NAME", help="Bound; 'methods' lists them.")
+@click.option(
+    "--time-limit", type=float, metavar="S", help="Wall time, the timetable included; 60 s."
+)
+@run_options
+@json_option
+@quiet_option
+def command(
+    instance_path: str,
+    method: str,
+    time_limit: float | None,
+    seed: int,
+    iterations: int | None,
+    jobs: int | None,
+    start_path: str | None,
+    assignments: tuple[str, ...],
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Prove how much any plan of INSTANCE can collect.
+
+    Ctrl-C asks for the best bound so far; twice, it aborts. Exit status 1: infeasible.
+    """
+    from .. import front
+    from ..instance import load
+    from ..plan import load_plan
+    from ..planner import BOUNDS
+    from .live import wanted
+    from .work import work
+
+    time_limit = front.DEFAULT_BOUND_TIME_LIMIT_S if time_limit is None else time_limit
+    options = parse_assignments(method, front.method_of(method, BOUNDS), assignments)
+    instance = load(instance_path)
+    start = None if start_path is None else load_plan(start_path)
+
+    result = work(
+        lambda stop, progress: front.run(
+            BOUNDS, instance, method, time_limit=time_limit, seed=seed, stop=stop,
+            progress=progress, start=start, jobs=jobs, iterations=iterations, options=options,
+        ),
+        live=wanted(as_json, quiet),
+        quiet=quiet,
+    )  # fmt: skip
+    if not quiet:
+        for note in result.notes:
+            say(f"note: {note}")
+    if as_json:
+        emit_json(result.to_dict())
+    else:
+        proven = f"{result.upper_bound:.6g}" if math.isfinite(result.upper_bound) else "none proven"
+        emit(f"upper bound {proven}, {result.status}, runtime {result.runtime_s:.2f} s")
+        for name, count in result.counters.items():
+            emit(f"  {name} {count:g}")
+    return 1 if result.status == "infeasible" else 0

@@ -1,0 +1,41 @@
+"""``generate``: draw an instance of a family."""
+
+from __future__ import annotations
+
+import click
+
+from .output import emit, say
+from .parameters import check_out, json_option, quiet_option
+
+
+@click.command("generate", short_help="Draw an instance of a family.")
+@click.argument("family")
+@click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same file.")
+@click.option("--targets", type=int, metavar="N", help="Targets, instead of the family's.")
+@click.option("--zones", type=int, default=0, metavar="N", help="Keep-out zones to draw.")
+@click.option("--out", metavar="FILE", help="Instance file to write; else it is printed.")
+@json_option
+@quiet_option
+def command(
+    family: str,
+    seed: int,
+    targets: int | None,
+    zones: int,
+    out: str | None,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Draw an instance of FAMILY: tiny, nominal, reduced-time or reduced-fuel."""
+    from ..files import write_text
+    from ..generator import generate
+
+    check_out(out)
+    instance = generate(family, seed, targets=targets, zones=zones)
+    text = instance.to_json()
+    if out is not None:
+        write_text(out, text)
+        if not quiet:
+            say(f"wrote {out}: {instance.name}, {len(instance.targets)} targets")
+    if out is None or as_json:
+        emit(text)
+    return 0

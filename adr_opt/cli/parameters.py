@@ -1,0 +1,83 @@
+"""Parameters that several verbs share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from ..errors import InputError
+
+if TYPE_CHECKING:
+    from ..planner import Planner
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+# Paths are plain strings: the sentences about files come from where files are read and written.
+instance_argument = click.argument("instance_path", metavar="INSTANCE")
+plan_argument = click.argument("plan_path", metavar="PLAN")
+json_option = click.option(
+    "--json", "as_json", is_flag=True, help="Print one JSON object and nothing else."
+)
+quiet_option = click.option("--quiet", is_flag=True, help="No messages and no progress.")
+
+
+def run_options(function: Function) -> Function:
+    """The options of a verb that runs a method."""
+    for option in reversed(
+        (
+            click.option(
+                "--seed", type=int, default=0, show_default=True, help="Same seed, same result."
+            ),
+            click.option(
+                "--iterations", type=int, metavar="N", help="Most iterations, as the method counts."
+            ),
+            click.option("--jobs", type=int, metavar="N", help="Cores to use; 0 for all."),
+            click.option("--start", "start_path", metavar="PLAN", help="A plan to begin from."),
+            click.option(
+                "--option",
+                "assignments",
+                multiple=True,
+                metavar="NAME=VALUE",
+                help="An option of the method, see 'methods'; may be repeated.",
+            ),
+        )
+    ):
+        function = option(function)
+    return function
+
+
+def parse_assignments(method: str, function: Planner, assignments: Iterable[str]) -> dict[str, Any]:
+    """The values of ``--option NAME=VALUE``, by the types of the method's defaults.
+
+    Raises
+    ------
+    InputError
+        Not of that form, given twice, no such option, or not a value of its type.
+    """
+    from ..planner import parse_option
+
+    values: dict[str, Any] = {}
+    for assignment in assignments:
+        name, sign, text = assignment.partition("=")
+        name = name.strip()
+        if not sign or not name:
+            raise InputError(f"--option {assignment!r}: give it as NAME=VALUE")
+        if name in values:
+            raise InputError(f"--option {name} is given twice; give it once")
+        values[name] = parse_option(method, function, name, text.strip())
+    return values
+
+
+def check_out(out: str | None, *inputs: str | None) -> None:
+    """Raise :class:`InputError` before any work if the result could not be written to ``out``."""
+    from ..files import check_writable
+
+    if out is None:
+        return
+    check_writable(out)
+    for path in inputs:
+        if path is not None and Path(out).exists() and Path(out).samefile(path):
+            raise InputError(f"{out}: this is the input; name another file for the result")

@@ -1,0 +1,69 @@
+"""A plan for people: one line per leg and a summary."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rich.table import Table
+from rich.text import Text
+
+if TYPE_CHECKING:
+    from ..instance import Instance
+    from ..plan import Plan
+
+DAY_S = 86400.0
+
+
+def clock(time_s: float) -> str:
+    """A time since the epoch as day, hours and minutes; the first day is day 0."""
+    minutes = round(time_s / 60.0)
+    return f"{minutes // 1440}d {minutes // 60 % 24:02d}:{minutes % 60:02d}"
+
+
+def span(duration_s: float) -> str:
+    """A duration as hours and minutes."""
+    minutes = round(duration_s / 60.0)
+    return f"{minutes // 60}:{minutes % 60:02d}"
+
+
+def timeline(instance: Instance, plan: Plan) -> Table:
+    """The legs of a plan as a table."""
+    table = Table(title=f"{instance.name}: {plan.method}, {plan.status}", title_justify="left")
+    for heading in ("leg", "departure", "origin → destination", "wait", "ΔV m/s", "left m/s",
+                    "k", "arrival", ""):  # fmt: skip
+        is_text = heading in ("origin → destination", "")
+        table.add_column(heading, justify="left" if is_text else "right", no_wrap=True)
+    for number, leg in enumerate(plan.legs, start=1):
+        refuels = leg.destination == instance.station.name
+        table.add_row(
+            str(number),
+            clock(leg.departure_s),
+            Text(f"{leg.origin} → {leg.destination}"),
+            span(leg.departure_s - leg.ready_s),
+            f"{leg.delta_v_m_s:.1f}",
+            f"{leg.delta_v_left_m_s:.1f}",
+            str(leg.phasing_revolutions),
+            clock(leg.arrival_s),
+            "refuels" if refuels else "",
+            style="bold" if refuels else None,
+        )
+    return table
+
+
+def summary(instance: Instance, plan: Plan) -> str:
+    """What a plan comes to, in one line."""
+    refuellings = plan.destinations.count(instance.station.name)
+    used = plan.legs[-1].end_s if plan.legs else 0.0
+    bound = "none" if plan.upper_bound is None else f"{plan.upper_bound:.6g}"
+    gap = "unknown" if plan.gap is None else f"{plan.gap:.1%}"
+    parts = (
+        f"visits {len(plan.legs) - refuellings} of {len(instance.targets)}",
+        f"prize {plan.objective:g}",
+        f"ΔV {plan.delta_v_m_s:.1f} m/s",
+        f"refuellings {refuellings}",
+        f"duration {used / DAY_S:.2f} of {instance.mission.duration_s / DAY_S:.2f} d",
+        f"bound {bound}",
+        f"gap {gap}",
+        f"runtime {plan.runtime_s:.2f} s",
+    )
+    return ", ".join(parts)

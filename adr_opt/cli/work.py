@@ -1,0 +1,118 @@
+"""Run a method where it can be watched and interrupted."""
+
+from __future__ import annotations
+
+import math
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import TYPE_CHECKING
+
+from .live import live_line
+from .output import say
+
+if TYPE_CHECKING:
+    from ..planner import Progress
+    from ..result import Result
+    from ..stop import Interrupted, Stop
+
+POLL_S = 0.1
+
+
+class Aborted(KeyboardInterrupt):
+    """The user asked a second time: leave at once.
+
+    Parameters
+    ----------
+    number : int
+    """
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.number = number
+
+
+class Watch:
+    """A progress that remembers the best incumbent and bound it has heard of."""
+
+    def __init__(self) -> None:
+        self.incumbent = -math.inf
+        self.bound = math.inf
+
+    def __call__(self, incumbent: float, bound: float) -> None:
+        """Hear of an incumbent and a bound."""
+        self.incumbent = max(self.incumbent, incumbent)
+        self.bound = min(self.bound, bound)
+
+
+def work(task: Callable[[Stop, Progress], Result], *, live: bool, quiet: bool) -> Result:
+    """Run a method in a thread, so that signals and the live line do not wait for kernels.
+
+    The first Ctrl-C (or SIGTERM) asks the method to return what it has; the second aborts.
+
+    Parameters
+    ----------
+    task : callable
+        Called with a stop and a progress.
+    live : bool
+        Show a live line on standard error.
+    quiet : bool
+        Say nothing.
+
+    Raises
+    ------
+    Aborted
+        On the second signal. The thread is still running then.
+    """
+    from ..stop import Interrupted
+
+    stop, watch, done = Interrupted(), Watch(), threading.Event()
+    results: list[Result] = []
+    errors: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            results.append(task(stop, watch))
+        except BaseException as error:
+            errors.append(error)
+        finally:
+            done.set()
+
+    told = False
+    with _signals_set(stop), live_line(live) as show:
+        threading.Thread(target=run, name="method", daemon=True).start()
+        while not done.wait(POLL_S):
+            show(watch.incumbent, watch.bound)
+            if stop.is_set and not told and not quiet:
+                say("interrupted: waiting for the best result so far; once more to abort")
+                told = True
+    if errors:
+        raise errors[0]
+    if stop.is_set and not quiet:
+        say("interrupted: this is the best result until then")
+    return results[0]
+
+
+@contextmanager
+def _signals_set(stop: Interrupted) -> Iterator[None]:
+    """Let SIGINT and SIGTERM set a stop; a second one raises :class:`Aborted`."""
+
+    def hear(number: int, frame: FrameType | None) -> None:
+        if stop.is_set:
+            raise Aborted(number)
+        stop.interrupt()
+
+    before = {}
+    # Only the main thread may set handlers, and only it hears signals.
+    if threading.current_thread() is threading.main_thread():
+        for number in (signal.SIGINT, signal.SIGTERM):
+            # Ignored signals, as in the background of a script, stay ignored.
+            if signal.getsignal(number) not in (signal.SIG_IGN, None):
+                before[number] = signal.signal(number, hear)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

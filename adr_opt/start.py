@@ -1,0 +1,97 @@
+"""A start plan: from a plan made before to the bodies that a planner may begin from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from .checking import check
+from .errors import InputError
+from .kernels import rules as rule_kernels
+from .kernels.constants import STATION
+from .mission import Mission
+from .plan import Plan
+
+
+def start_sequence(
+    mission: Mission, start: Plan | Iterable[int], *, repair: bool = False
+) -> tuple[int, ...]:
+    """The bodies of a start plan, in order.
+
+    Parameters
+    ----------
+    mission : Mission
+    start : Plan or iterable of int
+        A plan is judged by :func:`adr_opt.check` and a sequence of bodies by the mission rules.
+    repair : bool
+        Keep the longest beginning that is legal in this mission, and drop the rest. A plan may
+        then come from a variant of the instance: its legs are timed and priced anew.
+
+    Raises
+    ------
+    InputError
+        Without ``repair``: the plan belongs to another instance, or a leg is illegal; the sentence
+        says which and why.
+    """
+    if isinstance(start, Plan):
+        if not repair:
+            _refuse_violations(mission, start)
+        moves = _bodies(mission, start)
+    else:
+        moves = [int(j) for j in start]
+    timing = mission.time(moves)
+    if timing.made < len(moves) and not repair:
+        # Next to impossible for a plan that was checked: only within the tolerances of the check.
+        raise InputError(
+            f"start plan: leg {timing.made + 1} {_why(mission, moves, timing.made)}; "
+            "correct it, or repair: keep the legal beginning only"
+        )
+    return tuple(moves[: timing.made])
+
+
+def _refuse_violations(mission: Mission, plan: Plan) -> None:
+    try:
+        violations = check(mission.instance, plan)
+    except InputError as error:
+        raise InputError(
+            f"start plan: {error}, or repair: keep the beginning that is legal here"
+        ) from None
+    if violations:
+        more = f" (and {len(violations) - 1} more)" if len(violations) > 1 else ""
+        raise InputError(
+            f"start plan: {violations[0]}{more}; "
+            "correct it, or repair: keep the legal beginning only"
+        )
+
+
+def _bodies(mission: Mission, plan: Plan) -> list[int]:
+    """Indices of the destinations up to the first that the mission does not know."""
+    index = {name: number for number, name in enumerate(mission.names)}
+    moves = []
+    for name in plan.destinations:
+        if name not in index:
+            break
+        moves.append(index[name])
+    return moves
+
+
+def _why(mission: Mission, moves: list[int], made: int) -> str:
+    """What is wrong with the first illegal move of a sequence."""
+    timing, rules = mission.time(moves[:made]), mission.rules
+    body, time, left = STATION, 0.0, rules.budget
+    if made:
+        body, time, left = moves[made - 1], float(timing.ends[-1]), float(timing.lefts[-1])
+    j = moves[made]
+    name = repr(mission.names[j])
+    if j == body == STATION:
+        return "refuels, but no target was visited since the last refuelling"
+    if j == body:
+        return f"goes from {name} to itself"
+    if j != STATION and j in moves[:made]:
+        return f"goes to {name}, which was visited before"
+    _, delta_v, end = rule_kernels.fits(rules, body, time, left, j)
+    if math.isinf(delta_v):
+        return f"goes to {name}, to which there is no transfer then"
+    if delta_v > left:
+        return f"to {name} needs {delta_v:.6g} m/s, but only {left:.6g} m/s are left"
+    return f"to {name} ends at {end:.6g} s, after the mission's {rules.duration:.6g} s"

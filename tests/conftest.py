@@ -1,0 +1,46 @@
+"""Fixtures of the command line tests."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+import adr_opt
+from adr_opt.__main__ import main
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a call of the command line came to."""
+
+    status: int
+    out: str
+    err: str
+
+
+Cli = Callable[..., Outcome]
+
+
+@pytest.fixture
+def cli(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Cli:
+    """Run the command line in this process, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments: object) -> Outcome:
+        capsys.readouterr()
+        status = main([str(argument) for argument in arguments])
+        said = capsys.readouterr()
+        return Outcome(status, said.out, said.err)
+
+    return call
+
+
+@pytest.fixture
+def tiny_file(tmp_path: Path) -> Path:
+    """The file of a tiny instance, in the folder where ``cli`` runs."""
+    path = tmp_path / "tiny.json"
+    path.write_text(adr_opt.generate("tiny", 0).to_json(), encoding="utf-8")
+    return path

@@ -1,0 +1,299 @@
+"""The command line as a whole, and its quick verbs."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+from conftest import Cli
+
+import adr_opt
+from adr_opt import generator, planner
+from adr_opt.cli.verbs import VERBS
+from adr_opt.plan import load_plan
+
+PYTHON = [sys.executable, "-m", "adr_opt"]
+
+
+def test_help_lists_every_verb(cli: Cli) -> None:
+    """`--help` shows all verbs and ends well."""
+    outcome = cli("--help")
+    assert outcome.status == 0
+    for verb in VERBS:
+        assert f"\n  {verb} " in outcome.out
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_verb_has_help_and_json(cli: Cli, verb: str) -> None:
+    """Each verb explains itself and has a machine-readable output."""
+    outcome = cli(verb, "--help")
+    assert outcome.status == 0
+    assert "--json" in outcome.out
+
+
+def test_version(cli: Cli) -> None:
+    """`--version` names the program and the version of the package."""
+    assert cli("--version").out == f"adr-opt {adr_opt.__version__}\n"
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["solve", "--help"]])
+def test_help_does_not_wait_for_numba(arguments: list[str]) -> None:
+    """Help and version import neither numba nor pydantic nor rich, which take longer than they."""
+    heavy = "{'numba', 'pydantic', 'rich', 'ortools'}"
+    code = (
+        "import sys; from adr_opt.__main__ import main; "
+        f"main({arguments!r}); sys.exit(len({heavy} & set(sys.modules)))"
+    )
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
+    assert ran.returncode == 0, ran.stderr
+
+
+def test_verb_imports_only_its_own_module() -> None:
+    """Calling one verb leaves the modules of the others unimported."""
+    code = (
+        "import sys; from adr_opt.__main__ import main; main(['schema', 'plan']); "
+        "sys.exit('adr_opt.cli.solve' in sys.modules or 'adr_opt.cli.schema' not in sys.modules)"
+    )
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
+    assert ran.returncode == 0, ran.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        ([], "missing command"),
+        (["frobnicate"], "verb 'frobnicate' is unknown; use one of: generate, solve"),
+        (["--frobnicate"], "'--frobnicate'"),
+        (["solve"], "missing argument 'INSTANCE'"),
+        (["solve", "x.json", "--methd", "greedy"], "'--methd' (did you mean"),
+        (["solve", "x.json", "--seed", "many"], "'--seed': 'many' is not a valid integer"),
+        (["solve", "x.json", "--time-limit", "soon"], "'--time-limit': 'soon' is not a valid"),
+        (["solve", "x.json", "--seed"], "'--seed' requires an argument"),
+        (["check", "x.json"], "missing argument 'PLAN'"),
+        (["check", "x.json", "y.json", "z.json"], "extra argument (z.json)"),
+        (["bound", "x.json"], "missing option '--method'"),
+        (["matrix", "x.json", "--at", "0"], "missing option '--out'"),
+        (["schema", "result"], "'result' is not one of 'instance', 'plan'"),
+    ],
+)
+def test_wrong_call_is_one_sentence(cli: Cli, arguments: list[str], named: str) -> None:
+    """A wrong call says what is wrong in one line, without a usage block, and ends with 2."""
+    outcome = cli(*arguments)
+    assert outcome.status == 2
+    assert outcome.out == ""
+    assert named in outcome.err
+    assert outcome.err.startswith("adr-opt: ")
+    assert outcome.err.count("\n") == 1
+
+
+def test_no_traceback_as_a_process(tmp_path: Path) -> None:
+    """A real process says one sentence on standard error and exits with 2."""
+    ran = subprocess.run(
+        [*PYTHON, "check", "missing.json", "plan.json"],
+        capture_output=True, text=True, cwd=tmp_path, check=False,
+    )  # fmt: skip
+    assert ran.returncode == 2
+    assert ran.stdout == ""
+    assert ran.stderr == "adr-opt: missing.json: no such file; check the path\n"
+
+
+@pytest.mark.parametrize("arguments", [["generate", "nominal"], ["--help"], ["schema", "plan"]])
+def test_closed_pipe_is_no_error_message(arguments: list[str]) -> None:
+    """A reader that goes away, as in `| head`, ends the program without a word."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    try:
+        ran = subprocess.run(
+            [*PYTHON, *arguments], stdout=writing, stderr=subprocess.PIPE, text=True, check=False
+        )
+    finally:
+        os.close(writing)
+    assert ran.stderr == ""
+    assert ran.returncode == 141
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full")
+def test_full_disk_behind_standard_output_is_one_sentence() -> None:
+    """Output that cannot be written is an error with a sentence, not a silent success."""
+    with open("/dev/full", "w") as full:
+        ran = subprocess.run(
+            [*PYTHON, "schema", "plan"], stdout=full, stderr=subprocess.PIPE, text=True, check=False
+        )
+    assert ran.returncode == 2
+    assert ran.stderr.startswith("adr-opt: standard output: ")
+    assert ran.stderr.count("\n") == 1
+
+
+def test_output_is_utf_8_whatever_the_locale(tiny_file: Path) -> None:
+    """The arrows and deltas of the timeline do not break in an ASCII environment."""
+    ran = subprocess.run(
+        [*PYTHON, "solve", str(tiny_file), "--method", "greedy"],
+        capture_output=True, check=False, env={**os.environ, "PYTHONIOENCODING": "ascii"},
+    )  # fmt: skip
+    assert ran.returncode == 0
+    assert "→" in ran.stdout.decode("utf-8")
+
+
+def test_generate_prints_or_writes_the_same_file(cli: Cli, tmp_path: Path) -> None:
+    """Without --out the file goes to standard output, byte for byte what --out writes."""
+    printed = cli("generate", "tiny", "--seed", "3")
+    written = cli("generate", "tiny", "--seed", "3", "--out", "my.json")
+    assert printed.status == written.status == 0
+    assert written.out == ""
+    assert "my.json" in written.err
+    assert (tmp_path / "my.json").read_text(encoding="utf-8") == printed.out
+    assert adr_opt.load(tmp_path / "my.json") == adr_opt.generate("tiny", 3)
+
+
+def test_generate_passes_targets_and_zones(cli: Cli) -> None:
+    """--targets and --zones reach the generator."""
+    content = json.loads(cli("generate", "nominal", "--targets", "4", "--zones", "2").out)
+    assert len(content["targets"]) == 4
+    assert len(content["keep_out_zones"]) == 2
+
+
+def test_generate_json_prints_even_with_out(cli: Cli) -> None:
+    """--json prints the instance also where --out writes it."""
+    outcome = cli("generate", "tiny", "--out", "my.json", "--json", "--quiet")
+    assert json.loads(outcome.out)["name"] == "tiny-000"
+    assert outcome.err == ""
+
+
+def test_generate_help_lists_the_families(cli: Cli) -> None:
+    """The help names every family there is."""
+    said = cli("generate", "--help").out
+    assert all(name in said for name in generator.FAMILIES)
+
+
+@pytest.mark.parametrize("which", ["instance", "plan"])
+def test_schema_describes_the_files(cli: Cli, tiny_file: Path, which: str) -> None:
+    """The printed schema is a JSON Schema that accepts the files the program writes."""
+    cli("solve", tiny_file, "--method", "greedy", "--out", "plan.json")
+    schema = json.loads(cli("schema", which).out)
+    file = tiny_file if which == "instance" else tiny_file.with_name("plan.json")
+    jsonschema.validate(json.loads(file.read_text(encoding="utf-8")), schema)
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({"format": "other"}, schema)
+
+
+def test_methods_lists_planners_and_options(cli: Cli) -> None:
+    """Every installed planner is listed with its summary and the defaults of its options."""
+    found = {entry["name"]: entry for entry in json.loads(cli("methods", "--json").out)["planners"]}
+    assert set(found) == set(planner.names())
+    assert found["greedy"]["summary"].startswith("The published greedy")
+    assert found["greedy"]["options"][0] == {"name": "alpha", "type": "float", "default": 1.0}
+    said = cli("methods").out
+    assert "greedy-guarded" in said
+    assert "--option alpha=1.0" in said
+
+
+def test_check_accepts_a_good_plan(cli: Cli, tiny_file: Path) -> None:
+    """A plan without violations ends with 0 and an empty list."""
+    cli("solve", tiny_file, "--method", "greedy", "--out", "plan.json")
+    outcome = cli("check", tiny_file, "plan.json", "--json")
+    assert outcome.status == 0
+    assert json.loads(outcome.out)["violations"] == []
+    assert "no violations" in cli("check", tiny_file, "plan.json").out
+
+
+def test_check_lists_the_violations(cli: Cli, tiny_file: Path, tmp_path: Path) -> None:
+    """A plan with violations ends with 1 and each of them, by leg and rule."""
+    cli("solve", tiny_file, "--method", "greedy", "--out", "plan.json")
+    plan = load_plan(tmp_path / "plan.json")
+    legs = (plan.legs[0].replace(arrival_s=plan.legs[0].arrival_s + 5.0), *plan.legs[1:])
+    plan.replace(legs=legs, objective=99.0).save(tmp_path / "plan.json")
+    outcome = cli("check", tiny_file, "plan.json", "--json")
+    assert outcome.status == 1
+    found = {(entry["leg"], entry["rule"]) for entry in json.loads(outcome.out)["violations"]}
+    assert {(1, "arrival"), (None, "objective")} <= found
+    text = cli("check", tiny_file, "plan.json")
+    assert text.status == 1
+    assert "leg 1: arrival" in text.out
+
+
+def test_fly_reports_every_leg(cli: Cli, tiny_file: Path, tmp_path: Path) -> None:
+    """`fly --json` gives the worst miss and one entry per leg, and the table as many lines."""
+    pytest.importorskip("boinor")
+    cli("solve", tiny_file, "--method", "greedy", "--out", "plan.json")
+    legs = load_plan(tmp_path / "plan.json").legs
+    outcome = cli("fly", tiny_file, "plan.json", "--json")
+    assert outcome.status == 0
+    content = json.loads(outcome.out)
+    assert content["worst_miss_m"] < 1.0
+    assert len(content["legs"]) == len(legs) > 0
+    text = cli("fly", tiny_file, "plan.json").out
+    assert all(f"{leg.origin} → {leg.destination}" in text for leg in legs)
+
+
+def test_fly_without_its_extra_names_it(
+    cli: Cli, tiny_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where boinor is missing, the sentence says what to install."""
+    cli("solve", tiny_file, "--method", "greedy", "--out", "plan.json")
+    monkeypatch.setitem(sys.modules, "boinor.bodies", None)
+    outcome = cli("fly", tiny_file, "plan.json")
+    assert outcome.status == 2
+    assert "pip install 'adr-opt[astro]'" in outcome.err
+    assert "plan.json" not in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        ([], "either with --every S or with --at S"),
+        (["--every", "60", "--at", "0"], "either with --every S or with --at S"),
+        (["--every", "0"], "--every = 0: must be a positive number"),
+        (["--every", "nan"], "--every = nan"),
+        (["--at", "-1"], "--at = -1"),
+        (["--at", "inf"], "--at = inf"),
+        (["--every", "1e-6"], "--every = 1e-06: the matrices would take"),
+        (["--at", "0", "--quantity", "fuel"], "'fuel' is not one of 'delta_v', 'duration'"),
+        (["--at", "0", "--scale", "-1"], "scale"),
+    ],
+)
+def test_matrix_refuses_wrong_times(
+    cli: Cli, tiny_file: Path, arguments: list[str], named: str
+) -> None:
+    """Ready times that make no sense are refused before anything is written."""
+    outcome = cli("matrix", tiny_file, "--out", "costs.npz", *arguments)
+    assert outcome.status == 2
+    assert named in outcome.err
+    assert list(tiny_file.parent.iterdir()) == [tiny_file]
+
+
+@pytest.mark.parametrize("arguments", [["--every", "7200"], ["--at", "0", "--at", "5000.5"]])
+def test_matrix_writes_what_the_timetable_says(
+    cli: Cli, tiny_file: Path, arguments: list[str]
+) -> None:
+    """`matrix` writes the timetable's matrices at the ready times asked for."""
+    outcome = cli("matrix", tiny_file, "--out", "costs.npz", "--json", *arguments)
+    assert outcome.status == 0
+    instance = adr_opt.load(tiny_file)
+    if arguments[0] == "--every":
+        times = np.arange(0.0, instance.mission.duration_s, 7200.0)
+    else:
+        times = np.array([0.0, 5000.5])
+    assert json.loads(outcome.out)["departures_s"] == times.tolist()
+    expected = adr_opt.Timetable(instance).matrices(times)
+    with np.load("costs.npz") as written:
+        np.testing.assert_array_equal(written["delta_v_m_s"], expected.delta_v)
+        np.testing.assert_array_equal(written["duration_s"], expected.duration)
+
+
+def test_matrix_of_one_epoch_formats(cli: Cli, tiny_file: Path) -> None:
+    """A .tsp holds one ready time, and a suffix that means nothing is refused."""
+    assert cli("matrix", tiny_file, "--at", "0", "--out", "c.tsp").status == 0
+    assert Path("c.tsp").exists()
+    several = cli("matrix", tiny_file, "--every", "3600", "--out", "d.tsp")
+    assert several.status == 2
+    assert "d.tsp: a .tsp file holds one departure" in several.err
+    unknown = cli("matrix", tiny_file, "--at", "0", "--out", "c.csv")
+    assert unknown.status == 2
+    assert "use one of .npz, .nc, .tsp, .vrp" in unknown.err
+    assert sorted(path.name for path in tiny_file.parent.iterdir()) == ["c.tsp", "tiny.json"]

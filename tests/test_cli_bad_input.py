@@ -1,0 +1,283 @@
+"""Bad input: one sentence that says what is wrong and what to do, exit 2, nothing written."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import Cli
+
+import adr_opt
+from adr_opt.plan import load_plan
+
+Content = dict[str, Any]
+Change = Callable[[Content], None]
+
+
+def put(*path: Any) -> Change:
+    """Set the field at a path to the last argument."""
+    *keys, last, value = path
+
+    def change(content: Content) -> None:
+        place: Any = content
+        for key in keys:
+            place = place[key]
+        place[last] = value
+
+    return change
+
+
+def drop(*path: Any) -> Change:
+    """Remove the field at a path."""
+    *keys, last = path
+
+    def change(content: Content) -> None:
+        place: Any = content
+        for key in keys:
+            place = place[key]
+        del place[last]
+
+    return change
+
+
+def refused(outcome: Any, *named: str) -> None:
+    """One line on standard error that names what it should, nothing on standard output, exit 2."""
+    assert outcome.status == 2, outcome
+    assert outcome.out == ""
+    assert outcome.err.count("\n") == 1, outcome.err
+    for text in named:
+        assert text in outcome.err
+
+
+ORBIT = ("targets", 0, "orbit")
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        (drop("station"), "field station: missing"),
+        (drop(*ORBIT, "raan_deg"), "field targets[0].orbit.raan_deg: missing"),
+        (put("statoin", 1), "field statoin: unknown"),
+        (put(*ORBIT, "raan_rad", 0.1), "field targets[0].orbit.raan_rad: unknown"),
+        (put("mission", "duration_s", "a week"), 'field mission.duration_s = "a week"'),
+        (put("mission", "duration_s", None), "field mission.duration_s = null"),
+        (put("targets", {}), "field targets: must be a JSON list"),
+        (put("station", 3), "field station = 3: must be a JSON object"),
+        (put("format", "adr-opt-instance/2"), 'field format = "adr-opt-instance/2"'),
+        (put("epoch", "2026-01-01T00:00:00"), "field epoch"),
+        (put("epoch", 0), "field epoch = 0: must be a time like"),
+        (put("epoch", "0"), 'field epoch = "0": must be a time like'),
+        (put("epoch", "2026-13-01T00:00:00Z"), 'field epoch = "2026-13-01T00:00:00Z": must be a t'),
+        (put("epoch", "9999-12-31T23:59:59-12:00"), "must lie in the years 1 to 9999 in UTC"),
+        (put(*ORBIT, "semi_major_axis_m", 1e20), "semi_major_axis_m = 1e+20: must be less than"),
+        (put(*ORBIT, "true_anomaly_deg", 1e20), "true_anomaly_deg = 1e+20: must be less than"),
+        (put("targets", 0, "prize", 1e300), "field targets[0].prize = 1e+300: must be less than"),
+        (put("name", ""), 'field name = "": must not be empty'),
+        (put(*ORBIT, "raan_deg", math.nan), "field targets[0].orbit.raan_deg = NaN: must be a fin"),
+        (put("targets", 1, "prize", math.inf), "field targets[1].prize = Infinity: must be a fini"),
+        (put("mission", "delta_v_m_s", -math.inf), "field mission.delta_v_m_s = -Infinity"),
+        (put(*ORBIT, "eccentricity", 1.0), "field targets[0].orbit.eccentricity = 1.0: must be le"),
+        (put(*ORBIT, "eccentricity", -0.1), "field targets[0].orbit.eccentricity = -0.1: must be"),
+        (put(*ORBIT, "semi_major_axis_m", 6.3e6), "perigee radius of 6300000 m is under the gro"),
+        (put(*ORBIT, "eccentricity", 0.5), "field targets[0].orbit: the perigee radius"),
+        (put("targets", 2, "name", "debris-001"), "field targets[2].name = 'debris-001': another"),
+        (put("station", "name", "debris-002"), "field targets[1].name = 'debris-002': another"),
+        (put("mission", "duration_s", -1.0), "field mission.duration_s = -1.0: must be greater"),
+        (put("transfer", "max_phasing_revolutions", 1.5), "max_phasing_revolutions = 1.5: must be"),
+        (put("transfer", "max_altitude_m", 2e5), "max_altitude_m = 200000.0 must be greater than"),
+    ],
+)
+def test_broken_instance_field(cli: Cli, tiny_file: Path, change: Change, named: str) -> None:
+    """A broken field of an instance is named with its file, path, value and rule."""
+    content = json.loads(tiny_file.read_text(encoding="utf-8"))
+    change(content)
+    tiny_file.write_text(json.dumps(content), encoding="utf-8")
+    refused(cli("solve", tiny_file, "--method", "greedy", "--out", "p.json"), "tiny.json: ", named)
+    assert not Path("p.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("{nope", "not JSON"),
+        ("", "not JSON"),
+        ("[" * 10_000, "not JSON"),
+        ("[]", "the file must be a JSON object"),
+        ('{"a": 1', "not JSON"),
+    ],
+)
+@pytest.mark.parametrize("verb", ["solve", "check", "fly", "bound", "matrix"])
+def test_file_that_is_no_instance(cli: Cli, text: str, named: str, verb: str) -> None:
+    """Every verb that reads an instance says that a file is none."""
+    Path("bad.json").write_text(text)
+    more = {
+        "solve": ["--method", "greedy"],
+        "check": ["plan.json"],
+        "fly": ["plan.json"],
+        "bound": ["--method", "none"],
+        "matrix": ["--at", "0", "--out", "c.npz"],
+    }
+    outcome = cli(verb, "bad.json", *more[verb])
+    if verb == "bound":  # there is none to be asked for, and that is said first
+        refused(outcome, "'none'")
+    else:
+        refused(outcome, "bad.json: ", named)
+
+
+def test_files_that_cannot_be_read(cli: Cli, tiny_file: Path) -> None:
+    """A missing file, a folder and bytes that are no text are told apart."""
+    Path("binary.json").write_bytes(b"\xff\xfe\x00")
+    refused(cli("solve", "none.json", "--method", "greedy"), "none.json: no such file; check")
+    refused(cli("solve", ".", "--method", "greedy"), ".: this is a folder")
+    refused(cli("solve", "binary.json", "--method", "greedy"), "binary.json: not a text file")
+    refused(cli("check", tiny_file, "none.json"), "none.json: no such file; check")
+    refused(cli("solve", tiny_file, "--start", "none.json", "--method", "greedy"), "none.json: no")
+
+
+def test_unknown_names(cli: Cli, tiny_file: Path) -> None:
+    """An unknown method, bound, family or option is answered with those there are."""
+    refused(cli("solve", tiny_file, "--method", "magic"), "'magic'", "greedy, greedy-guarded")
+    refused(cli("bound", tiny_file, "--method", "magic"), "'magic'")
+    refused(cli("solve", tiny_file, "--method", "greedy", "--bound", "magic"), "'magic'")
+    refused(cli("generate", "gigantic"), "family 'gigantic' is unknown", "tiny, nominal")
+    refused(
+        cli("solve", tiny_file, "--method", "greedy", "--option", "gamma=1"),
+        "'gamma'", "'greedy'", "alpha, beta",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("assignment", "named"),
+    [
+        (["alpha"], "'alpha': give it as NAME=VALUE"),
+        (["=1"], "'=1': give it as NAME=VALUE"),
+        (["alpha=much"], "alpha = 'much' of method 'greedy': give a number"),
+        (["alpha=nan"], "alpha = nan"),
+        (["alpha=1", "alpha=2"], "alpha is given twice"),
+        (["seed=1"], "'seed'"),
+    ],
+)
+def test_bad_method_options(cli: Cli, tiny_file: Path, assignment: list[str], named: str) -> None:
+    """A malformed, repeated or out-of-range --option is named."""
+    given = [part for text in assignment for part in ("--option", text)]
+    refused(cli("solve", tiny_file, "--method", "greedy", *given), named)
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("--time-limit", "0"),
+        ("--time-limit", "-5"),
+        ("--time-limit", "nan"),
+        ("--seed", "-1"),
+        ("--seed", str(2**64)),
+        ("--iterations", "0"),
+    ],
+)
+def test_numbers_out_of_range(cli: Cli, tiny_file: Path, option: str, value: str) -> None:
+    """A limit or seed out of range is named with its value."""
+    outcome = cli("solve", tiny_file, "--method", "greedy", "--out", "p.json", option, value)
+    refused(outcome, f"{option[2:].replace('-', ' ')} = {value}: must be")
+    assert not Path("p.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (["--targets", "-1"], "targets = -1"),
+        (["--zones", "-1"], "zones = -1"),
+        (["--seed", "-1"], "seed = -1"),
+    ],
+)
+def test_generate_numbers_out_of_range(cli: Cli, arguments: list[str], named: str) -> None:
+    """The generator's numbers are checked, and no file is left behind."""
+    refused(cli("generate", "tiny", "--out", "my.json", *arguments), named)
+    assert not Path("my.json").exists()
+
+
+def test_places_that_cannot_be_written(
+    cli: Cli, tiny_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A hopeless --out is refused before the planner starts."""
+
+    def never(*_: Any, **__: Any) -> None:
+        raise AssertionError("the planner was started")
+
+    monkeypatch.setattr("adr_opt.front.run", never)
+    monkeypatch.setattr("adr_opt.generator.generate", never)
+    for call in (["solve", tiny_file, "--method", "greedy"], ["generate", "tiny"]):
+        refused(cli(*call, "--out", "no/such/p.json"), "no/such/p.json: the folder no/such does")
+        refused(cli(*call, "--out", "."), ".: this is a folder")
+        refused(cli(*call, "--out", "/dev/null"), "/dev/null: not an ordinary file")
+    refused(cli("solve", tiny_file, "--method", "greedy", "--out", tiny_file), "this is the input")
+
+
+def test_a_link_is_written_through(cli: Cli, tmp_path: Path) -> None:
+    """--out on a link replaces the file it points to and leaves the link."""
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "link.json").symlink_to("folder/real.json")
+    assert cli("generate", "tiny", "--out", "link.json").status == 0
+    assert (tmp_path / "link.json").is_symlink()
+    assert adr_opt.load(tmp_path / "folder" / "real.json") == adr_opt.generate("tiny", 0)
+
+
+def test_a_failed_write_leaves_nothing(
+    cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A disk that fills up while a file is written leaves neither the file nor a piece of it."""
+
+    def full(path: Path, text: str) -> None:
+        path.write_text(text[:100])
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("adr_opt.files._write", full)
+    refused(cli("generate", "tiny", "--out", "my.json"), "my.json: cannot be written (No space")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        (drop("legs", 0, "arrival_s"), "field legs[0].arrival_s: missing"),
+        (put("legs", 0, "arrival_s", math.nan), "field legs[0].arrival_s = NaN"),
+        (put("legs", 0, "burns", 0, "phase", "warp"), 'field legs[0].burns[0].phase = "warp"'),
+        (put("legs", 0, "burns", 0, "delta_v_m_s", [1.0]), "field legs[0].burns[0].delta_v_m_s"),
+        (put("legs", 0, "colour", "red"), "field legs[0].colour: unknown"),
+        (put("status", "great"), 'field status = "great"'),
+        (put("instance", "sha256", "abc"), 'field instance.sha256 = "abc"'),
+        (put("instance", "sha256", "0" * 64), "belongs to the instance 'tiny-000' (sha256 0000"),
+    ],
+)
+@pytest.mark.parametrize("verb", ["check", "fly"])
+def test_broken_plan_field(
+    cli: Cli, tiny_file: Path, change: Change, named: str, verb: str
+) -> None:
+    """A broken field of a plan is named with its file, path and value."""
+    cli("solve", tiny_file, "--method", "greedy", "--out", "plan.json")
+    content = json.loads(Path("plan.json").read_text(encoding="utf-8"))
+    change(content)
+    Path("plan.json").write_text(json.dumps(content), encoding="utf-8")
+    refused(cli(verb, tiny_file, "plan.json"), "plan.json: ", named)
+
+
+def test_plan_of_another_instance(cli: Cli, tiny_file: Path) -> None:
+    """A plan is refused by all but the instance that it was made for."""
+    cli("solve", tiny_file, "--method", "greedy", "--out", "plan.json")
+    cli("generate", "tiny", "--seed", "1", "--out", "other.json")
+    for verb in ("check", "fly"):
+        refused(cli(verb, "other.json", "plan.json"), "plan.json: ", "'tiny-000'", "'tiny-001'")
+
+
+def test_no_targets_is_a_mission_without_legs(cli: Cli) -> None:
+    """An empty list of targets is valid: the plan has no legs and passes every verb."""
+    cli("generate", "tiny", "--targets", "0", "--out", "empty.json")
+    for method in ("greedy", "greedy-guarded"):
+        solved = cli("solve", "empty.json", "--method", method, "--out", "plan.json")
+        assert solved.status == 0
+        assert "visits 0 of 0" in solved.out
+        assert load_plan("plan.json").legs == ()
+        assert cli("check", "empty.json", "plan.json").status == 0
