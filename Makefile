@@ -41,7 +41,7 @@ format: $(DEVELOPMENT) ## Format the code and sort the imports
 	$(BIN)/ruff format .
 
 bench: $(DEVELOPMENT) ## Run the benchmark scripts, one after the other (peers.py needs its extra)
-	@set -e; for script in $(filter-out bench/peers.py,$(wildcard bench/*.py)); do \
+	@set -e; for script in $(filter-out bench/peers.py bench/update_best_known.py,$(wildcard bench/*.py)); do \
 	  echo "== $$script"; $(BIN)/python $$script; done
 
 clean: ## Remove the virtual environment, caches and written plans

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .checking import Violation, check
     from .errors import InputError, MissingExtra
-    from .front import solve
+    from .front import bound, solve
     from .generator import generate
     from .instance import Instance, load
     from .mission import Mission
@@ -33,6 +33,7 @@ _HOME = {
     "check": "checking",
     "InputError": "errors",
     "MissingExtra": "errors",
+    "bound": "front",
     "solve": "front",
     "generate": "generator",
     "Instance": "instance",
@@ -56,6 +57,7 @@ __all__ = [
     "Timetable",
     "Violation",
     "__version__",
+    "bound",
     "check",
     "generate",
     "load",

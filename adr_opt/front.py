@@ -18,6 +18,7 @@ from .planner import options as options_of
 from .result import Result
 from .start import start_sequence
 from .stop import AnyOf, MaxIterations, MaxRuntime, Stop
+from .together import together
 
 DEFAULT_METHOD = "ortools"
 DEFAULT_TIME_LIMIT_S = 10.0
@@ -38,6 +39,7 @@ def solve(
     repair: bool = False,
     jobs: int | None = None,
     iterations: int | None = None,
+    bound: str | None = None,
     **method_options: Any,
 ) -> Result:
     """Plan a mission.
@@ -63,6 +65,11 @@ def solve(
         Cores to use, 0 for all, for planners that can use several.
     iterations : int, optional
         Most iterations: with it and without a tight time limit, the same work on any machine.
+    bound : str, optional
+        Name of an installed bound to run beside the planner. Both stop when they meet; if one ends
+        early, the other goes on to the limit. ``start`` and ``jobs`` are given to it too if it
+        takes them, and ``iterations`` limits each of the two by itself; see
+        :func:`adr_opt.together.together`.
     **method_options
         Options of the planner, see ``python -m adr_opt methods``.
 
@@ -77,7 +84,8 @@ def solve(
     """
     return run(
         PLANNERS, instance, method, time_limit=time_limit, seed=seed, stop=stop, progress=progress,
-        start=start, repair=repair, jobs=jobs, iterations=iterations, options=method_options,
+        start=start, repair=repair, jobs=jobs, iterations=iterations, bound=bound,
+        options=method_options,
     )  # fmt: skip
 
 
@@ -167,25 +175,38 @@ def run(
     repair: bool = False,
     jobs: int | None = None,
     iterations: int | None = None,
+    bound: str | None = None,
     options: Mapping[str, Any] | None = None,
 ) -> Result:
     """Run a planner or a bound: what :func:`solve` and :func:`bound` have in common.
 
-    ``group`` is ``planner.PLANNERS`` or ``planner.BOUNDS``; ``options`` may have any names, those
-    of the parameters above included.
+    ``group`` is ``planner.PLANNERS`` or ``planner.BOUNDS``; ``bound`` names a bound to run beside
+    the method; ``options`` may have any names, those of the parameters above included.
     """
     criteria: list[Stop] = [MaxRuntime(time_limit)]
-    if iterations is not None:
-        criteria.append(MaxIterations(iterations))
     if stop is not None:
         criteria.append(stop)
     mission = instance if isinstance(instance, Mission) else Mission(instance)
+    # Each side counts its own iterations, or the work of one would depend on the other's speed.
+    limits = [] if iterations is None else [MaxIterations(iterations) for _ in range(2)]
+    if bound is None:
+        prepared = prepare(
+            group, mission, method, seed=seed, start=start, repair=repair, jobs=jobs,
+            options=options,
+        )  # fmt: skip
+        progress(-math.inf, math.inf)
+        return prepared(mission, AnyOf(*criteria, *limits[:1]), progress)
+
+    prover = method_of(bound, BOUNDS)
+    both_jobs = jobs if takes_jobs(prover) else None
     prepared = prepare(
-        group, mission, method, seed=seed, start=start, repair=repair, jobs=jobs, options=options
-    )
-    criterion = AnyOf(*criteria) if len(criteria) > 1 else criteria[0]
+        group, mission, method, seed=seed, start=start, repair=repair, options=options,
+        jobs=jobs if both_jobs is None or takes_jobs(method_of(method, group)) else None,
+    )  # fmt: skip
+    known = prepared.arguments.get("start") if takes_start(prover) else None
+    proving = prepare(BOUNDS, mission, bound, seed=seed, start=known, jobs=both_jobs)
     progress(-math.inf, math.inf)
-    return prepared(mission, criterion, progress)
+    return together(mission, prepared, proving, AnyOf(*criteria), progress, limits)
 
 
 def prepare(

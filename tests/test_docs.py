@@ -131,6 +131,7 @@ def test_the_example_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.Monk
 def test_the_committed_instances_are_what_their_names_say() -> None:
     """Each FAMILY-SEED file under instances/ is, byte for byte, what the generator gives."""
     files = sorted(ROOT.glob("instances/*/*-[0-9][0-9][0-9].json"))
+    files = [file for file in files if file.parent.name != "best-known"]  # plans
     assert len(files) >= 20
     for file in files:
         family, _, seed = file.stem.rpartition("-")

@@ -65,7 +65,8 @@ def command(
         for note in result.notes:
             say(f"note: {note}")
     if as_json:
-        emit_json(result.to_dict())
+        reference = {"name": instance.name, "sha256": instance.sha256}
+        emit_json({"instance": reference, **result.to_dict()})
     else:
         proven = f"{result.upper_bound:.6g}" if math.isfinite(result.upper_bound) else "none proven"
         emit(f"upper bound {proven}, {result.status}, runtime {result.runtime_s:.2f} s")

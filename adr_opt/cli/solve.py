@@ -24,7 +24,7 @@ from .parameters import (
 )
 @run_options
 @click.option("--repair", is_flag=True, help="Keep the legal beginning of an illegal --start.")
-@click.option("--bound", "bound_name", metavar="NAME", help="Bound to prove the plan with.")
+@click.option("--bound", "bound_name", metavar="NAME", help="Bound to run beside the planner.")
 @click.option("--out", metavar="FILE", help="Plan file to write.")
 @json_option
 @quiet_option
@@ -58,10 +58,6 @@ def command(
     time_limit = front.DEFAULT_TIME_LIMIT_S if time_limit is None else time_limit
     if bound_name is not None:
         front.method_of(bound_name, BOUNDS)
-        raise InputError(
-            f"--bound {bound_name}: a planner and a bound cannot run together yet; "
-            "leave it out and prove the plan with the verb 'bound'"
-        )
     if repair and start_path is None:
         raise InputError("--repair mends a start plan, but none is given; give one with --start")
     options = parse_assignments(method, front.method_of(method), assignments)
@@ -73,7 +69,7 @@ def command(
         lambda stop, progress: front.run(
             PLANNERS, instance, method, time_limit=time_limit, seed=seed, stop=stop,
             progress=progress, start=start, repair=repair, jobs=jobs, iterations=iterations,
-            options=options,
+            bound=bound_name, options=options,
         ),
         live=wanted(as_json, quiet),
         quiet=quiet,
@@ -83,7 +79,8 @@ def command(
             say(f"note: {note}")
     if result.plan is None:
         if as_json:
-            emit_json(result.to_dict())
+            reference = {"name": instance.name, "sha256": instance.sha256}
+            emit_json({"instance": reference, **result.to_dict()})
         if not quiet:
             say(f"no plan: {method} ended with status {result.status}")
         return 1

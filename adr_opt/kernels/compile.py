@@ -6,3 +6,7 @@ from numba import njit
 # ``error_model="numpy"``: a division by zero gives inf, as in NumPy, and saves a branch.
 # No ``fastmath``: tables hold +inf for "no transfer", and two machines must agree.
 kernel = njit(cache=True, nogil=True, error_model="numpy")
+
+# For the few small kernels that planners call millions of times. A call costs about 100 ns, nearly
+# all of it for counting references to the arrays of a table; inlined, they are counted once.
+inlined = njit(cache=True, nogil=True, error_model="numpy", forceinline=True)

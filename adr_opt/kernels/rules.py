@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import timetable
-from .compile import kernel
+from .compile import inlined, kernel
 from .constants import STATION
 
 
@@ -40,7 +40,7 @@ class Rules(NamedTuple):
     duration: float
 
 
-@kernel
+@inlined
 def fits(rules, body, time, left, destination):
     """Whether a move fits ΔV and time, and what it costs.
 
@@ -70,7 +70,7 @@ def fits(rules, body, time, left, destination):
     return delta_v <= left and end <= rules.duration, delta_v, end
 
 
-@kernel
+@inlined
 def may_go(body, since_refuel, visited, destination):
     """Whether the rules of the order allow a move: unvisited target, or a refuelling earned."""
     if destination == body:
@@ -80,7 +80,7 @@ def may_go(body, since_refuel, visited, destination):
     return not visited[destination]
 
 
-@kernel
+@inlined
 def left_after(rules, left, delta_v, destination):
     """ΔV left at the end of a move: the full budget after refuelling [m/s]."""
     return rules.budget if destination == STATION else left - delta_v

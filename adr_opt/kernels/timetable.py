@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import orbits, transfer
-from .compile import kernel
+from .compile import inlined, kernel
 
 
 class Table(NamedTuple):
@@ -81,25 +81,25 @@ def fill_row(origin, bodies, extra_delta_v, rule, duration, table):
         table.count[origin, j] = m
 
 
-@kernel
+@inlined
 def events(table, i, j):
     """Number of departure events of the pair, numbered from 0 in time order."""
     return table.count[i, j]
 
 
-@kernel
+@inlined
 def departure_at(table, i, j, event):
     """Time of a departure event of the pair [s]."""
     return table.first[i, j] + event * table.spacing[i]
 
 
-@kernel
+@inlined
 def entry_at(table, i, j, event):
     """ΔV [m/s] and arrival [s] of the transfer that leaves at an event; +inf for none."""
     return table.entries[i, event, j, 0], table.entries[i, event, j, 1]
 
 
-@kernel
+@inlined
 def next_event(table, i, j, time):
     """The first event at or after a time; :func:`events` of the pair if there is none left."""
     spacing = table.spacing[i]
@@ -113,7 +113,7 @@ def next_event(table, i, j, time):
     return min(m, table.count[i, j])
 
 
-@kernel
+@inlined
 def lookup(table, i, j, time):
     """The transfer of a chaser that is ready at body i at a time and wants body j.
 

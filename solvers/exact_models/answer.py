@@ -1,0 +1,39 @@
+"""What a course of proof and a solver say to each other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+
+class Answer(NamedTuple):
+    """What a solver says of a network.
+
+    Attributes
+    ----------
+    sequence : tuple of int or None
+        Bodies of the best path it knows.
+    upper_bound : float
+        Proven: no path of the network is worth more. +inf if nothing was proven.
+    nodes : int
+        Nodes or branches of its search.
+    """
+
+    sequence: tuple[int, ...] | None
+    upper_bound: float
+    nodes: int
+
+
+class Hear(NamedTuple):
+    """How a solver reports while it works.
+
+    Attributes
+    ----------
+    bound : callable
+        Told a bound on the paths of the network; says whether to stop.
+    remaining_s : callable
+        Seconds that may still be used.
+    """
+
+    bound: Callable[[float], bool]
+    remaining_s: Callable[[], float]

@@ -1,0 +1,143 @@
+"""The network as a mixed-integer program: Pyomo writes it, HiGHS solves it."""
+
+from __future__ import annotations
+
+import math
+
+import highspy
+import numpy as np
+import pyomo.environ as pyo
+from pyomo.repn.plugins.standard_form import LinearStandardFormCompiler
+
+from ..exact_models.answer import Answer, Hear
+from ..exact_models.network import Network, bodies_along
+from .constraints import Constraints
+from .objective import Objective
+from .variables import Variables
+
+TOLERANCE = 1e-7
+"""Of HiGHS, in units of the objective and parts of the budget."""
+
+GUARD = 2.0 * TOLERANCE
+"""Added to HiGHS's bound, relative: it drops what is better than its best by its tolerance."""
+
+SEEDS = 2**31
+"""HiGHS takes seeds below this."""
+
+
+class Model:
+    """The best path of a network, as a mixed-integer program.
+
+    Pyomo's own interfaces to HiGHS redirect the output of the whole process while they solve, and
+    the present one takes no start. So Pyomo compiles the model to a matrix, and that is handed over.
+
+    Parameters
+    ----------
+    network : Network
+    prize : (bodies,) float64
+    unit : float
+        The objective is counted in multiples of this.
+    budget : float
+        [m/s].
+    start : list of int or None
+        Arcs of a plan to begin from.
+    """
+
+    def __init__(
+        self,
+        network: Network,
+        prize: np.ndarray,
+        unit: float,
+        budget: float,
+        start: list[int] | None,
+    ) -> None:
+        self._network = network
+        self._unit = unit
+        # Without a budget no move costs anything, and there are no parts of it.
+        budget = budget or 1.0
+        self._block = pyo.ConcreteModel()
+        self._variables = Variables(self._block, network)
+        self._constraints = Constraints(self._block, network, self._variables, budget)
+        self._objective = Objective(self._block, network, self._variables, prize / unit)
+        self._has_start = start is not None
+        if start is not None:
+            self._variables.begin_from(network, start, budget)
+
+    def solve(self, *, seed: int, jobs: int, hear: Hear) -> Answer:
+        """Solve the model.
+
+        Parameters
+        ----------
+        seed : int
+        jobs : int
+            Not used: HiGHS has one number of threads for the whole process.
+        hear : Hear
+            Told of bounds and asked for the time left.
+        """
+        form = LinearStandardFormCompiler().write(self._block, set_sense=None)
+        solver = highspy.Highs()
+        solver.silent()
+        for name, value in {
+            "random_seed": seed % SEEDS,
+            "mip_rel_gap": 0.0,
+            "mip_abs_gap": 0.0,
+            "mip_feasibility_tolerance": TOLERANCE,
+            "time_limit": min(max(0.0, hear.remaining_s()), highspy.kHighsInf),
+        }.items():
+            solver.setOptionValue(name, value)
+        solver.passModel(_program(form))
+        if self._has_start:
+            solution = highspy.HighsSolution()
+            solution.col_value = [float(column.value or 0.0) for column in form.columns]
+            solver.setSolution(solution)
+
+        def interrupt(event) -> None:
+            if hear.bound(self._bound(event.data_out.mip_dual_bound)):
+                event.interrupt()
+
+        solver.cbMipInterrupt += interrupt
+        solver.solve()
+        info = solver.getInfo()
+        if solver.getModelStatus() == highspy.HighsModelStatus.kOptimal and not info.mip_node_count:
+            pass
+        sequence = None
+        if info.primal_solution_status == 2:
+            values = solver.getSolution().col_value
+            place = {id(column): number for number, column in enumerate(form.columns)}
+            chosen = [
+                arc
+                for arc, move in self._variables.move.items()
+                if values[place[id(move)]] > 0.5
+            ]
+            sequence = bodies_along(self._network, chosen)
+        return Answer(sequence, self._bound(info.mip_dual_bound), max(0, info.mip_node_count))
+
+    def _bound(self, dual_bound: float) -> float:
+        """A bound of HiGHS in prizes, on the safe side of its tolerances."""
+        if not math.isfinite(dual_bound):
+            return math.inf
+        return self._unit * (dual_bound + GUARD * max(1.0, abs(dual_bound)))
+
+
+def _program(form) -> highspy.HighsLp:
+    """A compiled model as HiGHS takes it."""
+    program = highspy.HighsLp()
+    columns, rows = form.A.shape[1], form.A.shape[0]
+    program.num_col_, program.num_row_ = columns, rows
+    program.sense_ = highspy.ObjSense.kMaximize
+    program.col_cost_ = np.asarray(form.c.todense()).ravel()
+    program.col_lower_ = np.zeros(columns)
+    whole = [column.is_binary() for column in form.columns]
+    program.col_upper_ = np.where(whole, 1.0, highspy.kHighsInf)
+    program.integrality_ = [
+        highspy.HighsVarType.kInteger if is_whole else highspy.HighsVarType.kContinuous
+        for is_whole in whole
+    ]
+    program.row_lower_ = np.full(rows, -highspy.kHighsInf)
+    program.row_upper_ = np.asarray(form.rhs, dtype=float)
+    matrix = form.A.tocsc()
+    program.a_matrix_.format_ = highspy.MatrixFormat.kColwise
+    program.a_matrix_.start_ = matrix.indptr
+    program.a_matrix_.index_ = matrix.indices
+    program.a_matrix_.value_ = matrix.data
+    return program

@@ -1,0 +1,155 @@
+"""The window as a CP-SAT model: the best path of a network that visits no target twice."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from ortools.sat.python import cp_model
+
+from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.rules import Rules
+
+from .network import Network, Window, Worth
+
+WORTH_STEPS = 1_000_000
+"""Integers per mean prize in the objective."""
+
+DELTA_V_STEPS = 100
+"""Integers per m/s. ΔV is rounded up and tanks down, so that every path found is legal."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What CP-SAT says of one window.
+
+    Attributes
+    ----------
+    path : tuple of int or None
+        Bodies in order; None if no path reaches the goal, or none was found in time.
+    closed : bool
+        Whether the search was complete.
+    """
+
+    path: tuple[int, ...] | None
+    closed: bool
+
+
+def best_path(
+    rules: Rules,
+    worth: Worth,
+    net: Network,
+    kept: npt.NDArray[np.int64],
+    window: Window,
+    goal: float,
+    *,
+    unit: float,
+    seed: int,
+    effort: float,
+    remaining_s: float,
+) -> Answer:
+    """Find the best path of a window.
+
+    Parameters
+    ----------
+    rules, worth, net, window
+        The window, unrolled.
+    kept : (edges,) int64
+        Edges of the network to choose from.
+    goal : float
+        Least worth of interest.
+    unit : float
+        Mean prize: sets the scale of the integers.
+    seed : int
+        Of CP-SAT.
+    effort : float
+        Limit in CP-SAT's deterministic time, about seconds.
+    remaining_s : float
+        Wall time left, +inf for none: a cap in need only, so that results repeat.
+    """
+    model = cp_model.CpModel()
+    tails = np.searchsorted(net.head, kept, side="right") - 1
+    heads = net.tail[kept]
+    bodies = net.body[heads]
+    moves = [model.new_bool_var("") for _ in range(kept.size)]
+    leaving: dict[int, list[cp_model.IntVar]] = {0: []}
+    arriving: dict[int, list[cp_model.IntVar]] = {}
+    visits: dict[int, list[cp_model.IntVar]] = {}
+    for move, tail, head, body in zip(
+        moves, tails.tolist(), heads.tolist(), bodies.tolist(), strict=True
+    ):
+        leaving.setdefault(tail, []).append(move)
+        arriving.setdefault(head, []).append(move)
+        if body != STATION:
+            visits.setdefault(body, []).append(move)
+    nodes = np.array(sorted({0, *arriving}), dtype=np.int64)
+    exits = nodes[np.isfinite(net.rest_worth[nodes])]
+    lasts = [model.new_bool_var("") for _ in range(exits.size)]
+    for last, node in zip(lasts, exits.tolist(), strict=True):
+        leaving.setdefault(node, []).append(last)
+
+    # One path from the start of the window to an exit, and no target twice.
+    model.add_exactly_one(leaving[0])
+    for node, into in arriving.items():
+        model.add(sum(leaving.get(node, [])) == sum(into))
+    for calls in visits.values():
+        model.add_at_most_one(calls)
+
+    terms = [*moves, *lasts]
+    _hold_tanks(
+        model,
+        terms,
+        np.concatenate((net.tank[tails], net.tank[exits])),
+        np.concatenate((net.delta_v[heads], net.rest_need[exits])),
+        [window.left] + [rules.budget] * window.refuels,
+    )
+    gains = rules.prize[bodies] - worth.per_m_s * net.delta_v[heads]
+    # Every path leaves once: taking the goal off the exits keeps the integers small.
+    values = np.concatenate((gains, net.rest_worth[exits] - goal)) / unit
+    value = cp_model.LinearExpr.weighted_sum(
+        terms, np.rint(values * WORTH_STEPS).astype(np.int64).tolist()
+    )
+    model.add(value >= 0)
+    model.maximize(value)
+
+    solver = cp_model.CpSolver()
+    settings = solver.parameters
+    settings.num_workers = 1
+    settings.random_seed = seed
+    settings.max_deterministic_time = effort
+    settings.catch_sigint_signal = False
+    if math.isfinite(remaining_s):
+        settings.max_time_in_seconds = max(0.0, remaining_s)
+    status = solver.solve(model)
+    closed = status in (cp_model.OPTIMAL, cp_model.INFEASIBLE)
+    if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
+        return Answer(None, closed)
+    following = {
+        tail: head
+        for move, tail, head in zip(moves, tails.tolist(), heads.tolist(), strict=True)
+        if solver.boolean_value(move)
+    }
+    path, node = [], 0
+    while node in following:
+        node = following[node]
+        path.append(int(net.body[node]))
+    return Answer(tuple(path), closed)
+
+
+def _hold_tanks(
+    model: cp_model.CpModel,
+    terms: list[cp_model.IntVar],
+    tank: npt.NDArray[np.int64],
+    delta_v: npt.NDArray[np.float64],
+    capacity: list[float],
+) -> None:
+    """Keep the ΔV drawn from each tank within what it holds."""
+    needs = np.ceil(delta_v * DELTA_V_STEPS).astype(np.int64)
+    for number, left in enumerate(capacity):
+        inside = np.flatnonzero(tank == number)
+        drawn = cp_model.LinearExpr.weighted_sum(
+            [terms[index] for index in inside], needs[inside].tolist()
+        )
+        model.add(drawn <= math.floor(left * DELTA_V_STEPS))

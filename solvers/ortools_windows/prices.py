@@ -1,0 +1,124 @@
+"""Prices on a window's limits: a bound on every path, and the edges that matter.
+
+That a target is visited once and that a tank holds so much ΔV is priced into the objective
+(Lagrangian relaxation); what is left is a longest path in a network without cycles. Subgradient
+steps on the prices lower the bound.
+"""
+
+import math
+
+import numpy as np
+
+from adr_opt.kernels.compile import kernel
+
+
+@kernel
+def _longest(rules, worth, net, price, fuel_price, best, choice):
+    """Worth and first move of the best priced path from every node on; −1 leaves the window."""
+    for n in range(net.body.size - 1, -1, -1):
+        fuel = fuel_price[net.tank[n]]
+        best[n] = net.rest_worth[n] - fuel * net.rest_need[n]
+        choice[n] = -1
+        for e in range(net.head[n], net.head[n + 1]):
+            m = net.tail[e]
+            j = net.body[m]
+            value = rules.prize[j] - price[j] - (worth.per_m_s + fuel) * net.delta_v[m] + best[m]
+            if value > best[n]:
+                best[n], choice[n] = value, m
+
+
+@kernel
+def _demand(net, choice, used, visits):
+    """What the best priced path takes: ΔV of each tank, visits of each body."""
+    used[:] = 0.0
+    visits[:] = 0.0
+    n = 0
+    while choice[n] >= 0:
+        m = choice[n]
+        used[net.tank[n]] += net.delta_v[m]
+        visits[net.body[m]] += 1.0
+        n = m
+    used[net.tank[n]] += net.rest_need[n]
+
+
+@kernel
+def edge_worths(rules, worth, net, window, goal, steps):
+    """Upper bounds on the worth of the paths over each edge.
+
+    Parameters
+    ----------
+    rules : Rules
+    worth : Worth
+    net : Network
+    window : Window
+    goal : float
+        Worth of interest: ends as soon as no path can reach it.
+    steps : int
+        Most subgradient steps.
+
+    Returns
+    -------
+    bound : float
+        No path is worth more; −inf if there is no path.
+    worths : (edges,) float64
+        No path over the edge is worth more. All −inf if the bound is below the goal.
+    """
+    nodes, targets = net.body.size, window.open_targets
+    price, fuel_price = np.zeros(rules.service.size), np.zeros(window.refuels + 1)
+    best_price, best_fuel_price = price.copy(), fuel_price.copy()
+    limit = np.full(window.refuels + 1, rules.budget)
+    limit[0] = window.left
+    used, visits = np.empty(limit.size), np.empty(price.size)
+    best, choice = np.empty(nodes), np.empty(nodes, dtype=np.int64)
+    worths = np.full(net.tail.size, -math.inf)
+    # Tanks in units of a full one, so that both kinds of price move at one pace.
+    tank_unit = max(rules.budget, 1.0)
+    bound, best_constant = math.inf, 0.0
+    pace, stale = 1.0, 0
+    for _ in range(steps):
+        _longest(rules, worth, net, price, fuel_price, best, choice)
+        constant = 0.0
+        for j in targets:
+            constant += price[j]
+        for c in range(limit.size):
+            constant += fuel_price[c] * limit[c]
+        value = best[0] + constant
+        if value < bound:
+            bound, best_constant, stale = value, constant, 0
+            best_price[:], best_fuel_price[:] = price, fuel_price
+        else:
+            stale += 1
+            if stale == 5:
+                pace, stale = 0.6 * pace, 0
+        if bound < goal:
+            return bound, worths
+        _demand(net, choice, used, visits)
+        norm = 0.0
+        for j in targets:
+            if visits[j] > 1.0 or price[j] > 0.0:
+                norm += (visits[j] - 1.0) ** 2
+        for c in range(limit.size):
+            if used[c] > limit[c] or fuel_price[c] > 0.0:
+                norm += ((used[c] - limit[c]) / tank_unit) ** 2
+        if norm == 0.0:
+            break
+        step = pace * (value - goal) / norm
+        for j in targets:
+            price[j] = max(0.0, price[j] + step * (visits[j] - 1.0))
+        for c in range(limit.size):
+            fuel_price[c] += step * (used[c] - limit[c]) / tank_unit**2
+            fuel_price[c] = max(0.0, fuel_price[c])
+
+    _longest(rules, worth, net, best_price, best_fuel_price, best, choice)
+    reach = np.full(nodes, -math.inf)
+    reach[0] = 0.0
+    for n in range(nodes):
+        fuel = best_fuel_price[net.tank[n]]
+        for e in range(net.head[n], net.head[n + 1]):
+            m = net.tail[e]
+            j = net.body[m]
+            there = reach[n] + rules.prize[j] - best_price[j]
+            there -= (worth.per_m_s + fuel) * net.delta_v[m]
+            reach[m] = max(reach[m], there)
+            worths[e] = there + best[m] + best_constant
+    return bound, worths

@@ -1,0 +1,311 @@
+"""The Lagrangian bound: valid on every instance, and tight where the search finishes."""
+
+import math
+
+import numpy as np
+import pytest
+from brute_force import brute_force
+
+import adr_opt
+from adr_opt.errors import InputError
+from adr_opt.kernels.compile import kernel
+from adr_opt.mission import Mission
+from adr_opt.stop import MaxIterations, MaxRuntime
+from solvers import lanes
+from solvers.completion import WalkBound, completion_table, completion_value, guide
+from solvers.greedy import greedy_sequence
+from solvers.lagrangian import lagrangian
+from solvers.multipliers import Descent
+from solvers.ng_routes import NgRoutes
+
+SLOTS_M_S = (7.0, 40.0, 150.0)
+
+
+def silent(incumbent, bound):
+    pass
+
+
+def tiny_mission(seed, *, refuelling=False):
+    """3–6 targets; time or ΔV short; every other one with unequal prizes, every third with zones.
+
+    With ``refuelling`` few targets, a long mission and a small tank.
+    """
+    rng = np.random.default_rng(seed)
+    targets = int(rng.integers(2, 5) if refuelling else rng.integers(3, 7))
+    instance = adr_opt.generate("tiny", seed, targets=targets, zones=2 * (seed % 3 == 0))
+    prizes = np.ones(targets)
+    if seed % 2:
+        prizes = np.round(rng.uniform(0.0, 3.0, targets), 3)
+    days = rng.uniform(1.0, 2.5) if refuelling else rng.uniform(0.5, 1.6)
+    budget = rng.uniform(500.0, 1100.0) if refuelling else rng.uniform(300.0, 2500.0)
+    return Mission(
+        instance.replace(
+            targets=tuple(
+                t.replace(prize=float(p)) for t, p in zip(instance.targets, prizes, strict=True)
+            ),
+            mission=instance.mission.replace(
+                duration_s=86400.0 * float(days), delta_v_m_s=float(budget)
+            ),
+        ),
+        threads=1,
+    )
+
+
+@pytest.fixture(scope="module")
+def nominal():
+    return Mission(adr_opt.generate("nominal", 0))
+
+
+@pytest.mark.parametrize("seed", range(150))
+def test_bound_is_valid_and_tight_on_tiny_instances(seed):
+    """Brute force lies under the bound for any slot, and the finished search proves it optimal."""
+    mission = tiny_mission(seed, refuelling=seed % 5 < 2)
+    optimum, _, _ = brute_force(mission)
+    result = lagrangian(
+        mission, seed=0, stop=MaxRuntime(60.0), progress=silent, jobs=1,
+        delta_v_slot_m_s=SLOTS_M_S[seed % 3],
+    )  # fmt: skip
+    assert result.upper_bound >= optimum - 1e-9
+    assert result.upper_bound <= optimum + 1e-5
+    assert result.status == "optimal"
+    assert result.objective == pytest.approx(optimum, abs=1e-5)
+
+
+@pytest.mark.parametrize("seed", range(150))
+def test_every_multiplier_gives_a_valid_bound(seed):
+    """The best walk bounds the optimum for random multipliers, also above the prizes."""
+    mission = tiny_mission(seed, refuelling=seed % 2 == 0)
+    optimum, _, _ = brute_force(mission)
+    rng = np.random.default_rng(seed)
+    bound = WalkBound(mission, SLOTS_M_S[seed % 3])
+    for high in (0.0, 0.3, 1.5):
+        value, rounded = bound.evaluate(rng.uniform(0.0, high, len(mission.names)))
+        assert value >= optimum - 1e-9
+        assert rounded.min() >= 0.0
+
+
+def test_rounding_the_wrong_way_is_caught():
+    """With the ΔV of legs rounded up the bound falls below the optimum of some tiny instance."""
+    caught = 0
+    for seed in range(60):
+        mission = tiny_mission(seed, refuelling=True)
+        optimum, _, _ = brute_force(mission)
+        bound = WalkBound(mission, 150.0)
+        bound.network.cost[:] += 1
+        caught += bound.evaluate(np.zeros(len(mission.names)))[0] < optimum - 1e-6
+    assert caught > 0
+
+
+def test_landing_late_is_caught():
+    """With services that end one row too late the bound falls below some optimum."""
+    caught = 0
+    for seed in range(60):
+        mission = tiny_mission(seed)
+        optimum, _, _ = brute_force(mission)
+        bound = WalkBound(mission, 7.0)
+        network = bound.network
+        landing, final = network.landing, network.start[network.destination + 1] - 1
+        late = np.minimum(landing + 10, final)
+        network.landing[:] = np.where(landing >= 0, late, -1)
+        caught += bound.evaluate(np.zeros(len(mission.names)))[0] < optimum - 1e-6
+    assert caught > 0
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_completion_values_bound_every_completion_of_the_best_plan(seed):
+    """From each state of an optimal plan: collected + value + unvisited multipliers ≥ optimum."""
+    mission = tiny_mission(seed, refuelling=seed % 2 == 0)
+    optimum, _, sequence = brute_force(mission)
+    timing = mission.time(sequence)
+    rng = np.random.default_rng(seed)
+    bound = WalkBound(mission, SLOTS_M_S[seed % 3])
+    table = completion_table(bound, rng.uniform(0.0, 0.5, len(mission.names)))
+    states = [(0, 0.0, mission.rules.budget)]
+    states += [
+        (int(j), float(t), float(d))
+        for j, t, d in zip(sequence, timing.ends, timing.lefts, strict=True)
+    ]
+    for made, (body, time, left) in enumerate(states):
+        visited = set(sequence[:made])
+        collected = sum(mission.rules.prize[j] for j in sequence[:made])
+        open_multipliers = sum(
+            table.multipliers[j] for j in range(len(mission.names)) if j not in visited
+        )
+        value = completion_value(table, body, time, left)
+        assert collected + value + open_multipliers >= optimum - 1e-9
+
+
+def test_walks_never_go_straight_back(nominal):
+    """No walk goes i → j → i, also not by way of the station."""
+    bound = WalkBound(nominal, 50.0)
+    rng = np.random.default_rng(0)
+    for high in (0.0, 0.2, 0.8):
+        bound.evaluate(rng.uniform(0.0, high, 51))
+        walk = bound.walk
+        assert walk.size > 5
+        returns = (walk[2:] == walk[:-2]) & (walk[2:] != 0)
+        assert not returns.any()
+
+
+def test_walk_is_worth_its_bound(nominal):
+    """The best walk's prizes less multipliers, with all multipliers, make up the bound."""
+    bound = WalkBound(nominal, 50.0)
+    value, rounded = bound.evaluate(np.random.default_rng(1).uniform(0.0, 0.2, 51))
+    worth = (nominal.rules.prize - rounded)[bound.walk].sum() + rounded.sum()
+    assert value == pytest.approx(worth, abs=1e-9)
+
+
+def test_threads_do_not_change_the_values(nominal):
+    """One thread and two give the same values of all states."""
+    multipliers = np.random.default_rng(2).uniform(0.0, 0.2, 51)
+    one, two = WalkBound(nominal, 100.0, 1), WalkBound(nominal, 100.0, 2)
+    assert one.evaluate(multipliers)[0] == two.evaluate(multipliers)[0]
+    two.close()
+    assert np.array_equal(one.values.best, two.values.best)
+
+
+def test_finer_slots_bound_no_worse(nominal):
+    """Halving the slot cannot raise the bound: ⌊x/2u⌋ legs fit wherever ⌊x/u⌋ legs do."""
+    multipliers = np.full(51, 0.05)
+    values = [WalkBound(nominal, slot).evaluate(multipliers)[0] for slot in (200.0, 100.0, 50.0)]
+    assert values[0] >= values[1] >= values[2]
+
+
+def test_bound_is_above_greedy_and_only_falls(nominal):
+    """Reported bounds fall, stay above guarded greedy, and reach 30 on nominal-000."""
+    heard = []
+    result = lagrangian(
+        nominal, seed=0, stop=MaxIterations(40), progress=lambda z, b: heard.append(b)
+    )
+    greedy = greedy_sequence(nominal.rules, 1.0, 75.0 / 3600.0, True)
+    assert heard == sorted(heard, reverse=True)
+    assert result.upper_bound == heard[-1]
+    assert result.upper_bound >= nominal.time(greedy).objective
+    assert result.upper_bound <= 31.0
+
+
+def test_start_is_the_incumbent():
+    """A start plan is returned when nothing better is found, and proven when it is optimal."""
+    mission = tiny_mission(4)
+    optimum, _, sequence = brute_force(mission)
+    result = lagrangian(mission, seed=0, stop=MaxRuntime(60.0), progress=silent, start=sequence)
+    assert result.sequence == tuple(sequence)
+    assert result.status == "optimal"
+    assert result.upper_bound == pytest.approx(optimum)
+
+
+def test_without_time_the_bound_is_trivial(nominal):
+    """With no time at all the bound is the sum of all prizes."""
+    result = lagrangian(nominal, seed=0, stop=lambda z, b: True, progress=silent)
+    assert result.upper_bound == nominal.total_prize
+    assert result.status == "unknown"
+
+
+def test_more_targets_than_bits():
+    """More targets than one integer remembers: the search still finds the plan it bounds."""
+    instance = adr_opt.generate("nominal", 3, targets=70)
+    limits = instance.mission.replace(duration_s=1.2 * 86400.0, delta_v_m_s=1500.0)
+    mission = Mission(instance.replace(mission=limits))
+    result = lagrangian(mission, seed=0, stop=MaxRuntime(60.0), progress=silent)
+    assert result.status == "optimal"
+    assert result.objective == result.upper_bound
+    assert max(result.sequence) > 0
+
+
+def test_degenerate_missions_are_bounded():
+    """No targets, no time, no ΔV, no prizes: the bound is 0 and the empty plan meets it."""
+    instance = adr_opt.generate("tiny", 0)
+    limits = instance.mission
+    for variant in (
+        instance.replace(targets=()),
+        instance.replace(mission=limits.replace(duration_s=0.0)),
+        instance.replace(mission=limits.replace(delta_v_m_s=0.0)),
+        instance.replace(targets=tuple(t.replace(prize=0.0) for t in instance.targets)),
+    ):
+        result = lagrangian(Mission(variant), seed=0, stop=MaxRuntime(20.0), progress=silent)
+        assert result.upper_bound == 0.0
+        assert result.objective == 0.0
+
+
+def test_descent_beats_its_start_and_ends():
+    """With unequal prizes the multipliers bring the bound well under its start."""
+    mission = tiny_mission(1)
+    instance = adr_opt.generate("nominal", 1, targets=12)
+    limits = instance.mission.replace(duration_s=3.0 * 86400.0)
+    mission = Mission(instance.replace(mission=limits))
+    descent = Descent(WalkBound(mission, 50.0))
+    first = descent.step()
+    while not descent.done:
+        value = descent.step()
+        assert value >= descent.value
+        assert descent.evaluations < 300
+    assert descent.value < first - 0.2
+
+
+def test_guide_knows_its_multipliers(nominal):
+    """The guide's value at the start plus all multipliers is a bound, and reduced = prize − π."""
+    table = guide(nominal, iterations=3)
+    value = completion_value(table, 0, 0.0, nominal.rules.budget)
+    greedy = greedy_sequence(nominal.rules, 1.0, 75.0 / 3600.0, True)
+    assert value + table.multipliers.sum() >= nominal.time(greedy).objective
+    assert np.allclose(table.reduced + table.multipliers, nominal.rules.prize)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_search_never_refutes_the_optimum(seed):
+    """Asked for plans worth the optimum, with any multipliers, a search finds walks that are."""
+    mission = tiny_mission(seed, refuelling=seed % 2 == 0)
+    optimum, _, _ = brute_force(mission)
+    rng = np.random.default_rng(seed)
+    routes = NgRoutes(WalkBound(mission, SLOTS_M_S[seed % 3]))
+    routes.use(rng.uniform(0.0, 0.3, len(mission.names)))
+    for _ in range(20):
+        finished, value, plan, grown = routes.search(optimum, 10**6, lambda: False)
+        assert finished
+        assert value >= optimum - 1e-4
+        if grown == 0:
+            break
+    assert plan is not None
+    assert mission.time(plan).made == plan.size
+
+
+@pytest.mark.parametrize(
+    "option", [{"delta_v_slot_m_s": 0.0}, {"delta_v_slot_m_s": math.nan}, {"jobs": -1},
+               {"most_labels": 0}],
+)  # fmt: skip
+def test_bad_options_are_refused(option):
+    """An option out of range is an input error that names it."""
+    mission = tiny_mission(0)
+    with pytest.raises(InputError, match=next(iter(option))):
+        lagrangian(mission, seed=0, stop=MaxIterations(1), progress=silent, **option)
+
+
+@kernel
+def _lanes_at_work(a, b, out):
+    x, y = lanes.load(a, 0), lanes.load(b, 0)
+    lanes.store(out, 0, lanes.larger(x, y))
+    lanes.store(out, 16, lanes.smaller(x, y))
+    lanes.store(out, 32, lanes.plus(x, y))
+    lanes.store(out, 48, lanes.both(x, y))
+    lanes.store(out, 64, lanes.where_equal(x, y, lanes.spread(7), x))
+    lanes.store(out, 80, lanes.where_less(x, lanes.count_up(), y, x))
+    lanes.store(out, 96, lanes.where_same(x, y, lanes.spread(3), lanes.spread(-5)))
+
+
+def test_lanes_do_as_numpy_does():
+    """Each operation on sixteen numbers gives what NumPy gives."""
+    rng = np.random.default_rng(3)
+    a, b = rng.integers(-9, 9, (2, 16)).astype(np.int32)
+    out = np.zeros(112, dtype=np.int32)
+    _lanes_at_work(a, b, out)
+    up = np.arange(16)
+    expected = [
+        np.maximum(a, b),
+        np.minimum(a, b),
+        a + b,
+        a & b,
+        np.where(a == b, 7, a),
+        np.where(a < up, b, a),
+        np.where((a ^ b) & 3 == 0, -5, b),
+    ]
+    assert np.array_equal(out.reshape(7, 16), np.array(expected))

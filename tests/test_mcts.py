@@ -1,0 +1,235 @@
+"""Monte Carlo tree search: legal, reproducible, as published by default, strong when tuned."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from brute_force import brute_force
+
+import adr_opt
+from adr_opt.errors import InputError
+from adr_opt.mission import Mission
+from adr_opt.planner import silent
+from adr_opt.result import Result
+from adr_opt.stop import Interrupted, MaxIterations
+from solvers.mcts import mcts, planner
+from solvers.mcts import policy as policies
+from solvers.mcts.settings import PUBLISHED
+
+EVERY_WORD = [
+    {"rollout": "guarded"},
+    {"moves": "guarded", "width": 2},
+    {"play": "value"},
+    {"scale": "range", "best_share": 1.0},
+    {"tree": "kept", "answer": "best"},
+    {"missions": 3},
+    {"preset": "tuned", "simulations": 50, "rollout": "uniform", "moves": "legal"},
+]
+
+
+def plan(mission: Mission, iterations: int = 200, seed: int = 0, **options: Any) -> Result:
+    """Plan with a reproducible limit."""
+    stop = MaxIterations(iterations)
+    return mcts(mission, seed=seed, stop=stop, progress=silent, **options)
+
+
+@pytest.fixture(scope="module")
+def nominal() -> Mission:
+    return Mission(adr_opt.generate("nominal", 0))
+
+
+@pytest.fixture(scope="module")
+def tiny() -> Mission:
+    return Mission(adr_opt.generate("tiny", 0))
+
+
+def test_published_numbers():
+    """The default preset has the numbers and the rollouts that the study states."""
+    stated = (PUBLISHED.c, PUBLISHED.simulations, PUBLISHED.depth, PUBLISHED.rollout)
+    assert stated == (1.5, 200, 15, "uniform")
+
+
+def test_published_is_default(nominal):
+    """Without options, the published search is flown, and giving its numbers changes nothing."""
+    result = plan(nominal)
+    again = plan(
+        nominal, preset="published", simulations=200, depth=15, c=1.5, rollout="uniform",
+        moves="legal", play="visits", scale="none", tree="new", missions=1, answer="played",
+    )  # fmt: skip
+    assert result.sequence == again.sequence
+    assert result.counters["missions"] == 1
+    # One step for every move, and one that finds no move left.
+    assert result.counters["steps"] == len(result.sequence) + 1
+
+
+def test_published_visits(nominal):
+    """The published search visits about 20 of 50 targets: more than greedy, less than tuned."""
+    mean = np.mean([plan(nominal, seed=seed).objective for seed in range(5)])
+    assert 18.0 <= mean <= 22.0
+
+
+def test_tuned_visits(nominal):
+    """One tuned mission of the first nominal field visits at least 28 targets."""
+    assert plan(nominal, iterations=50, preset="tuned").objective >= 28.0
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_tuned_finds_tiny_optimum(seed):
+    """On tiny instances the tuned search finds the objective that brute force finds."""
+    mission = Mission(adr_opt.generate("tiny", seed))
+    result = plan(mission, iterations=100, seed=seed, preset="tuned")
+    assert result.objective == brute_force(mission)[0]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_guard_costs_nothing_on_tiny(seed):
+    """Searching all legal moves with uniform rollouts finds no more than the guarded search."""
+    mission = Mission(adr_opt.generate("tiny", seed))
+    guarded = plan(mission, iterations=100, preset="tuned")
+    legal = plan(mission, iterations=100, preset="tuned", moves="legal", rollout="uniform")
+    assert legal.objective <= guarded.objective
+
+
+@pytest.mark.parametrize("options", [{}, {"preset": "tuned"}])
+def test_same_seed_same_plan(nominal, options):
+    """The seed and the number of iterations decide the plan, and another seed changes it."""
+    first, second, other = (plan(nominal, 5, seed, **options) for seed in (1, 1, 2))
+    assert first.sequence == second.sequence
+    assert first.counters == second.counters
+    assert first.sequence != other.sequence
+
+
+@pytest.mark.parametrize("options", EVERY_WORD)
+def test_every_word_gives_legal_plan(tiny, options):
+    """Whatever is set, check finds nothing wrong and the optimum is not exceeded."""
+    result = plan(tiny, 60, **options)
+    assert adr_opt.check(tiny.instance, result.plan) == ()
+    assert 0.0 < result.objective <= brute_force(tiny)[0]
+
+
+@pytest.mark.parametrize("options", [{}, {"preset": "tuned"}])
+@pytest.mark.parametrize("family", ["nominal", "reduced-time", "reduced-fuel"])
+def test_legal_with_zones(family, options):
+    """In fields with keep-out zones, check finds nothing wrong."""
+    instance = adr_opt.generate(family, 3, targets=20, zones=6)
+    result = plan(Mission(instance), 30, **options)
+    assert adr_opt.check(instance, result.plan) == ()
+    assert result.objective > 0.0
+
+
+@pytest.mark.parametrize("options", [{}, {"preset": "tuned"}])
+def test_no_targets(options):
+    """Without targets the plan is empty and optimal."""
+    mission = Mission(adr_opt.generate("tiny", 0, targets=0))
+    result = plan(mission, **options)
+    assert (result.sequence, result.status) == ((), "optimal")
+
+
+@pytest.mark.parametrize("options", [{}, {"preset": "tuned"}])
+def test_nothing_reachable(tiny, options):
+    """Where no move is legal the plan is empty and the search still ends when told to."""
+    instance = tiny.instance
+    minute = instance.replace(mission=instance.mission.replace(duration_s=60.0))
+    assert plan(Mission(minute), 5, **options).sequence == ()
+
+
+def test_stop_is_asked_before_every_step(nominal):
+    """A mission stopped after some steps is the beginning of the one that was not stopped."""
+    whole = plan(nominal)
+    part = plan(nominal, iterations=7)
+    assert part.counters["steps"] == 7
+    assert part.sequence == whole.sequence[:7]
+
+
+def test_stopped_at_once(nominal):
+    """Interrupted before the first step, both presets return the empty plan."""
+    stop = Interrupted()
+    stop.interrupt()
+    for preset in ("published", "tuned"):
+        result = mcts(nominal, seed=0, stop=stop, progress=silent, preset=preset)
+        assert result.sequence == ()
+
+
+@pytest.mark.parametrize("options", [{}, {"preset": "tuned"}])
+def test_progress_tells_incumbents(nominal, options):
+    """Progress hears rising incumbents, the last of them that of the plan, and no bound."""
+    heard = []
+    result = mcts(
+        nominal,
+        seed=0,
+        stop=MaxIterations(40),
+        progress=lambda *news: heard.append(news),
+        **options,
+    )
+    values = [incumbent for incumbent, _ in heard]
+    assert values == sorted(set(values))
+    assert values[-1] == result.objective
+    assert {bound for _, bound in heard} == {np.inf}
+
+
+def test_prizes_count(tiny):
+    """A single target worth more than all others together is in every tuned plan."""
+    instance = tiny.instance
+    for index in range(3):
+        targets = list(instance.targets)
+        targets[index] = targets[index].replace(prize=100.0)
+        mission = Mission(instance.replace(targets=tuple(targets)))
+        assert index + 1 in plan(mission, 60, preset="tuned").sequence
+
+
+def test_memory_bounds_tree_not_plan(nominal, monkeypatch):
+    """A kept tree that runs out of memory is begun anew, and the mission goes on."""
+    monkeypatch.setattr(planner, "LARGEST_TREE", 1)
+    result = plan(nominal, 40, preset="tuned", simulations=100)
+    assert adr_opt.check(nominal.instance, result.plan) == ()
+    assert result.objective >= 25.0
+
+
+def test_uniform_rollouts_are_uniform(tiny):
+    """The first move of a uniform rollout is any legal move, all equally often."""
+    rules, bodies = tiny.rules, len(tiny.names)
+    policy = policies.Policy(1, False, 0.0, 1.0, rules.duration)
+    memory, rng = policies.scratch(bodies), np.random.default_rng(0)
+    counts = np.zeros(bodies)
+    draws = 6000
+    for _ in range(draws):
+        policies.rollout(rules, policy, rng, memory, 0, 0, 0.0, rules.budget, 0)
+        counts[memory.sequence[0]] += 1
+    mask = np.zeros(bodies, dtype=np.bool_)
+    legal = policies.rule_kernels.legal_moves(rules, 0, 0.0, rules.budget, 0, memory.visited, mask)
+    assert (counts[~mask] == 0).all()
+    expected = draws / legal
+    assert np.abs(counts[mask] - expected).max() < 5.0 * np.sqrt(expected)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["simulations", "depth", "c", "width", "time_value_m_s_per_h", "temperature_m_s", "missions"],
+)
+@pytest.mark.parametrize("value", [0, -2])
+def test_numbers_must_be_positive(tiny, name, value):
+    """A number that is not positive is refused by name and value."""
+    with pytest.raises(InputError, match=rf"{name} = {value}\b"):
+        plan(tiny, **{name: value})
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_numbers_must_be_finite(tiny, value):
+    """Not a number is refused, and so is an infinite one."""
+    with pytest.raises(InputError, match="option c = "):
+        plan(tiny, c=value)
+
+
+@pytest.mark.parametrize("name", ["preset", "rollout", "moves", "play", "scale", "tree", "answer"])
+def test_words_must_be_known(tiny, name):
+    """An unknown word is refused by name, and the sentence lists the known ones."""
+    with pytest.raises(InputError, match=f"option {name} = 'nonsense'.*use one of"):
+        plan(tiny, **{name: "nonsense"})
+
+
+def test_best_share_is_a_share(tiny):
+    """A share above one is refused."""
+    with pytest.raises(InputError, match=r"best_share = 1\.5"):
+        plan(tiny, best_share=1.5)
