@@ -47,8 +47,8 @@ _HOME = {
 }
 
 __all__ = [
-    "Instance",
     "InputError",
+    "Instance",
     "Matrices",
     "MissingExtra",
     "Mission",

@@ -223,7 +223,9 @@ def _check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
     slack = OBJECTIVE_TOLERANCE * max(1.0, abs(objective))
     if abs(plan.objective - objective) > slack:
         yield Violation(
-            None, "objective", f"objective = {plan.objective!r}, but the prizes sum to {objective!r}"
+            None,
+            "objective",
+            f"objective = {plan.objective!r}, but the prizes sum to {objective!r}",
         )
     if plan.upper_bound is not None:
         if plan.objective > plan.upper_bound + slack:

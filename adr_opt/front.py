@@ -20,7 +20,7 @@ from .start import start_sequence
 from .stop import AnyOf, MaxIterations, MaxRuntime, Stop
 from .together import together
 
-DEFAULT_METHOD = "ortools"
+DEFAULT_METHOD = "auto"
 DEFAULT_TIME_LIMIT_S = 10.0
 DEFAULT_BOUND_TIME_LIMIT_S = 60.0
 

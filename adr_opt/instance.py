@@ -31,7 +31,7 @@ from .files import read_model, sentence, to_text
 from .kernels.constants import EARTH_RADIUS_M, MU_M3_S2
 from .kernels.transfer import TransferRule
 
-FORMAT = "adr-opt-instance/1"
+FORMAT: Literal["adr-opt-instance/1"] = "adr-opt-instance/1"
 
 Name = Annotated[str, Field(min_length=1)]
 NonNegative = Annotated[float, Field(ge=0.0)]
@@ -247,9 +247,14 @@ class Instance(Record):
         return (self.station.name, *(target.name for target in self.targets))
 
     @property
+    def body_orbits(self) -> tuple[Orbit, ...]:
+        """Orbits of the bodies, the station first."""
+        return (self.station.orbit, *(target.orbit for target in self.targets))
+
+    @property
     def is_approximate(self) -> bool:
         """Whether some orbit is not a circle, so that the model is an approximation of it."""
-        return any(body.orbit.eccentricity > 0.0 for body in (self.station, *self.targets))
+        return any(orbit.eccentricity > 0.0 for orbit in self.body_orbits)
 
     def to_json(self) -> str:
         """The instance file, the same bytes on every machine."""
@@ -262,8 +267,7 @@ class Instance(Record):
 
     def orbits(self) -> npt.NDArray[np.float64]:
         """Circular orbits of the bodies, shape (bodies, 4), columns ``kernels.ORBIT_COLUMNS``."""
-        bodies = (self.station, *self.targets)
-        return np.array([body.orbit.circular_elements() for body in bodies], dtype=float)
+        return np.array([orbit.circular_elements() for orbit in self.body_orbits])
 
     def eccentricity_delta_v(self) -> npt.NDArray[np.float64]:
         """Cost of matching eccentricity vectors, v·|Δe|/2 with the destination's circular speed.
@@ -273,9 +277,9 @@ class Instance(Record):
         (origin, destination) float64
             [m/s]; zero between circles (MODEL section 1).
         """
-        bodies = (self.station, *self.targets)
-        vectors = np.array([body.orbit.eccentricity_vector() for body in bodies])
-        speeds = np.sqrt(MU_M3_S2 / np.array([b.orbit.semi_major_axis_m for b in bodies]))
+        orbits = self.body_orbits
+        vectors = np.array([orbit.eccentricity_vector() for orbit in orbits])
+        speeds = np.sqrt(MU_M3_S2 / np.array([orbit.semi_major_axis_m for orbit in orbits]))
         difference = np.linalg.norm(vectors[:, None, :] - vectors[None, :, :], axis=2)
         cost: npt.NDArray[np.float64] = 0.5 * difference * speeds[None, :]
         return cost

@@ -109,7 +109,7 @@ class Mission:
     def time(self, sequence: Iterable[int]) -> Timing:
         """Time a sequence of bodies exactly, as far as it is legal."""
         moves = np.asarray(list(sequence), dtype=np.int64)
-        if moves.size and not (0 <= moves.min() and moves.max() < len(self.names)):
+        if moves.size and not (moves.min() >= 0 and moves.max() < len(self.names)):
             raise InputError(f"a sequence may only name the bodies 0 to {len(self.names) - 1}")
         ends, lefts = np.empty(moves.size), np.empty(moves.size)
         rules = self.rules

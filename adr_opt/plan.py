@@ -129,5 +129,3 @@ def json_schema() -> dict[str, Any]:
 def relative_gap(objective: float, upper_bound: float) -> float:
     """(upper bound − objective) / upper bound; 0 where both are 0."""
     return (upper_bound - objective) / upper_bound if upper_bound > 0.0 else 0.0
-
-

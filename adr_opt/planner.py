@@ -19,7 +19,9 @@ BOUNDS = "adr_opt.bounds"
 class Progress(Protocol):
     """Hears of every new incumbent or bound: −inf and +inf stand for none yet."""
 
-    def __call__(self, incumbent: float, bound: float) -> None: ...
+    def __call__(self, incumbent: float, bound: float) -> None:
+        """Hear of it; called from the thread that found it."""
+        ...
 
 
 class Planner(Protocol):
@@ -34,7 +36,9 @@ class Planner(Protocol):
 
     def __call__(
         self, mission: Mission, *, seed: int, stop: Stop, progress: Progress, **options: Any
-    ) -> Result: ...
+    ) -> Result:
+        """Plan (or bound) a mission until it is enough."""
+        ...
 
 
 def silent(incumbent: float, bound: float) -> None:

@@ -73,7 +73,7 @@ class Timetable:
             table = kernels.Table(
                 first=np.zeros((size, size)),
                 spacing=np.zeros(size),
-                count=np.zeros((size, size), dtype=np.int32),
+                total=np.zeros((size, size), dtype=np.int32),
                 entries=np.full((size, most, size, 2), np.inf),
                 revolutions=np.full((size, most, size), -1, dtype=np.int8),
             )
@@ -103,7 +103,7 @@ class Timetable:
     @property
     def entries(self) -> int:
         """Number of (pair, departure event) entries."""
-        return int(self.table.count.sum())
+        return int(self.table.total.sum())
 
     def index(self, body: int | str) -> int:
         """Index of a body given by index or name."""

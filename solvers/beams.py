@@ -51,9 +51,10 @@ class BeamSettings:
     noise : float
         Width of the random number, uniform and the same for one state in one search, that is
         added to its score [prizes]: makes searches of different seeds differ.
-    guard_until_s : float
-        As long as this much of the mission is left, only states whose ΔV reaches the station are
-        kept; +inf for never [s]. A completion table knows better, so it needs no guard.
+    unguarded_s : float
+        Up to so long before the end of the mission, only states whose ΔV reaches the station are
+        kept [s]; nobody who is later can make use of a refuelling. A completion table knows
+        better, so it needs no guard.
     """
 
     width: int
@@ -61,7 +62,7 @@ class BeamSettings:
     delta_v_weight: float
     crowding: float = 1.7
     noise: float = 0.0
-    guard_until_s: float = np.inf
+    unguarded_s: float = 20e3
 
 
 @kernel
@@ -373,7 +374,7 @@ def beam_search(
         settings.delta_v_weight / 1000.0,
         settings.crowding,
         settings.noise,
-        -np.inf if guide is not None else rules.duration - settings.guard_until_s,
+        -np.inf if guide is not None else rules.duration - settings.unguarded_s,
         must_exceed,
         seed,
     )

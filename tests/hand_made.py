@@ -12,7 +12,8 @@ kilometre of the stand-off, about 0.2 m/s), and costs never change: a leg across
     132 m/s for 1°,  263 m/s for 2°,  394 m/s for 3°,  thousands of m/s to far.
 
 With P the period, a leg flies 1.5 P, approaches for 0.5 P and serves for P. It ends just after a
-node, so the next leg waits half a period: the first move ends at 3 P, every further one 3.5 P later.
+node, so the next leg waits half a period: the first move ends at 3 P, every further one 3.5 P
+later.
 
 The budget is 300 m/s and the mission lasts 14 P: four moves (3, 6.5, 10, 13.5 P), not five.
 far is never affordable, so three targets are left, and the question is whether all three fit into
@@ -69,7 +70,5 @@ def hand_made(*, periods: float = 14.0, delta_v_m_s: float = 300.0) -> Instance:
             Target(name="south", orbit=_orbit(95.0)),
             Target(name="far", orbit=_orbit(36.0)),
         ),
-        mission=MissionLimits(
-            duration_s=float(round(periods * PERIOD_S)), delta_v_m_s=delta_v_m_s
-        ),
+        mission=MissionLimits(duration_s=float(round(periods * PERIOD_S)), delta_v_m_s=delta_v_m_s),
     )

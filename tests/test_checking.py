@@ -84,7 +84,7 @@ def test_burns_are_checked(mission, plan):
 
 def test_order_rules(mission, plan):
     """Visiting twice, refuelling unearned, jumping, and strangers are each reported."""
-    south, refuel, north, beyond = plan.legs
+    south, refuel, north, _ = plan.legs
     assert "order" in rules_broken(mission, plan.replace(legs=(south, refuel, south)))
     assert "refuelling" in rules_broken(mission, plan.replace(legs=(south, refuel, refuel)))
     assert "refuelling" in rules_broken(mission, plan.replace(legs=(refuel,)))
@@ -96,7 +96,10 @@ def test_order_rules(mission, plan):
 
 def test_budgets(plan):
     """The same legs break a shorter mission and a smaller budget."""
-    for variant, rule in ((hand_made(periods=13.0), "duration"), (hand_made(delta_v_m_s=250.0), "delta-v")):
+    for variant, rule in (
+        (hand_made(periods=13.0), "duration"),
+        (hand_made(delta_v_m_s=250.0), "delta-v"),
+    ):
         other = plan.replace(instance=plan.instance.replace(sha256=variant.sha256))
         found = {violation.rule for violation in adr_opt.check(variant, other)}
         assert rule in found

@@ -204,7 +204,10 @@ def test_burns_add_up_to_the_cost():
         times, vectors, phases = burn_kernels.burns(
             i, j, pair, rule, departure, best.revolutions, best.phasing_radius
         )
-        assert np.linalg.norm(vectors, axis=1).sum() == pytest.approx(best.delta_v, abs=1e-6), (i, j)
+        assert np.linalg.norm(vectors, axis=1).sum() == pytest.approx(best.delta_v, abs=1e-6), (
+            i,
+            j,
+        )
         assert np.all(np.diff(times) >= 0.0)
         assert np.all(np.diff(phases) >= 0)
         assert times[0] == departure
@@ -227,9 +230,7 @@ def test_blocked_sequences_touch_a_zone_and_others_do_not():
         start = departure + rng.uniform(-0.5, 1.0) * best.flight_time
         zone = (bottom, bottom + 15e3, start, start + 3000.0)
         zoned = make_rule(zones=[zone])
-        blocked = transfer.is_blocked(
-            pair, zoned, best.revolutions, best.phasing_radius, departure
-        )
+        blocked = transfer.is_blocked(pair, zoned, best.revolutions, best.phasing_radius, departure)
         times, radii = altitude_profile(i, j, pair, rule, departure, best)
         inside = (zone[0] <= radii) & (radii <= zone[1]) & (zone[2] <= times) & (times <= zone[3])
         if inside.any():
@@ -286,7 +287,7 @@ def test_zone_makes_the_next_best_fly():
     """With its best sequence blocked, a leg flies another one that is not, at its true cost."""
     rule = make_rule()
     detours = 0
-    for number, (i, j, pair, departure, lead) in enumerate(pairs(9)):
+    for number, (_, _, pair, departure, lead) in enumerate(pairs(9)):
         if number % 10:
             continue
         best = transfer.best_sequence(pair, rule, departure, lead)

@@ -23,7 +23,7 @@ class Table(NamedTuple):
         Time of the first departure event of the pair (origin, destination) [s].
     spacing : (bodies,) float64
         Time between events of an origin: half its period [s].
-    count : (bodies, bodies) int32
+    total : (bodies, bodies) int32
         Number of events at or before the end of the mission; 0 on the diagonal.
     entries : (bodies, events, bodies, 2) float64
         ΔV [m/s] and arrival, the end of the approach [s], of (origin, event, destination);
@@ -35,7 +35,7 @@ class Table(NamedTuple):
 
     first: np.ndarray
     spacing: np.ndarray
-    count: np.ndarray
+    total: np.ndarray
     entries: np.ndarray
     revolutions: np.ndarray
 
@@ -78,13 +78,13 @@ def fill_row(origin, bodies, extra_delta_v, rule, duration, table):
             table.entries[origin, m, j, 1] = departure + best.flight_time + approach
             table.revolutions[origin, m, j] = best.revolutions
             m += 1
-        table.count[origin, j] = m
+        table.total[origin, j] = m
 
 
 @inlined
 def events(table, i, j):
     """Number of departure events of the pair, numbered from 0 in time order."""
-    return table.count[i, j]
+    return table.total[i, j]
 
 
 @inlined
@@ -110,7 +110,7 @@ def next_event(table, i, j, time):
         m -= 1
     elif first + m * spacing < time:
         m += 1
-    return min(m, table.count[i, j])
+    return min(m, table.total[i, j])
 
 
 @inlined
@@ -125,7 +125,7 @@ def lookup(table, i, j, time):
         End of the approach, before service [s].
     """
     m = next_event(table, i, j, time)
-    if m >= table.count[i, j]:
+    if m >= table.total[i, j]:
         return math.inf, math.inf
     return table.entries[i, m, j, 0], table.entries[i, m, j, 1]
 

@@ -166,7 +166,7 @@ def unroll(rules) -> Network:
     rules : adr_opt.kernels.rules.Rules
     """
     bodies, most, _, _ = rules.table.entries.shape
-    size = int(rules.table.count.sum())
+    size = int(rules.table.total.sum())
     keys, ends = np.empty(size, dtype=np.int64), np.empty(size)
     count = _possible_legs(rules, keys, ends)
     keys, ends = keys[:count], ends[:count]

@@ -1,0 +1,255 @@
+"""The default planner: anytime, and it knows when to stop."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import Iterable
+from concurrent.futures import Future, ThreadPoolExecutor
+
+import numpy as np
+
+from adr_opt.errors import InputError
+from adr_opt.mission import Mission
+from adr_opt.planner import Progress, get, silent
+from adr_opt.result import Result, certify
+from adr_opt.stop import MaxIterations, Stop
+
+from .beams import BeamSettings, beam_search
+from .local_search.planner import LocalSearch
+from .proof import Certificate, Proof, bound_notes
+
+HOUR_WORTH, KILOMETRE_WORTH = 0.17, 0.38
+"""Weights of the beams [mean prizes per h and per km/s]."""
+
+QUICK_WIDTHS = (100, 1000)
+"""Beams at the very beginning, before anything is proven."""
+
+WIDEST = 30_000
+
+USUAL_TARGETS = 50
+"""Fields of this size get beams of the widths above; larger ones narrower ones."""
+
+MOST_EVENTS = 5_000_000
+"""Missions with more timetable entries are not proven anything: memory."""
+
+LEAST_PROOF_S = 1.0
+"""With less time left, a proof is not begun."""
+
+
+class _Search:
+    """The searching half: beams, and ruin and recreate."""
+
+    def __init__(
+        self, mission: Mission, seed: int, stop: Stop, certificate: Certificate, jobs: int
+    ) -> None:
+        self._mission = mission
+        self._stop = stop
+        self._certificate = certificate
+        self._jobs = jobs
+        self._rng = np.random.default_rng(seed)
+        self._pace_s = 0.0  # of a beam, per unit of width
+        prizes = mission.rules.prize[mission.rules.prize > 0.0]
+        self._mean = float(prizes.mean()) if prizes.size else 1.0
+        self.counters = {"beams": 0, "recreations": 0}
+
+    def beam(self, width: int, vary: bool) -> None:
+        """Search one beam, with the usual settings or with others near them."""
+        # The draws do not depend on the clock, so that time limits do not shift them.
+        kilometre, crowding, noise, seed = KILOMETRE_WORTH, 1.7, 0.0, 0
+        if vary:
+            kilometre *= self._rng.uniform(0.6, 1.5)
+            crowding = self._rng.uniform(1.2, 2.5)
+            noise = self._rng.uniform(0.0, 0.4)
+            seed = int(self._rng.integers(2**31))
+        remaining = self._stop.remaining_s()
+        if remaining <= 0.0:
+            return
+        if self._pace_s * width > remaining:
+            width = max(1, int(remaining / self._pace_s))
+        began = time.perf_counter()
+        settings = BeamSettings(
+            width=width,
+            time_weight=HOUR_WORTH * self._mean,
+            delta_v_weight=kilometre * self._mean,
+            crowding=crowding,
+            noise=noise * self._mean,
+        )
+        self._certificate.offer(beam_search(self._mission, settings, seed=seed)[0])
+        if width >= QUICK_WIDTHS[-1] // 10:
+            self._pace_s = (time.perf_counter() - began) / width
+        self.counters["beams"] += 1
+
+    def improve(self, recreations: int, width: int) -> None:
+        """Ruin and recreate the incumbent."""
+        seed = int(self._rng.integers(2**31))
+        search = LocalSearch(self._mission, self._certificate.sequence or (), seed)
+        for _ in range(recreations):
+            if self._stop.remaining_s() <= 0.0:
+                break
+            search.recreate(width)
+            self.counters["recreations"] += 1
+        self._certificate.offer(search.sequence)
+
+
+class _Prover:
+    """The proving half: works on a certificate of its own, compared between rounds."""
+
+    def __init__(
+        self,
+        mission: Mission,
+        certificate: Certificate,
+        stop: Stop,
+        jobs: int,
+        delta_v_slot_m_s: float,
+        most_labels: int,
+    ) -> None:
+        def tell(incumbent: float, bound: float) -> None:
+            certificate.tell(incumbent, bound)
+
+        self._mission = mission
+        self._shared = certificate
+        self._stop = stop
+        self._options = {
+            "jobs": jobs, "delta_v_slot_m_s": delta_v_slot_m_s, "most_labels": most_labels,
+        }  # fmt: skip
+        self._own = Certificate(mission, tell)
+        self._proof: Proof | None = None
+
+    @property
+    def done(self) -> bool:
+        """Whether the proof can do no more."""
+        return self._proof is not None and self._proof.done
+
+    def advance(self) -> None:
+        """One round."""
+        if self._proof is None:
+            if self._stop.remaining_s() < LEAST_PROOF_S:
+                return
+            self._proof = Proof(self._mission, self._own, **self._options)  # type: ignore[arg-type]
+        self._proof.advance(lambda: self._stop.remaining_s() <= 0.0)
+
+    def fetch(self) -> None:
+        """Hear of the incumbent, before a round."""
+        self._own.offer(self._shared.sequence or ())
+
+    def deliver(self) -> None:
+        """Tell what the round has found."""
+        if self._own.sequence is not None:
+            self._shared.offer(self._own.sequence)
+        self._shared.lower(self._own.bound)
+
+    def close(self) -> dict[str, float]:
+        """End the threads; what was done."""
+        if self._proof is None:
+            return {}
+        self._proof.close()
+        return self._proof.counters
+
+
+def auto(
+    mission: Mission,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    start: Iterable[int] | None = None,
+    jobs: int = 0,
+    prove: bool = True,
+    delta_v_slot_m_s: float = 20.0,
+    most_labels: int = 8_000_000,
+) -> Result:
+    """The best plan that the time allows, and a proof where one is found.
+
+    Begins with the guarded greedy plan and quick beams. Then rounds, each with more effort than
+    the one before: a round of proof (:class:`solvers.proof.Proof`: it bounds the objective, and
+    its searches for plans worth more than the incumbent are exhaustive, so they find what beams
+    miss) side by side with wider beams and with ruin-and-recreate. Ends when the incumbent meets
+    the bound, or when ``stop`` says so. The same seed and the same number of iterations (rounds)
+    give the same plan; ``jobs`` does not change it.
+
+    Parameters
+    ----------
+    start : sequence of int, optional
+        A plan to begin from: bodies in order.
+    jobs : int
+        Cores, 0 for all.
+    prove : bool
+        Whether to work on the bound; without it only beams and local search are used.
+    delta_v_slot_m_s, most_labels
+        As for the bound ``lagrangian``.
+
+    Raises
+    ------
+    InputError
+        An option is out of range.
+    """
+    if jobs < 0:
+        raise InputError(f"option jobs = {jobs} of method 'auto': must be ≥ 0")
+    if most_labels < 1:
+        raise InputError(f"option most_labels = {most_labels} of method 'auto': must be ≥ 1")
+    if not (math.isfinite(delta_v_slot_m_s) and delta_v_slot_m_s > 0.0):
+        raise InputError(
+            f"option delta_v_slot_m_s = {delta_v_slot_m_s!r} of method 'auto': must be > 0"
+        )
+    began = time.perf_counter()
+    cores = jobs or os.cpu_count() or 1
+    certificate = Certificate(mission, progress)
+    search = _Search(mission, seed, stop, certificate, cores)
+    greedy = get("greedy-guarded")(mission, seed=seed, stop=MaxIterations(1), progress=silent)
+    certificate.offer(greedy.sequence or ())
+    if start is not None:
+        certificate.offer(start)
+    prover = None
+    if prove and mission.timetable.entries <= MOST_EVENTS:
+        prover = _Prover(mission, certificate, stop, cores, delta_v_slot_m_s, most_labels)
+
+    def is_over() -> bool:
+        return certificate.proven or stop(certificate.incumbent, certificate.bound)
+
+    # Large fields get narrower beams, so that a round takes about as long on all of them.
+    scale = min(1.0, (USUAL_TARGETS / max(1, len(mission.instance.targets))) ** 2)
+
+    def scaled(width: int) -> int:
+        return max(10, int(scale * width))
+
+    rounds = 0
+    for width in QUICK_WIDTHS:
+        if is_over():
+            break
+        search.beam(scaled(width), vary=False)
+    width, recreations = 2 * QUICK_WIDTHS[-1], 20
+    with ThreadPoolExecutor(1) as pool:
+        while not is_over():
+            rounds += 1
+            advancing: Future[None] | None = None
+            if prover is not None and not prover.done:
+                prover.fetch()
+                if cores > 1:
+                    advancing = pool.submit(prover.advance)
+                else:
+                    prover.advance()
+            search.beam(scaled(width), vary=False)
+            search.beam(scaled(width), vary=True)
+            search.improve(recreations, scaled(width // 20))
+            if advancing is not None:
+                advancing.result()
+            if prover is not None:
+                prover.deliver()
+            width = min(2 * width, WIDEST)
+            recreations *= 2
+    counters: dict[str, float] = {"rounds": rounds, **search.counters}
+    if prover is not None:
+        counters |= prover.close()
+    bounded = certificate.bound < mission.total_prize
+    return certify(
+        mission,
+        "auto",
+        certificate.sequence,
+        seed=seed,
+        runtime_s=time.perf_counter() - began,
+        upper_bound=certificate.bound if bounded else math.inf,
+        counters=counters,
+        notes=bound_notes(mission) if bounded else (),
+    )

@@ -1,0 +1,36 @@
+"""What a plan is worth."""
+
+from __future__ import annotations
+
+import numpy as np
+from ortools.sat.python import cp_model
+
+from .variables import Variables
+
+
+class Objective:
+    """The objective of the model: the sum of the prizes, in whole steps.
+
+    Parameters
+    ----------
+    block : CpModel
+        Gets the objective.
+    variables : Variables
+    worth : (bodies,) int64
+        Prizes in steps.
+    """
+
+    def __init__(
+        self, block: cp_model.CpModel, variables: Variables, worth: np.ndarray
+    ) -> None:
+        self._block = block
+        self._collect(variables, worth.tolist())
+
+    def _collect(self, variables: Variables, worth: list[int]) -> None:
+        """Collect the prize of each target that is serviced."""
+        visits = list(variables.visit.items())
+        self._block.maximize(
+            cp_model.LinearExpr.weighted_sum(
+                [visit for _, visit in visits], [worth[target] for target, _ in visits]
+            )
+        )

@@ -1,0 +1,86 @@
+"""The exact method: label setting on exact times with ng-route memory that grows on demand.
+
+A beam finds a plan; :class:`solvers.proof.Proof` asks, exhaustively, for a better one. Its searches
+set labels forwards over the departure events themselves, with exact times and exact ΔV, pruned by
+completion values and by dominance, and remember visited targets only as far as earlier walks have
+shown that they must (decremental state-space relaxation: Righini and Salani 2008; ng-routes:
+Baldacci, Mingozzi and Roberti 2011). Where the best walk repeats no target it is a plan.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterable
+
+from adr_opt.mission import Mission
+from adr_opt.planner import Progress, get, silent
+from adr_opt.result import Result, certify
+from adr_opt.stop import MaxIterations, Stop
+
+from .lagrangian import check_options
+from .proof import Certificate, Proof, bound_notes
+
+
+def exact(
+    mission: Mission,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    start: Iterable[int] | None = None,
+    jobs: int = 0,
+    delta_v_slot_m_s: float = 20.0,
+    most_labels: int = 50_000_000,
+) -> Result:
+    """The optimal plan and its proof; at the limit the best plan and bound so far.
+
+    Parameters
+    ----------
+    start : sequence of int, optional
+        A plan to begin with, compared with one found by beam search.
+    jobs : int
+        Cores for the bound, 0 for all. The result does not depend on it.
+    delta_v_slot_m_s : float
+        Slot of ΔV of the completion values [m/s].
+    most_labels : int
+        Most labels of one search: about 60 bytes each.
+
+    Raises
+    ------
+    InputError
+        An option is out of range.
+    """
+    check_options("exact", delta_v_slot_m_s, jobs, most_labels)
+    began = time.perf_counter()
+    certificate = Certificate(mission, progress)
+    if start is not None:
+        certificate.offer(start)
+
+    def enough() -> bool:
+        return stop(certificate.incumbent, certificate.bound)
+
+    counters: dict[str, float] = {}
+    for name in ("greedy-guarded", "beam"):
+        if not certificate.proven and not enough():
+            found = get(name)(mission, seed=seed, stop=MaxIterations(1), progress=silent)
+            certificate.offer(found.sequence or ())
+    if not certificate.proven and not enough():
+        proof = Proof(
+            mission, certificate, jobs=jobs or os.cpu_count() or 1,
+            delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
+        )  # fmt: skip
+        while not proof.done and not enough():
+            proof.advance(enough)
+        proof.close()
+        counters = proof.counters
+    return certify(
+        mission,
+        "exact",
+        certificate.sequence or (),
+        seed=seed,
+        runtime_s=time.perf_counter() - began,
+        upper_bound=certificate.bound,
+        counters=counters,
+        notes=bound_notes(mission),
+    )

@@ -1,0 +1,237 @@
+"""A proof under way: bound and incumbent, brought together round by round.
+
+The room shared by the Lagrangian bound, by the exact method and by ``auto``. One round has two
+parts. Multipliers of "each target at most once" are moved so that the best walk of the
+time-expanded network is worth little (:mod:`solvers.completion`, :mod:`solvers.multipliers`). Then
+plans worth a little less than the bound are asked for (:mod:`solvers.ng_routes`): if there are
+none, the bound comes down; if the answer is a plan, it is a better incumbent. Every value on the
+way is a valid bound and the least is kept; the trivial one is the sum of all prizes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from adr_opt.mission import Mission
+from adr_opt.planner import Progress
+from adr_opt.stop.proven import TOLERANCE
+
+from .completion import WalkBound
+from .multipliers import Descent
+from .ng_routes import NgRoutes
+
+ROUNDING = 1e-6
+"""A bound this little below a whole number counts as that number."""
+
+MARGIN = 1e-3
+"""Plans worth a whole number are asked for from this much below; more than the rounding."""
+
+STEP = 0.01
+"""Where prizes are not whole, ask for a plan worth so much less than the bound (relative)."""
+
+SMALL = 1e-3
+"""Multipliers below this share of the largest prize are dropped rather than halved."""
+
+FIRST_EVALUATIONS, FIRST_LABELS = 3, 200_000
+"""Effort of the first round, in evaluations of the bound and in labels of a search."""
+
+GROWTH = 4
+"""Each round of searches may make so many times the labels of the one before."""
+
+ROOM_BYTES = 1.5e9
+"""Memory that the values of all states may take; ΔV slots are widened to fit."""
+
+
+class Certificate:
+    """Incumbent and bound, and who is told of them."""
+
+    def __init__(self, mission: Mission, progress: Progress) -> None:
+        self._mission = mission
+        self._progress = progress
+        self.sequence: tuple[int, ...] | None = None
+        self.incumbent = -math.inf
+        self.delta_v = math.inf
+        self.bound = math.inf
+        self.lower(mission.total_prize)
+
+    def offer(self, sequence: Iterable[int]) -> bool:
+        """A sequence that may be the best plan so far: more prize, or as much for less ΔV.
+
+        Returns
+        -------
+        better : bool
+        """
+        moves = tuple(int(j) for j in sequence)
+        timing = self._mission.time(moves)
+        if timing.made < len(moves):
+            return False
+        more = timing.objective > self.incumbent
+        if not more and not (
+            timing.objective == self.incumbent and timing.delta_v < self.delta_v
+        ):
+            return False
+        self.incumbent, self.delta_v, self.sequence = timing.objective, timing.delta_v, moves
+        if more:
+            self._progress(self.incumbent, self.bound)
+        return True
+
+    def tell(self, incumbent: float, bound: float) -> None:
+        """Report what someone else has found, before it is offered here."""
+        self._progress(max(incumbent, self.incumbent), min(bound, self.bound))
+
+    def lower(self, bound: float) -> None:
+        """A bound that was proven; whole prizes round it down."""
+        if self._mission.has_whole_prizes:
+            bound = math.floor(bound + ROUNDING)
+        bound = max(bound, self.incumbent)
+        if bound < self.bound:
+            self.bound = bound
+            self._progress(self.incumbent, self.bound)
+
+    @property
+    def proven(self) -> bool:
+        """Whether the incumbent meets the bound."""
+        return self.incumbent >= self.bound - TOLERANCE * max(1.0, abs(self.bound))
+
+    @property
+    def threshold(self) -> float:
+        """What to ask for next: more than the incumbent, at most the bound."""
+        if self._mission.has_whole_prizes:
+            value = min(self.bound, math.ceil((1.0 - STEP) * self.bound - ROUNDING))
+            return max(value, self.incumbent + 1.0) - MARGIN
+        return max(
+            (1.0 - STEP) * self.bound,
+            self.incumbent + 0.5 * TOLERANCE * max(1.0, abs(self.bound)),
+        )
+
+
+class Proof:
+    """Rounds of bound and search for one mission.
+
+    Parameters
+    ----------
+    mission : Mission
+    certificate : Certificate
+        Told of every bound and plan; asked for the incumbent.
+    jobs : int
+        Threads of an evaluation of the bound. The result does not depend on it.
+    delta_v_slot_m_s : float
+        Slot of ΔV of the bound, widened where its values would not fit into memory [m/s].
+    most_labels : int
+        Most labels of a search.
+
+    Attributes
+    ----------
+    done : bool
+        Nothing is left to do: proven, or out of labels.
+    """
+
+    def __init__(
+        self,
+        mission: Mission,
+        certificate: Certificate,
+        *,
+        jobs: int,
+        delta_v_slot_m_s: float,
+        most_labels: int,
+    ) -> None:
+        self._certificate = certificate
+        self._slot = affordable_slot(mission, delta_v_slot_m_s)
+        self._bound = WalkBound(mission, self._slot, jobs)
+        self._descent, self._routes = Descent(self._bound), NgRoutes(self._bound)
+        self._most_labels = most_labels
+        self._evaluations = FIRST_EVALUATIONS
+        self._labels = min(FIRST_LABELS, most_labels)
+        self.done = certificate.proven
+
+    def advance(self, enough: Callable[[], bool]) -> None:
+        """One round, with more effort than the one before.
+
+        Parameters
+        ----------
+        enough : callable
+            Asked at every evaluation and every few labels; the round is left when it says so.
+        """
+        certificate, descent = self._certificate, self._descent
+        for _ in range(self._evaluations):
+            if descent.done or certificate.proven or enough():
+                break
+            descent.step()
+            certificate.lower(descent.value)
+        if certificate.proven:
+            self.done = True
+            return
+        if enough():
+            return
+        nothing_left = self._search(enough)
+        self.done = (
+            nothing_left
+            or certificate.proven
+            or (self._labels == self._most_labels and descent.done and not enough())
+        )
+        self._evaluations *= 2
+        self._labels = min(GROWTH * self._labels, self._most_labels)
+
+    def _search(self, enough: Callable[[], bool]) -> bool:
+        """Ask for plans worth less and less until one is found or the labels are too many.
+
+        Returns
+        -------
+        done : bool
+            There is nothing left to ask for.
+        """
+        certificate, routes = self._certificate, self._routes
+        multipliers = self._descent.multipliers
+        routes.use(multipliers)
+        while not certificate.proven:
+            threshold = certificate.threshold
+            finished, value, plan, grown = routes.search(threshold, self._labels, enough)
+            if not finished:
+                return False
+            if plan is not None:
+                certificate.offer(plan)
+            # Every plan left out of the search is worth less than the threshold.
+            certificate.lower(max(value, threshold))
+            if certificate.proven or enough():
+                return certificate.proven
+            if value >= threshold and grown == 0:
+                if not multipliers.any():
+                    return True
+                # Plans reach the threshold only by multipliers of targets that they leave out.
+                small = SMALL * routes.greatest_prize
+                multipliers = np.where(multipliers > small, 0.5 * multipliers, 0.0)
+                routes.use(multipliers)
+        return True
+
+    @property
+    def counters(self) -> dict[str, float]:
+        """What was done so far."""
+        return {
+            "delta_v_slot_m_s": self._slot,
+            "evaluations": self._descent.evaluations,
+            "searches": self._routes.searches,
+            "labels": self._routes.labels_made,
+        }
+
+    def close(self) -> None:
+        """End the threads."""
+        self._bound.close()
+
+
+def affordable_slot(mission: Mission, slot: float) -> float:
+    """The slot asked for, widened until the values of all states fit into memory."""
+    events = mission.timetable.entries + len(mission.names)
+    budget = mission.rules.budget
+    while slot < budget and 8.0 * events * (budget / slot + 16.0) > ROOM_BYTES:
+        slot *= 2.0
+    return slot
+
+
+def bound_notes(mission: Mission) -> list[str]:
+    """What a reader of a bound has to know."""
+    if mission.has_whole_prizes:
+        return ["the bound is rounded down: all prizes are whole"]
+    return []
