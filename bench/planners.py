@@ -1,0 +1,153 @@
+"""How good the planners are: means over fields, every plan checked, gaps where there is a bound.
+
+    python bench/planners.py nominal greedy greedy-guarded beam auto@10 auto@60 auto+lagrangian@60
+
+A method is NAME[:OPTION=VALUE,…][+BOUND][@SECONDS]. The time limit starts with a ready timetable.
+Rows go to ``--out`` as JSON lines when they are finished, and a run started again skips what is
+there; the table is printed from these rows. ``--count`` fields of a family, by seed from 0;
+``--targets`` and ``--days`` change them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import resource
+import statistics
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from machine import heading
+
+import adr_opt
+from adr_opt.flight import fly
+from adr_opt.planner import get, parse_option
+
+
+def parse(spec: str) -> tuple[str, dict[str, str], str | None, float]:
+    """Name, options, bound and time limit [s] of a method as typed."""
+    rest, _, limit = spec.partition("@")
+    rest, _, bound = rest.partition("+")
+    name, _, options = rest.partition(":")
+    pairs = dict(pair.split("=", 1) for pair in options.split(",") if pair)
+    return name, pairs, bound or None, float(limit or 60.0)
+
+
+def options_of(name: str, texts: dict[str, str]) -> dict[str, Any]:
+    """Values of options given as text."""
+    planner = get(name)
+    return {key: parse_option(name, planner, key, text) for key, text in texts.items()}
+
+
+def measure(family: str, seed: int, spec: str, mission: adr_opt.Mission) -> dict[str, Any]:
+    """One plan: solved, checked, flown."""
+    name, texts, bound, limit = parse(spec)
+    options = options_of(name, texts)
+    began = time.perf_counter()
+    result = adr_opt.solve(mission, name, time_limit=limit, seed=0, bound=bound, **options)
+    wall = time.perf_counter() - began
+    assert result.plan is not None
+    violations = adr_opt.check(mission.instance, result.plan)
+    miss = fly(mission.instance, result.plan).worst_miss_m
+    return {
+        "family": family,
+        "seed": seed,
+        "method": spec,
+        "objective": result.objective,
+        "upper_bound": result.plan.upper_bound,
+        "gap": result.plan.gap,
+        "status": result.status,
+        "delta_v_m_s": result.plan.delta_v_m_s,
+        "wall_s": wall,
+        "violations": len(violations),
+        "miss_m": miss,
+    }
+
+
+def table(rows: list[dict[str, Any]], methods: list[str]) -> str:
+    """Means over fields, one method to a line."""
+    lines = [
+        "| method | fields | visits, mean | min–max | bound, mean | gap, mean | proven | "
+        "time, median | max | violations | worst miss |",
+        "|---|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    for spec in methods:
+        mine = [row for row in rows if row["method"] == spec]
+        if not mine:
+            continue
+        values = [row["objective"] for row in mine]
+        bounds = [row["upper_bound"] for row in mine if row["upper_bound"] is not None]
+        gaps = [row["gap"] for row in mine if row["gap"] is not None]
+        walls = [row["wall_s"] for row in mine]
+        lines.append(
+            f"| {spec} | {len(mine)} | {statistics.mean(values):.2f} | "
+            f"{min(values):g}–{max(values):g} | "
+            + (f"{statistics.mean(bounds):.2f}" if len(bounds) == len(mine) else "")
+            + " | "
+            + (f"{100 * statistics.mean(gaps):.2f} %" if len(gaps) == len(mine) else "")
+            + f" | {sum(row['status'] == 'optimal' for row in mine)} | "
+            f"{statistics.median(walls):.3g} s | {max(walls):.3g} s | "
+            f"{sum(row['violations'] for row in mine)} | "
+            f"{max(row['miss_m'] for row in mine):.1e} m |"
+        )
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Measure what is missing and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("family")
+    parser.add_argument("methods", nargs="+")
+    parser.add_argument("--count", type=int, default=20)
+    parser.add_argument("--targets", type=int)
+    parser.add_argument("--days", type=float)
+    parser.add_argument("--out", type=Path, help="JSON lines, appended to")
+    arguments = parser.parse_args()
+    family = arguments.family
+    if arguments.targets is not None:
+        family += f"-n{arguments.targets}"
+    if arguments.days is not None:
+        family += f"-{arguments.days:g}d"
+    rows: list[dict[str, Any]] = []
+    if arguments.out and arguments.out.exists():
+        rows = [json.loads(line) for line in arguments.out.read_text().splitlines()]
+        rows = [row for row in rows if row["family"] == family]
+    done = {(row["seed"], row["method"]) for row in rows}
+    for spec in arguments.methods:  # compile before the clock starts
+        name, texts, bound, _ = parse(spec)
+        options = options_of(name, texts)
+        warm = adr_opt.generate("tiny", 0)
+        adr_opt.solve(warm, name, time_limit=20.0, iterations=3, bound=bound, **options)
+    for seed in range(arguments.count):
+        missing = [spec for spec in arguments.methods if (seed, spec) not in done]
+        if not missing:
+            continue
+        instance = adr_opt.generate(arguments.family, seed, targets=arguments.targets)
+        if arguments.days is not None:
+            limits = instance.mission.replace(duration_s=86400.0 * arguments.days)
+            instance = instance.replace(name=f"{family}-{seed:03d}", mission=limits)
+        mission = adr_opt.Mission(instance)
+        mission.rules  # noqa: B018  builds the timetable
+        for spec in missing:
+            row = measure(family, seed, spec, mission)
+            rows.append(row)
+            if arguments.out:
+                with arguments.out.open("a") as file:
+                    file.write(json.dumps(row) + "\n")
+            print(
+                f"{family}-{seed:03d} {spec}: {row['objective']:g} "
+                f"of {row['upper_bound']} {row['wall_s']:.2f} s",
+                file=sys.stderr,
+            )
+    rows = [row for row in rows if row["seed"] < arguments.count]
+    print(heading())
+    print(f"Family `{family}`, seeds 0–{arguments.count - 1}.\n")
+    print(table(rows, arguments.methods))
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+    print(f"\nPeak memory of this process: {peak:.1f} GB.")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,118 @@
+"""How fast the timetable is: per entry, on one core and on all, and against a reference library.
+
+    python bench/precompute.py
+
+Medians of several runs in one process after a warm-up. Also the greedy plan from a ready
+timetable, and two whole processes: `import adr_opt` and `solve --method greedy`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+
+import numpy as np
+from machine import heading
+from reference_leg import reference_leg
+
+import adr_opt
+from adr_opt.planner import get, silent
+from adr_opt.stop import MaxIterations
+
+
+def median_s(function: Callable[[], object], runs: int) -> tuple[float, float, float]:
+    """Least, median and greatest wall time after one warm-up [s]."""
+    function()
+    times = []
+    for _ in range(runs):
+        began = time.perf_counter()
+        function()
+        times.append(time.perf_counter() - began)
+    return min(times), statistics.median(times), max(times)
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=9)
+    parser.add_argument("--reference-legs", type=int, default=12)
+    arguments = parser.parse_args()
+    instance = adr_opt.generate("nominal", 0)
+    table = adr_opt.Timetable(instance)
+    entries = table.entries
+    cores = os.cpu_count() or 1
+    print(heading())
+    print("| what | min | median | max |\n|---|---|---|---|")
+    one = median_s(lambda: adr_opt.Timetable(instance, 1), arguments.runs)
+    many = median_s(lambda: adr_opt.Timetable(instance, cores), arguments.runs)
+    for name, times in ((f"{entries} entries, 1 core", one), (f"the same, {cores} cores", many)):
+        cells = " | ".join(f"{t:.3f} s ({t / entries * 1e6:.3f} µs/entry)" for t in times)
+        print(f"| timetable, {name} | {cells} |")
+    print(f"| speed-up on {cores} cores | | {one[1] / many[1]:.2f} × | |")
+
+    rng = np.random.default_rng(0)
+    legs = []
+    while len(legs) < arguments.reference_legs:
+        i, j = (int(x) for x in rng.choice(len(table.names), 2, replace=False))
+        ready = float(rng.uniform(0.0, 6.0 * 86400.0))
+        if np.isfinite(table.lookup(i, j, ready)[0]):
+            legs.append((i, j, ready))
+    reference_leg(instance, *legs[0])
+    times, worst = [], 0.0
+    for i, j, ready in legs:
+        began = time.perf_counter()
+        delta_v, arrival = reference_leg(instance, i, j, ready)
+        times.append(time.perf_counter() - began)
+        ours = table.lookup(i, j, ready)
+        worst = max(worst, abs(delta_v / ours[0] - 1.0), abs(arrival / ours[1] - 1.0))
+    per_leg = statistics.median(times)
+    print(
+        f"| one leg through boinor, every (k, m) tried | {min(times) * 1e3:.0f} ms | "
+        f"{per_leg * 1e3:.0f} ms | {max(times) * 1e3:.0f} ms |"
+    )
+    print(f"| boinor leg / timetable entry, 1 core | | {per_leg / (one[1] / entries):.0f} × | |")
+    print(f"| largest relative difference to boinor, {len(legs)} legs | | | {worst:.1e} |")
+
+    mission = adr_opt.Mission(instance, table)
+    mission.rules  # noqa: B018  the arrays of the rules are part of a ready timetable
+    greedy = get("greedy")
+    search = median_s(
+        lambda: greedy(mission, seed=0, stop=MaxIterations(1), progress=silent), arguments.runs
+    )
+    plans = [
+        greedy(mission, seed=0, stop=MaxIterations(1), progress=silent).runtime_s
+        for _ in range(arguments.runs)
+    ]
+    print(
+        f"| greedy sequence from a ready timetable | {min(plans) * 1e3:.3f} ms | "
+        f"{statistics.median(plans) * 1e3:.3f} ms | {max(plans) * 1e3:.3f} ms |"
+    )
+    print(
+        "| the same with legs, burns and reasons | "
+        + " | ".join(f"{t * 1e3:.1f} ms" for t in search)
+        + " |"
+    )
+    path = os.path.join(os.path.dirname(__file__), "../instances/nominal/nominal-000.json")
+    for name, command in (
+        ("process: import adr_opt", ["-c", "import adr_opt"]),
+        (
+            "process: solve --method greedy",
+            ["-m", "adr_opt", "solve", path, "--method", "greedy"],
+        ),
+    ):
+        times_of = median_s(
+            lambda command=command: subprocess.run(  # type: ignore[misc]
+                [sys.executable, *command], check=True, capture_output=True
+            ),
+            5,
+        )
+        print(f"| {name} | " + " | ".join(f"{t:.2f} s" for t in times_of) + " |")
+
+
+if __name__ == "__main__":
+    main()
