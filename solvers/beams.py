@@ -4,8 +4,9 @@ Level by level: a state of level n has serviced n targets, and its successors ar
 can be reached from it directly or after a refuelling on the way (refuelling is part of the move,
 so that a level never mixes states before and after it). The `width` best states of a level
 survive; of states with the same targets visited and the same body only those that are not later
-*and* poorer in ΔV than another are kept. Everything is exact: the states are timed on the
-timetable.
+*and* poorer in ΔV than another are kept. The states are timed exactly, on the timetable. That the
+earlier and richer one is as good is a rule of thumb: a chaser may not let a departure go by, so
+now and then the later one meets a cheaper departure, and no width makes the search exhaustive.
 
 States are ordered by a weighted sum, smaller first:
 
@@ -52,9 +53,9 @@ class BeamSettings:
         Width of the random number, uniform and the same for one state in one search, that is
         added to its score [prizes]: makes searches of different seeds differ.
     unguarded_s : float
-        Up to so long before the end of the mission, only states whose ΔV reaches the station are
-        kept [s]; nobody who is later can make use of a refuelling. A completion table knows
-        better, so it needs no guard.
+        Up to so long before the end of the mission, states whose ΔV does not reach the station
+        are kept only where there is room after all others [s]; nobody who is later can make use
+        of a refuelling. A completion table knows better, so it needs no guard.
     """
 
     width: int
@@ -118,7 +119,6 @@ def beam_kernel(
     crowding,
     noise,
     guard_until,
-    must_exceed,
     seed,
 ):
     """Beam search from the state that a prefix leads to.
@@ -139,9 +139,7 @@ def beam_kernel(
     noise : float
         [prizes].
     guard_until : float
-        Absolute time up to which the way back must be affordable [s].
-    must_exceed : float
-        Only with a guide: states that cannot lead to a larger objective are dropped.
+        Absolute time up to which a state is stranded if it cannot afford the way back [s].
     seed : int
 
     Returns
@@ -206,8 +204,13 @@ def beam_kernel(
     while buckets < 4 * width:
         buckets *= 2
     head, chain = np.empty(buckets, np.int32), np.empty(width, np.int32)
-    share = max(1, int(min(float(width), math.ceil(crowding * width / max(1, remaining)))))
+    share = width
+    if crowding < remaining:
+        share = max(1, math.ceil(crowding * width / remaining))
     held = np.empty(bodies, np.int64)
+    # More than any two scores differ by, so that the stranded come after all others.
+    stranded = 1.0 + rules.prize.sum() + time_weight * rules.duration
+    stranded += delta_v_weight * rules.budget + noise
 
     size, level, priced = 1, 0, 0
     while level < remaining and size > 0:
@@ -216,7 +219,9 @@ def beam_kernel(
             refuels = False
             back, back_end = 0.0, 0.0
             if body[s] != STATION and (level > 0 or earned):
-                refuels, back, back_end = rule_kernels.fits(rules, body[s], time[s], left[s], STATION)
+                refuels, back, back_end = rule_kernels.fits(
+                    rules, body[s], time[s], left[s], STATION
+                )
             for j in range(1, bodies):
                 if (visited[s, j >> 6] >> np.uint64(j & 63)) & one:
                     continue
@@ -243,8 +248,6 @@ def beam_kernel(
                             + (ahead[s] - guide.multipliers[j])
                             + completion_value(guide, j, end, rest)
                         )
-                        if bound <= must_exceed:
-                            continue
                     else:
                         bound = prize[s] + rules.prize[j]
                     score = time_weight * end - delta_v_weight * rest - bound + shade
@@ -252,7 +255,9 @@ def beam_kernel(
                         continue
                     if end < guard_until:
                         if rule_kernels.fits(rules, j, end, rest, STATION)[1] > rest:
-                            continue
+                            score += stranded
+                            if score > limit:
+                                continue
                     if count == room:
                         limit = _threshold(scores, count, wanted)
                         count = _compact(
@@ -359,7 +364,6 @@ def beam_search(
     *,
     guide: CompletionTable | None = None,
     prefix: npt.NDArray[np.int64] | None = None,
-    must_exceed: float = -np.inf,
     seed: int = 0,
 ) -> tuple[npt.NDArray[np.int64], float, float, int]:
     """Search once; see :func:`beam_kernel` for what it takes and returns."""
@@ -375,6 +379,5 @@ def beam_search(
         settings.crowding,
         settings.noise,
         -np.inf if guide is not None else rules.duration - settings.unguarded_s,
-        must_exceed,
         seed,
     )

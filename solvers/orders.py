@@ -3,7 +3,9 @@
 Local search works on orders of targets alone. Where to refuel is not searched but solved: on the
 way from one target to the next the chaser may pass by the station, and all ways to do so are kept
 as *labels* (end of service, ΔV left), less those that are not earlier and not richer than another.
-So moving, adding and dropping refuelling stops are part of every evaluation.
+So moving, adding and dropping refuelling stops are part of every evaluation. The order is timed
+exactly, but a better timing may be missed: a chaser may not let a departure go by, so one that
+is later and poorer now and then meets a cheaper departure.
 """
 
 from __future__ import annotations

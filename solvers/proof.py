@@ -11,6 +11,7 @@ way is a valid bound and the least is kept; the trivial one is the sum of all pr
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Callable, Iterable
 
 import numpy as np
@@ -51,6 +52,8 @@ class Certificate:
     def __init__(self, mission: Mission, progress: Progress) -> None:
         self._mission = mission
         self._progress = progress
+        self._telling = threading.RLock()
+        self._told = (-math.inf, math.inf)
         self.sequence: tuple[int, ...] | None = None
         self.incumbent = -math.inf
         self.delta_v = math.inf
@@ -69,18 +72,24 @@ class Certificate:
         if timing.made < len(moves):
             return False
         more = timing.objective > self.incumbent
-        if not more and not (
-            timing.objective == self.incumbent and timing.delta_v < self.delta_v
-        ):
+        if not more and not (timing.objective == self.incumbent and timing.delta_v < self.delta_v):
             return False
         self.incumbent, self.delta_v, self.sequence = timing.objective, timing.delta_v, moves
         if more:
-            self._progress(self.incumbent, self.bound)
+            self.tell(self.incumbent, self.bound)
         return True
 
     def tell(self, incumbent: float, bound: float) -> None:
-        """Report what someone else has found, before it is offered here."""
-        self._progress(max(incumbent, self.incumbent), min(bound, self.bound))
+        """Report what was found here, or elsewhere and is still to be offered here.
+
+        Two threads may tell at once, and neither knows all that the other has told; what is heard
+        never gets worse all the same.
+        """
+        with self._telling:
+            told = (max(incumbent, self._told[0]), min(bound, self._told[1]))
+            if told != self._told:
+                self._told = told
+                self._progress(*told)
 
     def lower(self, bound: float) -> None:
         """A bound that was proven; whole prizes round it down."""
@@ -89,7 +98,7 @@ class Certificate:
         bound = max(bound, self.incumbent)
         if bound < self.bound:
             self.bound = bound
-            self._progress(self.incumbent, self.bound)
+            self.tell(self.incumbent, self.bound)
 
     @property
     def proven(self) -> bool:

@@ -99,5 +99,5 @@ def apply_move(kind, order, length, rng):
         _shift(order, a, length - 1)
         order[length - 1], order[outside] = order[outside], order[length - 1]
         _shift(order, length - 1, b)
-        return min(a, b), length if a > b else max(a, b) + 1, length
+        return min(a, b), max(a, b) + 1, length
     return 0, 0, length

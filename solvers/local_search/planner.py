@@ -163,11 +163,7 @@ def local_search(
     progress(search.prize, math.inf)
     iterations = improved = 0
     possible = mission.rules.duration > 0.0 and mission.total_prize > 0.0
-    while (
-        possible
-        and search.prize < mission.total_prize
-        and not stop(search.prize, math.inf)
-    ):
+    while possible and search.prize < mission.total_prize and not stop(search.prize, math.inf):
         before = search.prize
         improved += search.anneal(chunk, hot, cold)
         for _ in range(recreations):

@@ -1,0 +1,232 @@
+"""Beam search: legal, deterministic, optimal where it is wide enough to keep everything."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from brute_force import brute_force
+from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
+
+import adr_opt
+from adr_opt.errors import InputError
+from adr_opt.instance import Instance
+from adr_opt.kernels.constants import STATION
+from adr_opt.mission import Mission
+from adr_opt.planner import silent
+from adr_opt.result import Result
+from adr_opt.stop import Interrupted, MaxIterations
+from solvers.beam import beam
+from solvers.beams import BeamSettings, beam_search
+from solvers.completion import completion_value, guide
+
+TINY = sorted((Path(__file__).parents[1] / "instances" / "tiny").glob("*.json"))
+
+
+def plan(mission: Mission, **options: Any) -> Result:
+    """Search one beam."""
+    return beam(mission, seed=0, stop=MaxIterations(1), progress=silent, **options)
+
+
+def variant(seed: int) -> Instance:
+    """4–7 targets with zones, unequal prizes, and any length and budget."""
+    rng = np.random.default_rng(seed)
+    targets = int(rng.integers(4, 8))
+    instance = adr_opt.generate("tiny", 200 + seed, targets=targets, zones=int(rng.integers(0, 4)))
+    prizes = rng.uniform(0.5, 4.0, targets).round(2)
+    return instance.replace(
+        targets=tuple(
+            target.replace(prize=float(prize))
+            for target, prize in zip(instance.targets, prizes, strict=True)
+        ),
+        mission=instance.mission.replace(
+            duration_s=86400.0 * float(rng.uniform(0.6, 2.0)),
+            delta_v_m_s=float(rng.uniform(300.0, 2500.0)),
+        ),
+    )
+
+
+@pytest.fixture(scope="module")
+def nominal() -> Mission:
+    return Mission(adr_opt.generate("nominal", 0), threads=1)
+
+
+@pytest.mark.parametrize("width", [5, 50, 3000])
+@pytest.mark.parametrize("guided", [False, True])
+def test_finds_the_worked_out_optimum(width: int, guided: bool) -> None:
+    """A beam of width 5 or more finds the only optimal plan of the hand-made instance."""
+    result = plan(Mission(hand_made(), threads=1), width=width, guided=guided)
+    assert result.sequence == OPTIMAL_PLAN
+    assert result.objective == OPTIMUM
+
+
+@pytest.mark.parametrize("width", [1, 2, 7, 64, 500])
+def test_every_width_gives_a_legal_plan(nominal: Mission, width: int) -> None:
+    """Whatever the width, the plan passes the check and does not end with a refuelling."""
+    result = plan(nominal, width=width)
+    assert result.plan is not None
+    assert adr_opt.check(nominal.instance, result.plan) == ()
+    assert result.sequence
+    assert result.sequence[-1] != STATION
+
+
+def test_wide_beams_find_more(nominal: Mission) -> None:
+    """A beam of width 500 is at least as good as one of width 1, and finds 29 visits."""
+    narrow, wide = plan(nominal, width=1), plan(nominal, width=500)
+    assert narrow.objective < wide.objective
+    assert wide.objective >= 29.0
+
+
+def test_nothing_is_left_to_chance(nominal: Mission) -> None:
+    """The same call gives the same plan; the seed matters where there is noise."""
+    assert plan(nominal, width=60).sequence == plan(nominal, width=60).sequence
+    noisy = [
+        beam(
+            nominal, seed=seed, stop=MaxIterations(1), progress=silent, width=60, noise=0.3
+        ).sequence
+        for seed in (1, 1, 2, 3)
+    ]
+    assert noisy[0] == noisy[1]
+    assert len(set(noisy)) > 1
+
+
+@pytest.mark.parametrize("path", TINY, ids=lambda path: path.stem)
+def test_wide_enough_for_the_tiny_family(path: Path) -> None:
+    """Width 200 finds what brute force finds on every committed tiny instance, guided or not."""
+    mission = Mission(adr_opt.load(path), threads=1)
+    best, _, _ = brute_force(mission)
+    assert plan(mission, width=200).objective == best
+    assert plan(mission, width=200, guided=True).objective == best
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_wide_enough_for_variants(seed: int) -> None:
+    """So it does with zones, unequal prizes, and tanks that lead nowhere and back."""
+    mission = Mission(variant(seed), threads=1)
+    best, _, _ = brute_force(mission)
+    assert plan(mission, width=1000).objective == pytest.approx(best)
+
+
+def test_a_wide_guided_beam_finds_the_optimum() -> None:
+    """A guided beam finds the optimum of tiny variants, but for rare cases.
+
+    In those an earlier and richer state hides the one that leads to it.
+    """
+    settings = BeamSettings(1000, 0.17, 0.38, crowding=math.inf)
+    optimal = 0
+    for seed in range(20):
+        mission = Mission(variant(seed), threads=1)
+        found, value, _, _ = beam_search(mission, settings, guide=guide(mission))
+        assert value == pytest.approx(mission.time(found).objective)
+        optimal += value == pytest.approx(brute_force(mission)[0])
+    assert optimal >= 19
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_guide_bounds_every_beginning_of_the_best_plan(seed: int) -> None:
+    """From any state on the way of the optimal plan, the guide promises at least the optimum."""
+    mission = Mission(variant(seed), threads=1)
+    best, _, sequence = brute_force(mission)
+    table = guide(mission)
+    timing = mission.time(sequence)
+    prize, ahead = 0.0, float(table.multipliers[1:].sum())
+    for j, end, left in zip(sequence, timing.ends, timing.lefts, strict=True):
+        prize += mission.rules.prize[j]
+        if j != STATION:
+            ahead -= table.multipliers[j]
+            assert prize + ahead + completion_value(table, j, end, left) >= best - 1e-9
+
+
+def test_a_way_back_is_preferred_not_required() -> None:
+    """Where no target leaves enough for the way back, the beam still visits one."""
+    stranded = Mission(hand_made(periods=20.0, delta_v_m_s=140.0), threads=1)
+    assert brute_force(stranded)[0] == 1.0
+    assert plan(stranded, width=10).objective == 1.0
+
+
+def test_no_crowding_limit_keeps_the_whole_width(nominal: Mission) -> None:
+    """An infinite crowding is the same as a very large one: no body has a limit."""
+    for width in (30, 300):
+        free, large = (
+            plan(nominal, width=width, crowding=crowding) for crowding in (1e9, math.inf)
+        )
+        assert free.sequence == large.sequence
+        assert free.counters == large.counters
+
+
+@pytest.mark.parametrize("keep", [1, 2, 5, 12, 20])
+def test_prefix_is_kept(nominal: Mission, keep: int) -> None:
+    """A search from a legal beginning keeps it, and its plan is legal as a whole."""
+    settings = BeamSettings(100, 0.17, 0.38)
+    whole = plan(nominal, width=100).sequence
+    assert whole is not None
+    prefix = np.array(whole[:keep], dtype=np.int64)
+    found, value, delta_v, _ = beam_search(nominal, settings, prefix=prefix)
+    assert tuple(found[:keep]) == whole[:keep]
+    timing = nominal.time(found)
+    assert timing.made == len(found) > keep
+    assert timing.objective == value
+    assert timing.delta_v == pytest.approx(delta_v)
+
+
+def test_prefix_of_everything() -> None:
+    """A beginning that visits all targets comes back as it is."""
+    mission = Mission(hand_made(periods=40.0), threads=1)
+    _, _, whole = brute_force(mission)
+    prefix = np.array(whole, dtype=np.int64)
+    found, value, _, _ = beam_search(mission, BeamSettings(10, 0.17, 0.38), prefix=prefix)
+    assert tuple(found) == whole
+    assert value == 3.0
+
+
+def test_more_than_64_targets() -> None:
+    """Sets of visited targets may take more than one machine word."""
+    instance = adr_opt.generate("nominal", 0, targets=70)
+    mission = Mission(
+        instance.replace(mission=instance.mission.replace(duration_s=2.0 * 86400.0)), threads=1
+    )
+    result = plan(mission, width=200)
+    assert result.plan is not None
+    assert adr_opt.check(mission.instance, result.plan) == ()
+    assert result.objective >= 9.0
+    # Among the last targets alone, the others being worth nothing, it visits several.
+    last = mission.instance.replace(
+        targets=tuple(
+            target.replace(prize=float(number >= 64))
+            for number, target in enumerate(mission.instance.targets, start=1)
+        )
+    )
+    assert plan(Mission(last, threads=1), width=200).objective >= 3.0
+
+
+def test_interrupted_before_it_begins() -> None:
+    """Told to stop at once, it returns the plan that visits nothing."""
+    stop = Interrupted()
+    stop.interrupt()
+    mission = Mission(hand_made(), threads=1)
+    result = beam(mission, seed=0, stop=stop, progress=silent)
+    assert result.sequence == ()
+    assert result.counters["states"] == 0
+
+
+@pytest.mark.parametrize(
+    "option",
+    [
+        {"width": 0},
+        {"width": -3},
+        {"time_weight": -0.1},
+        {"delta_v_weight": math.nan},
+        {"noise": -1.0},
+        {"noise": math.inf},
+        {"crowding": 0.9},
+        {"crowding": math.nan},
+    ],
+    ids=str,
+)
+def test_bad_options_are_refused(option: dict[str, Any]) -> None:
+    """An option out of range is refused, and the sentence names it."""
+    with pytest.raises(InputError, match=f"option {next(iter(option))} = .* of method 'beam'"):
+        plan(Mission(hand_made(), threads=1), **option)

@@ -1,0 +1,103 @@
+"""Greedy planners: as published, and with the guard that keeps the way back open."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hand_made import BEYOND, NORTH, SOUTH, STATION, hand_made
+
+import adr_opt
+from adr_opt.errors import InputError
+from adr_opt.mission import Mission
+from adr_opt.planner import get, silent
+from adr_opt.result import Result
+from adr_opt.stop import MaxIterations
+
+
+def plan(mission: Mission, method: str, **options: Any) -> Result:
+    """Plan with a method that ends by itself."""
+    return get(method)(mission, seed=0, stop=MaxIterations(1), progress=silent, **options)
+
+
+@pytest.fixture(scope="module")
+def hand() -> Mission:
+    return Mission(hand_made(), threads=1)
+
+
+@pytest.fixture(scope="module")
+def fields() -> list[Mission]:
+    return [Mission(adr_opt.generate("nominal", seed), threads=1) for seed in range(5)]
+
+
+def test_published_greedy_strands_itself(hand: Mission) -> None:
+    """It takes north first, the first listed of the cheapest, goes on to beyond and is stranded."""
+    result = plan(hand, "greedy")
+    assert result.sequence == (NORTH, BEYOND)
+    assert result.plan is not None
+    assert result.plan.legs[-1].delta_v_left_m_s < 40.0
+    assert result.status == "feasible"
+
+
+def test_guarded_greedy_comes_back(hand: Mission) -> None:
+    """It refuels after north, because from beyond nothing leads back, and then takes south."""
+    result = plan(hand, "greedy-guarded")
+    assert result.sequence is not None
+    assert result.sequence[:3] == (NORTH, STATION, SOUTH)
+    assert result.objective == 2.0
+
+
+def test_guard_gives_way_at_the_end() -> None:
+    """With time for a single move and no tank for the way back, an unguarded target is taken."""
+    mission = Mission(hand_made(periods=3.2, delta_v_m_s=200.0), threads=1)
+    result = plan(mission, "greedy-guarded")
+    assert result.sequence == (NORTH,)
+
+
+def test_time_alone_is_a_cost() -> None:
+    """With α = 0 the quickest target is taken first, whatever its ΔV."""
+    mission = Mission(adr_opt.generate("nominal", 0), threads=1)
+    first = {}
+    for name, weights in (("ΔV", {}), ("time", {"alpha": 0.0, "beta": 1.0})):
+        leg = plan(mission, "greedy", **weights).plan.legs[0]  # type: ignore[union-attr]
+        first[name] = (leg.delta_v_m_s, leg.arrival_s)
+    assert first["time"][1] < first["ΔV"][1]
+    assert first["time"][0] > first["ΔV"][0]
+
+
+def test_first_move_is_the_cheapest(fields: list[Mission]) -> None:
+    """Published greedy's first leg costs no more ΔV than any other leg from the station."""
+    mission = fields[0]
+    delta_v = [mission.time([j]).delta_v for j in range(1, len(mission.names))]
+    result = plan(mission, "greedy")
+    assert result.sequence is not None
+    assert result.sequence[0] == 1 + int(np.argmin(delta_v))
+
+
+def test_published_order_of_the_planners(fields: list[Mission]) -> None:
+    """On nominal fields greedy visits less than guarded greedy, and that at most what beam does."""
+    for mission in fields:
+        poor = plan(mission, "greedy").objective
+        guarded = plan(mission, "greedy-guarded").objective
+        wide = plan(mission, "beam", width=500).objective
+        assert poor < guarded <= wide
+
+
+def test_no_refuelling_that_nothing_follows(fields: list[Mission]) -> None:
+    """No plan ends at the station: a refuelling is only worth what is visited after it."""
+    for mission in fields:
+        for method in ("greedy", "greedy-guarded"):
+            sequence = plan(mission, method).sequence
+            assert sequence
+            assert sequence[-1] != STATION
+
+
+@pytest.mark.parametrize("method", ["greedy", "greedy-guarded"])
+@pytest.mark.parametrize("option", ["alpha", "beta"])
+@pytest.mark.parametrize("value", [-1.0, math.nan, math.inf])
+def test_bad_weights_are_refused(hand: Mission, method: str, option: str, value: float) -> None:
+    """A weight that is negative or no number is refused, and the sentence names it."""
+    with pytest.raises(InputError, match=f"option {option} = .* of method '{method}'"):
+        plan(hand, method, **{option: value})

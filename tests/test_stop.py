@@ -1,0 +1,136 @@
+"""Stopping criteria: each says enough when it should, and not before."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+
+import pytest
+
+from adr_opt.errors import InputError
+from adr_opt.stop import (
+    AnyOf,
+    Interrupted,
+    MaxIterations,
+    MaxRuntime,
+    NoImprovement,
+    Proven,
+)
+
+NOTHING = (-math.inf, math.inf)
+
+
+def test_max_iterations() -> None:
+    """As many iterations as allowed, then enough for ever."""
+    stop = MaxIterations(3)
+    assert [stop(*NOTHING) for _ in range(5)] == [False, False, False, True, True]
+    assert stop.remaining_s() == math.inf
+
+
+@pytest.mark.parametrize("limit", [0, -1])
+def test_max_iterations_must_be_positive(limit: int) -> None:
+    """No iterations at all is refused, and the sentence says the number."""
+    with pytest.raises(InputError, match=f"iterations = {limit}: must be positive"):
+        MaxIterations(limit)
+
+
+def test_max_runtime() -> None:
+    """Not enough before the limit, enough after it, counted from the making of the criterion."""
+    stop = MaxRuntime(0.2)
+    assert not stop(*NOTHING)
+    assert 0.0 < stop.remaining_s() <= 0.2
+    time.sleep(0.21)
+    assert stop(*NOTHING)
+    assert stop.remaining_s() <= 0.0
+
+
+def test_max_runtime_without_end() -> None:
+    """An infinite limit never ends anything."""
+    stop = MaxRuntime(math.inf)
+    assert not stop(*NOTHING)
+    assert stop.remaining_s() == math.inf
+
+
+@pytest.mark.parametrize("limit", [0.0, -1.0, math.nan, -math.inf])
+def test_max_runtime_must_be_positive(limit: float) -> None:
+    """A limit that is not a positive time is refused."""
+    with pytest.raises(InputError, match=r"time limit = .*: must be positive, in seconds"):
+        MaxRuntime(limit)
+
+
+def test_no_improvement() -> None:
+    """Enough after so many questions in a row without a better incumbent; a better one resets."""
+    stop = NoImprovement(2)
+    incumbents = [-math.inf, 1.0, 1.0, 2.0, 2.0, 2.0, 3.0]
+    said = [stop(incumbent, math.inf) for incumbent in incumbents]
+    assert said == [False, False, False, False, False, True, False]
+
+
+def test_no_improvement_looks_at_the_incumbent_alone() -> None:
+    """A better bound is no improvement."""
+    stop = NoImprovement(2)
+    assert [stop(1.0, bound) for bound in (9.0, 8.0, 7.0)] == [False, False, True]
+    assert stop.remaining_s() == math.inf
+
+
+@pytest.mark.parametrize("limit", [0, -5])
+def test_no_improvement_must_be_positive(limit: int) -> None:
+    """No patience at all is refused."""
+    with pytest.raises(InputError, match=f"without improvement = {limit}: must be positive"):
+        NoImprovement(limit)
+
+
+@pytest.mark.parametrize(
+    ("incumbent", "bound", "enough"),
+    [
+        (-math.inf, math.inf, False),
+        (-math.inf, 5.0, False),
+        (4.0, math.inf, False),
+        (4.0, 5.0, False),
+        (5.0, 5.0, True),
+        (5.0 - 1e-7, 5.0, True),
+        (4.999, 5.0, False),
+        (1e6 - 0.5, 1e6, True),
+        (0.0, 0.0, True),
+    ],
+)
+def test_proven(incumbent: float, bound: float, enough: bool) -> None:
+    """Enough exactly when the incumbent meets the bound up to one part in a million."""
+    assert Proven()(incumbent, bound) is enough
+    assert Proven().remaining_s() == math.inf
+
+
+def test_interrupted() -> None:
+    """Not enough until someone says so, from any thread; no time is left then."""
+    stop = Interrupted()
+    assert not stop(*NOTHING)
+    assert stop.remaining_s() == math.inf
+    other = threading.Thread(target=stop.interrupt)
+    other.start()
+    other.join()
+    assert stop(*NOTHING)
+    assert stop.remaining_s() == 0.0
+
+
+def test_any_of_is_the_first_of_all() -> None:
+    """Enough as soon as one criterion says so, and the least time of all remains."""
+    stop = AnyOf(MaxIterations(5), NoImprovement(2), MaxRuntime(100.0))
+    assert [stop(1.0, math.inf) for _ in range(3)] == [False, False, True]
+    assert 99.0 < stop.remaining_s() <= 100.0
+
+
+def test_any_of_asks_all_every_time() -> None:
+    """A criterion that counts hears of every iteration, whatever the others said."""
+    counting, interrupted = MaxIterations(2), Interrupted()
+    interrupted.interrupt()
+    stop = AnyOf(interrupted, counting)
+    assert stop(*NOTHING)
+    assert stop(*NOTHING)
+    assert counting(*NOTHING)
+
+
+def test_any_of_nothing_never_ends() -> None:
+    """Without criteria there is no reason to stop."""
+    assert not AnyOf()(*NOTHING)
+    assert AnyOf().remaining_s() == math.inf
