@@ -20,9 +20,7 @@ class Objective:
         Prizes in steps.
     """
 
-    def __init__(
-        self, block: cp_model.CpModel, variables: Variables, worth: np.ndarray
-    ) -> None:
+    def __init__(self, block: cp_model.CpModel, variables: Variables, worth: np.ndarray) -> None:
         self._block = block
         self._collect(variables, worth.tolist())
 

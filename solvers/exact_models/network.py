@@ -238,8 +238,8 @@ def keep(network: Network, kept: np.ndarray) -> Network:
     )
 
 
-def path_of(network: Network, sequence) -> list[int] | None:
-    """The arcs of a plan; None if one of them is not in the network.
+def path_of(network: Network, sequence) -> list[int]:
+    """The arcs of a plan, or of its longest beginning that is in the network.
 
     Parameters
     ----------
@@ -252,7 +252,7 @@ def path_of(network: Network, sequence) -> list[int] | None:
         leaving = np.arange(network.head[node], network.head[node + 1])
         found = leaving[network.body[network.successor[leaving]] == j]
         if found.size == 0:
-            return None
+            break
         arcs.append(int(found[0]))
         node = int(network.successor[found[0]])
     return arcs

@@ -103,11 +103,12 @@ def best_through(
     cost = np.minimum(cost, top)
     gain = prize - multipliers
     gain[STATION] = 0.0
-    through = np.empty(network.arcs)
+    through: np.ndarray = np.empty(network.arcs)
     best = np.empty((network.nodes, top + 1))
     _forwards(network, cost, gain, top, best)
     _backwards(network, cost, gain, top, best, through)
-    return through + multipliers.sum()
+    through += multipliers.sum()
+    return through
 
 
 def can_reach(through: np.ndarray, goal: float) -> np.ndarray:
@@ -119,4 +120,5 @@ def can_reach(through: np.ndarray, goal: float) -> np.ndarray:
         As :func:`best_through` gives it.
     goal : float
     """
-    return through >= goal - ROUNDING * max(1.0, abs(goal))
+    reaches: np.ndarray = through >= goal - ROUNDING * max(1.0, abs(goal))
+    return reaches

@@ -60,28 +60,23 @@ class Constraints:
     def _delta_v_adds_up(self) -> None:
         """Leave a target with the ΔV used before it and on the way to it.
 
-        The chaser may leave with less where it leaves no more: the mission ends there.
+        Where the mission ends nothing is carried on; what was used by then is at most 1.
         """
-        network, used = self._network, self._variables.used
-        pairs = self._variables.arcs_of
+        move, used = self._variables.move, self._variables.used
+        into, out_of = self._by_body(1), self._by_body(0)
+        before: dict[int, list[pyo.Expression]] = {}
+        after: dict[int, list[pyo.Expression]] = {}
+        for i, j in self._variables.pairs:
+            after.setdefault(i, []).append(used[i, j])
+            before.setdefault(j, []).append(used[i, j])
         self._block.adds_up = pyo.ConstraintList()
-        for target, leaving in self._by_body(0).items():
+        for target, leaving in out_of.items():
             if target == STATION:
                 continue
-            carried = sum(used[pair] for pair in self._variables.pairs if pair[0] == target)
-            before = sum(used[pair] for pair in self._variables.pairs if pair[1] == target)
-            way = sum(
-                self._part(arc) * self._variables.move[arc]
-                for pair, arcs in pairs.items()
-                if pair[1] == target
-                for arc in arcs.tolist()
-            )
-            goes_on = sum(self._variables.move[arc] for arc in leaving)
-            entered = sum(
-                self._variables.move[arc] for arc in self._by_body(1).get(target, [])
-            )
-            # Nothing is carried on from where the mission ends: the difference is at most 1.
-            self._block.adds_up.add(carried >= before + way - (entered - goes_on))
+            entering = into[target]
+            way = sum(self._part(arc) * move[arc] for arc in entering)
+            ends = sum(move[arc] for arc in entering) - sum(move[arc] for arc in leaving)
+            self._block.adds_up.add(sum(after[target]) >= sum(before.get(target, [])) + way - ends)
 
     def _delta_v_fits(self) -> None:
         """Keep what is used before a move and on it within the budget."""

@@ -29,7 +29,7 @@ class Model:
     """The best path of a network, as a mixed-integer program.
 
     Pyomo's own interfaces to HiGHS redirect the output of the whole process while they solve, and
-    the present one takes no start. So Pyomo compiles the model to a matrix, and that is handed over.
+    the present one takes no start. So Pyomo compiles the model to a matrix, which HiGHS is given.
 
     Parameters
     ----------
@@ -39,8 +39,8 @@ class Model:
         The objective is counted in multiples of this.
     budget : float
         [m/s].
-    start : list of int or None
-        Arcs of a plan to begin from.
+    start : list of int
+        Arcs of a plan to begin from, from the start on.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class Model:
         prize: np.ndarray,
         unit: float,
         budget: float,
-        start: list[int] | None,
+        start: list[int],
     ) -> None:
         self._network = network
         self._unit = unit
@@ -59,18 +59,14 @@ class Model:
         self._variables = Variables(self._block, network)
         self._constraints = Constraints(self._block, network, self._variables, budget)
         self._objective = Objective(self._block, network, self._variables, prize / unit)
-        self._has_start = start is not None
-        if start is not None:
-            self._variables.begin_from(network, start, budget)
+        self._variables.begin_from(network, start, budget)
 
-    def solve(self, *, seed: int, jobs: int, hear: Hear) -> Answer:
+    def solve(self, *, seed: int, hear: Hear) -> Answer:
         """Solve the model.
 
         Parameters
         ----------
         seed : int
-        jobs : int
-            Not used: HiGHS has one number of threads for the whole process.
         hear : Hear
             Told of bounds and asked for the time left.
         """
@@ -86,10 +82,9 @@ class Model:
         }.items():
             solver.setOptionValue(name, value)
         solver.passModel(_program(form))
-        if self._has_start:
-            solution = highspy.HighsSolution()
-            solution.col_value = [float(column.value or 0.0) for column in form.columns]
-            solver.setSolution(solution)
+        solution = highspy.HighsSolution()
+        solution.col_value = [float(column.value) for column in form.columns]
+        solver.setSolution(solution)
 
         def interrupt(event) -> None:
             if hear.bound(self._bound(event.data_out.mip_dual_bound)):
@@ -98,16 +93,12 @@ class Model:
         solver.cbMipInterrupt += interrupt
         solver.solve()
         info = solver.getInfo()
-        if solver.getModelStatus() == highspy.HighsModelStatus.kOptimal and not info.mip_node_count:
-            pass
         sequence = None
         if info.primal_solution_status == 2:
             values = solver.getSolution().col_value
             place = {id(column): number for number, column in enumerate(form.columns)}
             chosen = [
-                arc
-                for arc, move in self._variables.move.items()
-                if values[place[id(move)]] > 0.5
+                arc for arc, move in self._variables.move.items() if values[place[id(move)]] > 0.5
             ]
             sequence = bodies_along(self._network, chosen)
         return Answer(sequence, self._bound(info.mip_dual_bound), max(0, info.mip_node_count))

@@ -1,0 +1,77 @@
+"""One run of CP-SAT that reports bounds and stops when told to."""
+
+from __future__ import annotations
+
+import math
+import threading
+
+from ortools.sat.python import cp_model
+
+from .answer import Hear
+
+POLL_S = 0.05
+"""How often the run looks whether it shall stop [s]."""
+
+SEEDS = 2**31
+"""CP-SAT takes seeds below this."""
+
+
+def run(
+    model: cp_model.CpModel, unit: float, *, seed: int, hear: Hear, linear: int = 1
+) -> tuple[cp_model.CpSolver, bool, float]:
+    """Maximise a model with one thread; with several, one seed would not give one answer.
+
+    Parameters
+    ----------
+    model : CpModel
+    unit : float
+        What one step of the objective is worth.
+    seed : int
+    hear : Hear
+    linear : int
+        CP-SAT's level of linear relaxation, 0 to 2.
+
+    Returns
+    -------
+    solver : CpSolver
+        Holds the values of the best solution.
+    found : bool
+        Whether there is one.
+    upper_bound : float
+        +inf if nothing was proven.
+    """
+    solver = cp_model.CpSolver()
+    settings = solver.parameters
+    settings.num_workers = 1
+    settings.random_seed = seed % SEEDS
+    settings.linearization_level = linear
+    settings.catch_sigint_signal = False
+    remaining = hear.remaining_s()
+    if math.isfinite(remaining):
+        settings.max_time_in_seconds = max(0.0, remaining)
+    bounds = []
+
+    def improved(bound: float) -> None:
+        bounds.append(bound)
+        if hear.bound(bound * unit):
+            solver.stop_search()
+
+    solver.best_bound_callback = improved
+    done = threading.Event()
+
+    def watch() -> None:
+        while not done.wait(POLL_S):
+            if hear.remaining_s() <= 0.0:
+                solver.stop_search()
+
+    watcher = threading.Thread(target=watch, name="cp-sat watch", daemon=True)
+    watcher.start()
+    try:
+        status = solver.solve(model)
+    finally:
+        done.set()
+        watcher.join()
+    found = status in (cp_model.OPTIMAL, cp_model.FEASIBLE)
+    if found:
+        bounds.append(solver.best_objective_bound)
+    return solver, found, min(bounds, default=math.inf) * unit

@@ -1,0 +1,30 @@
+"""Prizes as whole numbers, for solvers that know no others."""
+
+from __future__ import annotations
+
+import numpy as np
+
+MOST_STEPS = 2**40
+"""Sum of all prizes in steps, about, where they are no multiples of the unit."""
+
+
+def in_steps(prize: np.ndarray, unit: float) -> tuple[np.ndarray, float]:
+    """Prizes in whole steps, never too few.
+
+    Parameters
+    ----------
+    prize : (bodies,) float64
+    unit : float
+        The steps, if all prizes are multiples of it and there are not too many.
+
+    Returns
+    -------
+    steps : (bodies,) int64
+        Prizes in steps, rounded up.
+    step : float
+    """
+    if not np.any(prize % unit) and prize.sum() / unit <= MOST_STEPS:
+        return np.rint(prize / unit).astype(np.int64), unit
+    step = float(prize.sum()) / MOST_STEPS
+    # A quotient may be rounded down across an integer; one step more covers that.
+    return np.where(prize > 0.0, np.floor(prize / step) + 1.0, 0.0).astype(np.int64), step

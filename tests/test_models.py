@@ -1,0 +1,362 @@
+"""The exact models and the static bound: equal to brute force, or never below it."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from brute_force import brute_force
+from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
+
+import adr_opt
+from adr_opt.errors import InputError, MissingExtra
+from adr_opt.mission import Mission
+from adr_opt.planner import silent
+from adr_opt.stop import Interrupted, MaxIterations, MaxRuntime
+from solvers.cpsat import cpsat
+from solvers.exact_models import course
+from solvers.exact_models.network import bodies_along, path_of, unroll
+from solvers.exact_models.reduction import best_through
+from solvers.exact_models.steps import in_steps
+from solvers.mip import mip
+from solvers.routing_bound import routing_bound, static_costs
+
+INSTANCES = Path(__file__).parents[1] / "instances" / "tiny"
+TINY = sorted(INSTANCES.glob("tiny-[0-9][0-9][0-9].json"))
+DAY_S = 86400.0
+
+exact_methods = pytest.mark.parametrize("method", [mip, cpsat])
+all_methods = pytest.mark.parametrize("method", [mip, cpsat, routing_bound])
+
+
+@pytest.fixture(autouse=True)
+def _mip_extra(request):
+    """Tests of the mip method need its extra."""
+    if "mip" in request.node.name:
+        pytest.importorskip("pyomo")
+        pytest.importorskip("highspy")
+
+
+def prove(method, mission, **options):
+    """Run a method to its end."""
+    options = {"stop": MaxRuntime(60.0), "progress": silent} | options
+    return method(mission, seed=0, **options)
+
+
+def random_mission(seed, *, zones=True):
+    """2–6 targets, a random tank and mission; zones, unequal and non-integer prizes by turns."""
+    rng = np.random.default_rng(seed)
+    targets = int(rng.integers(2, 7))
+    instance = adr_opt.generate("tiny", seed, targets=targets, zones=3 * (zones and seed % 3 == 0))
+    prizes = [
+        np.ones(targets),
+        rng.integers(0, 6, targets) * 2.0,
+        np.round(rng.uniform(0.0, 3.0, targets), 3),
+    ][seed % 4 % 3]
+    limits = instance.mission.replace(
+        duration_s=DAY_S * float(rng.uniform(0.5, 2.0 if targets < 5 else 1.5)),
+        delta_v_m_s=float(rng.uniform(300.0, 1500.0)),
+    )
+    return Mission(
+        instance.replace(
+            targets=tuple(
+                target.replace(prize=float(prize))
+                for target, prize in zip(instance.targets, prizes, strict=True)
+            ),
+            mission=limits,
+        ),
+        threads=1,
+    )
+
+
+def has_proven(result, mission, optimum):
+    """Whether a result is a certificate that the optimum is what it is."""
+    near = 1e-6 * max(1.0, optimum)
+    assert result.status == "optimal"
+    assert abs(result.objective - optimum) <= near
+    assert optimum - 1e-9 <= result.upper_bound <= optimum + near
+    assert adr_opt.check(mission.instance, result.plan) == ()
+    return True
+
+
+@exact_methods
+@pytest.mark.parametrize("path", TINY, ids=lambda path: path.stem)
+def test_tiny_family(method, path):
+    """On every committed tiny instance the optimum is proven, with and without a start plan."""
+    mission = Mission(adr_opt.load(path), threads=1)
+    optimum, _, best = brute_force(mission)
+    assert has_proven(prove(method, mission), mission, optimum)
+    assert has_proven(prove(method, mission, start=best), mission, optimum)
+    assert has_proven(prove(method, mission, start=best[:1]), mission, optimum)
+
+
+@exact_methods
+@pytest.mark.parametrize("start", [None, (), OPTIMAL_PLAN])
+def test_hand_made(method, start):
+    """The optimum worked out on paper is found and proven; its plan is the only one."""
+    mission = Mission(hand_made(), threads=1)
+    result = prove(method, mission, start=start)
+    assert has_proven(result, mission, OPTIMUM)
+    assert result.sequence == OPTIMAL_PLAN
+
+
+@exact_methods
+@pytest.mark.parametrize("seed", range(24))
+def test_random_missions(method, seed):
+    """With zones, unequal and non-integer prizes the methods equal brute force."""
+    mission = random_mission(seed)
+    optimum, _, _ = brute_force(mission)
+    assert has_proven(prove(method, mission), mission, optimum)
+
+
+@exact_methods
+@pytest.mark.parametrize("seed", range(12))
+def test_reduced_networks(method, seed, monkeypatch):
+    """With arcs removed by reduced costs, goal by goal, the methods still equal brute force."""
+    monkeypatch.setattr(course, "WHOLE_ARCS", 0)
+    mission = random_mission(seed)
+    optimum, _, best = brute_force(mission)
+    assert has_proven(prove(method, mission, jobs=1), mission, optimum)
+    assert has_proven(prove(method, mission, jobs=1, start=best), mission, optimum)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_network_holds_the_plans(seed):
+    """The best plan is a path of the network with its exact times and costs, move by move."""
+    mission = random_mission(seed)
+    _, _, best = brute_force(mission)
+    network = unroll(mission.rules)
+    arcs = path_of(network, best)
+    nodes = network.successor[arcs]
+    timing = mission.time(best)
+    assert len(arcs) == len(best)
+    assert np.array_equal(network.ready[nodes], timing.ends)
+    assert network.delta_v[nodes].sum() == pytest.approx(timing.delta_v)
+    assert bodies_along(network, arcs[::-1]) == best
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_reduced_costs_never_remove_the_best_plan(seed):
+    """For any multipliers and slots every arc of the best plan may belong to one worth as much."""
+    mission = random_mission(seed)
+    optimum, _, best = brute_force(mission)
+    rules, network = mission.rules, unroll(mission.rules)
+    rng = np.random.default_rng(seed)
+    for highest, slot in ((0.0, 1.0), (0.3, 17.0), (4.0, 200.0)):
+        multipliers = rng.uniform(0.0, highest, rules.prize.size)
+        multipliers[0] = 0.0
+        through = best_through(network, np.array(rules.prize), multipliers, rules.budget, slot)
+        assert np.all(through[path_of(network, best)] >= optimum - 1e-9)
+
+
+def test_reduced_costs_that_round_up_are_caught():
+    """With the ΔV of legs too large by a slot, some arc of some best plan would be removed."""
+    caught = 0
+    for seed in range(60):
+        mission = random_mission(seed)
+        optimum, _, best = brute_force(mission)
+        rules, network = mission.rules, unroll(mission.rules)
+        broken = network._replace(delta_v=network.delta_v + 100.0)
+        nothing = np.zeros(rules.prize.size)
+        through = best_through(broken, np.array(rules.prize), nothing, rules.budget, 100.0)
+        caught += np.any(through[path_of(network, best)] < optimum - 1e-9)
+    assert caught > 0
+
+
+@pytest.mark.parametrize("seed", range(120))
+def test_routing_bound_is_valid(seed):
+    """Brute force lies under the static bound, whatever the zones, prizes, tank and duration."""
+    mission = random_mission(1000 + seed)
+    optimum, _, _ = brute_force(mission)
+    result = prove(routing_bound, mission)
+    assert optimum - 1e-9 <= result.upper_bound <= mission.total_prize + 1e-9
+    assert result.plan is None
+
+
+def test_routing_bound_is_not_trivial():
+    """On the tiny family the static bound is less than all prizes, and a start may meet it."""
+    for path in TINY:
+        mission = Mission(adr_opt.load(path), threads=1)
+        assert prove(routing_bound, mission).upper_bound < mission.total_prize
+    mission = Mission(hand_made(), threads=1)
+    result = prove(routing_bound, mission, start=OPTIMAL_PLAN)
+    assert (result.status, result.upper_bound) == ("optimal", OPTIMUM)
+
+
+def test_static_costs_that_are_not_the_best_are_caught(monkeypatch):
+    """Without the station, or with legs at twice their least time, the bound falls too low."""
+    module = importlib.import_module("solvers.routing_bound")
+    missions = [Mission(adr_opt.load(path), threads=1) for path in TINY]
+    missions.append(Mission(hand_made(), threads=1))
+    optima = [brute_force(mission)[0] for mission in missions]
+
+    def stranded(rules):
+        costs = static_costs(rules)
+        costs.delta_v[1:, 0] = -1
+        return costs
+
+    def slow(rules):
+        costs = static_costs(rules)
+        return costs._replace(duration=np.where(costs.duration > 0, 2 * costs.duration, -1))
+
+    for broken in (stranded, slow):
+        monkeypatch.setattr(module, "static_costs", broken)
+        bounds = [prove(routing_bound, mission).upper_bound for mission in missions]
+        assert any(bound < optimum for bound, optimum in zip(bounds, optima, strict=True))
+
+
+@all_methods
+def test_no_targets(method):
+    """Without targets the empty plan, or the bound 0, is proven at once."""
+    mission = Mission(adr_opt.generate("tiny", 0, targets=0))
+    result = prove(method, mission)
+    assert result.upper_bound == 0.0
+    if method is not routing_bound:
+        assert (result.sequence, result.status) == ((), "optimal")
+
+
+@all_methods
+@pytest.mark.parametrize("change", [{"delta_v_m_s": 0.0}, {"duration_s": 0.0}])
+def test_nothing_can_be_reached(method, change):
+    """Without ΔV or without time the bound is 0."""
+    instance = adr_opt.generate("tiny", 1)
+    mission = Mission(instance.replace(mission=instance.mission.replace(**change)))
+    result = prove(method, mission)
+    assert result.upper_bound == 0.0
+    assert result.objective <= 0.0
+
+
+@all_methods
+def test_worthless_targets(method):
+    """Where no prize is worth anything, the bound is 0."""
+    instance = adr_opt.generate("tiny", 1)
+    worthless = tuple(target.replace(prize=0.0) for target in instance.targets)
+    assert prove(method, Mission(instance.replace(targets=worthless))).upper_bound == 0.0
+
+
+@exact_methods
+@pytest.mark.parametrize("prizes", [(1e12, 1.0), (1e-7, 3e-7), (1e9, 0.5), (6e6, 9e6)])
+def test_prizes_of_any_size(method, prizes):
+    """Prizes far from 1 and far apart: the bound is valid and the gap within the tolerance."""
+    instance = adr_opt.generate("tiny", 4)
+    targets = tuple(
+        target.replace(prize=prizes[number % 2]) for number, target in enumerate(instance.targets)
+    )
+    mission = Mission(instance.replace(targets=targets))
+    optimum, _, _ = brute_force(mission)
+    result = prove(method, mission)
+    assert optimum * (1.0 - 1e-12) <= result.upper_bound <= optimum + 1e-6 * max(1.0, optimum)
+    assert result.status == "optimal"
+
+
+@all_methods
+def test_too_short_a_time_limit(method):
+    """A limit too short for anything still gives a valid bound, and a plan stays legal."""
+    mission = Mission(adr_opt.generate("reduced-time", 0, targets=15))
+    began = time.monotonic()
+    result = prove(method, mission, stop=MaxRuntime(1e-9))
+    assert result.upper_bound == 15.0
+    assert result.status != "optimal"
+    result = prove(method, mission, stop=MaxRuntime(0.5))
+    assert result.upper_bound <= 15.0
+    assert result.objective <= result.upper_bound
+    assert time.monotonic() - began < 20.0
+
+
+@exact_methods
+def test_an_interruption_ends_the_solver(method, monkeypatch):
+    """Someone who says enough from outside, without a time limit, does not wait for the proof."""
+    monkeypatch.setattr(course, "WHOLE_ARCS", 10**9)
+    instance = adr_opt.generate("reduced-time", 0, targets=14)
+    limits = instance.mission.replace(duration_s=2.0 * DAY_S)
+    mission = Mission(instance.replace(mission=limits))
+    stop = Interrupted()
+    timer = threading.Timer(1.5, stop.interrupt)
+    timer.start()
+    began = time.monotonic()
+    result = prove(method, mission, stop=stop, most_arcs=10**9)
+    assert result.upper_bound <= 14.0
+    assert result.status == "feasible"
+    assert time.monotonic() - began < 60.0
+    timer.cancel()
+
+
+@exact_methods
+def test_a_network_that_is_too_large(method):
+    """What is too large for the solver is not tried: a bound, a plan, and a note that says so."""
+    mission = Mission(adr_opt.generate("reduced-time", 0, targets=15))
+    result = prove(method, mission, most_arcs=1, evaluations=20)
+    assert result.upper_bound < 15.0
+    assert result.counters["solves"] == 0
+    assert result.status == "feasible"
+    assert any("most_arcs = 1" in note for note in result.notes)
+
+
+@exact_methods
+def test_iterations_limit_the_work(method):
+    """With a limit on iterations the same work is done twice, to the same result."""
+    mission = Mission(adr_opt.generate("reduced-time", 0, targets=15))
+    first, second = (prove(method, mission, stop=MaxIterations(3), most_arcs=1) for _ in range(2))
+    assert first.counters["evaluations"] <= 3
+    assert first.upper_bound == second.upper_bound
+    assert first.sequence == second.sequence
+
+
+@exact_methods
+def test_progress_is_monotone(method):
+    """The bound only falls and the incumbent only rises, down to the result."""
+    mission = Mission(adr_opt.load(TINY[8]), threads=1)
+    told = []
+    result = prove(method, mission, progress=lambda *pair: told.append(pair))
+    incumbents, bounds = zip(*told, strict=True)
+    assert list(incumbents) == sorted(incumbents)
+    assert list(bounds) == sorted(bounds, reverse=True)
+    assert told[-1] == (result.objective, result.upper_bound)
+
+
+@exact_methods
+@pytest.mark.parametrize("option", [{"jobs": -1}, {"most_arcs": 0}, {"evaluations": 0}])
+def test_bad_options_are_refused(method, option):
+    """An option out of range is an input error that names it."""
+    with pytest.raises(InputError, match=next(iter(option))):
+        prove(method, Mission(hand_made()), **option)
+
+
+def test_missing_extra(monkeypatch):
+    """Without highspy the method says which extra to install."""
+    module = sys.modules["solvers.mip"]
+    found = module.find_spec
+    monkeypatch.setattr(
+        module, "find_spec", lambda name: None if name == "highspy" else found(name)
+    )
+    with pytest.raises(MissingExtra, match=r"highspy.*adr-opt\[mip\]"):
+        prove(mip, Mission(hand_made()))
+
+
+def test_prizes_in_steps_are_never_too_few():
+    """Whole multiples stay exact; all others are rounded up by less than a billionth of the sum."""
+    steps, step = in_steps(np.array([0.0, 6.0, 15.0]), 3.0)
+    assert (steps.tolist(), step) == ([0, 2, 5], 3.0)
+    prize = np.random.default_rng(0).uniform(0.0, 1.0, 100)
+    prize[0] = 0.0
+    steps, step = in_steps(prize, 1.0)
+    assert np.all(steps * step >= prize)
+    assert np.all(steps * step <= prize + 1e-9 * prize.sum())
+    assert steps[0] == 0
+
+
+@pytest.mark.slow
+@exact_methods
+def test_three_days_with_twenty_targets(method):
+    """A reduced instance: goals are proven one after the other, within a margin of a visit."""
+    mission = Mission(adr_opt.generate("reduced-time", 0, targets=20))
+    result = prove(method, mission, stop=MaxRuntime(240.0))
+    assert result.upper_bound == 12.0
+    assert math.isfinite(result.objective)
+    assert result.upper_bound - result.objective <= 1.0
