@@ -14,6 +14,8 @@ from .instance import Instance
 from .kernels import orbits as orbit_kernels
 from .kernels import rules as kernels
 from .kernels.constants import STATION
+from .kernels.timetable import transfer_exists
+from .kernels.transfer import TransferRule
 from .timetable import Timetable
 
 Sequence = npt.NDArray[np.int64]
@@ -95,6 +97,25 @@ class Mission:
         return kernels.Rules(
             self.timetable.table, service, prize, limits.delta_v_m_s, limits.duration_s
         )
+
+    @cached_property
+    def sha256(self) -> str:
+        """SHA-256 of the instance, worked out once."""
+        return self.instance.sha256
+
+    @cached_property
+    def transfer_inputs(
+        self,
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], TransferRule]:
+        """Orbits, eccentricity costs and transfer rule of the instance, worked out once."""
+        instance = self.instance
+        return instance.orbits(), instance.eccentricity_delta_v(), instance.transfer_rule()
+
+    @cached_property
+    def has_transfer(self) -> npt.NDArray[np.bool_]:
+        """Whether any body has a transfer to a body at any departure event, shape (bodies,)."""
+        found: npt.NDArray[np.bool_] = transfer_exists(self.rules.table)
+        return found
 
     @property
     def total_prize(self) -> float:

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-import numpy as np
-
 from .errors import InputError
 from .kernels import burns as burn_kernels
 from .kernels import timetable as table_kernels
-from .kernels import transfer as transfer_kernels
 from .kernels.constants import STATION
 from .mission import Mission
 from .plan import Burn, Leg, Reason, Unvisited
@@ -35,22 +32,16 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
             f"move {timing.made + 1} of the sequence, to {mission.names[moves[timing.made]]!r}, "
             "breaks the mission rules"
         )
-    instance, table = mission.instance, mission.timetable.table
-    orbits = instance.orbits()
-    extra = instance.eccentricity_delta_v()
-    rule = instance.transfer_rule()
+    table = mission.timetable.table
+    orbits, extra, rule = mission.transfer_inputs
     priced = []
     i, ready = STATION, 0.0
     for j, end, left in zip(moves, timing.ends, timing.lefts, strict=True):
         event = table_kernels.next_event(table, i, j, ready)
         departure = float(table_kernels.departure_at(table, i, j, event))
         delta_v, arrival = table_kernels.entry_at(table, i, j, event)
-        pair = transfer_kernels.prepare(orbits[i], orbits[j], extra[i, j], rule)
-        _, half_turns = transfer_kernels.first_departure(pair)
-        lead = transfer_kernels.target_lead(pair, departure, half_turns + event)
-        flown = transfer_kernels.best_sequence(pair, rule, departure, lead)
-        times, vectors, phases = burn_kernels.burns(
-            orbits[i], orbits[j], pair, rule, departure, flown.revolutions, flown.phasing_radius
+        revolutions, times, vectors, phases = burn_kernels.burns_of_event(
+            orbits[i], orbits[j], extra[i, j], rule, event
         )
         priced.append(
             Leg(
@@ -62,7 +53,7 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
                 end_s=float(end),
                 delta_v_m_s=float(delta_v),
                 delta_v_left_m_s=float(left),
-                phasing_revolutions=int(flown.revolutions),
+                phasing_revolutions=int(revolutions),
                 eccentricity_delta_v_m_s=float(extra[i, j]),
                 burns=tuple(
                     Burn(
@@ -90,7 +81,7 @@ def unvisited(mission: Mission, sequence: Iterable[int]) -> tuple[Unvisited, ...
     for j in sorted(set(range(1, len(mission.names))) - set(moves)):
         reason: Reason
         delta_v, arrival = table_kernels.lookup(rules.table, body, j, time)
-        if not np.isfinite(rules.table.entries[:, :, j, 0]).any():
+        if not mission.has_transfer[j]:
             reason = "no-transfer"
         elif arrival + rules.service[j] > rules.duration:
             reason = "duration"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -18,6 +19,12 @@ PACKAGES = ("adr-opt", "numpy", "numba", "ortools")
 
 def versions() -> dict[str, str]:
     """Versions of the packages that a plan depends on."""
+    return dict(_installed())
+
+
+@cache
+def _installed() -> dict[str, str]:
+    """Looked up once: each look-up reads files."""
     found = {}
     for package in PACKAGES:
         try:
@@ -134,7 +141,7 @@ def certify(
     status: Status = "optimal" if met else "feasible"
     bounded = math.isfinite(upper_bound)
     plan = Plan(
-        instance=InstanceReference(name=mission.instance.name, sha256=mission.instance.sha256),
+        instance=InstanceReference(name=mission.instance.name, sha256=mission.sha256),
         method=method,
         seed=seed,
         status=status,

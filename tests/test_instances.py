@@ -17,7 +17,9 @@ from adr_opt.generator import FAMILIES
 from adr_opt.kernels.constants import EARTH_RADIUS_M
 
 INSTANCES = Path(__file__).parents[1] / "instances"
-COMMITTED = sorted(INSTANCES.glob("*/*-[0-9][0-9][0-9].json"))
+COMMITTED = sorted(
+    path for name in FAMILIES for path in (INSTANCES / name).glob("*-[0-9][0-9][0-9].json")
+)
 
 
 def test_twenty_nominal_and_some_tiny_are_committed():

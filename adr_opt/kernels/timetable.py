@@ -131,6 +131,22 @@ def lookup(table, i, j, time):
 
 
 @kernel
+def transfer_exists(table):
+    """Whether a body can be reached at all, by index: from any body, at any event."""
+    bodies = table.first.shape[0]
+    found = np.zeros(bodies, dtype=np.bool_)
+    for j in range(bodies):
+        for i in range(bodies):
+            for m in range(events(table, i, j)):
+                if math.isfinite(entry_at(table, i, j, m)[0]):
+                    found[j] = True
+                    break
+            if found[j]:
+                break
+    return found
+
+
+@kernel
 def sample(table, departures, delta_v, duration):
     """Sample the table on a list of ready times, into arrays (departure, origin, destination)."""
     bodies = table.first.shape[0]
