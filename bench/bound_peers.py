@@ -34,7 +34,7 @@ from machine import heading
 import adr_opt
 from adr_opt.errors import InputError
 from adr_opt.kernels.constants import STATION
-from solvers.completion import build_network
+from solvers.network import build_network
 
 SOLVERS = ("ipm", "simplex", "pdlp")
 

@@ -16,7 +16,7 @@ import numpy as np
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import STATION
 
-from .completion import WalkBound
+from .walks import WalkBound
 
 RADIUS = 1.0
 """Multipliers are looked for within this distance of the best ones [largest prizes]."""

@@ -28,7 +28,8 @@ import numpy as np
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import STATION
 
-from .completion import SLACK, WalkBound
+from .network import SLACK
+from .walks import WalkBound
 
 WORD = 63
 """Targets remembered in one integer."""

@@ -2,7 +2,7 @@
 
 The room shared by the Lagrangian bound, by the exact method and by ``auto``. One round has two
 parts. Multipliers of "each target at most once" are moved so that the best walk of the
-time-expanded network is worth little (:mod:`solvers.completion`, :mod:`solvers.multipliers`). Then
+time-expanded network is worth little (:mod:`solvers.walks`, :mod:`solvers.multipliers`). Then
 plans worth a little less than the bound are asked for (:mod:`solvers.ng_routes`): if there are
 none, the bound comes down; if the answer is a plan, it is a better incumbent. Every value on the
 way is a valid bound and the least is kept; the trivial one is the sum of all prizes.
@@ -20,9 +20,9 @@ from adr_opt.mission import Mission
 from adr_opt.planner import Progress
 from adr_opt.stop.proven import TOLERANCE
 
-from .completion import WalkBound
 from .multipliers import Descent
 from .ng_routes import NgRoutes
+from .walks import WalkBound
 
 ROUNDING = 1e-6
 """A bound this little below a whole number counts as that number."""

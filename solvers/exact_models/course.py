@@ -16,9 +16,9 @@ from adr_opt.planner import Progress, silent
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
-from ..completion import WalkBound
 from ..greedy import greedy_guarded
 from ..multipliers import Descent
+from ..walks import WalkBound
 from .answer import Answer, Hear
 from .network import Network, keep, path_of, unroll
 from .reduction import affordable_slot, best_through, can_reach
