@@ -10,18 +10,14 @@ from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 
-from adr_opt.errors import InputError
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress, get, silent
 from adr_opt.result import Result, certify
 from adr_opt.stop import MaxIterations, Stop
 
 from .beams import BeamSettings, beam_search
-from .local_search.planner import LocalSearch
-from .proof import Certificate, Proof, bound_notes
-
-HOUR_WORTH, KILOMETRE_WORTH = 0.17, 0.38
-"""Weights of the beams [mean prizes per h and per km/s]."""
+from .proof import Certificate, Proof, bound_notes, check_options
+from .recreate import HOUR_WORTH, KILOMETRE_WORTH, mean_prize, recreate
 
 QUICK_WIDTHS = (100, 1000)
 """Beams at the very beginning, before anything is proven."""
@@ -41,17 +37,13 @@ LEAST_PROOF_S = 1.0
 class _Search:
     """The searching half: beams, and ruin and recreate."""
 
-    def __init__(
-        self, mission: Mission, seed: int, stop: Stop, certificate: Certificate, jobs: int
-    ) -> None:
+    def __init__(self, mission: Mission, seed: int, stop: Stop, certificate: Certificate) -> None:
         self._mission = mission
         self._stop = stop
         self._certificate = certificate
-        self._jobs = jobs
         self._rng = np.random.default_rng(seed)
         self._pace_s = 0.0  # of a beam, per unit of width
-        prizes = mission.rules.prize[mission.rules.prize > 0.0]
-        self._mean = float(prizes.mean()) if prizes.size else 1.0
+        self._mean = mean_prize(mission)
         self.counters = {"beams": 0, "recreations": 0}
 
     def beam(self, width: int, vary: bool) -> None:
@@ -83,14 +75,13 @@ class _Search:
 
     def improve(self, recreations: int, width: int) -> None:
         """Ruin and recreate the incumbent."""
-        seed = int(self._rng.integers(2**31))
-        search = LocalSearch(self._mission, self._certificate.sequence or (), seed)
+        rng = np.random.default_rng(int(self._rng.integers(2**31)))
         for _ in range(recreations):
             if self._stop.remaining_s() <= 0.0:
                 break
-            search.recreate(width)
+            found = recreate(self._mission, self._certificate.sequence or (), width, rng)
+            self._certificate.offer(found)
             self.counters["recreations"] += 1
-        self._certificate.offer(search.sequence)
 
 
 class _Prover:
@@ -185,18 +176,11 @@ def auto(
     InputError
         An option is out of range.
     """
-    if jobs < 0:
-        raise InputError(f"option jobs = {jobs} of method 'auto': must be ≥ 0")
-    if most_labels < 1:
-        raise InputError(f"option most_labels = {most_labels} of method 'auto': must be ≥ 1")
-    if not (math.isfinite(delta_v_slot_m_s) and delta_v_slot_m_s > 0.0):
-        raise InputError(
-            f"option delta_v_slot_m_s = {delta_v_slot_m_s!r} of method 'auto': must be > 0"
-        )
+    check_options("auto", delta_v_slot_m_s, jobs, most_labels)
     began = time.perf_counter()
     cores = jobs or os.cpu_count() or 1
     certificate = Certificate(mission, progress)
-    search = _Search(mission, seed, stop, certificate, cores)
+    search = _Search(mission, seed, stop, certificate)
     greedy = get("greedy-guarded")(mission, seed=seed, stop=MaxIterations(1), progress=silent)
     certificate.offer(greedy.sequence or ())
     if start is not None:

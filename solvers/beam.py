@@ -13,6 +13,7 @@ from adr_opt.stop import Stop
 
 from .beams import BeamSettings, beam_search
 from .completion import guide as make_guide
+from .recreate import HOUR_WORTH, KILOMETRE_WORTH, mean_prize
 
 
 def beam(
@@ -22,8 +23,8 @@ def beam(
     stop: Stop,
     progress: Progress,
     width: int = 3000,
-    time_weight: float = 0.17,
-    delta_v_weight: float = 0.38,
+    time_weight: float = HOUR_WORTH,
+    delta_v_weight: float = KILOMETRE_WORTH,
     crowding: float = 1.7,
     noise: float = 0.0,
     guided: bool = False,
@@ -86,9 +87,3 @@ def beam(
         runtime_s=time.perf_counter() - began,
         counters={"width": width, "states": states},
     )
-
-
-def mean_prize(mission: Mission) -> float:
-    """Mean prize of the targets that have one; 1 if there is none."""
-    prizes = [target.prize for target in mission.instance.targets if target.prize > 0.0]
-    return sum(prizes) / len(prizes) if prizes else 1.0

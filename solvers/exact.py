@@ -9,7 +9,6 @@ Baldacci, Mingozzi and Roberti 2011). Where the best walk repeats no target it i
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Iterable
 
@@ -18,8 +17,7 @@ from adr_opt.planner import Progress, get, silent
 from adr_opt.result import Result, certify
 from adr_opt.stop import MaxIterations, Stop
 
-from .lagrangian import check_options
-from .proof import Certificate, Proof, bound_notes
+from .proof import Certificate, bound_notes, check_options, prove
 
 
 def exact(
@@ -60,20 +58,14 @@ def exact(
     def enough() -> bool:
         return stop(certificate.incumbent, certificate.bound)
 
-    counters: dict[str, float] = {}
     for name in ("greedy-guarded", "beam"):
         if not certificate.proven and not enough():
             found = get(name)(mission, seed=seed, stop=MaxIterations(1), progress=silent)
             certificate.offer(found.sequence or ())
-    if not certificate.proven and not enough():
-        proof = Proof(
-            mission, certificate, jobs=jobs or os.cpu_count() or 1,
-            delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
-        )  # fmt: skip
-        while not proof.done and not enough():
-            proof.advance(enough)
-        proof.close()
-        counters = proof.counters
+    counters = prove(
+        mission, certificate, enough,
+        jobs=jobs, delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
+    )  # fmt: skip
     return certify(
         mission,
         "exact",

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import math
-import os
 import time
 from collections.abc import Iterable
 
-from adr_opt.errors import InputError
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
-from .proof import Certificate, Proof, bound_notes
+from .proof import Certificate, bound_notes, check_options, prove
 
 
 def lagrangian(
@@ -64,20 +61,14 @@ def lagrangian(
     certificate = Certificate(mission, progress)
     if start is not None:
         certificate.offer(start)
-    counters: dict[str, float] = {"evaluations": 0, "searches": 0, "labels": 0}
 
     def enough() -> bool:
         return stop(certificate.incumbent, certificate.bound)
 
-    if not certificate.proven and not enough():
-        proof = Proof(
-            mission, certificate, jobs=jobs or os.cpu_count() or 1,
-            delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
-        )  # fmt: skip
-        while not proof.done and not enough():
-            proof.advance(enough)
-        proof.close()
-        counters = proof.counters
+    counters = prove(
+        mission, certificate, enough,
+        jobs=jobs, delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
+    )  # fmt: skip
     return certify(
         mission,
         "lagrangian",
@@ -88,15 +79,3 @@ def lagrangian(
         counters=counters,
         notes=bound_notes(mission),
     )
-
-
-def check_options(method: str, delta_v_slot_m_s: float, jobs: int, most_labels: int) -> None:
-    """Raise :class:`InputError` if an option is out of range."""
-    if not (math.isfinite(delta_v_slot_m_s) and delta_v_slot_m_s > 0.0):
-        raise InputError(
-            f"option delta_v_slot_m_s = {delta_v_slot_m_s!r} of method {method!r}: must be > 0"
-        )
-    if jobs < 0:
-        raise InputError(f"option jobs = {jobs} of method {method!r}: must be ≥ 0")
-    if most_labels < 1:
-        raise InputError(f"option most_labels = {most_labels} of method {method!r}: must be ≥ 1")

@@ -11,11 +11,13 @@ way is a valid bound and the least is kept; the trivial one is the sum of all pr
 from __future__ import annotations
 
 import math
+import os
 import threading
 from collections.abc import Callable, Iterable
 
 import numpy as np
 
+from adr_opt.errors import InputError
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
 from adr_opt.stop.proven import TOLERANCE
@@ -230,6 +232,41 @@ class Proof:
         self._bound.close()
 
 
+def prove(
+    mission: Mission,
+    certificate: Certificate,
+    enough: Callable[[], bool],
+    *,
+    jobs: int,
+    delta_v_slot_m_s: float,
+    most_labels: int,
+) -> dict[str, float]:
+    """Rounds of proof until nothing is left to do or it is enough; returns the counters.
+
+    Parameters
+    ----------
+    mission, certificate, delta_v_slot_m_s, most_labels
+        As :class:`Proof` takes them.
+    enough : callable
+        Asked once per iteration.
+    jobs : int
+        Threads, 0 for all cores.
+    """
+    if certificate.proven or enough():
+        return {"evaluations": 0, "searches": 0, "labels": 0}
+    proof = Proof(
+        mission,
+        certificate,
+        jobs=jobs or os.cpu_count() or 1,
+        delta_v_slot_m_s=delta_v_slot_m_s,
+        most_labels=most_labels,
+    )
+    while not proof.done and not enough():
+        proof.advance(enough)
+    proof.close()
+    return proof.counters
+
+
 def affordable_slot(mission: Mission, slot: float) -> float:
     """The slot asked for, widened until the values of all states fit into memory."""
     events = mission.timetable.entries + len(mission.names)
@@ -244,3 +281,15 @@ def bound_notes(mission: Mission) -> list[str]:
     if mission.has_whole_prizes:
         return ["the bound is rounded down: all prizes are whole"]
     return []
+
+
+def check_options(method: str, delta_v_slot_m_s: float, jobs: int, most_labels: int) -> None:
+    """Raise :class:`InputError` if an option is out of range."""
+    if not (math.isfinite(delta_v_slot_m_s) and delta_v_slot_m_s > 0.0):
+        raise InputError(
+            f"option delta_v_slot_m_s = {delta_v_slot_m_s!r} of method {method!r}: must be > 0"
+        )
+    if jobs < 0:
+        raise InputError(f"option jobs = {jobs} of method {method!r}: must be ≥ 0")
+    if most_labels < 1:
+        raise InputError(f"option most_labels = {most_labels} of method {method!r}: must be ≥ 1")

@@ -15,8 +15,8 @@ from adr_opt.planner import Progress, get, silent
 from adr_opt.result import Result, certify
 from adr_opt.stop import MaxIterations, Stop
 
-from ..beams import BeamSettings, beam_search
 from ..orders import make_labels
+from ..recreate import mean_prize, recreate
 from .annealing import anneal
 from .moves import NAMES
 
@@ -30,9 +30,6 @@ WEIGHTS = {
     "substitute": 0.15,
 }
 """Probabilities of the moves."""
-
-BEAM_WEIGHTS = (0.17, 0.38)
-"""Worth of an hour and of a km/s in the beams that recreate [mean prizes]."""
 
 
 class LocalSearch:
@@ -58,8 +55,7 @@ class LocalSearch:
         self.sequence: tuple[int, ...] = ()
         self._delta_v = math.inf
         self.offer(sequence)
-        prizes = mission.rules.prize[1:]
-        self._mean = float(prizes[prizes > 0.0].mean()) if (prizes > 0.0).any() else 1.0
+        self._mean = mean_prize(mission)
 
     def offer(self, sequence: Iterable[int]) -> bool:
         """Take a plan if it is better: more prize, or as much for less ΔV."""
@@ -89,21 +85,7 @@ class LocalSearch:
 
     def recreate(self, width: int) -> bool:
         """Keep a random beginning of the best plan and build a new end; whether it got better."""
-        keep = int(self._rng.integers(0, len(self.sequence))) if self.sequence else 0
-        hour, kilometre = BEAM_WEIGHTS
-        spread = self._rng.uniform(0.6, 1.6)
-        settings = BeamSettings(
-            width=width,
-            time_weight=hour * self._mean,
-            delta_v_weight=kilometre * spread * self._mean,
-            crowding=self._rng.uniform(1.2, 2.5),
-            noise=self._rng.uniform(0.0, 0.5) * self._mean,
-        )
-        prefix = np.array(self.sequence[:keep], dtype=np.int64)
-        found, _, _, _ = beam_search(
-            self._mission, settings, prefix=prefix, seed=int(self._rng.integers(2**31))
-        )
-        return self.offer(found)
+        return self.offer(recreate(self._mission, self.sequence, width, self._rng))
 
 
 def local_search(
