@@ -233,3 +233,15 @@ def test_best_share_is_a_share(tiny):
     """A share above one is refused."""
     with pytest.raises(InputError, match=r"best_share = 1\.5"):
         plan(tiny, best_share=1.5)
+
+
+def test_polish_only_improves():
+    """The open-loop polish gives a legal plan, never worse than without it, and here better."""
+    mission = Mission(adr_opt.generate("nominal", 0))
+    plain = adr_opt.solve(mission, "mcts", time_limit=60.0)
+    polished = adr_opt.solve(mission, "mcts", time_limit=60.0, polish=30)
+    assert adr_opt.check(mission.instance, polished.plan) == ()
+    assert polished.objective > plain.objective
+    assert polished.counters["polished"] > 0
+    with pytest.raises(InputError, match="polish"):
+        adr_opt.solve(mission, "mcts", polish=-1)

@@ -9,18 +9,23 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from adr_opt.errors import InputError
 from adr_opt.kernels.constants import STATION
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
+from ..recreate import recreate
 from . import policy as policies
 from . import tree as trees
 from .settings import FROM_PRESET, Settings, choose
 
 LARGEST_TREE = 10_000_000
 """Most moves that a kept tree may list before it is begun anew: bounds its memory."""
+
+POLISH_WIDTH = 30
+"""Width of the beams that polish: a few milliseconds each on nominal missions."""
 
 
 @dataclass
@@ -143,6 +148,7 @@ def mcts(
     tree: str = "preset",
     missions: int = FROM_PRESET,
     answer: str = "preset",
+    polish: int = 0,
 ) -> Result:
     """Monte Carlo tree search (UCT): as published, or tuned.
 
@@ -187,6 +193,10 @@ def mcts(
         Most missions to play.
     answer : {"played", "best"}
         The best mission played, or the best sequence of any simulation (ties: less ΔV).
+    polish : int
+        Open-loop polish at the end, as long as there is time: so often, keep the beginning of
+        the plan up to a random move and build a new end by a narrow beam
+        (:mod:`solvers.recreate`). Not part of the published method.
 
     Raises
     ------
@@ -212,20 +222,42 @@ def mcts(
             "answer": answer,
         },
     )
+    if polish < 0:
+        raise InputError(f"option polish = {polish} of method 'mcts': must be ≥ 0")
     start = time.perf_counter()
     player = _Player(mission, settings, np.random.default_rng(seed), stop, progress)
     while player.missions < settings.missions and player.incumbent < mission.total_prize:
         if player.play():
             break
+    plan, polished = _polish(mission, player.plan(), polish, seed, stop)
     return certify(
         mission,
         "mcts",
-        player.plan(),
+        plan,
         seed=seed,
         runtime_s=time.perf_counter() - start,
         counters={
             "missions": player.missions,
             "steps": player.steps,
             "simulations": player.steps * settings.simulations,
+            "polished": polished,
         },
     )
+
+
+def _polish(
+    mission: Mission, plan: npt.NDArray[np.int64], steps: int, seed: int, stop: Stop
+) -> tuple[npt.NDArray[np.int64], int]:
+    """Ruin and recreate a plan; returns the best one and how often it got better."""
+    rng = np.random.default_rng(seed)
+    timing = mission.time(plan)
+    polished = 0
+    for _ in range(steps):
+        if stop.remaining_s() <= 0.0:
+            break
+        found = recreate(mission, plan.tolist(), POLISH_WIDTH, rng)
+        other = mission.time(found)
+        if (other.objective, -other.delta_v) > (timing.objective, -timing.delta_v):
+            plan, timing = found, other
+            polished += 1
+    return plan, polished
