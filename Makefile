@@ -40,9 +40,9 @@ format: $(DEVELOPMENT) ## Format the code and sort the imports
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-bench: $(DEVELOPMENT) ## Run the benchmark scripts, one after the other (peers.py needs its extra)
-	@set -e; for script in $(filter-out bench/peers.py bench/update_best_known.py,$(wildcard bench/*.py)); do \
-	  echo "== $$script"; $(BIN)/python $$script; done
+bench: $(DEVELOPMENT) ## Measure the timetable and the planners (docs/benchmarks.md lists the rest)
+	$(BIN)/python bench/precompute.py
+	$(BIN)/python bench/planners.py nominal greedy greedy-guarded mcts beam auto@10
 
 clean: ## Remove the virtual environment, caches and written plans
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

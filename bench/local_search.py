@@ -5,7 +5,7 @@
 Both begin from the guarded greedy plan and have the same time. The operators given to `alns`:
 destroy cuts the plan at a random move or takes a random stretch out of it; repair builds a new end
 by a narrow noisy beam, or inserts targets greedily, each candidate timed by the kernel that our
-own loop uses. Needs the package alns.
+own loop uses. Needs the extra [peers].
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def main() -> None:
         from alns.select import RouletteWheel
         from alns.stop import MaxRuntime
     except ImportError:
-        sys.exit("this comparison needs the package alns: pip install alns")
+        sys.exit("this comparison needs the package alns: pip install 'adr-opt[peers]'")
     print(heading())
     print("| field | guarded greedy | local-search | alns |\n|---|---|---|---|")
     warm = adr_opt.Mission(adr_opt.generate("tiny", 0))

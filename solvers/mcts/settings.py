@@ -6,19 +6,11 @@ else in :data:`PUBLISHED` is the plain reading: the return of a simulation is th
 (the prizes) from the present state to the end of its rollout, unscaled; rollouts draw from all
 legal moves, the station included; every step begins a new tree; the most visited move is played.
 
-On the reference scenario this visits 20 targets of 50, where the study reports 25 to 29. No other
-reading of the text closes the gap (means over nominal seeds 0–19, one run each, so ± 0.3):
-
-=====================================================  ==========
-return of the rollout only, without the path to it     17.1
-return divided by 15 (the depth), or by 50             19.1, 19.4
-highest value instead of most visits                   19.9
-depth counted from the root instead of the leaf        20.1
-−1 for a rollout that cannot move, as in the RL reward 20.0
-rollouts that refuel only when nothing else is legal   20.2
-rollouts to the end of the mission                     20.0
-10,000 simulations instead of 200                      23.9
-=====================================================  ==========
+On the reference scenario this visits far fewer targets than the study reports, and no other
+reading of the text closes the gap. Those that are options (``play=value``, longer rollouts, many
+more simulations) are in docs/benchmarks.md. Prototypes of others, not kept, made no more of it:
+the return of the rollout without the path to it, depth counted from the root, −1 for a rollout
+that cannot move, refuelling only when nothing else is legal.
 
 So the difference is hardly in the search. What is left is the field: the study does not say how
 planes and phases are spread (MODEL section 6).
