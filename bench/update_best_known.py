@@ -1,12 +1,20 @@
-"""Keep `instances/best-known.csv`: the best plan and the best bound of each committed instance.
+"""Keep `instances/best-known.csv`: the best plan and the best bound of each instance.
 
     python bench/update_best_known.py --time-limit 60 instances/nominal/*.json
-    python bench/update_best_known.py plan.json bound.json
+    python bench/update_best_known.py --time-limit 10 --family cloud --family large --missing
+    python bench/update_best_known.py nominal-042 plan.json bound.json
+    python bench/update_best_known.py --plan nominal-042 --out plan.json
 
-An instance file is solved with a planner and a bound side by side; a plan file, or what
-`bound --json` printed, is taken as it is. A row changes only for the better: a plan that collects
-more (or as much with less ΔV) and that `check` finds nothing wrong with, a bound that is lower.
-The plans are kept in `instances/best-known/`, each with the best bound of its row.
+An instance, given as a file, by its name in the library or with its family, is solved with a
+planner and a bound side by side; a plan file, or what `bound --json` printed, is taken as it is. A
+row changes only for the better: a plan that collects more (or as much with less ΔV) and that
+`check` finds nothing wrong with, a bound that is lower. Each row is written when it is found;
+`--missing` leaves out the instances that have a plan and a bound already, so that an interrupted
+run goes on where it was.
+
+A row holds its plan as the order of the bodies, from which `--plan` makes the plan file again. The
+plans of instances that are committed as files are also kept whole in `instances/best-known/`, each
+with the best bound of its row.
 
 Exit status 0: done, whether or not anything improved; 1: something was refused, an illegal plan
 or a bound below a legal plan, and its row is as it was; else 2 if some input is wrong.
@@ -29,11 +37,13 @@ from typing import Any
 import adr_opt
 from adr_opt import Instance, Plan, front
 from adr_opt.errors import InputError
-from adr_opt.files import parse_model, read_text, write_text
+from adr_opt.files import check_writable, parse_model, read_text, write_text
+from adr_opt.library import Library, load_library
+from adr_opt.mission import Mission
 from adr_opt.plan import FORMAT as PLAN_FORMAT
 from adr_opt.plan import relative_gap
 from adr_opt.planner import PLANNERS
-from adr_opt.result import versions
+from adr_opt.result import certify, versions
 from adr_opt.together import BOUND_NOTE, InvalidBound
 
 FOLDER = Path(__file__).resolve().parents[1] / "instances"
@@ -50,8 +60,10 @@ class Refused(Exception):
 class Row:
     """A row of the table; the names are its columns, empty where nothing is known.
 
-    `gap` is (upper bound − objective) / upper bound, `plan` the plan file relative to the table,
-    `date` (UTC), `who` and `versions` are those of the last improvement.
+    `gap` is (upper bound − objective) / upper bound; `order` the bodies of the plan by number, the
+    station 0, joined with hyphens (an empty plan is a hyphen); `plan` the plan file, if there is
+    one, relative to the table; `date` (UTC), `who` and `versions` are those of the last
+    improvement.
     """
 
     instance: str
@@ -66,6 +78,12 @@ class Row:
     who: str = ""
     date: str = ""
     versions: str = ""
+    order: str = ""
+
+    @property
+    def sequence(self) -> tuple[int, ...]:
+        """The bodies of the plan, the station 0."""
+        return tuple(int(body) for body in self.order.split("-") if body)
 
 
 COLUMNS = [field.name for field in fields(Row)]
@@ -134,6 +152,12 @@ def write_table(folder: Path, rows: Mapping[str, Row]) -> None:
     write_text(folder / "best-known.csv", text.getvalue())
 
 
+def order_of(instance: Instance, plan: Plan) -> str:
+    """The destinations of a plan as a row has them."""
+    index = {name: number for number, name in enumerate(instance.names)}
+    return "-".join(str(index[name]) for name in plan.destinations) or "-"
+
+
 def update(folder: Path, claim: Claim) -> str:
     """Improve a row by a claim, if the claim is better.
 
@@ -171,8 +195,9 @@ def update(folder: Path, claim: Claim) -> str:
                 improved,
                 objective=plan.objective,
                 delta_v_m_s=plan.delta_v_m_s,
-                plan=f"best-known/{name}.json",
+                plan=f"best-known/{name}.json" if file_of(folder, name) else "",
                 planner_method=plan.method,
+                order=order_of(claim.instance, plan),
             )
         else:
             plan = None
@@ -185,7 +210,7 @@ def update(folder: Path, claim: Claim) -> str:
     if not said:
         return f"{name}: not better ({_known(row)})"
 
-    if improved.plan and math.isfinite(improved.upper_bound):
+    if improved.order and math.isfinite(improved.upper_bound):
         # Rounding may leave the bound a hair below the objective.
         upper_bound = float(max(improved.upper_bound, improved.objective))
         gap = relative_gap(improved.objective, upper_bound)
@@ -207,7 +232,7 @@ def update(folder: Path, claim: Claim) -> str:
 
 
 def _known(row: Row) -> str:
-    plan = f"objective {row.objective:g}" if row.plan else "no plan"
+    plan = f"objective {row.objective:g}" if row.order else "no plan"
     bound = f"bound {row.upper_bound:g}" if math.isfinite(row.upper_bound) else "no bound"
     gap = f", gap {row.gap:.2%}" if math.isfinite(row.gap) else ""
     return f"{plan}, {bound}{gap}"
@@ -252,35 +277,68 @@ def _with_bound(instance: Instance, plan: Plan, row: Row) -> Plan:
 # --- where claims come from ---------------------------------------------------------------------
 
 
+def library_of(folder: Path) -> Library:
+    """The library in a folder; an empty one if there is none."""
+    path = folder / "library.json"
+    return load_library(path) if path.exists() else Library(version="0.0", instances=())
+
+
+def file_of(folder: Path, name: str) -> Path | None:
+    """The committed file of an instance, if there is one."""
+    # A name is text from a file: it may hold anything, and must not lead out of the folder.
+    paths = [path for path in sorted(folder.glob("*/*.json")) if path.stem == name]
+    return next((path for path in paths if path.parent.name != "best-known"), None)
+
+
+def known_instance(folder: Path, name: str) -> Instance:
+    """The instance of a name: its committed file, or generated as the library lists it.
+
+    Raises
+    ------
+    InputError
+        There is none, or the generator gives another.
+    """
+    path = file_of(folder, name)
+    if path is not None:
+        return adr_opt.load(path)
+    entry = library_of(folder).find(name)
+    if entry is None:
+        raise InputError(
+            f"instance {name!r}: not in a folder of {folder}, nor in its library; "
+            "commit it there first"
+        )
+    return entry.generate()
+
+
 def committed(folder: Path, name: str, sha256: str) -> Instance:
-    """The committed instance of a name.
+    """The instance of a name, if its content is the one expected.
 
     Raises
     ------
     InputError
         There is none, or its content is another.
     """
-    for path in sorted(folder.glob(f"*/{name}.json")):
-        if path.parent.name == "best-known":
-            continue
-        instance = adr_opt.load(path)
-        if instance.sha256 != sha256:
-            raise InputError(
-                f"instance {name!r}: sha256 {sha256[:12]}… is not that of {path} "
-                f"({instance.sha256[:12]}…); give what was made for the committed file"
-            )
-        return instance
-    raise InputError(f"instance {name!r}: not in a folder of {folder}; commit it there first")
+    instance = known_instance(folder, name)
+    if instance.sha256 != sha256:
+        where = file_of(folder, name) or "the library"
+        raise InputError(
+            f"instance {name!r}: sha256 {sha256[:12]}… is not that of {where} "
+            f"({instance.sha256[:12]}…); give what was made for the committed one"
+        )
+    return instance
 
 
-def claim_of(path: Path, arguments: argparse.Namespace) -> Claim:
-    """What a file claims; an instance is solved.
+def claim_of(given: str, arguments: argparse.Namespace) -> Claim:
+    """What a file claims; an instance, given as a file or by name, is solved.
 
     Raises
     ------
     InputError
         The file is none of the three kinds, or not for a committed instance.
     """
+    path = Path(given)
+    if not path.exists() and library_of(arguments.folder).find(given) is not None:
+        return solved(known_instance(arguments.folder, given), arguments)
     text = read_text(path)
     try:
         content = json.loads(text)
@@ -305,6 +363,11 @@ def claim_of(path: Path, arguments: argparse.Namespace) -> Claim:
 
     instance = parse_model(text, Instance, str(path))
     committed(arguments.folder, instance.name, instance.sha256)
+    return solved(instance, arguments)
+
+
+def solved(instance: Instance, arguments: argparse.Namespace) -> Claim:
+    """What planner and bound find side by side."""
     result = front.run(
         PLANNERS,
         instance,
@@ -316,31 +379,96 @@ def claim_of(path: Path, arguments: argparse.Namespace) -> Claim:
     return Claim(instance, result.plan, result.upper_bound, arguments.bound, versions())
 
 
+def write_plan(folder: Path, name: str, out: Path) -> None:
+    """Make the plan file of a row again, with its bound.
+
+    Raises
+    ------
+    InputError
+        The table has no plan of that name, or the file cannot be written.
+    """
+    check_writable(out)
+    row = read_table(folder).get(name)
+    if row is None or not row.order:
+        raise InputError(f"instance {name!r}: the table has no plan of it; solve it first")
+    instance = committed(folder, name, row.sha256)
+    mission = Mission(instance)
+    plan = certify(mission, row.planner_method, row.sequence, seed=0, runtime_s=0.0).plan
+    assert plan is not None
+    _with_bound(instance, plan, row).save(out)
+
+
+def is_known(row: Row | None) -> bool:
+    """Whether a row has a plan and a bound."""
+    return row is not None and bool(row.order) and math.isfinite(row.upper_bound)
+
+
+def inputs(arguments: argparse.Namespace) -> list[str]:
+    """Files and names to go through: those given, then the families.
+
+    Raises
+    ------
+    InputError
+        A family is not in the library, or the table cannot be read.
+    """
+    given = list(arguments.inputs)
+    if arguments.family:
+        library = library_of(arguments.folder)
+        for name in arguments.family:
+            entries = library.of_family(name)
+            if not entries:
+                known = ", ".join(dict.fromkeys(entry.family for entry in library.instances))
+                raise InputError(
+                    f"family {name!r} is not in the library; use one of {known or '(none)'}"
+                )
+            given += [entry.name for entry in entries]
+    if arguments.missing:
+        rows = read_table(arguments.folder)
+        given = [each for each in given if not is_known(rows.get(Path(each).stem))]
+    return given
+
+
 def main(argv: Sequence[str] | None = None) -> int:
-    """Go through the files and return the exit status: a refusal counts more than a wrong file."""
+    """Go through the inputs and return the exit status: a refusal counts more than a wrong file."""
     parser = argparse.ArgumentParser(
         description="Update instances/best-known.csv, only for the better."
     )
     parser.add_argument(
-        "paths", nargs="+", type=Path, metavar="FILE",
-        help="instance (it is solved), plan, or what 'bound --json' printed",
+        "inputs", nargs="*", metavar="FILE|NAME",
+        help="instance (it is solved), plan, or what 'bound --json' printed; or a library name",
     )  # fmt: skip
+    parser.add_argument("--family", action="append", metavar="NAME", help="all of it, repeatable")
+    parser.add_argument("--missing", action="store_true", help="skip what has plan and bound")
     parser.add_argument("--time-limit", type=float, default=60.0, metavar="S", help="per instance")
     parser.add_argument("--method", default="auto", help="planner for instances")
     parser.add_argument("--bound", default="lagrangian", help="bound for instances")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--folder", type=Path, default=FOLDER, help="folder of the table")
+    parser.add_argument("--plan", metavar="NAME", help="write the best-known plan to --out instead")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="plan file for --plan")
     arguments = parser.parse_args(argv)
+    if (arguments.plan is None) != (arguments.out is None):
+        parser.error("--plan and --out go together; give both")
+    if not (arguments.inputs or arguments.family or arguments.plan):
+        parser.error("nothing to do; name files, instances or a --family")
+    try:
+        if arguments.plan is not None:
+            write_plan(arguments.folder, arguments.plan, arguments.out)
+        given = inputs(arguments)
+    except InputError as error:
+        print(f"wrong: {error}", file=sys.stderr)
+        return 2
     seen = set()
-    for path in arguments.paths:
+    for number, each in enumerate(given, start=1):
         # A file that fails does not keep the others back.
         try:
-            print(update(arguments.folder, claim_of(path, arguments)), flush=True)
+            said = update(arguments.folder, claim_of(each, arguments))
+            print(f"[{number}/{len(given)}] {said}", flush=True)
         except InputError as error:
             print(f"wrong: {error}", file=sys.stderr)
             seen.add(2)
         except (Refused, InvalidBound) as error:
-            print(f"refused: {path}: {error}", file=sys.stderr)
+            print(f"refused: {each}: {error}", file=sys.stderr)
             seen.add(1)
     return min(seen, default=0)
 

@@ -15,6 +15,9 @@ import pytest
 
 import adr_opt
 from adr_opt import planner
+from adr_opt.instance import Instance
+from adr_opt.kernels import orbits, transfer
+from adr_opt.library import Entry, Library
 from adr_opt.mission import Mission
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
@@ -74,6 +77,37 @@ def bound_file(folder: Path, mission: Mission, upper_bound: float | None, **more
     return path
 
 
+def flown(instance: Instance, order: tuple[int, ...]) -> tuple[float, float]:
+    """Objective and ΔV [m/s] of an order by the mission rules, leg by leg and without a timetable.
+
+    Stated here once more, plainly, because hundreds of timetables would take minutes.
+    """
+    bodies, extra = instance.orbits(), instance.eccentricity_delta_v()
+    rule, limits = instance.transfer_rule(), instance.mission
+    i, now, left, spent, since_refuelling = 0, 0.0, limits.delta_v_m_s, 0.0, 0
+    assert len([j for j in order if j]) == len({j for j in order if j})
+    for j in order:
+        assert j != i
+        assert j != 0 or since_refuelling > 0
+        pair = transfer.prepare(bodies[i], bodies[j], extra[i, j], rule)
+        first, half_turns = transfer.first_departure(pair)
+        event = max(0, math.ceil((now - first) * pair.rate_i / math.pi - 1e-12))
+        departure = first + event * math.pi / pair.rate_i
+        lead = transfer.target_lead(pair, departure, half_turns + event)
+        leg = transfer.best_sequence(pair, rule, departure, lead)
+        period = orbits.period(bodies[j, 0])
+        now = departure + leg.flight_time + rule.approach_revolutions * period
+        now += (limits.service_revolutions if j else limits.refuel_revolutions) * period
+        left -= leg.delta_v
+        spent += leg.delta_v
+        assert left >= -1e-6
+        assert now <= limits.duration_s + 1e-3
+        left = left if j else limits.delta_v_m_s
+        since_refuelling = since_refuelling + 1 if j else 0
+        i = j
+    return float(sum(instance.targets[j - 1].prize for j in order if j)), float(spent)
+
+
 def consistent(script: ModuleType, folder: Path) -> dict[str, Any]:
     """Every row agrees with its instance and its plan; returns the rows."""
     rows = script.read_table(folder)
@@ -86,12 +120,21 @@ def consistent(script: ModuleType, folder: Path) -> dict[str, Any]:
         assert row.date
         if math.isfinite(row.upper_bound):
             assert row.bound_method
-        if not row.plan:
+        if not row.order:
+            assert not row.plan
             assert math.isfinite(row.upper_bound)
+            continue
+        objective, delta_v = flown(instance, row.sequence)
+        assert objective == row.objective <= row.upper_bound
+        assert delta_v == pytest.approx(row.delta_v_m_s, rel=1e-9)
+        # The plan files of committed instances are kept as well.
+        assert bool(row.plan) == (script.file_of(folder, name) is not None)
+        if not row.plan:
             continue
         plan = adr_opt.load_plan(folder / row.plan)
         assert adr_opt.check(instance, plan) == ()
-        assert plan.objective == row.objective <= row.upper_bound
+        assert plan.objective == row.objective
+        assert script.order_of(instance, plan) == row.order
         assert plan.delta_v_m_s == row.delta_v_m_s
         assert plan.method == row.planner_method
         if math.isfinite(row.upper_bound):
@@ -229,6 +272,74 @@ def test_a_row_for_another_version_of_an_instance_is_kept(
     table.write_text(table.read_text().replace(mission.instance.sha256, "0" * 64))
     assert script.main(["--folder", str(folder), str(path)]) == 1
     assert "another version of the instance" in capsys.readouterr().err
+
+
+def in_library(folder: Path, *seeds: int) -> list[str]:
+    """A library of tiny instances in a folder, of which only the first may be a file there."""
+    made = [adr_opt.generate("tiny", seed) for seed in seeds]
+    entries = tuple(Entry(name=each.name, sha256=each.sha256) for each in made)
+    (folder / "library.json").write_text(Library(version="1.0", instances=entries).to_json())
+    return [each.name for each in made]
+
+
+def test_instances_of_the_library_are_solved_by_name(
+    script: ModuleType,
+    folder: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """A name or a family is enough; such rows hold the order, from which the plan comes again."""
+    _, second, third = in_library(folder, 1, 2, 3)
+    arguments = ["--folder", str(folder), "--method", "beam", "--time-limit", "5"]
+    assert script.main([*arguments, second]) == 0
+    row = consistent(script, folder)[second]
+    assert row.order
+    assert not row.plan
+    assert not (folder / "best-known").exists()
+    # Resumed, it does the rest; then nothing.
+    assert script.main([*arguments, "--family", "tiny", "--missing"]) == 0
+    assert "[2/2] tiny-003" in capsys.readouterr().out
+    rows = consistent(script, folder)
+    assert set(rows) == {NAME, second, third}
+    assert rows[second] == row
+    assert [each for each in rows.values() if each.plan] == [rows[NAME]]
+    table = (folder / "best-known.csv").read_bytes()
+    assert script.main([*arguments, "--family", "tiny", "--missing"]) == 0
+    assert capsys.readouterr().out == ""
+    assert (folder / "best-known.csv").read_bytes() == table
+
+    out = folder / "again.json"
+    assert script.main(["--folder", str(folder), "--plan", second, "--out", str(out)]) == 0
+    plan = adr_opt.load_plan(out)
+    assert adr_opt.check(adr_opt.generate("tiny", 2), plan) == ()
+    assert (plan.objective, plan.upper_bound, plan.method) == (
+        row.objective, row.upper_bound, row.planner_method,
+    )  # fmt: skip
+    # A plan file for an instance of the library is a claim too.
+    assert script.main(["--folder", str(folder), str(out)]) == 0
+    assert "not better" in capsys.readouterr().out
+
+
+def test_wrong_calls_are_one_sentence(
+    script: ModuleType, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Unknown families and plans, and a library that does not fit, are exit 2 before any work."""
+    in_library(folder, 1, 2)
+
+    def wrong(*arguments: str) -> str:
+        assert script.main(["--folder", str(folder), *arguments]) == 2
+        return capsys.readouterr().err
+
+    assert "use one of tiny" in wrong("--family", "huge")
+    assert "has no plan of it" in wrong("--plan", "tiny-002", "--out", str(folder / "p.json"))
+    assert "no such file" in wrong("tiny-009")
+    library = folder / "library.json"
+    sha256 = adr_opt.generate("tiny", 2).sha256
+    library.write_text(library.read_text().replace(sha256, "0" * 64))
+    assert "generated with sha256" in wrong("tiny-002")
+    with pytest.raises(SystemExit, match="2"):
+        script.main(["--folder", str(folder)])
+    with pytest.raises(SystemExit, match="2"):
+        script.main(["--folder", str(folder), "--plan", "tiny-002"])
 
 
 def trivial(mission: Mission, *, seed: int, stop: Stop, progress: planner.Progress) -> Result:

@@ -2,21 +2,32 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import math
+import os
+import sys
+from itertools import pairwise
 from pathlib import Path
+from types import ModuleType
 
 import jsonschema
+import numpy as np
 import pytest
 from hand_made import hand_made
 
 import adr_opt
 from adr_opt import instance as instance_module
 from adr_opt import plan as plan_module
-from adr_opt.generator import FAMILIES
+from adr_opt.generator import FAMILIES, by_name, cloud
+from adr_opt.generator.stream import at_percentile
 from adr_opt.kernels.constants import EARTH_RADIUS_M
+from adr_opt.library import Entry, Library, load_library
 
-INSTANCES = Path(__file__).parents[1] / "instances"
+ROOT = Path(__file__).parents[1]
+INSTANCES = ROOT / "instances"
+EXTERNAL = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", ROOT.parent / "shared" / "data"))
+CATALOGUE = EXTERNAL / "omm" / "celestrak_2025-04_iridium-33-debris.csv"
 COMMITTED = sorted(
     path for name in FAMILIES for path in (INSTANCES / name).glob("*-[0-9][0-9][0-9].json")
 )
@@ -49,29 +60,199 @@ def test_known_bytes():
     )
 
 
+BELT = [name for name in FAMILIES if name != "cloud"]
+
+
 @pytest.mark.parametrize("name", FAMILIES)
 def test_families(name):
-    """Instances of a family have its size, duration and budget, within the calibrated spread."""
+    """Instances of a family have its size, duration and budget, and its station."""
     family = FAMILIES[name]
     sizes = set()
-    for seed in range(40):
+    for seed in range(40 if name == "tiny" else 5):
         made = adr_opt.generate(name, seed)
         sizes.add(len(made.targets))
         assert made.mission.duration_s == family.duration_s
         assert made.mission.delta_v_m_s == family.delta_v_m_s
-        for target in made.targets:
+        assert made.station.orbit == family.station
+        assert {target.prize for target in made.targets} == {1.0}
+    assert sizes == set(range(family.targets[0], family.targets[1] + 1))
+
+
+@pytest.mark.parametrize("name", BELT)
+def test_the_belt_is_within_the_calibrated_spread(name):
+    """Altitudes, inclinations and planes of all families but cloud are those of the study."""
+    for seed in range(5):
+        for target in adr_opt.generate(name, seed).targets:
             altitude = target.orbit.semi_major_axis_m - EARTH_RADIUS_M
             assert 700e3 <= altitude <= 800e3
             assert 95.0 <= target.orbit.inclination_deg <= 97.0
             assert -1.0 <= target.orbit.raan_deg <= 1.0
             assert target.orbit.eccentricity == 0.0
-    assert sizes == set(range(family.targets[0], family.targets[1] + 1))
 
 
 def test_families_share_fields():
-    """nominal, reduced-time and reduced-fuel of one seed have the same debris."""
-    fields = {adr_opt.generate(name, 5).targets for name in FAMILIES if name != "tiny"}
-    assert len(fields) == 1
+    """nominal, reduced-time and reduced-fuel of one seed have the same debris; large begins so."""
+    fields = {
+        adr_opt.generate(name, 5).targets for name in ("nominal", "reduced-time", "reduced-fuel")
+    }
+    assert fields == {adr_opt.generate("large", 5).targets[:50]}
+
+
+def test_cloud_follows_its_numbers():
+    """Many fragments have the percentiles, limits and rank correlations that the family states."""
+    orbits = [t.orbit for t in adr_opt.generate("cloud", 0, targets=20000).targets]
+    a = np.array([orbit.semi_major_axis_m for orbit in orbits])
+    e = np.array([orbit.eccentricity for orbit in orbits])
+    perigee = (a * (1.0 - e) - EARTH_RADIUS_M) / 1e3
+    difference = 2.0 * a * e / 1e3
+    inclination = np.array([orbit.inclination_deg for orbit in orbits])
+    raan = np.array([orbit.raan_deg for orbit in orbits])
+    for drawn, values in (
+        (perigee, cloud.PERIGEE_KM),
+        (difference, cloud.APOGEE_MINUS_PERIGEE_KM),
+        (inclination, cloud.INCLINATION_DEG),
+    ):
+        assert drawn.min() >= values[0] - 0.01
+        assert drawn.max() <= values[-1] + 0.01
+        for percentile, value in zip(cloud.PERCENTILES[1:-1], values[1:-1], strict=True):
+            assert 100.0 * (drawn <= value).mean() == pytest.approx(percentile, abs=1.5)
+    assert np.abs(raan).max() <= cloud.HALF_WIDTH_DEG
+    assert np.histogram(raan, 4)[0] / raan.size == pytest.approx(np.full(4, 0.25), abs=0.02)
+
+    def rank_correlation(x, y):
+        return np.corrcoef(np.argsort(np.argsort(x)), np.argsort(np.argsort(y)))[0, 1]
+
+    assert rank_correlation(perigee, difference) == pytest.approx(0.0, abs=0.03)
+    assert rank_correlation(inclination, difference) == pytest.approx(
+        cloud.INCLINATION_WITH_DIFFERENCE, abs=0.03
+    )
+    assert rank_correlation(raan, inclination) == pytest.approx(
+        cloud.RAAN_WITH_INCLINATION, abs=0.03
+    )
+    for angle in ("argument_of_perigee_deg", "true_anomaly_deg"):
+        drawn = np.array([getattr(orbit, angle) for orbit in orbits])
+        assert np.histogram(drawn, 4, (0.0, 360.0))[0] / drawn.size == pytest.approx(
+            np.full(4, 0.25), abs=0.02
+        )
+
+
+@pytest.mark.external
+@pytest.mark.skipif(not CATALOGUE.is_file(), reason=f"no {CATALOGUE}")
+def test_cloud_is_fitted_to_the_catalogue():
+    """The numbers of the family are those that the script reads off the public catalogue."""
+    fit = script(ROOT / "bench" / "fit_cloud.py").fit(CATALOGUE)
+    assert fit.objects == 121
+    assert fit.perigee == pytest.approx(cloud.PERIGEE_KM, abs=0.051)
+    assert fit.difference == pytest.approx(cloud.APOGEE_MINUS_PERIGEE_KM, abs=0.051)
+    assert fit.inclination == pytest.approx(cloud.INCLINATION_DEG, abs=0.00051)
+    assert round(fit.half_width, 1) == cloud.HALF_WIDTH_DEG
+    assert round(fit.inclination_with_difference, 2) == cloud.INCLINATION_WITH_DIFFERENCE
+    assert round(fit.raan_with_inclination, 2) == cloud.RAAN_WITH_INCLINATION
+
+
+def test_cloud_has_missions():
+    """A planner visits a good part of a cloud, refuels, and its plan says it is approximate."""
+    made = adr_opt.generate("cloud", 0)
+    assert made.is_approximate
+    plan = adr_opt.solve(made, "beam").plan
+    assert adr_opt.check(made, plan) == ()
+    assert 20 <= plan.objective < 50
+    assert "station" in plan.destinations
+    assert any("approximation" in note for note in plan.notes)
+
+
+def test_at_percentile():
+    """Between known percentiles values are linear, at the ends they are the extremes."""
+    knots, values = (0.0, 50.0, 100.0), (1.0, 2.0, 6.0)
+    assert [at_percentile(knots, values, share) for share in (0.0, 0.25, 0.5, 0.75, 1.0)] == [
+        1.0, 1.5, 2.0, 4.0, 6.0,
+    ]  # fmt: skip
+    drawn = [at_percentile(cloud.PERCENTILES, cloud.PERIGEE_KM, k / 1000) for k in range(1001)]
+    assert all(low < high for low, high in pairwise(drawn))
+
+
+def script(path: Path) -> ModuleType:
+    """A script of the repository as a module."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look themselves up there
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_library_is_what_the_generator_gives():
+    """Every instance of the library has the SHA-256 that is listed, and the sizes are as told."""
+    library = load_library(INSTANCES / "library.json")
+    assert {name: len(library.of_family(name)) for name in FAMILIES} == {
+        "tiny": 10, "nominal": 100, "reduced-time": 100, "reduced-fuel": 100, "cloud": 20,
+        "large": 20,
+    }  # fmt: skip
+    for entry in library.instances:
+        assert entry.generate().name == entry.name
+    for path in COMMITTED:
+        assert library.find(path.stem).sha256 == adr_opt.load(path).sha256
+
+
+def test_every_family_has_a_readme_that_states_it():
+    """instances/FAMILY/README.md gives number of targets, days, budget and seeds."""
+    library = load_library(INSTANCES / "library.json")
+    for name, family in FAMILIES.items():
+        said = (INSTANCES / name / "README.md").read_text(encoding="utf-8")
+        low, high = family.targets
+        size = f"{low}–{high}" if high > low else f"{low}"
+        days = f"{family.duration_s / 86400.0:g} days"
+        budget = f"{family.delta_v_m_s / 1000.0:g} km/s"
+        seeds = f"seeds 0–{len(library.of_family(name)) - 1}"
+        for fact in (f"{size} targets", days, budget, seeds):
+            assert fact in said, (name, fact)
+
+
+def test_the_version_of_the_library_is_stated():
+    """instances/README.md cites the version that library.json has."""
+    library = load_library(INSTANCES / "library.json")
+    assert f"version {library.version}" in (INSTANCES / "README.md").read_text(encoding="utf-8")
+
+
+def test_names_lead_to_instances():
+    """A name gives the instance of that name; other names are refused with an example."""
+    for name in ("nominal-042", "reduced-fuel-000", "cloud-003-z6", "tiny-1234", "large-001-n5-z2"):
+        assert by_name(name).name == name
+    assert by_name("nominal-042") == adr_opt.generate("nominal", 42)
+    for name in (
+        "nominal",
+        "nominal-7",
+        "huge-001",
+        "nominal-007 ",
+        "nominal-0042",
+        "nominal-001-z0",
+    ):
+        with pytest.raises(adr_opt.InputError, match=r"nominal-042|write it so"):
+            by_name(name)
+
+
+def test_a_library_that_does_not_fit_is_noticed(tmp_path, capsys):
+    """Another checksum is told with exit 1, wrong input with exit 2, and the rest is written."""
+    write = script(INSTANCES / "write.py")
+    good = load_library(INSTANCES / "library.json").find("tiny-001")
+    bad = Entry(name="tiny-002", sha256="0" * 64)
+    path = tmp_path / "library.json"
+    path.write_text(Library(version="1.0", instances=(good, bad)).to_json())
+    out = tmp_path / "out"
+    assert write.main(["--library", str(path), "--out", str(out)]) == 1
+    assert "generated with sha256" in capsys.readouterr().err
+    assert [file.name for file in out.glob("*/*")] == ["tiny-001.json"]
+    assert (out / "tiny" / "tiny-001.json").read_bytes() == (
+        INSTANCES / "tiny" / "tiny-001.json"
+    ).read_bytes()
+    assert write.main(["--library", str(path), "huge"]) == 2
+    assert write.main(["--library", str(path), "large"]) == 2
+    assert write.main(["--library", str(tmp_path / "absent.json")]) == 2
+    assert write.main(["--library", str(path), "--renew", "one"]) == 2
+    path.write_text(path.read_text().replace("tiny-002", "tiny-001"))
+    assert write.main(["--library", str(path)]) == 2
+    assert "listed twice" in capsys.readouterr().err
+    assert write.main(["--out", str(path), "tiny"]) == 2
+    assert "cannot be created" in capsys.readouterr().err
 
 
 def test_zones_do_not_change_the_field():

@@ -25,7 +25,7 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Draw an instance of FAMILY: tiny, nominal, reduced-time or reduced-fuel."""
+    """Draw an instance of FAMILY: tiny, nominal, reduced-time, reduced-fuel, cloud or large."""
     from ..files import write_text
     from ..generator import generate
 

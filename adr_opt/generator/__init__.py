@@ -1,0 +1,26 @@
+"""Random instances: the families of the benchmark.
+
+Every number is drawn from raw PCG-64 output (whose stream NumPy guarantees) by IEEE arithmetic and
+rounded to the digits of the file, so one seed gives one file, byte for byte, on any machine.
+
+`belt` holds the field of the published study and `cloud` a fragmentation cloud; `families` lists
+what is drawn from them, with limits; `zones` draws keep-out zones.
+"""
+
+from __future__ import annotations
+
+from .families import FAMILIES, Family, family
+from .make import EPOCH, by_name, generate
+from .stream import LARGEST_SEED
+from .zones import draw_zones
+
+__all__ = [
+    "EPOCH",
+    "FAMILIES",
+    "LARGEST_SEED",
+    "Family",
+    "by_name",
+    "draw_zones",
+    "family",
+    "generate",
+]

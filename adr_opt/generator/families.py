@@ -1,0 +1,71 @@
+"""The families: everything about an instance but the seed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ..errors import InputError
+from ..instance import Orbit
+from . import belt, cloud
+from .stream import Uniform
+
+DAY_S = 86400.0
+
+
+@dataclass(frozen=True)
+class Family:
+    """A family of instances.
+
+    Attributes
+    ----------
+    name, summary : str
+    targets : (int, int)
+        Least and largest number of targets; the seed draws it.
+    duration_s, delta_v_m_s : float
+    station : Orbit
+    draw_target : callable
+        From a source of uniform numbers to the orbit of a target.
+    purpose : int
+        Number of the stream that the field is drawn from. Families of one purpose and one
+        ``draw_target`` share the field of one seed.
+    """
+
+    name: str
+    summary: str
+    targets: tuple[int, int]
+    duration_s: float
+    delta_v_m_s: float
+    station: Orbit = belt.STATION
+    draw_target: Callable[[Uniform], Orbit] = belt.draw_circle
+    purpose: int = 0
+
+
+FAMILIES = {
+    family.name: family
+    for family in (
+        Family("tiny", "6-8 targets, 1.5 days, 1 km/s", (6, 8), 1.5 * DAY_S, 1000.0),
+        Family("nominal", "50 targets, 7 days, 3 km/s", (50, 50), 7.0 * DAY_S, 3000.0),
+        Family("reduced-time", "50 targets, 3 days, 3 km/s", (50, 50), 3.0 * DAY_S, 3000.0),
+        Family("reduced-fuel", "50 targets, 7 days, 1 km/s", (50, 50), 7.0 * DAY_S, 1000.0),
+        Family(
+            "cloud", "50 fragments, 10 days, 4 km/s", (cloud.TARGETS, cloud.TARGETS),
+            10.0 * DAY_S, 4000.0, cloud.STATION, cloud.draw_fragment, purpose=2,
+        ),
+        Family("large", "200 targets, 30 days, 3 km/s", (200, 200), 30.0 * DAY_S, 3000.0),
+    )
+}  # fmt: skip
+"""The families by name."""
+
+
+def family(name: str) -> Family:
+    """The family of a name.
+
+    Raises
+    ------
+    InputError
+        There is none; the sentence lists them.
+    """
+    if name not in FAMILIES:
+        raise InputError(f"family {name!r} is unknown; use one of {', '.join(FAMILIES)}")
+    return FAMILIES[name]
