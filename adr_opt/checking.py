@@ -2,7 +2,8 @@
 
 Shares nothing with the planners but the physics of one transfer (`kernels.orbits`,
 `kernels.transfer`, `kernels.burns`): departure events, the choice of the entry and the mission
-rules are stated here a second time, on purpose, and plainly.
+rules are stated here a second time, on purpose, and plainly; so are the keep-out zones, in
+`keep_out`, from the burns alone.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 
 from .errors import InputError
 from .instance import Instance
+from .keep_out import crossed
 from .kernels import burns as burn_kernels
 from .kernels import orbits, transfer
 from .plan import Leg, Plan
@@ -108,6 +110,15 @@ def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
             )
         i, j = index[leg.origin], index[leg.destination]
         yield from _check_transfer(instance, number, leg, i, j)
+        for which in crossed(instance, leg):
+            zone = instance.keep_out_zones[which]
+            yield Violation(
+                number,
+                "zone",
+                f"crosses keep_out_zones[{which}], {zone.min_altitude_m:.0f}–"
+                f"{zone.max_altitude_m:.0f} m, while it is closed from {zone.start_s:.0f} s "
+                f"to {zone.end_s:.0f} s",
+            )
 
         at_station = leg.destination == instance.station.name
         revolutions = limits.refuel_revolutions if at_station else limits.service_revolutions

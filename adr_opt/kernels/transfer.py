@@ -277,7 +277,8 @@ def half_ellipse_clock(r1, r2, r):
     e = abs(r2 - r1) / (r1 + r2)
     if e == 0.0:
         return 0.0
-    cosine = min(1.0, max(-1.0, (1.0 - r / a) / e))
+    # (1 − r/a) / e without its cancellation, which costs seconds on nearly circular arcs.
+    cosine = min(1.0, max(-1.0, ((r1 - r) + (r2 - r)) / abs(r2 - r1)))
     anomaly = math.acos(cosine)
     since_perigee = (anomaly - e * math.sin(anomaly)) * math.sqrt(a / MU_M3_S2) * a
     if r2 > r1:
