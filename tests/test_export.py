@@ -19,7 +19,7 @@ from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
 from adr_opt.mission import Mission
 
 DEPARTURES = [0.0, 3600.0, 50000.0]
-SUFFIXES = [".npz", ".nc", ".tsp", ".vrp"]
+SUFFIXES = [".npz", ".nc", ".tsp", ".vrp", ".oplib"]
 
 
 @pytest.fixture(scope="module")
@@ -269,13 +269,14 @@ def test_odd_names_do_not_break_the_text_formats(
     """A name with blanks, keywords or line breaks leaves the files readable."""
     tsplib95, vrplib = pytest.importorskip("tsplib95"), pytest.importorskip("vrplib")
     instance = renamed(mission, name)
-    for suffix in (".tsp", ".vrp"):
+    for suffix in (".tsp", ".vrp", ".oplib"):
         write_matrix(instance, tmp_path / f"costs{suffix}", [0.0])
     assert tsplib95.load(tmp_path / "costs.tsp").dimension == len(instance.names)
     assert len(tsplib95.load(tmp_path / "costs.tsp").edge_weights) == len(instance.names)
-    read = vrplib.read_instance(tmp_path / "costs.vrp")
-    assert read["edge_weight"].shape == (len(instance.names),) * 2
-    assert instance.sha256 in read["comment"]
+    for suffix in (".vrp", ".oplib"):
+        read = vrplib.read_instance(tmp_path / f"costs{suffix}")
+        assert read["edge_weight"].shape == (len(instance.names),) * 2
+        assert instance.sha256 in read["comment"]
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
@@ -295,14 +296,19 @@ def test_same_file_from_instance_and_mission(mission: Mission, tmp_path: Path, s
     write_matrix(mission, a, [0.0])
     write_matrix(mission.instance, b, [0.0])
     assert sorted(path.name for path in tmp_path.iterdir()) == [a.name, b.name]
-    if suffix in (".tsp", ".vrp"):
+    if suffix in (".tsp", ".vrp", ".oplib"):
         assert a.read_bytes() == b.read_bytes()
 
 
 @pytest.mark.parametrize(
     ("name", "departures", "options", "said"),
     [
-        ("costs.csv", [0.0], {}, r"'\.csv' is unknown; use one of \.npz, \.nc, \.tsp, \.vrp"),
+        (
+            "costs.csv",
+            [0.0],
+            {},
+            r"'\.csv' is unknown; use one of \.npz, \.nc, \.tsp",
+        ),
         ("costs", [0.0], {}, "suffix '' is unknown"),
         ("costs.npz", [], {}, "departures: there are none"),
         ("costs.npz", [-1.0], {}, "departures must be"),
@@ -310,6 +316,8 @@ def test_same_file_from_instance_and_mission(mission: Mission, tmp_path: Path, s
         ("costs.npz", [[0.0, 1.0]], {}, "departures must be"),
         ("costs.tsp", DEPARTURES, {}, r"a \.tsp file holds one departure, but 3 are given"),
         ("costs.vrp", DEPARTURES, {}, r"a \.vrp file holds one departure, but 3 are given"),
+        ("costs.oplib", DEPARTURES, {}, r"a \.oplib file holds one departure, but 3 are given"),
+        ("costs.parquet", [0.0], {}, "holds every departure event; leave out the ready times"),
         ("costs.tsp", [0.0], {"quantity": "price"}, "quantity = 'price': use one of"),
         ("costs.tsp", [0.0], {"scale": 0.0}, "scale = 0.0: must be a positive number"),
         ("costs.vrp", [0.0], {"scale": 1e12}, "31 bits"),
@@ -336,11 +344,11 @@ def test_a_failure_leaves_the_old_file(
     mission: Mission, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
 ) -> None:
     """Files are written whole or not at all: a failure on the way changes nothing."""
-    from adr_opt.export import netcdf, npz, tsp, vrp
+    from adr_opt.export import netcdf, npz, oplib, tsp, vrp
 
     path = tmp_path / f"costs{suffix}"
     path.write_text("old")
-    module = {".npz": npz, ".nc": netcdf, ".tsp": tsp, ".vrp": vrp}[suffix]
+    module = {".npz": npz, ".nc": netcdf, ".tsp": tsp, ".vrp": vrp, ".oplib": oplib}[suffix]
     honest = module.write
 
     def fails(temporary: Path, *arguments: object) -> None:

@@ -1,14 +1,19 @@
-"""``matrix``: sample the timetable into a file that other programs read."""
+"""``matrix``: write the timetable, sampled or whole, into a file that other programs read."""
 
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import InputError
 from .output import emit_json, say
 from .parameters import check_out, instance_argument, json_option, quiet_option
+
+if TYPE_CHECKING:
+    from ..instance import Instance
+    from ..timetable import FloatArray
 
 MOST_BYTES = 2**34
 """Larger matrices are refused before the system runs out of memory."""
@@ -25,11 +30,17 @@ MOST_BYTES = 2**34
     type=click.Choice(["delta_v", "duration"]),
     default="delta_v",
     show_default=True,
-    help="Weights of .tsp and .vrp; the others hold both.",
+    help="Weights of .tsp, .vrp and .oplib; the others hold both.",
 )
-@click.option("--scale", type=float, help="Weight of one m/s or one second in .tsp and .vrp.")
 @click.option(
-    "--out", required=True, metavar="FILE", help="File to write: .nc, .npz, .tsp or .vrp."
+    "--scale", type=float, help="Weight of one m/s or one second in .tsp, .vrp and .oplib."
+)
+@click.option(
+    "--out",
+    required=True,
+    metavar="FILE",
+    help="File to write. Matrices at ready times: .nc, .npz; at one: .tsp, .vrp, .oplib. "
+    "Every departure, without ready times: .parquet, .lp, .mps.",
 )
 @json_option
 @quiet_option
@@ -43,8 +54,8 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Write ΔV and duration of every transfer of INSTANCE, sampled at ready times."""
-    if (every_s is None) == (not at_s):
+    """Write ΔV and duration of every transfer of INSTANCE: at ready times, or at all events."""
+    if every_s is not None and at_s:
         raise InputError("give the ready times either with --every S or with --at S")
     if every_s is not None and not (every_s > 0.0 and math.isfinite(every_s)):
         raise InputError(f"--every = {every_s:g}: must be a positive number of seconds")
@@ -52,34 +63,49 @@ def command(
         if not (time_s >= 0.0 and math.isfinite(time_s)):
             raise InputError(f"--at = {time_s:g}: must be a time from 0 on, in seconds")
 
-    import numpy as np
-
-    from ..export import write_matrix
+    from ..export import write_matrix, write_timetable
+    from ..export.write import suffix_of, whole_suffixes
     from ..instance import load
+
+    suffix = suffix_of(out)
+    is_whole = suffix in whole_suffixes()
+    has_times = every_s is not None or bool(at_s)
+    if is_whole and has_times:
+        raise InputError(
+            f"{out}: a {suffix} file holds every departure event; leave out --every and --at"
+        )
+    if not is_whole and not has_times:
+        raise InputError("give the ready times either with --every S or with --at S")
 
     instance = load(instance_path)
     check_out(out, instance_path)
-    departures = np.array(at_s)
-    if every_s is not None:
-        end_s = instance.mission.duration_s
-        size = 16.0 * len(instance.names) ** 2 * (end_s / every_s + 1.0)
-        if size > MOST_BYTES:
-            raise InputError(
-                f"--every = {every_s:g}: the matrices would take {size / 2**30:.3g} GiB, more than "
-                f"{MOST_BYTES / 2**30:g}; raise it"
-            )
-        departures = np.arange(0.0, max(end_s, every_s), every_s)
-    write_matrix(instance, out, departures, quantity=quantity, scale=scale)
+    written: dict[str, Any] = {"instance": instance.name, "path": out}
+    if is_whole:
+        write_timetable(instance, out)
+        what = "every departure event"
+    else:
+        departures = _departures(instance, every_s, at_s)
+        write_matrix(instance, out, departures, quantity=quantity, scale=scale)
+        written |= {"quantity": quantity, "departures_s": departures.tolist()}
+        what = f"{departures.size} ready times"
     if as_json:
-        emit_json(
-            {
-                "instance": instance.name,
-                "path": out,
-                "quantity": quantity,
-                "bodies": list(instance.names),
-                "departures_s": departures.tolist(),
-            }
-        )
+        emit_json(written | {"bodies": list(instance.names)})
     if not quiet:
-        say(f"wrote {out}: {departures.size} ready times, {len(instance.names)} bodies")
+        say(f"wrote {out}: {what}, {len(instance.names)} bodies")
     return 0
+
+
+def _departures(instance: Instance, every_s: float | None, at_s: tuple[float, ...]) -> FloatArray:
+    """The ready times asked for [s]."""
+    import numpy as np
+
+    if every_s is None:
+        return np.array(at_s)
+    end_s = instance.mission.duration_s
+    size = 16.0 * len(instance.names) ** 2 * (end_s / every_s + 1.0)
+    if size > MOST_BYTES:
+        raise InputError(
+            f"--every = {every_s:g}: the matrices would take {size / 2**30:.3g} GiB, more than "
+            f"{MOST_BYTES / 2**30:g}; raise it"
+        )
+    return np.arange(0.0, max(end_s, every_s), every_s)

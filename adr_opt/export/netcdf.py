@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from .. import __version__
 from ..errors import MissingExtra
-from ..instance import Instance
-from ..kernels.constants import EARTH_RADIUS_M, MU_M3_S2
 from ..mission import Mission
 from ..timetable import Matrices
+from .attributes import attributes
 
 if TYPE_CHECKING:
     import xarray
@@ -71,24 +68,6 @@ def dataset(mission: Mission, matrices: Matrices) -> xarray.Dataset:
         },
         attrs=attributes(mission.instance),
     )
-
-
-def attributes(instance: Instance) -> dict[str, Any]:
-    """Constants of the model and all settings of an instance, flat, as NetCDF wants them."""
-    stated = instance.model_dump(mode="json")
-    return {
-        "title": f"ΔV and duration of transfers between the bodies of {instance.name}",
-        "source": f"adr-opt {__version__}",
-        "instance": instance.name,
-        "sha256": instance.sha256,
-        "epoch": stated["epoch"],
-        "station": instance.station.name,
-        "mu_m3_s2": MU_M3_S2,
-        "earth_radius_m": EARTH_RADIUS_M,
-        **{f"transfer_{key}": value for key, value in stated["transfer"].items()},
-        **{f"mission_{key}": value for key, value in stated["mission"].items()},
-        "keep_out_zones_json": json.dumps(stated["keep_out_zones"]),
-    }
 
 
 def write(path: Path, mission: Mission, matrices: Matrices) -> None:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ..errors import InputError
 from ..instance import Instance
-from ..timetable import Matrices
+from ..timetable import FloatArray, Matrices
 
 UNITS = {"delta_v": "m/s", "duration": "s"}
 
@@ -37,6 +37,8 @@ class Weights:
         Weight where there is no transfer: more than any tour of the other weights.
     departure : float
         Ready time since the epoch [s].
+    has_service : bool
+        Whether durations contain the service at the destination.
     """
 
     values: npt.NDArray[np.int64]
@@ -44,6 +46,7 @@ class Weights:
     scale: float
     no_transfer: int
     departure: float
+    has_service: bool = False
 
 
 def check_quantity(quantity: str) -> None:
@@ -59,7 +62,11 @@ def check_scale(scale: float | None) -> None:
 
 
 def whole_weights(
-    matrices: Matrices, quantity: str, scale: float | None, limit: float = 0.0
+    matrices: Matrices,
+    quantity: str,
+    scale: float | None,
+    limit: float = 0.0,
+    service: FloatArray | None = None,
 ) -> Weights:
     """Scale and round the first departure of the matrices.
 
@@ -71,6 +78,8 @@ def whole_weights(
         By default the largest power of ten up to 1000 that fits.
     limit : float
         Budget that the weight for "no transfer" has to exceed as well [m/s or s].
+    service : (bodies,) float64, optional
+        Added to the way to each body [s]; the diagonal stays 0.
 
     Raises
     ------
@@ -78,6 +87,9 @@ def whole_weights(
         The weights do not fit into 31 bits.
     """
     exact = matrices.delta_v[0] if quantity == "delta_v" else matrices.duration[0]
+    if service is not None:
+        exact = exact + service
+        np.fill_diagonal(exact, 0.0)
     finite = np.isfinite(exact)
     largest = float(exact[finite].max(initial=0.0))
 
@@ -94,7 +106,14 @@ def whole_weights(
         )
     values = np.full(exact.shape, no_transfer(scale), dtype=np.int64)
     values[finite] = np.rint(scale * exact[finite]).astype(np.int64)
-    return Weights(values, quantity, scale, no_transfer(scale), float(matrices.departures[0]))
+    return Weights(
+        values,
+        quantity,
+        scale,
+        no_transfer(scale),
+        float(matrices.departures[0]),
+        service is not None,
+    )
 
 
 def slug(instance: Instance) -> str:
@@ -107,12 +126,16 @@ def slug(instance: Instance) -> str:
 
 def comment(instance: Instance, weights: Weights) -> str:
     """One line that says what the integers are."""
+    contents = ""
+    if weights.quantity == "duration":
+        contents = "from ready to arrival, without service; "
+        if weights.has_service:
+            contents = "from ready to the end of service, at the station to arrival; "
     return (
         f"{weights.quantity} in {UNITS[weights.quantity]} times {weights.scale:g}, rounded, "
         f"ready at {weights.departure!r} s after {instance.model_dump(mode='json')['epoch']}; "
-        f"{weights.no_transfer} = no transfer; "
-        + ("from ready to arrival, without service; " if weights.quantity == "duration" else "")
-        + f"node 1 is the station, then the targets in order; instance sha256 {instance.sha256}"
+        f"{weights.no_transfer} = no transfer; {contents}"
+        f"node 1 is the station, then the targets in order; instance sha256 {instance.sha256}"
     )
 
 
