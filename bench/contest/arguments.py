@@ -1,0 +1,42 @@
+"""The arguments that the comparisons have in common."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+
+import adr_opt
+from adr_opt.errors import InputError
+from adr_opt.generator import FAMILIES
+
+
+def missions(arguments: argparse.Namespace) -> list[adr_opt.Mission]:
+    """The missions asked for: files, or the first fields of a family."""
+    if arguments.instances:
+        return [adr_opt.Mission(adr_opt.load(path)) for path in arguments.instances]
+    fields = range(arguments.count)
+    return [adr_opt.Mission(adr_opt.generate(arguments.family, field)) for field in fields]
+
+
+def parser_of(text: str | None, time_limit_s: float) -> argparse.ArgumentParser:
+    """The arguments that both comparisons have."""
+    parser = argparse.ArgumentParser(
+        description=text, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--instances", nargs="+", type=Path, help="files, instead of a family")
+    parser.add_argument("--family", default="nominal", choices=list(FAMILIES))
+    parser.add_argument("--count", type=int, default=4, help="fields of the family, from 0")
+    parser.add_argument("--time-limit", type=float, default=time_limit_s, help="[s] each")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--jobs", type=int, default=1, help="cores of methods that use several")
+    parser.add_argument("--slot", type=float, default=240.0, help="DIDPPy's slot of time [s]")
+    return parser
+
+
+def require_positive(arguments: argparse.Namespace) -> None:
+    """Raise :class:`InputError` if a number is out of range."""
+    for name in ("count", "time_limit", "jobs", "slot"):
+        value = getattr(arguments, name)
+        if not value > 0 or not math.isfinite(value):
+            raise InputError(f"--{name.replace('_', '-')} {value!r}: must be > 0")
