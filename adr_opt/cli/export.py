@@ -1,0 +1,89 @@
+"""``export``: write the flight of a plan in a format of other programs."""
+
+from __future__ import annotations
+
+import math
+
+import click
+
+from ..errors import InputError
+from .output import emit_json, say
+from .parameters import check_out, instance_argument, json_option, plan_argument, quiet_option
+
+
+@click.command("export", short_help="Write the flight of PLAN as OEM, OPM, CZML or GMAT script.")
+@instance_argument
+@plan_argument
+@click.option(
+    "--out", required=True, metavar="FILE", help="File to write: .oem, .opm, .czml or .script."
+)
+@click.option(
+    "--format",
+    "format_",
+    type=click.Choice(["oem", "opm", "czml", "script"]),
+    help="Whatever the suffix of the file.",
+)
+@click.option(
+    "--frame",
+    default="EME2000",
+    show_default=True,
+    type=click.Choice(["EME2000", "GCRF", "ICRF", "TEME"]),
+    help="What the frame of the elements is called; nothing is transformed.",
+)
+@click.option(
+    "--step",
+    "step_s",
+    type=float,
+    default=60.0,
+    show_default=True,
+    metavar="S",
+    help="Longest time between two states of .oem and .czml.",
+)
+@click.option("--leg", type=int, metavar="N", help="Only this leg, counted from 1.")
+@json_option
+@quiet_option
+def command(
+    instance_path: str,
+    plan_path: str,
+    out: str,
+    format_: str | None,
+    frame: str,
+    step_s: float,
+    leg: int | None,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Fly PLAN in two-body motion and write the flight for other programs."""
+    if not (step_s > 0.0 and math.isfinite(step_s)):
+        raise InputError(f"--step = {step_s:g}: must be a positive number of seconds")
+
+    from ..instance import load
+    from ..plan import load_plan
+    from ..trajectory.write import flown, format_of, write_trajectory
+
+    format_ = format_of(out, format_)
+    check_out(out, instance_path, plan_path)
+    instance, plan = load(instance_path), load_plan(plan_path)
+    try:
+        written = flown(instance, plan, step_s, leg)
+    except InputError as error:
+        raise InputError(f"{plan_path}: {error}") from None
+    write_trajectory(written, out, format=format_, frame=frame)
+    arcs = [arc for _, arc in written.arcs()]
+    if as_json:
+        emit_json(
+            {
+                "instance": instance.name,
+                "path": out,
+                "format": format_,
+                "frame": frame,
+                "legs": len(written.legs),
+                "arcs": len(arcs),
+                "burns": sum(len(path.leg.burns) for path in written.legs),
+                "start_s": written.start_s,
+                "end_s": written.end_s,
+            }
+        )
+    if not quiet:
+        say(f"wrote {out}: {len(written.legs)} legs, {len(arcs)} arcs")
+    return 0

@@ -1,0 +1,16 @@
+"""Fly a plan: propagate its burns in two-body motion and measure where they lead.
+
+The second opinion on the physics. No state here comes from :mod:`adr_opt.kernels`: elements are
+read from the instance, and boinor (extra ``[astro]``) turns them into states, propagates them and
+solves Lambert's problem.
+
+Two questions are asked of each leg. Does it arrive in the model's world, where every body moves
+on a circle? It must, to a millimetre. And where an orbit of the leg is eccentric: where does it
+arrive in truth, and what does it cost to arrive there after all? That is the size of the
+approximation of MODEL section 1.
+"""
+
+from .fly import fly
+from .result import EccentricFlight, Flight, LegFlight
+
+__all__ = ["EccentricFlight", "Flight", "LegFlight", "fly"]

@@ -1,0 +1,101 @@
+"""Fly the burns of a plan, leg by leg."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..errors import InputError
+from ..instance import Instance
+from ..plan import Leg, Plan
+from .corrected import fly_eccentric
+from .flyable import refuse_what_cannot_be_flown
+from .result import EccentricFlight, Flight, LegFlight
+from .two_body import State, TwoBody, distance
+
+
+def fly(instance: Instance, plan: Plan) -> Flight:
+    """Fly the burns of a plan in two-body motion.
+
+    Each leg begins on the origin's own orbit; the burns are taken from the plan as they are.
+    Bodies move on the circles that the model plans with (MODEL section 1). A leg with an eccentric
+    orbit is flown a second time on the true orbits.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan
+        Need not be free of violations; :func:`adr_opt.check` judges that.
+
+    Raises
+    ------
+    InputError
+        The plan belongs to another instance, names an unknown body, or has burns that cannot be
+        flown: out of time order, after the arrival, without an approach, or leading to no orbit.
+    MissingExtra
+        boinor is not installed.
+    """
+    refuse_what_cannot_be_flown(instance, plan)
+    two_body = TwoBody()
+    orbits = dict(zip(instance.names, instance.body_orbits, strict=True))
+    circles = {name: two_body.circle_at_epoch(orbit) for name, orbit in orbits.items()}
+    flown = []
+    for number, leg in enumerate(plan.legs, start=1):
+        ends = [orbits[leg.origin], orbits[leg.destination]]
+        eccentric = None
+        if any(orbit.eccentricity > 0.0 for orbit in ends):
+            origin, destination = (two_body.true_at_epoch(orbit) for orbit in ends)
+            eccentric = fly_eccentric(
+                two_body, origin, destination, leg, instance.transfer.standoff_m
+            )
+        flown.append(_fly_leg(instance, two_body, circles, number, leg, eccentric))
+    return Flight(max((leg.miss_m for leg in flown), default=0.0), tuple(flown))
+
+
+def _fly_leg(
+    instance: Instance,
+    two_body: TwoBody,
+    states: dict[str, State],
+    number: int,
+    leg: Leg,
+    eccentric: EccentricFlight | None,
+) -> LegFlight:
+    target = states[leg.destination]
+    standoff = None
+    try:
+        now = leg.burns[0].time_s
+        chaser = two_body.coast(states[leg.origin], now)
+        for burn in leg.burns:
+            position, velocity = two_body.coast(chaser, burn.time_s - now)
+            now = burn.time_s
+            if standoff is None and burn.phase == "approach":
+                behind = _behind(two_body.coast(target, now), instance.transfer.standoff_m)
+                standoff = (distance(position, behind[0]), distance(velocity, behind[1]))
+            chaser = position, velocity + np.array(burn.delta_v_m_s)
+        at_arrival = two_body.coast(chaser, leg.arrival_s - now)
+        goal = two_body.coast(target, leg.arrival_s)
+    except ArithmeticError as error:
+        raise InputError(f"leg {number}: cannot be flown: {error}; correct its burns") from None
+    assert standoff is not None  # every leg has an approach
+    return LegFlight(
+        leg=number,
+        origin=leg.origin,
+        destination=leg.destination,
+        miss_m=standoff[0],
+        relative_speed_m_s=standoff[1],
+        arrival_miss_m=distance(at_arrival[0], goal[0]),
+        eccentric=eccentric,
+    )
+
+
+def _behind(state: State, length: float) -> State:
+    """State of a point that follows on a circular orbit at a distance, measured along it."""
+    position, velocity = state
+    radius, speed = math.sqrt(position @ position), math.sqrt(velocity @ velocity)
+    cosine, sine = math.cos(length / radius), math.sin(length / radius)
+    outward, ahead = position / radius, velocity / speed
+    return (
+        radius * (cosine * outward - sine * ahead),
+        speed * (cosine * ahead + sine * outward),
+    )

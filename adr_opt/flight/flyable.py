@@ -1,0 +1,43 @@
+"""What a plan needs so that its burns can be flown at all, asked of its data alone."""
+
+from __future__ import annotations
+
+from ..errors import InputError
+from ..instance import Instance
+from ..plan import Leg, Plan
+
+TIME_TOLERANCE_S = 1e-3
+"""How far the last burn may lie behind the stated arrival."""
+
+
+def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
+    """Raise :class:`InputError` for a plan that cannot be flown over an instance.
+
+    It belongs to another instance, names an unknown body, or has burns out of time order, after
+    the arrival or without an approach.
+    """
+    if plan.instance.name != instance.name or plan.instance.sha256 != instance.sha256:
+        raise InputError(
+            f"the plan belongs to the instance {plan.instance.name!r} "
+            f"(sha256 {plan.instance.sha256[:12]}…), not to {instance.name!r} "
+            f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
+        )
+    bodies = set(instance.names)
+    for number, leg in enumerate(plan.legs, start=1):
+        _refuse_leg(number, leg, bodies)
+
+
+def _refuse_leg(number: int, leg: Leg, bodies: set[str]) -> None:
+    for name in (leg.origin, leg.destination):
+        if name not in bodies:
+            raise InputError(f"leg {number}: {name!r} is not a body of the instance")
+    times = [burn.time_s for burn in leg.burns]
+    if times != sorted(times):
+        raise InputError(f"leg {number}: the burns are not in time order; sort them by time_s")
+    if all(burn.phase != "approach" for burn in leg.burns):
+        raise InputError(f"leg {number}: no burn begins the approach; add the approach burns")
+    if leg.arrival_s < times[-1] - TIME_TOLERANCE_S:
+        raise InputError(
+            f"leg {number}: arrival_s = {leg.arrival_s!r} is before the last burn at "
+            f"{times[-1]!r}; it must be the end of the approach"
+        )

@@ -1,0 +1,137 @@
+"""What came of flying a plan."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class EccentricFlight:
+    """Where a leg leads if both its bodies move on their true Kepler orbits.
+
+    The chaser begins on the true orbit of the origin and flies the burns of the plan as they are.
+    What cannot be flown or solved (the burns lead away from the Earth, Lambert's problem has no
+    answer) is None.
+
+    Attributes
+    ----------
+    true_miss_m : float or None
+        Distance from the point that follows L behind the destination on its true orbit, when the
+        approach begins [m].
+    true_relative_speed_m_s : float or None
+        Speed relative to that point, before the first impulse of the approach [m/s].
+    last_arc_delta_v_m_s : float
+        Sum of the plan's burns at both ends of the last transfer arc [m/s].
+    lambert_delta_v_m_s : float or None
+        Sum of the two burns if that arc is replaced, from where it begins, by a Lambert arc to
+        the true stand-off point at the same time [m/s]. Mostly the *plane* is what costs here:
+        the arc is close to half a revolution, and a Lambert arc over half a revolution has to
+        leave the planes of both bodies for the smallest offset, so that this number does not
+        vanish with the eccentricity.
+    correction_delta_v_m_s : float or None
+        What the least corrected last arc costs beyond ``last_arc_delta_v_m_s`` [m/s]: the Lambert
+        arc begins at the best of the points that divide the planned last arc into sixteenths, its
+        beginning among them. It vanishes with the eccentricity, and compares with
+        ``eccentricity_delta_v_m_s``.
+    correction_time_s : float or None
+        When that Lambert arc begins [s].
+    eccentricity_delta_v_m_s : float
+        What the plan sets aside for the leg's eccentricity vectors [m/s].
+    """
+
+    true_miss_m: float | None
+    true_relative_speed_m_s: float | None
+    last_arc_delta_v_m_s: float
+    lambert_delta_v_m_s: float | None
+    correction_delta_v_m_s: float | None
+    correction_time_s: float | None
+    eccentricity_delta_v_m_s: float
+
+
+@dataclass(frozen=True)
+class LegFlight:
+    """Where the burns of one leg lead.
+
+    Attributes
+    ----------
+    leg : int
+        Number of the leg, from 1.
+    origin, destination : str
+    miss_m : float
+        Distance from the stand-off point, the point L behind the destination on its orbit, when
+        the approach begins, on the circles that are planned with [m].
+    relative_speed_m_s : float
+        Speed relative to that point, before the first impulse of the approach [m/s].
+    arrival_miss_m : float
+        Distance from the destination at the end of the approach [m]. Some centimetres at
+        L = 1 km: the approach is a solution of the Clohessy–Wiltshire equations, which are linear
+        in the distance, so this miss grows with L².
+    eccentric : EccentricFlight or None
+        The same leg on the true orbits; None where both are circles, which are their own truth.
+    """
+
+    leg: int
+    origin: str
+    destination: str
+    miss_m: float
+    relative_speed_m_s: float
+    arrival_miss_m: float
+    eccentric: EccentricFlight | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data, with the fields of ``eccentric``, if any, beside the others."""
+        told = asdict(self)
+        return told | (told.pop("eccentric") or {})
+
+
+@dataclass(frozen=True)
+class Flight:
+    """What came of flying a plan.
+
+    Attributes
+    ----------
+    worst_miss_m : float
+        Largest stand-off miss of all legs; 0 for a plan without legs [m].
+    legs : tuple of LegFlight
+    """
+
+    worst_miss_m: float
+    legs: tuple[LegFlight, ...]
+
+    @property
+    def eccentric(self) -> tuple[EccentricFlight, ...]:
+        """The legs with an eccentric orbit."""
+        return tuple(leg.eccentric for leg in self.legs if leg.eccentric is not None)
+
+    @property
+    def worst_true_miss_m(self) -> float | None:
+        """Largest miss of all legs on the true orbits; None if some leg cannot be flown [m]."""
+        misses = [
+            leg.miss_m if leg.eccentric is None else leg.eccentric.true_miss_m for leg in self.legs
+        ]
+        known = [miss for miss in misses if miss is not None]
+        return max(known, default=0.0) if len(known) == len(misses) else None
+
+    @property
+    def eccentricity_delta_v_m_s(self) -> float:
+        """What the plan sets aside for eccentricity vectors [m/s]."""
+        return sum(leg.eccentricity_delta_v_m_s for leg in self.eccentric)
+
+    @property
+    def correction_delta_v_m_s(self) -> float | None:
+        """What the corrected last arcs cost beyond the plan's; None if one is unknown [m/s]."""
+        costs = [leg.correction_delta_v_m_s for leg in self.eccentric]
+        known = [cost for cost in costs if cost is not None]
+        return sum(known) if len(known) == len(costs) else None
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data: what ``fly --json`` prints."""
+        told: dict[str, Any] = {"worst_miss_m": self.worst_miss_m}
+        if self.eccentric:
+            told |= {
+                "worst_true_miss_m": self.worst_true_miss_m,
+                "eccentricity_delta_v_m_s": self.eccentricity_delta_v_m_s,
+                "correction_delta_v_m_s": self.correction_delta_v_m_s,
+            }
+        return told | {"legs": [leg.to_dict() for leg in self.legs]}

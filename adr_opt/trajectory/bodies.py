@@ -1,0 +1,102 @@
+"""Where the station and the targets are: on the circles planned with, or on their true orbits."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import InputError
+from ..instance import Instance, Orbit
+from ..kernels.constants import MU_M3_S2
+from .kepler import Array, propagate
+
+
+def body_states(
+    instance: Instance, body: str, times_s: npt.ArrayLike, *, true_orbits: bool = False
+) -> tuple[Array, Array]:
+    """States of the station or of a target.
+
+    Parameters
+    ----------
+    instance : Instance
+    body : str
+        Its name.
+    times_s : (n,) array_like
+        Times since the epoch [s].
+    true_orbits : bool
+        False: on the circle that the plan is made with (MODEL section 1), where the chaser meets
+        it. True: on the Kepler orbit of its elements. The same for circles.
+
+    Returns
+    -------
+    positions_m, velocities_m_s : (n, 3) float64
+        In the inertial frame of the elements.
+
+    Raises
+    ------
+    InputError
+        The instance has no such body.
+    """
+    times = np.atleast_1d(np.asarray(times_s, dtype=float))
+    try:
+        orbit = instance.body_orbits[instance.names.index(body)]
+    except ValueError:
+        raise InputError(f"{body!r} is not a body of the instance") from None
+    if true_orbits and orbit.eccentricity > 0.0:
+        return propagate(*true_state_at_epoch(orbit), times)
+    return _on_circle(orbit, times)
+
+
+def body_positions(
+    instance: Instance, times_s: npt.ArrayLike, *, true_orbits: bool = False
+) -> Array:
+    """Positions of all bodies, the station first, shape (bodies, n, 3) [m]."""
+    return np.stack(
+        [
+            body_states(instance, name, times_s, true_orbits=true_orbits)[0]
+            for name in instance.names
+        ]
+    )
+
+
+def true_state_at_epoch(orbit: Orbit) -> tuple[Array, Array]:
+    """Position [m] and velocity [m/s] on the Kepler orbit of the elements, at the epoch."""
+    e = orbit.eccentricity
+    true = math.radians(orbit.true_anomaly_deg)
+    latitude = math.radians(orbit.argument_of_perigee_deg) + true
+    perigee = math.radians(orbit.argument_of_perigee_deg)
+    parameter = orbit.semi_major_axis_m * (1.0 - e * e)
+    radius = parameter / (1.0 + e * math.cos(true))
+    speed = math.sqrt(MU_M3_S2 / parameter)
+    node, ahead = _axes(orbit)
+    # The velocity is that of a circle turned by the latitude, plus e times that of the perigee.
+    return (
+        radius * (math.cos(latitude) * node + math.sin(latitude) * ahead),
+        speed
+        * (
+            -(math.sin(latitude) + e * math.sin(perigee)) * node
+            + (math.cos(latitude) + e * math.cos(perigee)) * ahead
+        ),
+    )
+
+
+def _on_circle(orbit: Orbit, times: Array) -> tuple[Array, Array]:
+    radius, _, _, latitude = orbit.circular_elements()
+    rate = math.sqrt(MU_M3_S2 / radius) / radius
+    u = (latitude + rate * times)[:, None]
+    node, ahead = _axes(orbit)
+    return (
+        radius * (np.cos(u) * node + np.sin(u) * ahead),
+        radius * rate * (np.cos(u) * ahead - np.sin(u) * node),
+    )
+
+
+def _axes(orbit: Orbit) -> tuple[Array, Array]:
+    """Unit vectors towards the ascending node and a quarter of a revolution later."""
+    i, o = math.radians(orbit.inclination_deg), math.radians(orbit.raan_deg)
+    return (
+        np.array([math.cos(o), math.sin(o), 0.0]),
+        np.array([-math.sin(o) * math.cos(i), math.cos(o) * math.cos(i), math.sin(i)]),
+    )

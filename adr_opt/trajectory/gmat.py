@@ -1,0 +1,186 @@
+"""``.script``: the mission as a script of NASA's General Mission Analysis Tool (R2020a and later).
+
+The script names the model's gravitational parameter and point-mass gravity, so that GMAT, whose
+propagators are numerical, flies the same mission.
+"""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Iterator
+from datetime import datetime
+
+from ..errors import InputError
+from ..instance import Instance
+from ..kernels.constants import EARTH_RADIUS_M, MU_M3_S2
+from .bodies import body_states
+from .clock import Clock
+from .kvn import WIDTH, origin, plain
+from .sampling import LegPath, Trajectory
+
+AXES = {"EME2000": "EarthMJ2000Eq", "GCRF": "EarthICRF", "ICRF": "EarthICRF"}
+"""Coordinate systems of GMAT for the frames that it has."""
+
+CHASER = "Chaser"
+COMPONENTS = ("X", "Y", "Z", "VX", "VY", "VZ")
+
+MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
+
+SHORTEST_COAST_S = 1e-6
+
+
+def to_gmat(trajectory: Trajectory, frame: str) -> str:
+    """The script: bodies of the plan as spacecraft, burns as impulses, coasts by elapsed time.
+
+    The chaser docks as the plan has it: at each arrival it takes over the state of the
+    destination. A report file tells, at each arrival and before docking, where both are.
+
+    Raises
+    ------
+    InputError
+        GMAT has no such frame.
+    """
+    if frame not in AXES:
+        raise InputError(
+            f"frame = {frame!r}: GMAT has no such axes; use one of {', '.join(AXES)}, or write .oem"
+        )
+    return "\n".join(_lines(trajectory, AXES[frame])) + "\n"
+
+
+def _lines(trajectory: Trajectory, system: str) -> Iterator[str]:
+    instance = trajectory.instance
+    ends = {name for path in trajectory.legs for name in (path.leg.origin, path.leg.destination)}
+    names = {body: _name(instance, body) for body in instance.names if body in ends}
+    crew = ", ".join([CHASER, *names.values()])
+    for sentence in origin(instance, trajectory.plan):
+        for line in textwrap.wrap(plain(sentence), WIDTH):
+            yield f"% {line}"
+    yield ""
+    yield f"GMAT Earth.Mu = {MU_M3_S2 / 1e9:.10g};"
+    yield f"GMAT Earth.EquatorialRadius = {EARTH_RADIUS_M / 1e3:.10g};"
+    if system != "EarthMJ2000Eq":
+        yield ""
+        yield f"Create CoordinateSystem {system};"
+        yield f"GMAT {system}.Origin = Earth;"
+        yield f"GMAT {system}.Axes = ICRF;"
+
+    start = _whole_millisecond(instance, trajectory.start_s)
+    chaser_at = trajectory.legs[0].leg.origin
+    for spacecraft, body in [(CHASER, chaser_at), *((names[body], body) for body in names)]:
+        yield ""
+        yield from _spacecraft(instance, system, spacecraft, body, start)
+
+    yield from (
+        "",
+        "Create ForceModel TwoBody;",
+        "GMAT TwoBody.CentralBody = Earth;",
+        "GMAT TwoBody.PointMasses = {Earth};",
+        "GMAT TwoBody.Drag = None;",
+        "GMAT TwoBody.SRP = Off;",
+        "GMAT TwoBody.RelativisticCorrection = Off;",
+        "GMAT TwoBody.ErrorControl = RSSStep;",
+        "",
+        "Create Propagator Fly;",
+        "GMAT Fly.FM = TwoBody;",
+        "GMAT Fly.Type = RungeKutta89;",
+        "GMAT Fly.InitialStepSize = 60;",
+        "GMAT Fly.Accuracy = 1e-13;",
+        "GMAT Fly.MinStep = 0;",
+        "GMAT Fly.MaxStep = 600;",
+    )
+    for path in trajectory.legs:
+        for number, burn in enumerate(path.leg.burns, start=1):
+            yield ""
+            yield f"Create ImpulsiveBurn {_burn(path, number)};"
+            yield f"GMAT {_burn(path, number)}.CoordinateSystem = {system};"
+            for element, value in enumerate(burn.delta_v_m_s, start=1):
+                yield f"GMAT {_burn(path, number)}.Element{element} = {value / 1e3:.12f};"
+            yield f"GMAT {_burn(path, number)}.DecrementMass = false;"
+
+    yield from (
+        "",
+        "Create ReportFile Arrivals;",
+        "GMAT Arrivals.Filename = 'arrivals.txt';",
+        "GMAT Arrivals.Precision = 16;",
+        "GMAT Arrivals.WriteHeaders = true;",
+        "",
+        "Create OrbitView View;",
+        f"GMAT View.Add = {{{crew}, Earth}};",
+        f"GMAT View.CoordinateSystem = {system};",
+        "",
+        "BeginMissionSequence;",
+    )
+    now = start
+    for path in trajectory.legs:
+        yield ""
+        yield f"% {plain(_title(path))}"
+        for number, burn in enumerate(path.leg.burns, start=1):
+            phase = path.leg.burns[number - 2].phase if number > 1 else "wait"
+            if burn.time_s - now >= SHORTEST_COAST_S:
+                yield _coast(path, phase, crew, burn.time_s - now)
+                now = burn.time_s
+            yield f"Maneuver '{burn.phase}' {_burn(path, number)}({CHASER});"
+        if path.leg.arrival_s - now >= SHORTEST_COAST_S:
+            yield _coast(path, "approach", crew, path.leg.arrival_s - now)
+            now = path.leg.arrival_s
+        goal = names[path.leg.destination]
+        told = [f"{who}.{system}.{axis}" for who in (CHASER, goal) for axis in COMPONENTS[:3]]
+        yield f"Report Arrivals {CHASER}.UTCGregorian {' '.join(told)};"
+        for axis in COMPONENTS:
+            yield f"GMAT {CHASER}.{system}.{axis} = {goal}.{system}.{axis};"
+        if path.leg.end_s - now >= SHORTEST_COAST_S:
+            yield _coast(path, "service", crew, path.leg.end_s - now)
+            now = path.leg.end_s
+
+
+def _spacecraft(
+    instance: Instance, system: str, spacecraft: str, body: str, start_s: float
+) -> Iterator[str]:
+    position, velocity = (state[0] / 1e3 for state in body_states(instance, body, start_s))
+    epoch = datetime.fromisoformat(Clock(instance).label(start_s))
+    yield f"% {plain(body)}" if spacecraft != CHASER else "% the chaser"
+    yield f"Create Spacecraft {spacecraft};"
+    yield f"GMAT {spacecraft}.DateFormat = UTCGregorian;"
+    yield f"GMAT {spacecraft}.Epoch = '{_gregorian(epoch)}';"
+    yield f"GMAT {spacecraft}.CoordinateSystem = {system};"
+    yield f"GMAT {spacecraft}.DisplayStateType = Cartesian;"
+    for axis, value in zip(COMPONENTS, (*position, *velocity), strict=True):
+        yield f"GMAT {spacecraft}.{axis} = {value:.12f};"
+
+
+def _whole_millisecond(instance: Instance, time_s: float) -> float:
+    """The nearest time at which the calendar shows whole milliseconds: GMAT reads no finer."""
+    beyond_s = instance.epoch.microsecond % 1000 / 1e6
+    return round((time_s + beyond_s) * 1e3) / 1e3 - beyond_s
+
+
+def _gregorian(time: datetime) -> str:
+    """A time as GMAT writes it, in English whatever the locale."""
+    month = MONTHS[time.month - 1]
+    return (
+        f"{time.day:02d} {month} {time.year:04d} {time.hour:02d}:{time.minute:02d}:"
+        f"{time.second:02d}.{time.microsecond // 1000:03d}"
+    )
+
+
+def _coast(path: LegPath, phase: str, crew: str, seconds: float) -> str:
+    return (
+        f"Propagate 'leg {path.number}: {phase}' Fly({crew}) "
+        f"{{{CHASER}.ElapsedSecs = {seconds:.9f}}};"
+    )
+
+
+def _title(path: LegPath) -> str:
+    return f"Leg {path.number}: {path.leg.origin} to {path.leg.destination}"
+
+
+def _burn(path: LegPath, number: int) -> str:
+    return f"Leg{path.number}Burn{number}"
+
+
+def _name(instance: Instance, body: str) -> str:
+    """A name that GMAT takes: letters, digits and underscores, different for every body."""
+    slug = re.sub(r"[^A-Za-z0-9]+", "_", body).strip("_")
+    number = instance.names.index(body)
+    return "Station" if number == 0 else f"T{number}_{slug}".rstrip("_")

@@ -1,0 +1,47 @@
+"""``.oem``: the chaser's ephemeris as a CCSDS Orbit Ephemeris Message (502.0-B-2, section 5)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from .clock import Clock, states_at_labels
+from .kvn import comment, header, metadata
+from .sampling import Arc, LegPath, Trajectory
+
+DEGREE = 7
+"""Of Hermite's interpolation: four states. At 60 s it is exact to a micrometre."""
+
+
+def to_oem(trajectory: Trajectory, frame: str) -> str:
+    """The ephemeris in key-value notation.
+
+    One segment for each arc, so that no interpolation runs across a burn: a leg is the run of
+    segments whose comments carry its number. States at a burn stand twice: before it at the end of
+    one segment, after it at the beginning of the next.
+    """
+    return "\n".join(_lines(trajectory, frame)) + "\n"
+
+
+def _lines(trajectory: Trajectory, frame: str) -> Iterator[str]:
+    clock = Clock(trajectory.instance)
+    yield from header("CCSDS_OEM_VERS", trajectory.instance, trajectory.plan)
+    for path, arc in trajectory.arcs():
+        yield ""
+        yield from _segment(clock, path, arc, frame)
+
+
+def _segment(clock: Clock, path: LegPath, arc: Arc, frame: str) -> Iterator[str]:
+    labels = clock.labels(arc.times_s)
+    yield "META_START"
+    yield from metadata(frame)
+    yield f"START_TIME = {labels[0]}"
+    yield f"STOP_TIME = {labels[-1]}"
+    yield "INTERPOLATION = HERMITE"
+    yield f"INTERPOLATION_DEGREE = {DEGREE}"
+    yield "META_STOP"
+    yield from comment(
+        f"leg {path.number}, {path.leg.origin} to {path.leg.destination}: {arc.phase}"
+    )
+    positions, velocities = states_at_labels(arc)
+    for label, r, v in zip(labels, positions / 1e3, velocities / 1e3, strict=True):
+        yield f"{label} {r[0]:.9f} {r[1]:.9f} {r[2]:.9f} {v[0]:.12f} {v[1]:.12f} {v[2]:.12f}"

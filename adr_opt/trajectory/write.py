@@ -1,0 +1,125 @@
+"""Write a flown plan in the format that the suffix of the file asks for."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+from ..errors import InputError
+from ..files import check_writable, write_text
+from ..instance import Instance
+from ..plan import Plan
+from .czml import to_czml
+from .gmat import to_gmat
+from .oem import to_oem
+from .opm import to_opm
+from .sampling import Trajectory, sample
+
+FORMATS = ("oem", "opm", "czml", "script")
+"""Also the suffixes, with a point before them."""
+
+FRAMES = ("EME2000", "GCRF", "ICRF", "TEME")
+"""Inertial frames that the elements of an instance may be meant in."""
+
+
+def write_plan(
+    instance: Instance,
+    plan: Plan,
+    path: str | os.PathLike[str],
+    *,
+    format: str | None = None,
+    frame: str = "EME2000",
+    step_s: float = 60.0,
+    leg: int | None = None,
+) -> Trajectory:
+    """Fly a plan and write the flight, whole or not at all.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan
+    path : path
+        Its suffix chooses the format where ``format`` does not.
+    format : {"oem", "opm", "czml", "script"}, optional
+    frame : {"EME2000", "GCRF", "ICRF", "TEME"}
+        The name of the frame that the elements are meant in; nothing is transformed. CZML has
+        only Cesium's INERTIAL and takes no notice, GMAT has no TEME.
+    step_s : float
+        Largest time between two states of ``oem`` and ``czml`` [s].
+    leg : int, optional
+        Only this leg, counted from 1.
+
+    Returns
+    -------
+    Trajectory
+        What was written.
+
+    Raises
+    ------
+    InputError
+        Unknown format or frame, a plan of another instance, without legs or that cannot be flown,
+        no such leg, a step that is not positive, or a file that cannot be written.
+    """
+    format_of(path, format)
+    check_frame(frame)
+    check_writable(path)
+    trajectory = flown(instance, plan, step_s, leg)
+    write_trajectory(trajectory, path, format=format, frame=frame)
+    return trajectory
+
+
+def flown(
+    instance: Instance, plan: Plan, step_s: float = 60.0, leg: int | None = None
+) -> Trajectory:
+    """The flight of a plan, or of one leg of it, that there is something to write of."""
+    trajectory = sample(instance, plan, step_s)
+    if not trajectory.legs:
+        raise InputError("the plan has no legs: there is nothing to fly and so nothing to export")
+    if leg is None:
+        return trajectory
+    if not 1 <= leg <= len(trajectory.legs):
+        raise InputError(f"leg = {leg}: the plan has the legs 1 to {len(trajectory.legs)}")
+    return replace(trajectory, legs=(trajectory.legs[leg - 1],))
+
+
+def write_trajectory(
+    trajectory: Trajectory,
+    path: str | os.PathLike[str],
+    *,
+    format: str | None = None,
+    frame: str = "EME2000",
+) -> None:
+    """Write a flight with at least one leg; the parameters are those of :func:`write_plan`."""
+    format = format_of(path, format)
+    check_frame(frame)
+    if format == "oem":
+        text = to_oem(trajectory, frame)
+    elif format == "opm":
+        text = to_opm(trajectory, frame)
+    elif format == "czml":
+        text = to_czml(trajectory)
+    else:
+        text = to_gmat(trajectory, frame)
+    write_text(path, text)
+
+
+def check_frame(frame: str) -> None:
+    """Raise :class:`InputError` for a frame that no format names."""
+    if frame not in FRAMES:
+        raise InputError(f"frame = {frame!r}: use one of {', '.join(FRAMES)}")
+
+
+def format_of(path: str | os.PathLike[str], format: str | None = None) -> str:
+    """The format that is asked for, by name or else by the suffix of the file."""
+    if format is not None:
+        if format not in FORMATS:
+            raise InputError(f"format = {format!r}: use one of {', '.join(FORMATS)}")
+        return format
+    suffix = Path(path).suffix.lower()
+    if suffix.removeprefix(".") not in FORMATS or not suffix:
+        raise InputError(
+            f"{path}: suffix {suffix!r} is unknown; use one of "
+            f"{', '.join('.' + name for name in FORMATS)}, or name the format"
+        )
+    return suffix.removeprefix(".")
