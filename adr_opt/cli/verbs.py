@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from importlib import import_module
+from keyword import iskeyword
 
 import click
 
 from .. import __version__
 from ..errors import InputError
 
-VERBS = ("generate", "solve", "bound", "check", "fly", "matrix", "methods", "schema")
+VERBS = (
+    "generate", "import", "solve", "bound", "check", "fly", "matrix", "export", "report", "train",
+    "methods", "schema",
+)  # fmt: skip
 
 
 class Verbs(click.Group):
@@ -23,7 +27,9 @@ class Verbs(click.Group):
         """The command of a verb; None if there is no such verb."""
         if cmd_name not in VERBS:
             return None
-        command: click.Command = import_module(f"{__package__}.{cmd_name}").command
+        # A keyword of the language cannot name a module that others may import.
+        module = f"{cmd_name}_" if iskeyword(cmd_name) else cmd_name
+        command: click.Command = import_module(f"{__package__}.{module}").command
         return command
 
     def resolve_command(

@@ -1,0 +1,303 @@
+"""From a catalogue to an instance."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from ..errors import InputError
+from ..files import sentence
+from ..instance import Instance, MissionLimits, Orbit, Station, Target, TransferSettings
+from ..kernels.constants import EARTH_RADIUS_M
+from .filters import Filters
+from .propagation import FLOAT, mean_elements, true_anomaly
+from .records import Catalogue, Dropped, Record
+from .station import densest, find, parse_orbit, plane_angles
+
+FAR_DAYS = 7.0
+"""Elements farther than this from the epoch are warned of: SGP4 loses kilometres a day."""
+
+MANY_TARGETS = 1000
+"""More targets than this are warned of: the timetable grows with their square."""
+
+DAY_S = 86400.0
+
+
+@dataclass(frozen=True)
+class Imported:
+    """An instance made of a catalogue, and the account of how.
+
+    Attributes
+    ----------
+    instance : Instance
+    read : int
+        Good records, duplicates not counted.
+    dropped : tuple of Dropped
+        Everything that is not in the instance, with its reason.
+    warnings : tuple of str
+    station : str
+        Where the station is from.
+    """
+
+    instance: Instance
+    read: int
+    dropped: tuple[Dropped, ...]
+    warnings: tuple[str, ...]
+    station: str
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Reason → how many were dropped for it."""
+        return dict(Counter(drop.reason for drop in self.dropped))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The account, for JSON; without the instance."""
+        content = self.instance.model_dump(mode="json", include={"name", "epoch"})
+        return {
+            "instance": content["name"],
+            "epoch": content["epoch"],
+            "elements": "mean elements of SGP4, TEME of the epoch",
+            "read": self.read,
+            "targets": len(self.instance.targets),
+            "station": {
+                "name": self.instance.station.name,
+                "from": self.station,
+                "orbit": self.instance.station.orbit.model_dump(mode="json"),
+            },
+            "dropped_counts": self.counts,
+            "dropped": [drop.to_dict() for drop in self.dropped],
+            "warnings": list(self.warnings),
+        }
+
+
+def to_instance(
+    catalogue: Catalogue | Iterable[Record],
+    *,
+    epoch: datetime | None = None,
+    filters: Filters | None = None,
+    max_targets: int | None = None,
+    station: str | None = None,
+    duration_s: float = 7.0 * DAY_S,
+    delta_v_m_s: float = 3000.0,
+    name: str | None = None,
+    skip_bad: bool = False,
+) -> Imported:
+    """Propagate a catalogue to one epoch, filter it and make an instance of it.
+
+    Parameters
+    ----------
+    catalogue : Catalogue or records
+    epoch : datetime, optional
+        With its time zone; by default the latest epoch of the elements.
+    filters : Filters, optional
+    max_targets : int, optional
+        Keep so many, those with planes nearest to the station's first.
+    station : str, optional
+        ``ALTITUDE_KM,INCLINATION,RAAN[,U]``, or an object by number or name, which is then no
+        target; by default the densest plane among the objects that pass the filters.
+    duration_s, delta_v_m_s : float
+        Limits of the mission.
+    name : str, optional
+        Of the instance.
+    skip_bad : bool
+        Leave out objects that SGP4 cannot bring to the epoch; else the first one is an error.
+
+    Returns
+    -------
+    Imported
+        Orbits are SGP4's mean elements at the epoch, in TEME.
+
+    Raises
+    ------
+    InputError
+        SGP4 fails for an object, no object is left, or a value is out of range.
+    MissingExtra
+        sgp4 is not installed.
+    """
+    filters = filters or Filters()
+    records = tuple(catalogue)
+    dropped = list(catalogue.dropped) if isinstance(catalogue, Catalogue) else []
+    if max_targets is not None and max_targets < 1:
+        raise InputError(f"max targets = {max_targets}: must be at least 1")
+    if epoch is not None and epoch.tzinfo is None:
+        raise InputError(f"epoch {epoch.isoformat()}: must say its time zone; add Z for UTC")
+    read = len(records)
+
+    told = None if station is None else parse_orbit(station)
+    host = find(records, station) if station is not None and told is None else None
+    candidates = []
+    for record in records:
+        if record is host:
+            continue
+        if filters.match_name(record):
+            candidates.append(record)
+        else:
+            dropped.append(Dropped.of(record, "name", "its name does not fit --name"))
+    if not candidates:
+        raise _nothing_left(read, dropped)
+    moved = candidates if host is None else [host, *candidates]
+    if epoch is None:
+        epoch = max(record.epoch for record in moved)
+    elements, failed = mean_elements(moved, epoch)
+    if failed and (not skip_bad or (host is not None and np.isnan(elements[0, 0]))):
+        raise InputError(_failed_sentence(failed, epoch, host))
+    dropped += failed
+
+    if host is not None:
+        told, elements = elements[0], elements[1:]
+    keep = np.isfinite(elements[:, 0])
+    for reason, outside in filters.outside(elements).items():
+        limits = f"it is outside --{reason}"
+        for row in np.flatnonzero(keep & outside):
+            dropped.append(Dropped.of(candidates[row], reason, limits))
+        keep &= ~outside
+    rows = np.flatnonzero(keep)
+    if rows.size == 0:
+        raise _nothing_left(read, dropped)
+
+    place = told if told is not None else densest(elements[rows])
+    if max_targets is not None and rows.size > max_targets:
+        angles = plane_angles(elements[rows], place[2], place[3])
+        # equally near ones in the order of the file
+        order = np.argsort(angles, kind="stable")
+        for row in np.sort(rows[order[max_targets:]]):
+            dropped.append(
+                Dropped.of(candidates[row], "max-targets", "nearer planes fill --max-targets")
+            )
+        rows = np.sort(rows[order[:max_targets]])
+
+    targets = [candidates[row] for row in rows]
+    names = _unique([record.label for record in targets], host.label if host else "station")
+    instance = _instance(
+        name or _default_name(targets, len(rows)),
+        epoch,
+        host.label if host else "station",
+        place,
+        names,
+        elements[rows],
+        duration_s,
+        delta_v_m_s,
+    )
+    return Imported(
+        instance=instance,
+        read=read,
+        dropped=tuple(dropped),
+        warnings=tuple(_warnings(targets, host, instance, epoch)),
+        station=host.label if host else "as told" if told is not None else "the densest plane",
+    )
+
+
+def _orbits(elements: FLOAT) -> list[Orbit]:
+    degrees = np.degrees(elements[:, 2:5])
+    true = np.degrees(true_anomaly(elements[:, 5], elements[:, 1]))
+    # Rounded far below what the elements are good for, so that libraries which differ in the
+    # last bit of a sine give the same file: to 1 mm, 1e-9 and 1e-8 degrees (1 mm along the orbit).
+    return [
+        Orbit(
+            semi_major_axis_m=round(float(a), 3),
+            eccentricity=round(float(e), 9),
+            inclination_deg=round(float(i), 8),
+            raan_deg=round(float(o) % 360.0, 8) % 360.0,
+            argument_of_perigee_deg=round(float(w) % 360.0, 8) % 360.0,
+            true_anomaly_deg=round(float(v) % 360.0, 8) % 360.0,
+        )
+        for (a, e), (i, o, w), v in zip(elements[:, :2], degrees, true, strict=True)
+    ]
+
+
+def _instance(
+    name: str,
+    epoch: datetime,
+    station_name: str,
+    place: FLOAT,
+    names: Sequence[str],
+    elements: FLOAT,
+    duration_s: float,
+    delta_v_m_s: float,
+) -> Instance:
+    try:
+        home, *orbits = _orbits(np.vstack((place, elements)))
+        return Instance(
+            name=name,
+            epoch=epoch.astimezone(UTC),
+            station=Station(name=station_name, orbit=home),
+            targets=tuple(
+                Target(name=label, orbit=orbit) for label, orbit in zip(names, orbits, strict=True)
+            ),
+            mission=MissionLimits(duration_s=float(duration_s), delta_v_m_s=float(delta_v_m_s)),
+        )
+    except ValidationError as error:
+        raise InputError(sentence(error)) from None
+
+
+def _unique(labels: Sequence[str], station: str) -> list[str]:
+    """The labels, those that are taken with a count behind them."""
+    taken, names = {station}, []
+    for label in labels:
+        name, count = label, 1
+        while name in taken:
+            count += 1
+            name = f"{label} ({count})"
+        taken.add(name)
+        names.append(name)
+    return names
+
+
+def _default_name(records: Sequence[Record], count: int) -> str:
+    stem = re.sub(r"[^\w.-]+", "-", Path(records[0].source).stem) or "catalogue"
+    return f"{stem}-n{count}"
+
+
+def _failed_sentence(failed: Sequence[Dropped], epoch: datetime, host: Record | None) -> str:
+    first = failed[0]
+    said = f"{first} (epoch {epoch.astimezone(UTC):%Y-%m-%dT%H:%M:%SZ}"
+    if host is not None and (first.source, first.line, first.object) == (
+        host.source, host.line, host.label,
+    ):  # fmt: skip
+        return f"{said}); give another --station or --epoch"
+    more = f"; {len(failed) - 1} more objects fail" if len(failed) > 1 else ""
+    return f"{said}{more}); leave such objects out with --skip-bad, or give another --epoch"
+
+
+def _nothing_left(read: int, dropped: Sequence[Dropped]) -> InputError:
+    counts = Counter(drop.reason for drop in dropped)
+    listed = ", ".join(f"{reason} {count}" for reason, count in counts.items())
+    return InputError(
+        f"no object is left of {read} (left out: {listed or 'none'}); widen the filters"
+    )
+
+
+def _warnings(
+    targets: Sequence[Record], host: Record | None, instance: Instance, epoch: datetime
+) -> Iterable[str]:
+    bodies = [*targets, *([host] if host else [])]
+    days = [abs((epoch - record.epoch).total_seconds()) / DAY_S for record in bodies]
+    far = sum(value > FAR_DAYS for value in days)
+    if far:
+        worst = int(np.argmax(days))
+        yield (
+            f"the elements of {far} of {len(bodies)} objects are more than {FAR_DAYS:g} days from "
+            f"the epoch; {bodies[worst].label} is {days[worst]:.1f} days from it"
+        )
+    rule = TransferSettings()
+    low, high = EARTH_RADIUS_M + rule.min_altitude_m, EARTH_RADIUS_M + rule.max_altitude_m
+    beyond = sum(not low <= orbit.semi_major_axis_m <= high for orbit in instance.body_orbits)
+    if beyond:
+        yield (
+            f"{beyond} of {len(instance.body_orbits)} bodies are outside the altitudes of phasing, "
+            f"{rule.min_altitude_m / 1e3:g} to {rule.max_altitude_m / 1e3:g} km; few or no "
+            "transfers will lead there"
+        )
+    if len(targets) > MANY_TARGETS:
+        yield (
+            f"{len(targets)} targets: the timetable grows with their square; --max-targets keeps "
+            "the nearest planes"
+        )

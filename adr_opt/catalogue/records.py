@@ -1,0 +1,178 @@
+"""What is read from a catalogue: element sets, and rows or objects that were left out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, field
+from datetime import datetime
+from typing import Any
+
+LONGEST_NAME = 80
+"""Longer names of objects are cut."""
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """One element set: mean elements of SGP4 in TEME at their epoch.
+
+    Two records are equal if they say the same, wherever they were read.
+
+    Attributes
+    ----------
+    name : str
+        Empty where the file has none.
+    object_id : str
+        International designator as OMM writes it, ``1997-051C``.
+    number : int or None
+        Catalogue number; Alpha-5 is decoded.
+    epoch : datetime
+        UTC, to the microsecond.
+    mean_motion_rev_day : float
+        Kozai mean motion, as TLE and OMM give it.
+    eccentricity, inclination_deg, raan_deg, argument_of_perigee_deg, mean_anomaly_deg : float
+    bstar : float
+        Drag term [1/Earth radii].
+    mean_motion_dot_rev_day2, mean_motion_ddot_rev_day3 : float
+        Half the first and a sixth of the second derivative, as the formats give them.
+    classification : str
+    ephemeris_type, element_set, revolution : int
+    decayed : str
+        When the object decayed, if the file says so.
+    not_sgp4 : str
+        Why SGP4 cannot propagate these elements; empty if it can.
+    source : str
+        The file.
+    line : int
+        Where in the file the record begins.
+    ordinal : int or None
+        Which record of the file, where lines do not tell.
+    """
+
+    name: str
+    object_id: str
+    number: int | None
+    epoch: datetime
+    mean_motion_rev_day: float
+    eccentricity: float
+    inclination_deg: float
+    raan_deg: float
+    argument_of_perigee_deg: float
+    mean_anomaly_deg: float
+    bstar: float = 0.0
+    mean_motion_dot_rev_day2: float = 0.0
+    mean_motion_ddot_rev_day3: float = 0.0
+    classification: str = "U"
+    ephemeris_type: int = 0
+    element_set: int = 0
+    revolution: int = 0
+    decayed: str = ""
+    not_sgp4: str = ""
+    source: str = field(default="", compare=False)
+    line: int = field(default=0, compare=False)
+    ordinal: int | None = field(default=None, compare=False)
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        """What makes two records the same object: the number, else designator and name."""
+        return (self.number,) if self.number is not None else (self.object_id, self.name)
+
+    @property
+    def label(self) -> str:
+        """The object as an instance names it: its name and what tells it from namesakes."""
+        identity = str(self.number) if self.number is not None else self.object_id
+        return " ".join(part for part in (self.name or "object", identity) if part)
+
+
+@dataclass(frozen=True, slots=True)
+class Dropped:
+    """A row or an object that was left out, and why.
+
+    Attributes
+    ----------
+    source, line, ordinal
+        As of :class:`Record`.
+    object : str
+        Name and number as far as known.
+    reason : str
+        One word for counting: ``malformed``, ``decayed``, ``altitude``, …
+    detail : str
+        The reason as a clause, with field and value.
+    """
+
+    source: str
+    line: int
+    object: str
+    reason: str
+    detail: str
+    ordinal: int | None = None
+
+    @classmethod
+    def of(cls, record: Record, reason: str, detail: str) -> Dropped:
+        """A record left out."""
+        return cls(record.source, record.line, record.label, reason, detail, record.ordinal)
+
+    def __str__(self) -> str:
+        where = f"line {self.line}" if self.line else ""
+        if self.ordinal is not None:
+            where += f", record {self.ordinal}"
+        if self.object:
+            where += f" ({self.object})"
+        return ": ".join(part for part in (self.source, where, self.detail) if part)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields, for JSON."""
+        return asdict(self)
+
+
+class RowError(ValueError):
+    """A row of a catalogue is wrong.
+
+    Parameters
+    ----------
+    detail : str
+        What is wrong, as a clause.
+    reason : str
+        One word for counting.
+    """
+
+    def __init__(self, detail: str, reason: str = "malformed") -> None:
+        super().__init__(detail)
+        self.detail = detail
+        self.reason = reason
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """What files held: the good records in their order, and the bad rows.
+
+    Attributes
+    ----------
+    records : tuple of Record
+    dropped : tuple of Dropped
+        Empty unless bad rows were to be skipped.
+    formats : dict
+        File → what it was recognised as.
+    """
+
+    records: tuple[Record, ...]
+    dropped: tuple[Dropped, ...] = ()
+    formats: dict[str, str] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.records)
+
+    def __iter__(self) -> Iterator[Record]:
+        return iter(self.records)
+
+
+def clean_name(text: str) -> str:
+    """A name that is safe to print: one line, no control characters, not too long."""
+    if not (text.isascii() and text.isprintable()):
+        text = "".join(letter if letter.isprintable() else "?" for letter in text)
+    return " ".join(text.split())[:LONGEST_NAME].rstrip()
+
+
+def shown(value: Any, longest: int = 40) -> str:
+    """A value of a file as a sentence can quote it."""
+    text = clean_name(str(value)[: 2 * longest])
+    return text if len(text) <= longest else text[: longest - 1] + "…"

@@ -1,0 +1,144 @@
+"""``import``: make an instance of a catalogue of real objects."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import TYPE_CHECKING
+
+import click
+
+from ..errors import InputError
+from .output import emit_json, say
+from .parameters import check_out, json_option, quiet_option
+
+if TYPE_CHECKING:
+    from ..catalogue import Imported
+
+MOST_LISTED = 20
+"""Bad rows listed on standard error; --json lists all."""
+
+FILTERS = ("name", "altitude", "inclination", "raan", "max-targets")
+"""Reasons that the user asked for, which are counted and not listed."""
+
+
+@click.command("import", short_help="Make an instance of catalogue files (TLE, OMM).")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.option("--out", required=True, metavar="FILE", help="Instance file to write.")
+@click.option(
+    "--epoch", "epoch_text", metavar="TIME", help="ISO, UTC; else the latest of the elements."
+)
+@click.option("--altitude", metavar="LO:HI", help="Mean altitudes to keep, km.")
+@click.option("--inclination", metavar="LO:HI", help="Inclinations to keep, degrees.")
+@click.option("--raan", metavar="LO:HI", help="RAANs to keep, degrees; 350:10 goes through 0.")
+@click.option(
+    "--name", "names", multiple=True, metavar="PATTERN", help="Names to keep; may be repeated."
+)
+@click.option("--max-targets", type=int, metavar="N", help="Keep N, nearest planes first.")
+@click.option(
+    "--station",
+    metavar="ORBIT|OBJECT",
+    help="ALTITUDE_KM,INCLINATION,RAAN[,U] or a number or name; else the densest plane.",
+)
+@click.option(
+    "--duration-days", type=float, default=7.0, show_default=True, help="Mission duration."
+)
+@click.option(
+    "--delta-v", type=float, default=3000.0, show_default=True, help="ΔV of a full tank, m/s."
+)
+@click.option("--skip-bad", is_flag=True, help="Keep the good rows and objects, list the rest.")
+@json_option
+@quiet_option
+def command(
+    files: tuple[str, ...],
+    out: str,
+    epoch_text: str | None,
+    altitude: str | None,
+    inclination: str | None,
+    raan: str | None,
+    names: tuple[str, ...],
+    max_targets: int | None,
+    station: str | None,
+    duration_days: float,
+    delta_v: float,
+    skip_bad: bool,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Make an instance of the objects in FILE..., by SGP4, at one epoch.
+
+    TLE, three-line, OMM as XML, KVN, JSON or CSV, recognised by content. The orbits are mean
+    elements in TEME.
+    """
+    from .. import catalogue
+    from ..catalogue.filters import parse_range
+    from ..files import write_text
+
+    check_out(out, *files)
+    if any(not name.strip() for name in names):
+        raise InputError("--name '': give a part of a name or a pattern")
+    filters = catalogue.Filters(
+        altitude_km=None if altitude is None else parse_range(altitude, "--altitude"),
+        inclination_deg=None if inclination is None else parse_range(inclination, "--inclination"),
+        raan_deg=None if raan is None else parse_range(raan, "--raan", open_ended=False),
+        names=names,
+    )
+    epoch = None if epoch_text is None else parse_epoch(epoch_text)
+    found = catalogue.read(files, skip_bad=skip_bad)
+    made = catalogue.to_instance(
+        found,
+        epoch=epoch,
+        filters=filters,
+        max_targets=max_targets,
+        station=station,
+        duration_s=86400.0 * duration_days,
+        delta_v_m_s=delta_v,
+        skip_bad=skip_bad,
+    )
+    write_text(out, made.instance.to_json())
+    if as_json:
+        emit_json({"path": out, "formats": found.formats, **made.to_dict()})
+    if not quiet:
+        _tell(made, out)
+    return 0
+
+
+def parse_epoch(text: str) -> datetime:
+    """A time in ISO 8601, UTC unless it says another zone.
+
+    Raises
+    ------
+    InputError
+        It is none.
+    """
+    from datetime import UTC
+
+    try:
+        epoch = datetime.fromisoformat(text)
+        return epoch.replace(tzinfo=UTC) if epoch.tzinfo is None else epoch.astimezone(UTC)
+    except (ValueError, OverflowError):
+        raise InputError(f"--epoch {text!r}: give a time like 2026-01-01T00:00:00Z") from None
+
+
+def _tell(made: Imported, out: str) -> None:
+    bad = [drop for drop in made.dropped if drop.reason not in FILTERS]
+    for drop in bad[:MOST_LISTED]:
+        say(f"left out: {drop}")
+    if len(bad) > MOST_LISTED:
+        say(f"left out: {len(bad) - MOST_LISTED} more bad rows or objects; --json lists all")
+    for warning in made.warnings:
+        say(f"warning: {warning}")
+    listed = ", ".join(f"{reason} {count}" for reason, count in made.counts.items())
+    instance = made.instance
+    say(
+        f"wrote {out}: {instance.name}, {len(instance.targets)} of {made.read} objects as targets, "
+        f"mean elements (SGP4, TEME) at {instance.epoch:%Y-%m-%dT%H:%M:%SZ}"
+    )
+    from ..kernels.constants import EARTH_RADIUS_M
+
+    orbit = instance.station.orbit
+    altitude_km = (orbit.semi_major_axis_m - EARTH_RADIUS_M) / 1e3
+    say(
+        f"station at {made.station}: altitude {altitude_km:.1f} km, inclination "
+        f"{orbit.inclination_deg:.3f}°, RAAN {orbit.raan_deg:.3f}°; "
+        f"left out: {listed or 'nothing'}"
+    )
