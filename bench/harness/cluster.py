@@ -1,0 +1,150 @@
+"""Workers anywhere: a Dask scheduler.
+
+Workers need adr-opt; the modules of this folder are sent to them. Dask runs the task of a worker
+that died elsewhere, and gives it up (``KilledWorker``) after several deaths.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import re
+import secrets
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+from typing import Any
+
+from adr_opt.errors import InputError, MissingExtra
+
+from .backend import Broken, Collected, Died, Done, Event, Messages, Told
+from .methods import Method
+from .trials import BoundCall, Task
+from .work import preflight, work
+
+PATIENCE_S = 10.0
+"""How long a scheduler may take to answer, and its first worker to appear."""
+
+HERE = Path(__file__).parent
+
+
+class Cluster:
+    """The workers of a Dask scheduler.
+
+    Parameters
+    ----------
+    address : str
+        ``dask://host:port`` or ``tcp://host:port``.
+
+    Raises
+    ------
+    InputError
+        Not an address, nobody answers there, or the scheduler has no workers.
+    MissingExtra
+        distributed is not installed.
+    """
+
+    def __init__(self, address: str) -> None:
+        found = re.fullmatch(r"(?:dask|tcp|tls)://([^/\s]+:\d+)/?", address)
+        if found is None:
+            raise InputError(f"--cluster: {address!r} is no address; write dask://HOST:PORT")
+        try:
+            import distributed
+        except ImportError:
+            raise MissingExtra("--cluster", "distributed", "cluster") from None
+        self._killed = distributed.KilledWorker
+        scheme = "tls" if address.startswith("tls") else "tcp"
+        place = f"{scheme}://{found[1]}"
+        try:
+            self._client = distributed.Client(place, timeout=PATIENCE_S, set_as_default=False)
+        except (OSError, TimeoutError, ValueError):
+            raise InputError(
+                f"--cluster: no Dask scheduler answers at {address}; "
+                "start one with 'dask scheduler', or check host and port"
+            ) from None
+        try:
+            self._client.wait_for_workers(1, timeout=PATIENCE_S)
+        except TimeoutError:
+            self._client.close()
+            raise InputError(
+                f"--cluster: the scheduler at {address} has no workers; "
+                f"start some with 'dask worker {place} --nthreads 1'"
+            ) from None
+        self.inbox: queue.Queue[Event] = queue.Queue()
+        self._topic = f"adr-opt-{secrets.token_hex(8)}"
+        self._futures: set[Any] = set()
+        self._closing = False
+
+    @property
+    def workers(self) -> int:
+        """Number of tasks that the cluster runs at once, now."""
+        return max(1, sum(self._client.nthreads().values()))
+
+    def preflight(self, methods: tuple[Method | BoundCall, ...]) -> str | None:
+        """Send the modules, and load the methods on every worker; what input is wrong, if any."""
+
+        def forget() -> None:
+            """Drop the modules of an earlier run."""
+            for name in list(sys.modules):
+                if name.split(".")[0] in ("harness", "machine"):
+                    del sys.modules[name]
+
+        self._client.run(forget)
+        with tempfile.TemporaryDirectory() as folder:
+            archive = Path(folder) / f"harness-{self._topic}.zip"
+            with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as file:
+                file.write(HERE.parent / "machine.py", "machine.py")
+                for path in sorted(HERE.glob("*.py")):
+                    file.write(path, f"harness/{path.name}")
+            self._client.upload_file(str(archive))
+        self._client.subscribe_topic(self._topic, lambda event: self.inbox.put(Told(event[1])))
+        try:
+            said = self._client.run(preflight, methods)
+        except ImportError as error:
+            return f"--cluster: a worker lacks a module ({error}); install adr-opt there"
+        except OSError:
+            return None  # a method killed a worker; its rows will say so
+        return next((wrong for wrong in said.values() if wrong is not None), None)
+
+    def submit(self, task: Task) -> None:
+        """Hand out a task."""
+        future = self._client.submit(_work, task, self._topic, pure=False)
+        self._futures.add(future)
+        future.add_done_callback(lambda future: self._ended(task, future))
+
+    def _ended(self, task: Task, future: Any) -> None:
+        self._futures.discard(future)
+        if self._closing:
+            return
+        if future.status == "finished":
+            self.inbox.put(Done(task, future.result()))
+            return
+        if future.status == "error":
+            error = future.exception()
+            if isinstance(error, self._killed):
+                self.inbox.put(Died(task))
+            else:
+                self.inbox.put(
+                    Broken(f"a worker of the cluster cannot work: {type(error).__name__}: {error}")
+                )
+            return
+        self.inbox.put(Broken("the scheduler of the cluster is gone; what is finished is kept"))
+
+    def close(self) -> None:
+        """Take back what was handed out, and leave the cluster as it was."""
+        self._closing = True
+        with contextlib.suppress(Exception):
+            self._client.cancel(list(self._futures), force=True)
+            self._client.unsubscribe_topic(self._topic)
+        with contextlib.suppress(Exception):
+            self._client.close(timeout=5)
+
+
+def _work(task: Task, topic: str) -> Messages:
+    from distributed import get_worker
+
+    worker = get_worker()
+    collected = Collected(lambda message: worker.log_event(topic, message))
+    work(task, collected)
+    return collected.messages

@@ -1,0 +1,30 @@
+"""What a row was measured on."""
+
+from __future__ import annotations
+
+import os
+import platform
+import socket
+from functools import cache
+from typing import Any
+
+from machine import processor
+
+from adr_opt.result import versions
+
+
+@cache
+def _here() -> tuple[tuple[str, Any], ...]:
+    listed = "; ".join(f"{name} {number}" for name, number in versions().items())
+    return (
+        ("host", socket.gethostname()),
+        ("processor", processor()),
+        ("cores", os.cpu_count() or 1),
+        ("python", platform.python_version()),
+        ("versions", listed),
+    )
+
+
+def environment() -> dict[str, Any]:
+    """Host, processor, number of cores, Python and packages of this process."""
+    return dict(_here())

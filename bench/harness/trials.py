@@ -1,0 +1,124 @@
+"""What is planned: trials, each one field in one iteration."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import adr_opt
+from adr_opt.errors import InputError
+from adr_opt.generator import FAMILIES, draw_zones
+from adr_opt.instance import Instance
+
+from .methods import Method
+
+PUBLISHED_SUITES = ("nominal", "reduced-time", "reduced-fuel")
+"""The scenarios of the published study and its companion: the suite ``all``."""
+
+DEFAULT_ZONES = 6
+MOST_ITERATIONS = 1000
+
+
+@dataclass(frozen=True, order=True)
+class Trial:
+    """One field with the zones of one iteration: the same mission for every method.
+
+    Attributes
+    ----------
+    suite : str
+        A family of the generator.
+    field, iteration : int
+        From 0. The field of a suite is ``generate(suite, seed=field)``.
+    zones : int
+        Number of keep-out zones.
+    """
+
+    suite: str
+    field: int
+    iteration: int
+    zones: int
+
+    @property
+    def zone_seed(self) -> int:
+        """Seed of the zones: 1000 · field + iteration, the same in every suite."""
+        return MOST_ITERATIONS * self.field + self.iteration
+
+    def instance(self) -> Instance:
+        """The instance; without zones it is the generator's, name and all."""
+        field = adr_opt.generate(self.suite, self.field)
+        if self.zones == 0:
+            return field
+        return field.replace(
+            name=f"{field.name}-z{self.zones}-i{self.iteration:02d}",
+            keep_out_zones=draw_zones(self.zone_seed, self.zones, field.mission.duration_s),
+        )
+
+
+@dataclass(frozen=True)
+class BoundCall:
+    """A bound to prove once for each trial, and its time limit [s]."""
+
+    name: str
+    limit_s: float
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is missing of one trial; its timetable is built once for all of it.
+
+    Attributes
+    ----------
+    trial : Trial
+    methods : tuple of Method
+    seed : int
+        Seed of every planner.
+    bound : BoundCall or None
+    best : float
+        The largest objective known of a legal plan, −inf if none: a bound that meets it may stop.
+    """
+
+    trial: Trial
+    methods: tuple[Method, ...]
+    seed: int
+    bound: BoundCall | None
+    best: float
+
+
+@dataclass(frozen=True)
+class Protocol:
+    """All that a run is to bring about: every method on every trial."""
+
+    suites: tuple[str, ...]
+    fields: int
+    iterations: int
+    zones: int
+    methods: tuple[Method, ...]
+    seed: int
+    bound: BoundCall | None
+
+    def trials(self) -> list[Trial]:
+        """Iteration by iteration, so that a run cut short has seen every field."""
+        return [
+            Trial(suite, field, iteration, self.zones)
+            for suite in self.suites
+            for iteration in range(self.iterations)
+            for field in range(self.fields)
+        ]
+
+
+def parse_suites(texts: Iterable[str]) -> tuple[str, ...]:
+    """The suites of comma-separated lists, each once; ``all`` stands for the published three.
+
+    Raises
+    ------
+    InputError
+        Unknown suite; the sentence lists them.
+    """
+    found: dict[str, None] = {}
+    for name in (part.strip() for text in texts for part in text.split(",")):
+        if name != "all" and name not in FAMILIES:
+            raise InputError(
+                f"--suite: {name!r} is unknown; use all or one of {', '.join(FAMILIES)}"
+            )
+        found.update(dict.fromkeys(PUBLISHED_SUITES if name == "all" else (name,)))
+    return tuple(found)

@@ -1,0 +1,246 @@
+"""One task, done in a worker: build the timetable, plan, check, bound.
+
+Nothing leaves this module but plain data: an exception of a planner may not survive its journey
+from one process to another, and a row that says what happened does.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import adr_opt
+from adr_opt import front
+from adr_opt.errors import InputError
+from adr_opt.instance import Instance
+from adr_opt.mission import Mission
+from adr_opt.planner import BOUNDS
+from adr_opt.result import Result
+from adr_opt.stop import Proven
+
+from .environment import environment
+from .methods import Method
+from .trials import BoundCall, Task, Trial
+
+Tell = Callable[[str, dict[str, Any]], None]
+"""Hears of everything finished at once: ``("row", …)``, ``("bound", …)`` or ``("spent", …)``."""
+
+LONGEST_MESSAGE = 300
+WARM_LIMIT_S = 20.0
+
+_warm: set[object] = set()
+
+
+@dataclass
+class Spent:
+    """Where the time of a task went [s]."""
+
+    warm: float = 0.0
+    build: float = 0.0
+    planning: float = 0.0
+    check: float = 0.0
+    bound: float = 0.0
+    begun: float = field(default_factory=time.perf_counter)
+
+    def to_dict(self) -> dict[str, float]:
+        """The parts, and the whole as ``task``."""
+        parts = {name: getattr(self, name) for name in PARTS}
+        return {**parts, "task": time.perf_counter() - self.begun}
+
+
+PARTS = ("warm", "build", "planning", "check", "bound")
+
+
+def work(task: Task, tell: Tell) -> None:
+    """Do a task; every row is told as soon as it is finished."""
+    spent = Spent()
+    began = time.perf_counter()
+    try:
+        mission = Mission(task.trial.instance(), threads=1)
+        mission.rules  # noqa: B018  builds the timetable
+    except Exception as error:
+        for method in task.methods:
+            tell("row", _row(task, method, outcome="raised", message=_sentence(error)))
+        if task.bound is not None:
+            tell("bound", {**_bound_row(task.trial, task.bound), "message": _sentence(error)})
+        return
+    spent.build = time.perf_counter() - began
+    best = task.best
+    for method in task.methods:
+        spent.warm += warm_up(method)
+        row = _plan(task, method, mission, spent)
+        row["build_s"] = spent.build
+        if row["outcome"] == "legal":
+            best = max(best, row["objective"])
+        tell("row", row)
+    if task.bound is not None:
+        spent.warm += warm_up(task.bound)
+        tell("bound", _bound(task.trial, task.seed, task.bound, mission, best, spent))
+    tell("spent", spent.to_dict())
+
+
+def preflight(methods: tuple[Method | BoundCall, ...]) -> str | None:
+    """Compile and load every method in this process; what input is wrong, if any.
+
+    What a planner raises otherwise is for its rows to say.
+    """
+    for method in methods:
+        try:
+            _solve_small(method)
+        except InputError as error:
+            return f"{method.name}: {error}"
+        except Exception:
+            traceback.print_exc()
+        _warm.add(method)
+    return None
+
+
+def warm_up(method: Method | BoundCall) -> float:
+    """See that nothing of a method is compiled while its clock runs; seconds that it took."""
+    if method in _warm:
+        return 0.0
+    began = time.perf_counter()
+    with contextlib.suppress(Exception):  # its row will say so, with the clock running
+        _solve_small(method)
+    _warm.add(method)
+    return time.perf_counter() - began
+
+
+@lru_cache(maxsize=1)
+def _small() -> Mission:
+    return Mission(adr_opt.generate("tiny", 0, zones=2), threads=1)
+
+
+def _solve_small(method: Method | BoundCall) -> None:
+    mission = _small()
+    if isinstance(method, BoundCall):
+        options = {"jobs": 1} if front.takes_jobs(front.method_of(method.name, BOUNDS)) else {}
+        front.bound(mission, method.name, time_limit=WARM_LIMIT_S, iterations=3, **options)
+        return
+    result = front.solve(
+        mission, method.name, time_limit=WARM_LIMIT_S, iterations=3, **method.values()
+    )
+    if result.plan is not None:
+        adr_opt.check(mission.instance, result.plan)
+
+
+def _plan(task: Task, method: Method, mission: Mission, spent: Spent) -> dict[str, Any]:
+    began = time.perf_counter()
+    try:
+        result = front.solve(
+            mission, method.name, time_limit=method.limit_s, seed=task.seed, **method.values()
+        )
+    except (Exception, SystemExit) as error:
+        planning_s = time.perf_counter() - began
+        spent.planning += planning_s
+        message = _sentence(error)
+        return _row(task, method, outcome="raised", message=message, planning_s=planning_s)
+    planning_s = time.perf_counter() - began
+    spent.planning += planning_s
+    began = time.perf_counter()
+    try:
+        facts = _judged(mission.instance, result)
+    except Exception as error:  # what came back is no result at all
+        facts = {"outcome": "illegal", "message": _sentence(error)}
+    check_s = time.perf_counter() - began
+    spent.check += check_s
+    return _row(task, method, planning_s=planning_s, check_s=check_s, **facts)
+
+
+def _judged(instance: Instance, result: Result) -> dict[str, Any]:
+    """The facts of a plan, and whether it may count: ``check`` decides, nothing else."""
+    plan = result.plan
+    if plan is None:
+        return {"outcome": "illegal", "message": f"returned no plan, status {result.status!r}"}
+    violations = adr_opt.check(instance, plan)
+    number = {name: index for index, name in enumerate(instance.names)}
+    to_station = [leg.destination == instance.station.name for leg in plan.legs]
+    return {
+        "outcome": "illegal" if violations else "legal",
+        "message": str(violations[0])[:LONGEST_MESSAGE] if violations else None,
+        "violations": len(violations),
+        "status": plan.status,
+        "visits": len(to_station) - sum(to_station),
+        "refuellings": sum(to_station),
+        "objective": plan.objective,
+        "delta_v_m_s": plan.delta_v_m_s,
+        "duration_used_s": plan.legs[-1].end_s if plan.legs else 0.0,
+        "runtime_s": plan.runtime_s,
+        "upper_bound": plan.upper_bound,
+        "sha256": plan.instance.sha256,
+        "sequence": " ".join(str(number.get(leg.destination, -1)) for leg in plan.legs),
+    }
+
+
+def _row(task: Task, method: Method, **facts: Any) -> dict[str, Any]:
+    trial = task.trial
+    return {
+        "suite": trial.suite,
+        "field": trial.field,
+        "iteration": trial.iteration,
+        "zones": trial.zones,
+        "method": method.key,
+        "seed": task.seed,
+        "environment": environment(),
+        **facts,
+    }
+
+
+class _Met:
+    """Enough once the bound proves that nothing beats the best plan known."""
+
+    def __init__(self, best: float, whole: bool) -> None:
+        self._best = best
+        self._whole = whole
+        self._proven = Proven()
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        if self._whole and math.isfinite(bound):
+            bound = math.floor(bound + 1e-6)
+        return self._proven(self._best, bound)
+
+    def remaining_s(self) -> float:
+        return math.inf
+
+
+def _bound(
+    trial: Trial, seed: int, call: BoundCall, mission: Mission, best: float, spent: Spent
+) -> dict[str, Any]:
+    row = _bound_row(trial, call)
+    options = {"jobs": 1} if front.takes_jobs(front.method_of(call.name, BOUNDS)) else {}
+    began = time.perf_counter()
+    try:
+        result = front.bound(
+            mission, call.name, time_limit=call.limit_s, seed=seed,
+            stop=_Met(best, mission.has_whole_prizes), **options,
+        )  # fmt: skip
+        row["upper_bound"] = result.upper_bound if math.isfinite(result.upper_bound) else None
+        row["status"] = result.status
+    except (Exception, SystemExit) as error:
+        row["message"] = _sentence(error)
+    row["planning_s"] = time.perf_counter() - began
+    spent.bound += row["planning_s"]
+    return row
+
+
+def _bound_row(trial: Trial, call: BoundCall) -> dict[str, Any]:
+    return {
+        "suite": trial.suite,
+        "field": trial.field,
+        "iteration": trial.iteration,
+        "zones": trial.zones,
+        "method": call.name,
+        "limit_s": call.limit_s,
+        "environment": environment(),
+    }
+
+
+def _sentence(error: BaseException) -> str:
+    said = " ".join(str(error).split())
+    return f"{type(error).__name__}: {said}"[:LONGEST_MESSAGE]
