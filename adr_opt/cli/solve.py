@@ -23,6 +23,8 @@ from .parameters import (
     "--time-limit", type=float, metavar="S", help="Wall time, the timetable included; 10 s."
 )
 @run_options
+@click.option("--policy", metavar="FILE", help="Short for --option policy=FILE.")
+@click.option("--decode", metavar="HOW", help="Short for --option decode=HOW.")
 @click.option("--repair", is_flag=True, help="Keep the legal beginning of an illegal --start.")
 @click.option("--bound", "bound_name", metavar="NAME", help="Bound to run beside the planner.")
 @click.option("--out", metavar="FILE", help="Plan file to write.")
@@ -37,6 +39,8 @@ def command(
     jobs: int | None,
     start_path: str | None,
     assignments: tuple[str, ...],
+    policy: str | None,
+    decode: str | None,
     repair: bool,
     bound_name: str | None,
     out: str | None,
@@ -60,6 +64,9 @@ def command(
         front.method_of(bound_name, BOUNDS)
     if repair and start_path is None:
         raise InputError("--repair mends a start plan, but none is given; give one with --start")
+    for name, value in (("policy", policy), ("decode", decode)):
+        if value is not None:
+            assignments = (*assignments, f"{name}={value}")
     options = parse_assignments(method, front.method_of(method), assignments)
     instance = load(instance_path)
     start = None if start_path is None else load_plan(start_path)

@@ -1,0 +1,186 @@
+"""A trained policy in a file, run by ONNX Runtime: no PyTorch, and no code in the file."""
+
+from __future__ import annotations
+
+import json
+import os
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from adr_opt.episodes import OBSERVATIONS, Observation
+from adr_opt.episodes.board import MISSION, MOVES, move_fields, published_size
+from adr_opt.errors import InputError, MissingExtra
+from adr_opt.kernels.observation import MISSION_FIELDS, PUBLISHED_ELEMENTS
+
+FORMAT = "adr-opt-policy/1"
+
+SHIPPED = "set"
+"""Name of the policy that comes with the package."""
+
+MOST_BYTES = 64 * 2**20
+"""A larger file is no policy of ours; it is refused before it is read."""
+
+ILLEGAL = -1e8
+"""Score of an illegal move."""
+
+FloatArray = npt.NDArray[np.float32]
+
+
+class Policy:
+    """Scores of moves and the value of states.
+
+    Parameters
+    ----------
+    path : Path
+        An ONNX file that ``train`` wrote.
+    threads : int
+        Threads of ONNX Runtime.
+
+    Attributes
+    ----------
+    name : str
+        Configuration that it was trained by.
+    observation : str
+        What it sees, one of :data:`adr_opt.episodes.OBSERVATIONS`.
+    targets : int or None
+        Number of targets that it was made for; None for any.
+    facts : dict
+        Training steps, seed and versions, as the file states them.
+
+    Raises
+    ------
+    InputError
+        No policy file, or one of another format or observation.
+    MissingExtra
+        ONNX Runtime is not installed.
+    """
+
+    def __init__(self, path: Path, threads: int = 1) -> None:
+        try:
+            import onnxruntime
+        except ImportError:
+            raise MissingExtra("method 'ppo'", "onnxruntime", "ppo") from None
+        text = _read(path)
+        options = onnxruntime.SessionOptions()
+        options.intra_op_num_threads = threads
+        options.log_severity_level = 4  # errors come as exceptions; nothing goes to stderr
+        try:
+            self._session = onnxruntime.InferenceSession(
+                text, options, providers=["CPUExecutionProvider"]
+            )
+        except Exception as error:  # ONNX Runtime has no common class of its own for these
+            raise InputError(
+                f"{path}: not a whole ONNX file, so not a policy; give a file that train wrote "
+                f"({type(error).__name__})"
+            ) from None
+        known = self._session.get_modelmeta().custom_metadata_map
+        if known.get("format") != FORMAT:
+            raise InputError(
+                f"{path}: format {known.get('format')!r} is not {FORMAT!r}; give a file that "
+                "train wrote"
+            )
+        self.facts: dict[str, Any] = {}
+        try:
+            self.facts = json.loads(known["facts"])
+            self.name, self.observation = known["name"], known["observation"]
+            self.targets = int(known["targets"]) or None
+        except (KeyError, ValueError):
+            raise InputError(f"{path}: its metadata is not that of a policy") from None
+        if self.observation not in OBSERVATIONS:
+            raise InputError(
+                f"{path}: made for the observation {self.observation!r}, which is unknown; use "
+                f"one of: {', '.join(OBSERVATIONS)}"
+            )
+        if known.get("fields") != field_names(self.observation):
+            raise InputError(
+                f"{path}: made for another version of the observation {self.observation!r}; "
+                "train it again"
+            )
+        self._check_inputs(path)
+
+    def _check_inputs(self, path: Path) -> None:
+        wanted = {MOVES: len(move_fields(self.observation)), MISSION: len(MISSION_FIELDS)}
+        if self.observation == "published":
+            wanted = {"observation": published_size(self.targets or 0)}
+        found = {entry.name: entry.shape[-1] for entry in self._session.get_inputs()}
+        if found != wanted or len(self._session.get_outputs()) != 2:
+            raise InputError(f"{path}: takes {found} instead of {wanted}; train it again")
+
+    def judge(self, observation: Observation, mask: npt.NDArray[np.bool_]) -> tuple[Any, Any]:
+        """Scores (batch, actions), illegal moves at :data:`ILLEGAL`, and values (batch,)."""
+        seen = observation if isinstance(observation, dict) else {"observation": observation}
+        scores, value = self._session.run(None, seen)
+        # A NaN would win every argmax; no weights that train wrote give one.
+        if not np.isfinite(scores).all():
+            raise InputError("the policy's scores are not finite; its file is damaged")
+        return np.where(mask, scores, np.float32(ILLEGAL)), value
+
+    def check_size(self, targets: int) -> None:
+        """Refuse an instance that the policy was not made for.
+
+        Raises
+        ------
+        InputError
+            The sentence says which policy to use instead.
+        """
+        if self.targets is not None and targets > self.targets:
+            raise InputError(
+                f"policy {self.name!r} was made for {self.targets} targets, the instance has "
+                f"{targets}; use the policy {SHIPPED!r}, which takes any number"
+            )
+
+
+def _read(path: Path) -> bytes:
+    try:
+        size = path.stat().st_size
+        if size > MOST_BYTES:
+            raise InputError(f"{path}: {size} bytes are too many for a policy")
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+
+
+def field_names(observation: str) -> str:
+    """The names of all numbers of an observation: what a policy was trained to see."""
+    if observation == "published":
+        return "; ".join(PUBLISHED_ELEMENTS)
+    return "; ".join((*move_fields(observation), *MISSION_FIELDS))
+
+
+def load_policy(name: str | os.PathLike[str] = SHIPPED, threads: int = 1) -> Policy:
+    """The policy of a name or a file.
+
+    Parameters
+    ----------
+    name : str or path
+        A policy that comes with the package, or the path of an ONNX file.
+    threads : int
+
+    Raises
+    ------
+    InputError
+        No such policy, or not a policy file.
+    MissingExtra
+        ONNX Runtime is not installed.
+    """
+    shipped = Path(str(files(__package__))) / "weights"
+    here = shipped / f"{name}.onnx"
+    if os.sep not in str(name) and here.is_file():
+        return Policy(here, threads)
+    if not Path(name).is_file():
+        known = ", ".join(sorted(path.stem for path in shipped.glob("*.onnx")))
+        raise InputError(
+            f"policy {str(name)!r}: no such file, and no policy of the package ({known})"
+        )
+    return Policy(Path(name), threads)
+
+
+def log_probabilities(scores: FloatArray, temperature: float = 1.0) -> FloatArray:
+    """Logarithms of the softmax of scores over the last axis."""
+    shifted = (scores - scores.max(axis=-1, keepdims=True)) / np.float32(temperature)
+    logs: FloatArray = shifted - np.log(np.exp(shifted).sum(axis=-1, keepdims=True))
+    return logs

@@ -1,0 +1,98 @@
+"""Write a trained network as an ONNX file that plans without PyTorch."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from pathlib import Path
+from typing import Any
+
+import onnx
+import torch
+from torch import nn
+
+from adr_opt.episodes.board import MISSION, MOVES, move_fields, published_size
+from adr_opt.kernels.observation import MISSION_FIELDS
+
+from ..learned.policy import FORMAT, field_names
+
+
+class _Flat(nn.Module):
+    """Stable-Baselines3's multilayer perceptron as one network of the flat observation."""
+
+    def __init__(self, policy: Any) -> None:
+        super().__init__()
+        self.trunk, self.action, self.value = (
+            policy.mlp_extractor,
+            policy.action_net,
+            policy.value_net,
+        )
+
+    def forward(self, observation: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """Scores and values."""
+        for_scores, for_value = self.trunk(observation)
+        return self.action(for_scores), self.value(for_value).squeeze(-1)
+
+
+def write_onnx(
+    policy: Any,
+    path: Path,
+    *,
+    name: str,
+    observation: str,
+    targets: int | None,
+    facts: dict[str, Any],
+) -> None:
+    """Write a policy.
+
+    Parameters
+    ----------
+    policy : SetPolicy or ActorCriticPolicy
+    path : Path
+    name : str
+        Configuration.
+    observation : str
+    targets : int or None
+        Number of targets of a network of fixed size.
+    facts : dict
+        Training steps, seed and versions.
+    """
+    if observation == "published":
+        network: nn.Module = _Flat(policy)
+        inputs: tuple[torch.Tensor, ...] = (torch.zeros(2, published_size(targets or 0)),)
+        names = ["observation"]
+        axes = {"observation": {0: "batch"}}
+    else:
+        network = policy.network
+        fields = len(move_fields(observation))
+        inputs = (torch.zeros(2, 3, fields), torch.zeros(2, len(MISSION_FIELDS)))
+        names = [MOVES, MISSION]
+        axes = {MOVES: {0: "batch", 1: "actions"}, MISSION: {0: "batch"}}
+    axes |= {"scores": {0: "batch", 1: "actions"}, "value": {0: "batch"}}
+    training = network.training
+    network.eval()
+    with warnings.catch_warnings():
+        # The exporter by TorchScript is called old, but it needs no further package and takes
+        # axes of any length.
+        warnings.simplefilter("ignore")
+        torch.onnx.export(
+            network, inputs, path, input_names=names, output_names=["scores", "value"],
+            dynamic_axes=axes, opset_version=17, dynamo=False,
+        )  # fmt: skip
+    network.train(training)
+    model = onnx.load(path)
+    for key, value in {
+        "format": FORMAT,
+        "name": name,
+        "observation": observation,
+        "fields": field_names(observation),
+        "targets": str(targets or 0),
+        "facts": json.dumps(facts),
+    }.items():
+        entry = model.metadata_props.add()
+        entry.key, entry.value = key, value
+    # The exporter writes where each node stands in the source; that is nobody's business.
+    for node in model.graph.node:
+        node.doc_string = ""
+        del node.metadata_props[:]
+    onnx.save(model, path)

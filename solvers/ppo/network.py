@@ -1,0 +1,84 @@
+"""The ``set`` network: scores of all moves of a state, whatever their number (PyTorch).
+
+Every move goes through the same encoder, sees the whole by what the open moves have in common
+(mean and maximum), and is scored by the same head. So the network does not know how many targets
+there are, nor in which order they stand: permuting the moves permutes the scores.
+"""
+
+from __future__ import annotations
+
+import torch
+from torch import Tensor, nn
+
+from adr_opt.kernels.observation import MISSION_FIELDS
+
+LEGAL, STATION, OPEN = 0, 1, 2
+"""Columns of ``MOVE_FIELDS`` that the network itself asks for."""
+
+
+class SetNetwork(nn.Module):
+    """Encoder, rounds of pooling, pointer head and value head.
+
+    Parameters
+    ----------
+    fields : int
+        Numbers that describe a move in the observation.
+    width : int
+        Numbers that describe a move inside the network.
+    rounds : int
+        Rounds of pooling, in which every move sees the whole.
+    value_scale : float
+        Scale of the value output.
+    """
+
+    def __init__(
+        self, fields: int, width: int = 64, rounds: int = 2, value_scale: float = 1.0
+    ) -> None:
+        super().__init__()
+        self.value_scale = value_scale
+        self.enter = nn.Linear(fields, width)
+        self.mission = nn.Linear(len(MISSION_FIELDS), width)
+        self.encode = nn.Linear(width, width)
+        self.share = nn.ModuleList(nn.Linear(2 * width, width) for _ in range(rounds))
+        self.mix = nn.ModuleList(nn.Linear(width, width) for _ in range(rounds))
+        self.score = nn.Linear(width, 1)
+        self.judge = nn.Sequential(
+            nn.Linear(3 * width, width), nn.ReLU(), nn.Linear(width, width), nn.ReLU()
+        )
+        self.value = nn.Linear(width, 1)
+        # Orthogonal weights, a first policy that is nearly uniform and a first value near 0
+        # are what actor-critic training starts from.
+        for module in self.modules():
+            if isinstance(module, nn.Linear):
+                nn.init.orthogonal_(module.weight, 2.0**0.5)
+                nn.init.zeros_(module.bias)
+        nn.init.orthogonal_(self.score.weight, 0.01)
+        nn.init.orthogonal_(self.value.weight, 0.1)
+
+    def forward(self, moves: Tensor, mission: Tensor) -> tuple[Tensor, Tensor]:
+        """Scores and value of a batch of states.
+
+        Parameters
+        ----------
+        moves : (batch, actions, fields)
+        mission : (batch, len(MISSION_FIELDS))
+
+        Returns
+        -------
+        scores : (batch, actions)
+            Not masked: those of illegal moves mean nothing.
+        value : (batch,)
+            Prizes still to come, in units of the training's reward.
+        """
+        present = torch.maximum(moves[..., OPEN], moves[..., STATION]).unsqueeze(-1)
+        count = present.sum(dim=1).clamp(min=1.0)
+        whole = self.mission(mission)
+        h = torch.relu(self.enter(moves) + whole.unsqueeze(1))
+        h = torch.relu(self.encode(h)) * present
+        for share, mix in zip(self.share, self.mix, strict=True):
+            pooled = torch.cat([h.sum(dim=1) / count, h.amax(dim=1)], dim=-1)
+            h = torch.relu(h + mix(h) + share(pooled).unsqueeze(1)) * present
+        scores = self.score(h).squeeze(-1)
+        pooled = torch.cat([h.sum(dim=1) / count, h.amax(dim=1), torch.relu(whole)], dim=-1)
+        value = self.value(self.judge(pooled)).squeeze(-1) * self.value_scale
+        return scores, value

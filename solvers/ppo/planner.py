@@ -1,0 +1,116 @@
+"""The learned planner: a trained policy, decoded."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+
+from adr_opt.errors import InputError
+from adr_opt.kernels.constants import STATION
+from adr_opt.mission import Mission
+from adr_opt.planner import Progress
+from adr_opt.result import Result, certify
+from adr_opt.stop import Stop
+
+from ..learned import SHIPPED, load_policy
+from ..learned.decoding import BeamSettings, Field, beam, best_of, chunks, gumbel, play
+
+DECODE = ("greedy", "sample", "beam")
+BATCH = 64
+"""Samples played side by side."""
+
+
+def ppo(
+    mission: Mission,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    policy: str = SHIPPED,
+    decode: str = "greedy",
+    samples: int = 512,
+    temperature: float = 0.7,
+    width: int = 128,
+    jobs: int = 1,
+) -> Result:
+    """A policy trained by masked PPO.
+
+    Runs without PyTorch (extra ``[ppo]``). The policy counts targets, not prizes.
+
+    Parameters
+    ----------
+    policy : str
+        A policy of the package, ``set``, or a file that ``train`` wrote.
+    decode : str
+        ``greedy``: the move with the best score again and again, a few milliseconds. ``sample``:
+        the best of many plans drawn from the policy, by ``seed``, the greedy one among them.
+        ``beam``: a beam over moves that the policy has judged, the greedy plan besides.
+    samples : int
+        Plans drawn by ``sample``, unless ``stop`` says enough before.
+    temperature : float
+        Below 1, samples keep closer to the best move.
+    width : int
+        Partial plans kept by ``beam``.
+    jobs : int
+        Threads of the network; 0 for all cores.
+
+    Raises
+    ------
+    InputError
+        An option out of range, a file that is no policy, or more targets than the policy takes.
+    MissingExtra
+        ONNX Runtime is not installed.
+    """
+    if decode not in DECODE:
+        raise InputError(
+            f"option decode = {decode!r} of method 'ppo': use one of: {', '.join(DECODE)}"
+        )
+    for name, value in (("samples", samples), ("width", width)):
+        if value < 1:
+            raise InputError(f"option {name} = {value} of method 'ppo': must be at least 1")
+    if not (math.isfinite(temperature) and temperature > 0.0):
+        raise InputError(f"option temperature = {temperature!r} of method 'ppo': must be positive")
+    if jobs < 0:
+        raise InputError(f"option jobs = {jobs} of method 'ppo': must be at least 0")
+    learned = load_policy(policy, jobs)
+    learned.check_size(len(mission.names) - 1)
+    rules = mission.rules
+    began = time.perf_counter()
+    counters = {"plans": 0, "states": 0}
+    found, kept = best_of(mission)
+    if mission.instance.targets and rules.budget > 0.0 and rules.duration > 0.0:
+        field = Field(mission, learned)
+        play(field, 1, None, 1.0, found)
+        counters["plans"] = 1
+        progress(kept()[1], math.inf)
+        if decode == "sample":
+            noise = gumbel(np.random.default_rng(np.random.SeedSequence([seed, 5])))
+            for count in chunks(samples - 1, BATCH):
+                if stop(kept()[1], math.inf):
+                    break
+                play(field, count, noise, temperature, found)
+                counters["plans"] += count
+                progress(kept()[1], math.inf)
+        elif decode == "beam":
+            counters["states"] = beam(
+                field,
+                BeamSettings(width),
+                found,
+                lambda: bool(stop(kept()[1], math.inf)),
+            )
+            counters["plans"] += 1
+            progress(kept()[1], math.inf)
+    sequence = [int(body) for body in kept()[0]]
+    while sequence and sequence[-1] == STATION:
+        sequence.pop()  # a refuelling that nothing follows
+    return certify(
+        mission,
+        "ppo",
+        sequence,
+        seed=seed,
+        runtime_s=time.perf_counter() - began,
+        counters=counters,
+        notes=(f"policy {learned.name!r}, decoded by {decode}",),
+    )

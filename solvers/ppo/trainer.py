@@ -1,0 +1,198 @@
+"""Train a policy: resumable, evaluated on held fields while it runs."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import torch
+from safetensors.torch import save_file
+from sb3_contrib import MaskablePPO
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.logger import configure
+
+from adr_opt.env.vector import MissionVecEnv
+from adr_opt.errors import InputError
+from adr_opt.trainer import Report
+
+from .configs import Config
+from .export import write_onnx
+from .held import HeldFields
+from .policies import SetPolicy
+from .runs import Run
+
+
+def model_of(config: Config, env: MissionVecEnv, seed: int, device: str) -> MaskablePPO:
+    """A new MaskablePPO model of a configuration."""
+    first, last = config.learning_rate, config.final_learning_rate
+    kwargs: dict[str, Any] = dict(config.network)
+    policy: Any = SetPolicy
+    if config.policy == "mlp":
+        policy = "MlpPolicy"
+        kwargs["activation_fn"] = torch.nn.Tanh
+    return MaskablePPO(
+        policy,
+        env,
+        learning_rate=lambda left: last + (first - last) * left,
+        n_steps=config.rollout,
+        batch_size=config.batch,
+        n_epochs=config.epochs,
+        gamma=config.gamma,
+        gae_lambda=config.gae_lambda,
+        clip_range=config.clip,
+        ent_coef=config.entropy,
+        vf_coef=config.value_weight,
+        max_grad_norm=config.gradient_norm,
+        target_kl=config.target_kl,
+        policy_kwargs=kwargs,
+        seed=seed,
+        device=device,
+    )
+
+
+class Keeper(BaseCallback):
+    """Evaluates, checkpoints, keeps the best weights, and ends the training when asked to.
+
+    Parameters
+    ----------
+    run : Run
+    config : Config
+    every : int
+        Steps between evaluations.
+    checkpoint_s : float
+        Time between checkpoints [s].
+    enough : callable
+    report : callable
+    """
+
+    def __init__(
+        self,
+        run: Run,
+        config: Config,
+        every: int,
+        checkpoint_s: float,
+        enough: Callable[[], bool],
+        report: Report,
+    ) -> None:
+        super().__init__()
+        self.run, self.config, self.every, self.checkpoint_s = run, config, every, checkpoint_s
+        self.enough, self.report = enough, report
+        self.held = HeldFields(config.observation)
+        state = run.state
+        self.best = state.get("best", -math.inf)
+        self.spent_s = state.get("seconds", 0.0)
+        self._next = (state["steps"] // every + 1) * every if state else 0
+        self._began = self._saved = time.perf_counter()
+
+    @property
+    def seconds(self) -> float:
+        """Time spent training, over all runs [s]."""
+        return float(self.spent_s + time.perf_counter() - self._began)
+
+    def _on_step(self) -> bool:
+        return not self.enough()
+
+    def _on_rollout_start(self) -> None:
+        # Between updates: a checkpoint holds a policy, and no half of a rollout.
+        self.report(self.num_timesteps, {})
+        if self.num_timesteps >= self._next:
+            self._evaluate()
+            self._next = (self.num_timesteps // self.every + 1) * self.every
+        if time.perf_counter() - self._saved >= self.checkpoint_s:
+            self._save()
+
+    def _on_training_end(self) -> None:
+        if not self.enough():
+            self._evaluate()
+        self._save()
+
+    def _evaluate(self) -> None:
+        means = self.held.evaluate(self.model.policy, self.model.device)
+        for name, value in means.items():
+            self.logger.record(f"held/{name}", value)
+        self.run.add_to_curve(self.num_timesteps, self.seconds, means)
+        if sum(means.values()) > self.best:
+            self.best = sum(means.values())
+            self._keep_best()
+        self.report(self.num_timesteps, means)
+
+    def _keep_best(self) -> None:
+        config = self.config
+        facts = {
+            "steps": self.num_timesteps,
+            "seed": self.run.facts["seed"],
+            "versions": self.run.facts["versions"],
+        }
+        tensors = {
+            name: tensor.detach().cpu().contiguous()
+            for name, tensor in self.model.policy.state_dict().items()
+        }
+        self.run.replace(
+            "best.safetensors",
+            lambda part: save_file(tensors, part, metadata={"facts": json.dumps(facts)}),
+        )
+        targets = None if config.policy == "set" else config.fields.most_targets
+        self.run.replace(
+            "best.onnx",
+            lambda part: write_onnx(
+                self.model.policy, part, name=config.name, observation=config.observation,
+                targets=targets, facts=facts,
+            ),
+        )  # fmt: skip
+
+    def _save(self) -> None:
+        self.run.replace("checkpoint.zip", self.model.save)
+        state = {"steps": self.num_timesteps, "seconds": self.seconds, "best": self.best}
+        self.run.replace("state.json", lambda part: part.write_text(json.dumps(state)))
+        self._saved = time.perf_counter()
+
+
+def train(
+    config: Config,
+    folder: Path,
+    *,
+    steps: int | None,
+    seed: int,
+    jobs: int,
+    device: str,
+    evaluate_every: int,
+    checkpoint_s: float,
+    enough: Callable[[], bool],
+    report: Report,
+) -> None:
+    """Train a configuration; see :class:`adr_opt.trainer.Trainer` for the parameters."""
+    if device != "cpu" and not torch.cuda.is_available():
+        raise InputError(f"device {device!r}: PyTorch finds no such device here; use cpu")
+    config = replace(config, steps=config.steps if steps is None else steps)
+    run = Run(folder, config, seed)
+    torch.set_num_threads(jobs)
+    done = int(run.state.get("steps", 0))
+    if done >= config.steps:
+        report(done, {})
+        return
+    env = MissionVecEnv(
+        config.missions, config.fields, observation=config.observation, slots=config.slots,
+        refresh_every=config.refresh_every, threads=jobs, reward_scale=config.reward_scale,
+        # A resumed training goes on with other fields than it began with.
+        seed=seed + done,
+    )  # fmt: skip
+    try:
+        model = model_of(config, env, seed, device)
+        if done:
+            try:
+                model = MaskablePPO.load(run.checkpoint, env=env, device=device)
+            except Exception as error:  # a zip of pickles fails in more ways than can be named
+                raise InputError(
+                    f"{run.checkpoint}: cannot be read ({type(error).__name__}); remove it to "
+                    "begin anew"
+                ) from None
+        model.set_logger(configure(str(folder / "tensorboard"), ["tensorboard"]))
+        keeper = Keeper(run, config, evaluate_every, checkpoint_s, enough, report)
+        model.learn(config.steps - done, callback=keeper, reset_num_timesteps=done == 0)
+    finally:
+        env.close()
