@@ -1,0 +1,62 @@
+"""``report``: a mission as one page for people."""
+
+from __future__ import annotations
+
+import click
+
+from ..errors import InputError, MissingExtra
+from .output import emit_json, say
+from .parameters import (
+    check_out,
+    instance_argument,
+    json_option,
+    plan_argument,
+    quiet_option,
+)  # fmt: skip
+
+
+@click.command("report", short_help="Write PLAN as an interactive page that works offline.")
+@instance_argument
+@plan_argument
+@click.option("--out", required=True, metavar="FILE", help="HTML file to write.")
+@json_option
+@quiet_option
+def command(instance_path: str, plan_path: str, out: str, as_json: bool, quiet: bool) -> int:
+    """Write PLAN on INSTANCE as one self-contained HTML page: charts, tables, bound and gap.
+
+    A plan with violations is reported too: they head the page and are counted here.
+    """
+    from ..instance import load
+    from ..plan import load_plan
+    from ..report import write_report
+
+    instance, plan = load(instance_path), load_plan(plan_path)
+    check_out(out, instance_path, plan_path)
+    try:
+        written = write_report(instance, plan, out)
+    except MissingExtra:
+        raise
+    except InputError as error:
+        said = str(error)
+        raise InputError(said if said.startswith(f"{out}: ") else f"{plan_path}: {said}") from None
+    count = len(written.violations)
+    if as_json:
+        emit_json(
+            {
+                "instance": instance.name,
+                "path": written.path,
+                "bytes": written.size_bytes,
+                "legs": len(plan.legs),
+                "objective": plan.objective,
+                "violations": [violation.to_dict() for violation in written.violations],
+                "trouble": written.trouble,
+            }
+        )
+    if not quiet:
+        say(f"wrote {out}: {len(plan.legs)} legs, {written.size_bytes / 1e6:.2f} MB")
+        if count:
+            say(
+                f"{plan_path}: the plan has {count} violation{'s' if count > 1 else ''}; "
+                f"the page begins with {'them' if count > 1 else 'it'}"
+            )
+    return 0

@@ -1,0 +1,79 @@
+"""ΔV left against time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from ..instance import Instance
+from ..plan import Plan
+from .axes import DAY_S, label
+from .palette import COLOURS, STATION
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How the ΔV left goes down with every burn and up with every refuelling.
+
+    Attributes
+    ----------
+    times_s : tuple of float
+        When it changes, the epoch first [s].
+    left_m_s : tuple of float
+        What is left from then on [m/s].
+    legs : tuple of int
+        The leg of each change; 0 at the epoch.
+    refuelled : tuple of bool
+        Whether the change is a refuelling.
+    """
+
+    times_s: tuple[float, ...]
+    left_m_s: tuple[float, ...]
+    legs: tuple[int, ...]
+    refuelled: tuple[bool, ...]
+
+
+def budget(instance: Instance, plan: Plan) -> Budget:
+    """ΔV left after every burn of a plan.
+
+    The cost of matching eccentricity vectors has no burn; it is taken with the last one of a leg.
+    """
+    left = instance.mission.delta_v_m_s
+    rows = [(0.0, left, 0, False)]
+    for number, leg in enumerate(plan.legs, start=1):
+        after_leg = left - leg.delta_v_m_s
+        for burn in leg.burns[:-1]:
+            left -= sum(part * part for part in burn.delta_v_m_s) ** 0.5
+            rows.append((burn.time_s, left, number, False))
+        rows.append((leg.arrival_s, after_leg, number, False))
+        left = after_leg
+        if leg.destination == instance.station.name:
+            left = leg.delta_v_left_m_s
+            rows.append((leg.end_s, left, number, True))
+    return Budget(*zip(*rows, strict=True))
+
+
+def delta_v_left(ax: Any, instance: Instance, plan: Plan) -> Any:
+    """Add the ΔV left [m/s] against time [days], refuellings marked.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    instance : Instance
+    plan : Plan
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    course = budget(instance, plan)
+    days = [time / DAY_S for time in course.times_s]
+    ax.step(days, course.left_m_s, where="post", color=COLOURS["phasing"], label="ΔV left")
+    refuelled = [index for index, was in enumerate(course.refuelled) if was]
+    ax.plot(
+        [days[index] for index in refuelled],
+        [course.left_m_s[index] for index in refuelled],
+        linestyle="none", marker="^", color=STATION, label="refuelling",
+    )  # fmt: skip
+    label(ax, "days since the epoch", "ΔV left [m/s]")
+    return ax

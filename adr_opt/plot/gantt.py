@@ -1,0 +1,43 @@
+"""The timeline as a Gantt chart."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..instance import Instance
+from ..plan import Plan
+from .axes import DAY_S, label
+from .palette import COLOURS, LABELS, PHASES
+from .segments import segments
+
+
+def gantt(ax: Any, instance: Instance, plan: Plan) -> Any:
+    """Add one row per leg, its phases as bars against time [days]; the first leg is on top.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    instance : Instance
+    plan : Plan
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    found = segments(instance, plan)
+    for phase in PHASES:
+        bars = [segment for segment in found if segment.phase == phase]
+        if bars:
+            ax.barh(
+                [bar.leg for bar in bars],
+                [bar.duration_s / DAY_S for bar in bars],
+                left=[bar.start_s / DAY_S for bar in bars],
+                color=COLOURS[phase], label=LABELS[phase],
+            )  # fmt: skip
+    if plan.legs:
+        # `$` would begin mathematics
+        names = [leg.destination.replace("$", r"\$") for leg in plan.legs]
+        ax.set_yticks(range(1, len(names) + 1), labels=names)
+        ax.set_ylim(len(names) + 0.5, 0.5)
+    label(ax, "days since the epoch", "destination")
+    return ax

@@ -1,0 +1,45 @@
+"""The phases of a mission: their order, what people call them, and one colour for each.
+
+The colours are middle tones: each has at least three to one of contrast to white and to the dark
+background of the report.
+"""
+
+PHASES = (
+    "wait", "hohmann-1", "phasing", "co-elliptic", "terminal", "approach", "service", "refuelling",
+)  # fmt: skip
+"""The phases of burns (MODEL section 2), with the wait before them and the service after them."""
+
+LABELS = {
+    "wait": "wait for the node",
+    "hohmann-1": "first Hohmann",
+    "phasing": "phasing",
+    "co-elliptic": "to co-elliptic",
+    "terminal": "terminal Hohmann",
+    "approach": "approach",
+    "service": "service",
+    "refuelling": "refuelling",
+}
+
+COLOURS = {
+    "wait": "#8490a0",
+    "hohmann-1": "#d4553f",
+    "phasing": "#3f7fc4",
+    "co-elliptic": "#1f9687",
+    "terminal": "#c07f12",
+    "approach": "#a765b8",
+    "service": "#5f9438",
+    "refuelling": "#d2508f",
+}
+
+ZONE = "#d4553f"
+STATION = COLOURS["refuelling"]
+VISITED = COLOURS["service"]
+UNVISITED = COLOURS["wait"]
+
+REASONS = {
+    "no-transfer": "no body has a transfer to it at any departure of the mission",
+    "duration": "one more leg to it would end after the mission does",
+    "delta-v": "one more leg to it would need more ΔV than is left",
+    "not-worth-it": "it could still be added at the end, and the plan does not",
+}
+"""What the reasons of a plan's unvisited targets mean."""

@@ -1,0 +1,61 @@
+"""A plan cut into phases: what the chaser is doing, from when to when."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+from ..instance import Instance
+from ..plan import Leg, Plan
+
+
+@dataclass(frozen=True)
+class Segment:
+    """One phase of one leg.
+
+    Attributes
+    ----------
+    leg : int
+        Number of the leg, from 1.
+    phase : str
+        One of :data:`adr_opt.plot.PHASES`.
+    start_s, end_s : float
+        Times since the epoch [s].
+    """
+
+    leg: int
+    phase: str
+    start_s: float
+    end_s: float
+
+    @property
+    def duration_s(self) -> float:
+        """How long the phase takes [s]."""
+        return self.end_s - self.start_s
+
+
+def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
+    """The phases of a plan in time order, those that take no time left out.
+
+    Read off the plan as it is: a burn begins its phase, which lasts until the next burn.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan
+        Need not be free of violations.
+    """
+    return tuple(
+        segment
+        for number, leg in enumerate(plan.legs, start=1)
+        for segment in _of_leg(number, leg, leg.destination == instance.station.name)
+        if segment.duration_s > 0.0
+    )
+
+
+def _of_leg(number: int, leg: Leg, refuels: bool) -> Iterator[Segment]:
+    yield Segment(number, "wait", leg.ready_s, leg.departure_s)
+    for burn, after in pairwise(leg.burns):
+        yield Segment(number, burn.phase, burn.time_s, after.time_s)
+    yield Segment(number, "refuelling" if refuels else "service", leg.arrival_s, leg.end_s)

@@ -1,0 +1,97 @@
+"""Orbits in space, on an axis with ``projection="3d"``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..instance import Instance
+from ..kernels.constants import EARTH_RADIUS_M
+from ..plan import Plan
+from .axes import KM_M, label
+from .palette import COLOURS, LABELS, PHASES, STATION, UNVISITED
+from .tracks import joined, ring, tracks
+
+
+def earth(ax: Any) -> Any:
+    """Add the Earth as a sphere [km].
+
+    Parameters
+    ----------
+    ax : mpl_toolkits.mplot3d.Axes3D
+
+    Returns
+    -------
+    mpl_toolkits.mplot3d.Axes3D
+    """
+    latitude, longitude = np.meshgrid(
+        np.linspace(-np.pi / 2, np.pi / 2, 19), np.linspace(0.0, 2.0 * np.pi, 37), indexing="ij"
+    )
+    radius = EARTH_RADIUS_M / KM_M
+    ax.plot_surface(
+        radius * np.cos(latitude) * np.cos(longitude),
+        radius * np.cos(latitude) * np.sin(longitude),
+        radius * np.sin(latitude),
+        color="#9db4c8", alpha=0.5, linewidth=0,
+    )  # fmt: skip
+    ax.set_aspect("equal")
+    return _labelled(ax)
+
+
+def orbits(ax: Any, instance: Instance) -> Any:
+    """Add the orbits of the station and of all targets [km], as the circles planned with.
+
+    Parameters
+    ----------
+    ax : mpl_toolkits.mplot3d.Axes3D
+    instance : Instance
+
+    Returns
+    -------
+    mpl_toolkits.mplot3d.Axes3D
+    """
+    rings = joined([ring(instance, target.name) for target in instance.targets]) / KM_M
+    if rings.size:
+        ax.plot(*rings.T, color=UNVISITED, linewidth=0.4, label="targets")
+    home = ring(instance, instance.station.name) / KM_M
+    ax.plot(*home.T, color=STATION, linewidth=1.2, label="station")
+    ax.set_aspect("equal")
+    return _labelled(ax)
+
+
+def path(ax: Any, instance: Instance, plan: Plan) -> Any:
+    """Add the chaser's path in the inertial frame [km], one colour per phase.
+
+    Parameters
+    ----------
+    ax : mpl_toolkits.mplot3d.Axes3D
+    instance : Instance
+    plan : Plan
+
+    Returns
+    -------
+    mpl_toolkits.mplot3d.Axes3D
+
+    Raises
+    ------
+    InputError
+        The plan belongs to another instance or cannot be flown.
+    """
+    found = tracks(instance, plan)
+    for phase in PHASES:
+        of_phase = [track.around_m for track in found if track.phase == phase]
+        if of_phase:
+            ax.plot(
+                *(joined(of_phase) / KM_M).T, color=COLOURS[phase], linewidth=0.8,
+                label=LABELS[phase],
+            )  # fmt: skip
+    ax.set_aspect("equal")
+    return _labelled(ax)
+
+
+def _labelled(ax: Any) -> Any:
+    label(ax, "x [km]", "y [km]")
+    if not ax.get_zlabel():
+        ax.set_zlabel("z [km]")
+    return ax

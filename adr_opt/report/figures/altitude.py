@@ -1,0 +1,60 @@
+"""Altitude against time, with phases and keep-out zones."""
+
+from __future__ import annotations
+
+from ...instance import Instance
+from ...plan import Plan
+from ...plot.axes import DAY_S, KM_M
+from ...plot.palette import COLOURS, LABELS, PHASES, ZONE
+from ...plot.tracks import Track, joined
+from ..text import number
+from .parts import Figure, column, days, period, repeated, time_axis
+
+
+def altitude(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
+    """The chaser's altitude in km against days, one trace per phase; zones as boxes beneath."""
+    traces = []
+    for phase in PHASES:
+        found = [track for track in tracks if track.phase == phase]
+        if not found:
+            continue
+        lengths = [len(track.times_s) for track in found]
+        traces.append(
+            {
+                "type": "scatter", "mode": "lines", "name": LABELS[phase],
+                "meta": {"phase": phase, "titled": True},
+                "x": days(joined([track.times_s for track in found])),
+                "y": column(joined([track.altitudes_m for track in found]) / KM_M, 2),
+                "customdata": repeated([track.leg for track in found], lengths),
+                "line": {"color": COLOURS[phase], "width": 1.8},
+                "hovertemplate": f"{LABELS[phase]}, %{{text}}<br>%{{y:.1f}} km at day %{{x:.3f}}"
+                "<extra></extra>",
+            }
+        )  # fmt: skip
+    shapes = []
+    for zone in instance.keep_out_zones:
+        x = [zone.start_s / DAY_S, zone.end_s / DAY_S]
+        y = [zone.min_altitude_m / KM_M, zone.max_altitude_m / KM_M]
+        shapes.append(
+            {
+                "type": "rect", "layer": "below", "x0": x[0], "x1": x[1], "y0": y[0], "y1": y[1],
+                "fillcolor": ZONE, "opacity": 0.28, "line": {"width": 1, "color": ZONE},
+            }
+        )  # fmt: skip
+        traces.append(
+            {
+                "type": "scatter", "mode": "markers", "name": "keep-out zone",
+                "meta": {"phase": "zone"},
+                "x": [sum(x) / 2.0], "y": [sum(y) / 2.0],
+                "marker": {"color": ZONE, "size": 7, "symbol": "x-thin", "line": {"width": 1.5,
+                           "color": ZONE}},
+                "hovertemplate": f"keep-out zone {number(y[0])}–{number(y[1])} km<br>"
+                f"{period(zone.start_s, zone.end_s)}<extra></extra>",
+            }
+        )  # fmt: skip
+    layout = {
+        "xaxis": time_axis(instance, plan),
+        "yaxis": {"title": {"text": "altitude [km]"}},
+        "shapes": shapes,
+    }
+    return {"data": traces, "layout": layout}

@@ -1,0 +1,53 @@
+"""The timeline as a Gantt chart."""
+
+from __future__ import annotations
+
+from ...instance import Instance
+from ...plan import Plan
+from ...plot.palette import COLOURS, LABELS, PHASES
+from ...plot.segments import segments
+from ..text import span, tick
+from .parts import Figure, days, leg_title, period, time_axis
+
+ROW_PX = 19
+FRAME_PX = 70
+
+
+def gantt(instance: Instance, plan: Plan) -> Figure:
+    """One row per leg, the first on top, with a bar for each of its phases."""
+    traces = []
+    found = segments(instance, plan)
+    for phase in PHASES:
+        bars = [segment for segment in found if segment.phase == phase]
+        if bars:
+            traces.append(
+                {
+                    "type": "bar", "orientation": "h", "name": LABELS[phase],
+                    "meta": {"phase": phase},
+                    "base": days([bar.start_s for bar in bars]),
+                    "x": days([bar.duration_s for bar in bars]),
+                    "y": [bar.leg for bar in bars],
+                    "customdata": [bar.leg for bar in bars],
+                    "text": [
+                        f"{LABELS[phase]}, {span(bar.duration_s)} h<br>"
+                        f"{leg_title(plan, bar.leg)}<br>{period(bar.start_s, bar.end_s)}"
+                        for bar in bars
+                    ],
+                    "textposition": "none", "hovertemplate": "%{text}<extra></extra>",
+                    "marker": {"color": COLOURS[phase], "line": {"width": 0}}, "width": 0.72,
+                }
+            )  # fmt: skip
+    rows = len(plan.legs)
+    layout = {
+        "barmode": "overlay",
+        "height": FRAME_PX + ROW_PX * max(rows, 4),
+        "xaxis": time_axis(instance, plan),
+        "yaxis": {
+            "range": [rows + 0.6, 0.4],
+            "fixedrange": True,
+            "tickvals": list(range(1, rows + 1)),
+            "ticktext": [tick(leg.destination) for leg in plan.legs],
+            "showgrid": False,
+        },
+    }
+    return {"data": traces, "layout": layout}

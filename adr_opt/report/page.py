@@ -1,0 +1,192 @@
+"""The page put together."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import os
+from dataclasses import dataclass
+from datetime import UTC
+from importlib import resources
+from string import Template
+from typing import Any
+
+from .. import __version__
+from ..checking import Violation, check
+from ..errors import InputError, MissingExtra
+from ..files import check_writable, write_text
+from ..instance import Instance
+from ..plan import Plan
+from ..plot.palette import PHASES
+from ..plot.segments import segments
+from ..plot.tracks import Track, tracks
+from . import figures, sections, tables
+from .facts import facts
+from .figures.parts import leg_title
+from .text import escape, in_script, number
+
+DAY_S = 86400.0
+
+
+@dataclass(frozen=True)
+class Report:
+    """What was written.
+
+    Attributes
+    ----------
+    path : str
+    size_bytes : int
+    violations : tuple of Violation
+        What the check of the plan found.
+    trouble : str or None
+        Why the chaser's path could not be drawn, if it could not.
+    """
+
+    path: str
+    size_bytes: int
+    violations: tuple[Violation, ...]
+    trouble: str | None
+
+
+def write_report(instance: Instance, plan: Plan, path: str | os.PathLike[str]) -> Report:
+    """Write a mission as one HTML file, whole or not at all.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan
+        Violations do not stop the report: they head it.
+    path : path
+
+    Raises
+    ------
+    InputError
+        The plan belongs to another instance, or the file cannot be written.
+    MissingExtra
+        plotly is not installed.
+    """
+    check_writable(path)
+    violations = check(instance, plan)
+    flown, trouble = _fly(instance, plan)
+    text = _page(instance, plan, violations, flown, trouble)
+    write_text(path, text)
+    return Report(os.fspath(path), len(text.encode()), violations, trouble)
+
+
+def page(instance: Instance, plan: Plan) -> str:
+    """The HTML of the report.
+
+    Raises
+    ------
+    InputError, MissingExtra
+        As in :func:`write_report`.
+    """
+    violations = check(instance, plan)
+    return _page(instance, plan, violations, *_fly(instance, plan))
+
+
+def _fly(instance: Instance, plan: Plan) -> tuple[tuple[Track, ...], str | None]:
+    try:
+        return tracks(instance, plan), None
+    except InputError as error:  # a plan so wrong that it leads nowhere; the check says more
+        return (), str(error)
+
+
+def _page(
+    instance: Instance,
+    plan: Plan,
+    violations: tuple[Violation, ...],
+    flown: tuple[Track, ...],
+    trouble: str | None,
+) -> str:
+    found = facts(instance, plan)
+    library, script = _library(), _asset("page.js")
+    done = {segment.phase for segment in segments(instance, plan)}
+    zones = len(instance.keep_out_zones)
+    altitude_note = "Drag across to look closer, double-click to see all; the times of this chart, "
+    altitude_note += "the next and the timeline go together."
+    if zones:
+        altitude_note = (
+            f"{'Shaded boxes are the' if zones > 1 else 'The shaded box is the'} keep-out "
+            f"{'zones' if zones > 1 else 'zone'}, closed to flight while open in time. "
+            + altitude_note
+        )
+    epoch = instance.epoch.astimezone(UTC)
+    subtitle = (
+        f"{epoch.day} {epoch:%B %Y, %H:%M} UTC · "
+        f"{number(instance.mission.duration_s / DAY_S, 2)} days · "
+        f"{len(instance.targets)} targets · planned by {escape(plan.method)} · "
+        f"{'proven optimal' if plan.status == 'optimal' else plan.status}"
+    )
+    left_out = (
+        tables.reasons(plan) + tables.unvisited(instance, plan)
+        if plan.unvisited
+        else "<p>None: the plan lists no target as not visited.</p>"
+    )
+    return Template(_asset("page.html")).substitute(
+        policy=_policy(library, script),
+        version=__version__,
+        title=escape(f"{instance.name} · {found.visits} of {found.targets} targets"),
+        name=escape(instance.name),
+        style=_asset("page.css"),
+        subtitle=subtitle,
+        verdict=sections.verdict(violations),
+        headline=sections.headline(found),
+        leg_options=sections.leg_options(plan),
+        phases=sections.phases([phase for phase in PHASES if phase in done]),
+        trouble=""
+        if trouble is None
+        else f'<p class="verdict bad">The chaser’s path cannot be drawn: {escape(trouble)}.</p>',
+        altitude_note=altitude_note,
+        legs=tables.legs(instance, plan),
+        unvisited=left_out,
+        certificate=sections.certificate(plan, found),
+        origin=sections.origin(instance, plan),
+        data=in_script(_data(instance, plan, flown)),
+        library=library,
+        script=script,
+    )
+
+
+def _data(instance: Instance, plan: Plan, flown: tuple[Track, ...]) -> dict[str, Any]:
+    """What the script of the page draws from."""
+    numbers = range(1, len(plan.legs) + 1)
+    return {
+        "figures": {
+            "altitude": figures.altitude(instance, plan, flown),
+            "budget": figures.budget(instance, plan),
+            "gantt": figures.gantt(instance, plan),
+            "planes": figures.planes(instance, plan),
+            "orbits": figures.orbits(instance, plan, flown),
+        },
+        "titles": ["start", *(leg_title(plan, number) for number in numbers)],
+        "windows": [
+            [round(leg.ready_s / DAY_S, 6), round(leg.end_s / DAY_S, 6)] for leg in plan.legs
+        ],
+    }
+
+
+def _policy(*scripts: str) -> str:
+    """The page's own law: its two scripts may run, nothing else, and nothing may be loaded."""
+    hashes = " ".join(
+        f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+        for text in scripts
+    )
+    return (
+        f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; "
+        "img-src data: blob:; base-uri 'none'; form-action 'none'"
+    )
+
+
+def _asset(name: str) -> str:
+    return resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
+
+
+def _library() -> str:
+    """plotly.js, from the plotly package."""
+    try:
+        from plotly.offline import get_plotlyjs
+    except ImportError:
+        raise MissingExtra("a report", "plotly", "viz") from None
+    library: str = get_plotlyjs()
+    return library

@@ -1,0 +1,148 @@
+"""The parts of the page that are words: verdict, headline figures, bound, origin of the plan."""
+
+from __future__ import annotations
+
+from datetime import UTC
+
+from ..checking import Violation
+from ..instance import Instance
+from ..plan import Plan
+from ..plot.palette import COLOURS, LABELS
+from .facts import Facts
+from .text import NOTHING, escape, number
+
+DAY_S = 86400.0
+
+
+def verdict(violations: tuple[Violation, ...]) -> str:
+    """What the check found: one quiet line, or every violation in a box that cannot be missed."""
+    if not violations:
+        return (
+            '<p class="verdict good"><span aria-hidden="true">✓</span> '
+            "Checked against the instance: no violations.</p>"
+        )
+    count = "1 violation" if len(violations) == 1 else f"{len(violations)} violations"
+    items = "".join(f"<li>{escape(violation)}</li>" for violation in violations)
+    return (
+        f'<section class="verdict bad" role="alert"><h2>This plan has {count}</h2>'
+        "<p>It must not be flown as it is. All figures below are as the plan states them.</p>"
+        f"<ul>{items}</ul></section>"
+    )
+
+
+def headline(found: Facts) -> str:
+    """The figures that are asked for first."""
+    bound, gap = NOTHING, NOTHING
+    if found.upper_bound is not None:
+        bound = number(found.upper_bound, 2)
+    if found.gap is not None:
+        gap = f"{100.0 * found.gap:.1f}\u202f%"
+    cards = [
+        ("targets visited", str(found.visits), f"of {found.targets}"),
+        ("upper bound", bound, "proven" if bound != NOTHING else "none given"),
+        ("gap", gap, "of the upper bound" if gap != NOTHING else "needs a bound"),
+        ("ΔV used", f"{number(found.delta_v_m_s, 0)}", f"of {number(found.budgets_m_s, 0)} m/s"),
+        ("refuellings", str(found.refuellings), "at the station"),
+        (
+            "duration used",
+            f"{found.used_s / DAY_S:.2f}",
+            f"of {number(found.duration_s / DAY_S, 2)} days",
+        ),
+    ]
+    if not found.counts_visits:
+        cards.insert(
+            1, ("prize collected", number(found.prize, 2), f"of {number(found.total_prize, 2)}")
+        )
+    return "".join(
+        f"<div><dt>{title}</dt><dd><b>{value}</b> <span>{note}</span></dd></div>"
+        for title, value, note in cards
+    )
+
+
+def phases(shown: list[str]) -> str:
+    """The legend of all charts: a button per phase that hides and shows it."""
+    return "".join(
+        f'<button type="button" class="phase" aria-pressed="true" data-phase="{phase}">'
+        f'<i style="background:{COLOURS[phase]}"></i>{LABELS[phase]}</button>'
+        for phase in shown
+    )
+
+
+def leg_options(plan: Plan) -> str:
+    """What the list of legs offers."""
+    options = "".join(
+        f'<option value="{at}">{at}: {escape(leg.origin)} → {escape(leg.destination)}</option>'
+        for at, leg in enumerate(plan.legs, start=1)
+    )
+    return f'<option value="0">the whole mission</option>{options}'
+
+
+def certificate(plan: Plan, found: Facts) -> str:
+    """The bound and the gap in a sentence and as a bar."""
+    collected, total = number(found.prize, 2), number(found.total_prize, 2)
+    what = "visits" if found.counts_visits else "prize"
+    if plan.upper_bound is None and plan.status == "optimal":
+        said = f"The plan collects all there is, {collected}: no plan can be better."
+    elif plan.upper_bound is None:
+        said = (
+            "No upper bound was asked for, so it is not known how much better another plan could "
+            "be. <code>solve --bound lagrangian</code> asks for one."
+        )
+    elif plan.status == "optimal":
+        said = (
+            f"Proven optimal: the plan collects {collected}, and no plan can collect more than "
+            f"{number(plan.upper_bound, 2)}."
+        )
+    else:
+        said = (
+            f"The plan collects {collected}, and it is proven that no plan can collect more than "
+            f"{number(plan.upper_bound, 2)}. Whether there is one in between is open."
+        )
+    rows = [("this plan", found.prize, "var(--good)", collected)]
+    if plan.upper_bound is not None:
+        rows.append(("upper bound", plan.upper_bound, "var(--accent)", number(plan.upper_bound, 2)))
+    rows.append(("all targets", found.total_prize, "var(--line-strong)", total))
+    most = max([value for _, value, _, _ in rows]) or 1.0
+    bars = "".join(
+        f'<div><dt>{title}</dt><dd><i style="width:{max(0.0, 100.0 * value / most):.2f}%;'
+        f'background:{colour}"></i></dd><dd class="n">{text}</dd></div>'
+        for title, value, colour, text in rows
+    )
+    gap = ""
+    if found.gap is not None:
+        gap = (
+            f"<p>Gap: <b>{100.0 * found.gap:.2f}\u202f%</b>, that is (upper bound − collected) / "
+            "upper bound.</p>"
+        )
+    return f'<p>{said}</p>{gap}<dl class="bars" aria-label="{what}">{bars}</dl>'
+
+
+def origin(instance: Instance, plan: Plan) -> str:
+    """Where instance and plan come from, and what has to be known about them."""
+    settings, limits = instance.transfer, instance.mission
+    rows = [
+        ("instance", f"{escape(instance.name)}, SHA-256 <code>{instance.sha256[:16]}…</code>"),
+        ("epoch", f"{instance.epoch.astimezone(UTC):%Y-%m-%d %H:%M:%S} UTC"),
+        (
+            "limits",
+            f"{number(limits.duration_s / DAY_S, 2)} days, {number(limits.delta_v_m_s, 1)} m/s "
+            f"from one refuelling to the next, {len(instance.keep_out_zones)} keep-out zones",
+        ),
+        (
+            "transfers",
+            "co-elliptic sequences that wait for the line of nodes, phasing circles between "
+            f"{number(settings.min_altitude_m / 1000.0)} and "
+            f"{number(settings.max_altitude_m / 1000.0)} km, "
+            f"time valued at {number(settings.time_value_m_s_per_h)} m/s per hour",
+        ),
+        ("motion", "two bodies and circular orbits; altitudes are radii less 6378.137 km"),
+        (
+            "plan",
+            f"{escape(plan.method)}, seed {plan.seed}, {plan.status}, {plan.runtime_s:.2f} s",
+        ),
+    ]
+    if plan.versions:
+        versions = ", ".join(f"{name} {version}" for name, version in plan.versions.items())
+        rows.append(("made with", escape(versions)))
+    rows += [("note", escape(note)) for note in plan.notes]
+    return "".join(f"<div><dt>{title}</dt><dd>{text}</dd></div>" for title, text in rows)

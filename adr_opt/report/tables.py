@@ -1,0 +1,109 @@
+"""The tables of the page: legs, and targets left out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ..instance import Instance
+from ..kernels.constants import EARTH_RADIUS_M
+from ..plan import Plan
+from ..plot.palette import REASONS
+from .text import clock, escape, fixed, number, span
+
+REASON_TITLES = {
+    "no-transfer": "no transfer",
+    "duration": "duration",
+    "delta-v": "ΔV",
+    "not-worth-it": "not worth it",
+}
+
+
+def table(caption: str, headings: Iterable[tuple[str, str]], rows: Iterable[str]) -> str:
+    """A table that scrolls inside its own box.
+
+    Parameters
+    ----------
+    caption : str
+        For readers who do not see the headline above it.
+    headings : iterable of (title, class)
+        Class "n" is a column of numbers.
+    rows : iterable of str
+        HTML of the rows.
+    """
+    head = "".join(
+        f'<th scope="col"{" class=n" if kind == "n" else ""}>{escape(title)}</th>'
+        for title, kind in headings
+    )
+    return (
+        f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(caption)}"><table>'
+        f"<thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table></div>"
+    )
+
+
+def legs(instance: Instance, plan: Plan) -> str:
+    """One row per leg, refuellings marked; a click on a row shows that leg in the charts."""
+    prizes = {target.name: target.prize for target in instance.targets}
+    rows = []
+    for at, leg in enumerate(plan.legs, start=1):
+        refuels = leg.destination == instance.station.name
+        cells = (
+            ("n", f'<button type="button" class="leg">{at}</button>'),
+            ("", f"{escape(leg.origin)} → <b>{escape(leg.destination)}</b>"),
+            ("n", clock(leg.ready_s)),
+            ("n", span(leg.departure_s - leg.ready_s)),
+            ("n", clock(leg.departure_s)),
+            ("n", str(leg.phasing_revolutions)),
+            ("n", fixed(leg.delta_v_m_s, 1)),
+            ("n", clock(leg.arrival_s)),
+            ("n", clock(leg.end_s)),
+            ("n", fixed(leg.delta_v_left_m_s, 1)),
+            ("n", "refuels" if refuels else number(prizes.get(leg.destination, 0.0), 3)),
+        )
+        inside = "".join(f"<td{' class=n' if c else ''}>{text}</td>" for c, text in cells)
+        rows.append(f'<tr data-leg="{at}"{" class=refuels" if refuels else ""}>{inside}</tr>')
+    headings = (
+        ("leg", "n"), ("from → to", ""), ("ready", "n"), ("wait h", "n"), ("departure", "n"),
+        ("laps", "n"), ("ΔV m/s", "n"), ("arrival", "n"), ("end", "n"),
+        ("ΔV left m/s", "n"), ("prize", "n"),
+    )  # fmt: skip
+    return table("Legs", headings, rows)
+
+
+def unvisited(instance: Instance, plan: Plan) -> str:
+    """One row per target that is left out, by reason."""
+    bodies = {target.name: target for target in instance.targets}
+    order = list(REASONS)
+    rows = []
+    for entry in sorted(plan.unvisited, key=lambda entry: order.index(entry.reason)):
+        target = bodies.get(entry.target)
+        orbit = ("", "", "", "")
+        if target is not None:
+            orbit = (
+                fixed((target.orbit.semi_major_axis_m - EARTH_RADIUS_M) / 1000.0, 1),
+                fixed(target.orbit.inclination_deg, 2),
+                fixed(target.orbit.raan_deg, 2),
+                number(target.prize, 3),
+            )
+        rows.append(
+            f"<tr><td><b>{escape(entry.target)}</b></td>"
+            f"<td>{REASON_TITLES[entry.reason]}</td>"
+            + "".join(f"<td class=n>{text}</td>" for text in orbit)
+            + "</tr>"
+        )
+    headings = (
+        ("target", ""), ("reason", ""), ("altitude km", "n"), ("inclination °", "n"),
+        ("RAAN °", "n"), ("prize", "n"),
+    )  # fmt: skip
+    return table("Targets not visited", headings, rows)
+
+
+def reasons(plan: Plan) -> str:
+    """How many targets are left out for each reason, and what the reason means."""
+    found = [entry.reason for entry in plan.unvisited]
+    items = [
+        f"<div><dt><b>{found.count(reason)}</b> {REASON_TITLES[reason]}</dt>"
+        f"<dd>{escape(meaning)}</dd></div>"
+        for reason, meaning in REASONS.items()
+        if reason in found
+    ]
+    return f'<dl class="reasons">{"".join(items)}</dl>'

@@ -1,0 +1,59 @@
+"""Numbers and names as the page shows them."""
+
+from __future__ import annotations
+
+import html
+import json
+from typing import Any
+
+LONGEST_TICK = 16
+"""Longer names are cut beside a chart; the whole name is in the hover text and in the tables."""
+
+NOTHING = "—"
+
+
+def escape(text: object) -> str:
+    """Text as HTML, in content and in quoted attributes."""
+    return html.escape(str(text), quote=True)
+
+
+def in_chart(name: str) -> str:
+    """A name as plotly.js takes it: it reads tags and entities in every text that it draws."""
+    return html.escape(name, quote=False)
+
+
+def tick(name: str) -> str:
+    """A name short enough to stand beside a chart."""
+    short = name if len(name) <= LONGEST_TICK else name[: LONGEST_TICK - 1] + "…"
+    return in_chart(short)
+
+
+def in_script(content: Any) -> str:
+    """Data as JSON that no HTML parser mistakes for the end of the script that holds it."""
+    text = json.dumps(content, allow_nan=False, ensure_ascii=True, separators=(",", ":"))
+    for character in "<>&":
+        text = text.replace(character, f"\\u{ord(character):04x}")
+    return text
+
+
+def number(value: float, digits: int = 1) -> str:
+    """A number with thin spaces between thousands and without a fraction of zeros."""
+    text = f"{value:,.{digits}f}".replace(",", "\u202f").replace("-", "−")
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def fixed(value: float, digits: int) -> str:
+    """A number with all its decimals, for columns."""
+    return f"{value:.{digits}f}".replace("-", "−")
+
+
+def clock(time_s: float) -> str:
+    """A time since the epoch as day, hours and minutes; the first day is day 0."""
+    minutes = round(time_s / 60.0)
+    return f"{minutes // 1440}\u202fd {minutes // 60 % 24:02d}:{minutes % 60:02d}"
+
+
+def span(duration_s: float) -> str:
+    """A duration as hours and minutes."""
+    minutes = round(abs(duration_s) / 60.0)
+    return f"{'−' if duration_s < 0.0 else ''}{minutes // 60}:{minutes % 60:02d}"

@@ -1,0 +1,242 @@
+"""The learned planner: policy files, decoding, and PyTorch against ONNX Runtime."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import adr_opt
+from adr_opt.errors import InputError
+from adr_opt.mission import Mission
+
+pytest.importorskip("onnxruntime")
+onnx = pytest.importorskip("onnx")
+torch = pytest.importorskip("torch")
+
+from adr_opt.env import Fields  # noqa: E402
+from adr_opt.env.vector import MissionVecEnv  # noqa: E402
+from adr_opt.episodes.board import MISSION, MOVES, move_fields  # noqa: E402
+from solvers.learned import SHIPPED, Policy, load_policy  # noqa: E402
+from solvers.ppo import configs  # noqa: E402
+from solvers.ppo.export import write_onnx  # noqa: E402
+from solvers.ppo.network import SetNetwork  # noqa: E402
+
+STATES = 1000
+
+
+class _Wrapped:
+    """What the exporter takes from a policy of Stable-Baselines3."""
+
+    def __init__(self, network: SetNetwork) -> None:
+        self.network = network
+
+
+def _network(observation: str = "lookahead") -> SetNetwork:
+    torch.manual_seed(3)
+    network = SetNetwork(len(move_fields(observation)))
+    # The head starts near zero; scores that differ are what is compared.
+    torch.nn.init.normal_(network.score.weight, std=0.3)
+    return network
+
+
+@pytest.fixture(scope="module")
+def policy_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A policy of random weights."""
+    path = tmp_path_factory.mktemp("policy") / "random.onnx"
+    write_onnx(
+        _Wrapped(_network()), path, name="set", observation="lookahead", targets=None, facts={}
+    )
+    return path
+
+
+@pytest.fixture(scope="module")
+def small_published(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A policy of the published kind for five targets."""
+    from dataclasses import replace
+
+    from solvers.ppo.trainer import model_of
+
+    config = replace(configs.config("published"), fields=Fields(targets=(5, 5)), missions=2)
+    env = MissionVecEnv(2, config.fields, observation="published", slots=1)
+    path = tmp_path_factory.mktemp("policy") / "published.onnx"
+    model = model_of(config, env, 0, "cpu")
+    write_onnx(
+        model.policy, path, name="published", observation="published", targets=5, facts={}
+    )
+    env.close()
+    return path
+
+
+def _states(observation: str, count: int) -> Iterator[tuple[object, np.ndarray]]:
+    """Observations and masks of masked random play."""
+    env = MissionVecEnv(8, Fields(targets=(4, 12)), observation=observation, slots=4)
+    rng = np.random.default_rng(0)
+    seen = env.reset()
+    for _ in range(count // 8):
+        mask = env.action_masks()
+        yield seen, mask
+        seen = env.step((rng.random(mask.shape) * mask).argmax(axis=1))[0]
+    env.close()
+
+
+def test_torch_and_onnx_take_the_same_actions(policy_file: Path) -> None:
+    """On 1,000 states PyTorch and ONNX Runtime agree in every score and every best move."""
+    network, policy = _network(), Policy(policy_file)
+    compared = 0
+    for seen, mask in _states("lookahead", STATES):
+        assert isinstance(seen, dict)
+        with torch.no_grad():
+            scores, value = network(torch.as_tensor(seen[MOVES]), torch.as_tensor(seen[MISSION]))
+        expected = np.where(mask, scores.numpy(), -1e8)
+        got, got_value = policy.judge(seen, mask)
+        assert np.allclose(got, expected, atol=1e-4)
+        assert np.allclose(got_value, value.numpy(), atol=1e-4)
+        assert (got.argmax(axis=1) == expected.argmax(axis=1)).all()
+        compared += len(mask)
+    assert compared == STATES
+
+
+def test_permuted_moves_have_permuted_scores(policy_file: Path) -> None:
+    """The set network does not know in which order the targets stand."""
+    policy = Policy(policy_file)
+    rng = np.random.default_rng(1)
+    for seen, mask in list(_states("lookahead", 80)):
+        assert isinstance(seen, dict)
+        order = rng.permutation(mask.shape[1])
+        scores, value = policy.judge(seen, mask)
+        other = {MISSION: seen[MISSION], MOVES: np.ascontiguousarray(seen[MOVES][:, order])}
+        permuted, same = policy.judge(other, mask[:, order])
+        assert np.allclose(permuted, scores[:, order], atol=1e-4)
+        assert np.allclose(same, value, atol=1e-4)
+
+
+@pytest.mark.parametrize("decode", ["greedy", "sample", "beam"])
+def test_decoded_plans_pass_check(decode: str, policy_file: Path) -> None:
+    """Whatever the weights and the decoding, the plan is legal and counts what it says."""
+    for seed in range(3):
+        instance = adr_opt.generate("reduced-time", seed, targets=12, zones=3 * seed)
+        result = adr_opt.solve(
+            instance, method="ppo", policy=str(policy_file), decode=decode, samples=20, width=8
+        )
+        assert result.plan is not None
+        assert adr_opt.check(instance, result.plan) == ()
+
+
+def test_samples_and_beams_are_no_worse_than_the_greedy_plan(policy_file: Path) -> None:
+    """Both keep the greedy plan among theirs, so they never service fewer targets."""
+    mission = Mission(adr_opt.generate("nominal", 3, targets=25))
+    found = {
+        decode: adr_opt.solve(
+            mission, method="ppo", policy=str(policy_file), decode=decode, samples=30, width=16
+        ).objective
+        for decode in ("greedy", "sample", "beam")
+    }
+    assert found["sample"] >= found["greedy"]
+    assert found["beam"] >= found["greedy"]
+
+
+def test_shipped_policy_is_better_than_the_guard() -> None:
+    """The policy of the package services more targets than greedy-guarded on unseen fields."""
+    learned, guarded = 0.0, 0.0
+    for seed in (20_001, 20_002, 20_003):
+        mission = Mission(adr_opt.generate("nominal", seed))
+        learned += adr_opt.solve(mission, method="ppo").objective
+        guarded += adr_opt.solve(mission, method="greedy-guarded").objective
+    assert learned >= guarded + 3
+
+
+def test_shipped_policy_takes_any_number_of_targets() -> None:
+    """One policy plans for 1, 20 and 100 targets."""
+    for targets in (1, 20, 100):
+        instance = adr_opt.generate("reduced-time", 5, targets=targets)
+        result = adr_opt.solve(instance, method="ppo")
+        assert result.plan is not None
+        assert adr_opt.check(instance, result.plan) == ()
+        assert result.objective >= 1
+
+
+def test_shipped_policy_says_what_it_is() -> None:
+    """The file names its configuration, observation, training steps and versions."""
+    policy = load_policy(SHIPPED)
+    assert policy.name == "set"
+    assert policy.targets is None
+    assert policy.facts["steps"] > 0
+    assert {"torch", "sb3-contrib"} <= set(policy.facts["versions"])
+
+
+def test_published_policy_refuses_more_targets(small_published: Path) -> None:
+    """A network of fixed size plans for fewer targets, and names the other policy for more."""
+    few = adr_opt.generate("tiny", 0, targets=4)
+    assert adr_opt.solve(few, method="ppo", policy=str(small_published)).objective >= 0
+    with pytest.raises(InputError, match="made for 5 targets.*use the policy 'set'"):
+        adr_opt.solve(adr_opt.generate("tiny", 0, targets=6), method="ppo",
+                      policy=str(small_published))  # fmt: skip
+
+
+def _with_metadata(source: Path, target: Path, **changes: str | None) -> Path:
+    model = onnx.load(source)
+    kept = {entry.key: entry.value for entry in model.metadata_props}
+    del model.metadata_props[:]
+    for key, value in {**kept, **changes}.items():
+        if value is not None:
+            entry = model.metadata_props.add()
+            entry.key, entry.value = key, value
+    onnx.save(model, target)
+    return target
+
+
+def test_damaged_and_foreign_policy_files(policy_file: Path, tmp_path: Path) -> None:
+    """Every file that is no policy of this observation is refused in one sentence."""
+    text = policy_file.read_bytes()
+    files = {
+        "truncated": text[: len(text) // 2],
+        "empty": b"",
+        "pickle": pickle.dumps({"weights": [1, 2, 3]}),
+        "json": json.dumps({"format": "adr-opt-policy/1"}).encode(),
+    }
+    paths = []
+    for name, content in files.items():
+        path = tmp_path / f"{name}.onnx"
+        path.write_bytes(content)
+        paths.append(path)
+    for number, changes in enumerate(
+        (
+            {"format": None},
+            {"format": "adr-opt-policy/9"},
+            {"observation": "telescope"},
+            {"observation": "transfer"},
+            {"fields": "something else"},
+            {"targets": "many"},
+            {"facts": "{"},
+        )
+    ):
+        paths.append(_with_metadata(policy_file, tmp_path / f"m{number}.onnx", **changes))
+    for path in [*paths, tmp_path / "missing.onnx", tmp_path]:
+        with pytest.raises(InputError) as refused:
+            load_policy(path)
+        assert "\n" not in str(refused.value)
+
+
+def test_weights_that_are_not_numbers_are_refused(tmp_path: Path) -> None:
+    """A network that gives NaN is refused, instead of planning by it."""
+    network = _network()
+    torch.nn.init.constant_(network.score.bias, float("nan"))
+    path = tmp_path / "nan.onnx"
+    write_onnx(_Wrapped(network), path, name="set", observation="lookahead", targets=None, facts={})
+    with pytest.raises(InputError, match="not finite"):
+        adr_opt.solve(adr_opt.generate("tiny", 0), method="ppo", policy=str(path))
+
+
+def test_command_line_says_what_is_wrong_with_a_policy(cli, tiny_file: Path) -> None:
+    """A file that is no policy ends ``solve`` with exit code 2 and one sentence."""
+    outcome = cli("solve", tiny_file, "--method", "ppo", "--policy", tiny_file)
+    assert outcome.status == 2
+    assert "not a whole ONNX file" in outcome.err
+    assert "Traceback" not in outcome.err
+    assert cli("solve", tiny_file, "--method", "ppo", "--decode", "guess").status == 2
+    assert cli("solve", tiny_file, "--method", "greedy", "--decode", "beam").status == 2

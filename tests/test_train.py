@@ -1,0 +1,132 @@
+"""Training: runs, resumes after a kill, and learns."""
+
+from __future__ import annotations
+
+import csv
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import adr_opt
+
+for package in ("torch", "gymnasium", "sb3_contrib", "tensorboard", "safetensors", "onnx"):
+    pytest.importorskip(package)
+
+from solvers.ppo import configs  # noqa: E402
+from adr_opt.env import fields  # noqa: E402
+from adr_opt.library import load_library  # noqa: E402
+from solvers.ppo.held import FAMILIES, HELD_FIELDS, HELD_SEED  # noqa: E402
+from solvers.ppo.runs import Run  # noqa: E402
+
+
+def _call(folder: Path, *more: str) -> list[str]:
+    return [
+        sys.executable, "-m", "adr_opt", "train", "--config", "set", "--out", str(folder),
+        "--evaluate-every", "16384", "--checkpoint-every", "0", *more,
+    ]  # fmt: skip
+
+
+def _curve(folder: Path) -> list[dict[str, str]]:
+    with (folder / "evaluations.csv").open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.mark.slow
+def test_training_survives_a_kill(tmp_path: Path) -> None:
+    """Killed at any moment, a training goes on from its last checkpoint with whole files."""
+    folder = tmp_path / "run"
+    training = subprocess.Popen(_call(folder, "--steps", "65536", "--quiet"))
+    deadline = time.monotonic() + 300.0
+    while not (folder / "state.json").exists() and time.monotonic() < deadline:
+        time.sleep(0.2)
+    training.send_signal(signal.SIGKILL)
+    training.wait()
+    before = json.loads((folder / "state.json").read_text(encoding="utf-8"))
+    assert 0 < before["steps"] < 65536
+    ended = subprocess.run(
+        _call(folder, "--steps", "65536", "--json"), capture_output=True, text=True, check=True
+    )
+    assert json.loads(ended.stdout)["held"]["nominal"] > 0.0
+    after = json.loads((folder / "state.json").read_text(encoding="utf-8"))
+    assert after["steps"] >= 65536
+    steps = [int(row["steps"]) for row in _curve(folder)]
+    assert steps == sorted(set(steps))
+    assert not list(folder.glob("*.part*"))
+    again = subprocess.run(_call(folder, "--steps", "65536"), capture_output=True, text=True)
+    assert again.returncode == 0
+    assert json.loads((folder / "state.json").read_text(encoding="utf-8")) == after
+
+
+@pytest.mark.slow
+def test_a_minute_of_training_beats_random(tmp_path: Path) -> None:
+    """After a minute the greedy policy services more than twice what an untrained one does."""
+    folder = tmp_path / "run"
+    training = subprocess.Popen(_call(folder, "--steps", "10000000", "--quiet"))
+    time.sleep(90.0)  # the pool of fields takes about half a minute of these
+    training.send_signal(signal.SIGINT)
+    assert training.wait(timeout=120.0) == 0
+    curve = _curve(folder)
+    assert int(curve[0]["steps"]) == 0
+    untrained = float(curve[0]["nominal"])
+    assert max(float(row["nominal"]) for row in curve) > 2.0 * untrained
+    result = adr_opt.solve(
+        adr_opt.generate("nominal", 4), method="ppo", policy=str(folder / "best.onnx")
+    )
+    assert result.objective > 2.0 * untrained
+
+
+def test_a_folder_of_another_training_is_refused(tmp_path: Path) -> None:
+    """Another configuration or seed never goes on from a checkpoint that is not its own."""
+    config = configs.config("set")
+    Run(tmp_path / "run", config, 0)
+    Run(tmp_path / "run", config, 0)
+    with pytest.raises(adr_opt.errors.InputError, match="seed"):
+        Run(tmp_path / "run", config, 1)
+    with pytest.raises(adr_opt.errors.InputError, match="observation"):
+        Run(tmp_path / "run", configs.config("published"), 0)
+    (tmp_path / "run" / "run.json").write_text("[]", encoding="utf-8")
+    with pytest.raises(adr_opt.errors.InputError, match="not the file of a training"):
+        Run(tmp_path / "run", config, 0)
+
+
+def test_published_configuration_is_the_appendix() -> None:
+    """The named configuration states the published hyperparameters."""
+    config = configs.config("published")
+    stated = (
+        config.learning_rate, config.final_learning_rate, config.batch, config.gamma, config.clip,
+        config.steps, config.network["net_arch"], config.observation,
+    )  # fmt: skip
+    assert stated == (5e-6, 5e-6, 2048, 0.99, 0.2, 10_000_000, [256, 256], "published")
+
+
+def test_bad_calls_of_train(cli, tmp_path: Path) -> None:
+    """What is wrong with a call is said before anything is made."""
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    for arguments in (
+        ("--config", "other", "--out", "run"),
+        ("--config", "set", "--out", "run", "--steps", "0"),
+        ("--config", "set", "--out", "run", "--seed", "-1"),
+        ("--config", "set", "--out", "run", "--checkpoint-every", "-1"),
+        ("--config", "set", "--out", "file"),
+        ("--config", "set", "--out", "file/run"),
+    ):
+        outcome = cli("train", *arguments)
+        assert outcome.status == 2, arguments
+        assert outcome.err.count("\n") == 1
+        assert "Traceback" not in outcome.err
+    assert not (tmp_path / "run").exists()
+
+
+def test_held_fields_are_not_in_the_library_nor_drawn() -> None:
+    """No field that a policy is judged by can be one that it was trained on."""
+    library = load_library(Path(__file__).parent.parent / "instances" / "library.json")
+    held = range(HELD_SEED, HELD_SEED + HELD_FIELDS)
+    assert held.stop <= fields.FIRST_SEED
+    names = {instance.name for instance in library.instances}
+    assert len(names) >= 350
+    assert not names & {f"{family}-{seed}" for family in FAMILIES for seed in held}
