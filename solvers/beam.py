@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import time
 
 from adr_opt.errors import InputError
@@ -13,6 +14,10 @@ from adr_opt.stop import Stop
 
 from .beams import BeamSettings, beam_search
 from .completion import guide as make_guide
+from .learned import load_policy
+from .learned.decoding import BeamSettings as PolicyBeam
+from .learned.decoding import Field, best_of, without_last_refuelling
+from .learned.decoding import beam as beam_by_policy
 from .recreate import HOUR_WORTH, KILOMETRE_WORTH, mean_prize
 
 
@@ -28,6 +33,8 @@ def beam(
     crowding: float = 1.7,
     noise: float = 0.0,
     guided: bool = False,
+    policy: str = "",
+    prior_weight: float = 0.05,
 ) -> Result:
     """Level by level over visits, keeping the best partial plans of each level.
 
@@ -47,6 +54,12 @@ def beam(
     guided : bool
         Also compare by the upper bound on what can still be collected. The table for it takes
         about a second on nominal instances.
+    policy : str
+        A learned policy as prior, ``set`` or a file that ``train`` wrote (extra ``[ppo]``): partial
+        plans are also compared by how likely the policy would have made their moves, so a width
+        of some hundred is enough. ``crowding``, ``noise`` and ``guided`` do not count then.
+    prior_weight : float
+        Worth of a unit of log-probability of that policy [mean prizes].
 
     Raises
     ------
@@ -59,6 +72,7 @@ def beam(
         ("time_weight", time_weight),
         ("delta_v_weight", delta_v_weight),
         ("noise", noise),
+        ("prior_weight", prior_weight),
     ):
         if not (math.isfinite(value) and value >= 0.0):
             raise InputError(f"option {name} = {value!r} of method 'beam': must be ≥ 0")
@@ -73,8 +87,13 @@ def beam(
         crowding=crowding,
         noise=noise * prize,
     )
-    sequence, states = [], 0
-    if not stop(-math.inf, math.inf):
+    sequence: list[int] = []
+    states = 0
+    if policy:
+        sequence, states = _by_policy(
+            mission, policy, width, prior_weight, time_weight, delta_v_weight, stop
+        )
+    elif not stop(-math.inf, math.inf):
         guide = make_guide(mission) if guided and mission.instance.targets else None
         found, value, _, states = beam_search(mission, settings, guide=guide, seed=seed)
         sequence = [int(j) for j in found]
@@ -87,3 +106,28 @@ def beam(
         runtime_s=time.perf_counter() - began,
         counters={"width": width, "states": states},
     )
+
+
+def _by_policy(
+    mission: Mission,
+    policy: str,
+    width: int,
+    prior_weight: float,
+    time_weight: float,
+    delta_v_weight: float,
+    stop: Stop,
+) -> tuple[list[int], int]:
+    """A beam whose partial plans a learned policy has judged; sequence and states."""
+    threads = os.cpu_count() or 1
+    learned = load_policy(policy, threads)
+    learned.check_size(len(mission.names) - 1)
+    if not mission.instance.targets:
+        return [], 0
+    found, kept = best_of(mission)
+    states = beam_by_policy(
+        Field(mission, learned, threads),
+        PolicyBeam(width, prior_weight, time_weight, delta_v_weight),
+        found,
+        lambda: bool(stop(-math.inf, math.inf)),
+    )
+    return without_last_refuelling(kept()[0]), states

@@ -65,9 +65,7 @@ def small_published(tmp_path_factory: pytest.TempPathFactory) -> Path:
     env = MissionVecEnv(2, config.fields, observation="published", slots=1)
     path = tmp_path_factory.mktemp("policy") / "published.onnx"
     model = model_of(config, env, 0, "cpu")
-    write_onnx(
-        model.policy, path, name="published", observation="published", targets=5, facts={}
-    )
+    write_onnx(model.policy, path, name="published", observation="published", targets=5, facts={})
     env.close()
     return path
 

@@ -17,8 +17,10 @@ from .parameters import json_option, quiet_option
 
 
 @click.command("train", short_help="Train a policy for the planner ppo.")
-@click.option("--config", "config", required=True, metavar="NAME", help="set or published.")
-@click.option("--steps", type=int, metavar="N", help="Environment steps; the configuration's own.")
+@click.option(
+    "--config", "config", required=True, metavar="NAME", help="set, set-transfer or published."
+)
+@click.option("--steps", type=int, metavar="N", help="Environment steps.")
 @click.option("--out", required=True, metavar="DIR", help="Folder of the run; resumed.")
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--jobs", type=int, default=1, show_default=True, help="Threads.")

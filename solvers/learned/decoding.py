@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,9 @@ Found = Callable[[Sequence], None]
 
 Enough = Callable[[], bool]
 
+LEAST_PART = 8
+"""Fewer episodes are not worth a thread."""
+
 
 class Field:
     """A mission as episodes are played on it.
@@ -30,6 +34,8 @@ class Field:
     ----------
     mission : Mission
     policy : Policy
+    threads : int
+        Threads that work out what the policy sees of many episodes.
 
     Raises
     ------
@@ -37,10 +43,11 @@ class Field:
         More targets than the policy was made for.
     """
 
-    def __init__(self, mission: Mission, policy: Policy) -> None:
+    def __init__(self, mission: Mission, policy: Policy, threads: int = 1) -> None:
         targets = len(mission.names) - 1
         policy.check_size(targets)
         self.policy = policy
+        self._threads = threads
         # A policy for a fixed number of targets sees the missing ones as bodies that are not there.
         self.targets = policy.targets or targets
         self.budget = mission.instance.mission.delta_v_m_s
@@ -60,7 +67,19 @@ class Field:
         """What the policy sees of episodes."""
         count = episodes.slot.size
         board = Board(self.policy.observation, count, self.targets)
-        board.observe(self.pool.arrays, episodes, 0, count)
+        parts = min(self._threads, count // LEAST_PART)
+        if parts < 2:
+            board.observe(self.pool.arrays, episodes, 0, count)
+            return board
+        edges = np.linspace(0, count, parts + 1).astype(int).tolist()
+        with ThreadPoolExecutor(parts) as pool:
+            list(
+                pool.map(
+                    lambda first, last: board.observe(self.pool.arrays, episodes, first, last),
+                    edges[:-1],
+                    edges[1:],
+                )
+            )
         return board
 
 
@@ -135,7 +154,7 @@ class BeamSettings:
     """
 
     width: int
-    prior_weight: float = 0.1
+    prior_weight: float = 0.05
     time_weight: float = 0.17
     delta_v_weight: float = 0.38
 
@@ -228,3 +247,11 @@ def best_of(mission: Mission) -> tuple[Found, Callable[[], tuple[Sequence, float
         return sequence, objective
 
     return found, kept
+
+
+def without_last_refuelling(sequence: Sequence) -> list[int]:
+    """A sequence without refuelling stops that nothing follows."""
+    bodies = [int(body) for body in sequence]
+    while bodies and bodies[-1] == STATION:
+        bodies.pop()
+    return bodies

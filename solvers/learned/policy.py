@@ -18,8 +18,9 @@ from adr_opt.kernels.observation import MISSION_FIELDS, PUBLISHED_ELEMENTS
 
 FORMAT = "adr-opt-policy/1"
 
-SHIPPED = "set"
-"""Name of the policy that comes with the package."""
+SHIPPED, SHIPPED_QUICK = "set", "set-transfer"
+"""Policies that come with the package: the better one, and one that is quick enough to judge tens
+of thousands of states in a second."""
 
 MOST_BYTES = 64 * 2**20
 """A larger file is no policy of ours; it is refused before it is read."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +16,7 @@ from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
+from ..learned.prior import Prior
 from ..recreate import recreate
 from . import policy as policies
 from . import tree as trees
@@ -37,6 +38,7 @@ class _Player:
     rng: np.random.Generator
     stop: Stop
     progress: Progress
+    prior: Prior | None = None
 
     def __post_init__(self) -> None:
         settings, rules = self.settings, self.mission.rules
@@ -101,6 +103,14 @@ class _Player:
             if self.stop(self.incumbent, math.inf):
                 return True
             before = self.incumbent
+            if self.prior is not None and tree.untried[root] == trees.NOT_LISTED:
+                liked = self.prior.moves(
+                    int(tree.body[root]), float(tree.time[root]), float(tree.left[root]),
+                    int(tree.since_refuel[root]), visited,
+                )[: tree.moves.shape[1]]  # fmt: skip
+                # Moves are tried from the end of the list.
+                tree.moves[root, : liked.size] = liked[::-1]
+                tree.untried[root] = liked.size
             body, root, used = trees.step(
                 rules, self.policy, self.search, self.rng, tree, used, root, played, collected,
                 visited, self.scratch, self.record,
@@ -149,6 +159,7 @@ def mcts(
     missions: int = FROM_PRESET,
     answer: str = "preset",
     polish: int = 0,
+    policy: str = "",
 ) -> Result:
     """Monte Carlo tree search (UCT): as published, or tuned.
 
@@ -225,7 +236,10 @@ def mcts(
     if polish < 0:
         raise InputError(f"option polish = {polish} of method 'mcts': must be ≥ 0")
     start = time.perf_counter()
-    player = _Player(mission, settings, np.random.default_rng(seed), stop, progress)
+    prior = Prior(mission, policy) if policy and mission.instance.targets else None
+    if prior is not None:
+        settings = replace(settings, tree="new")
+    player = _Player(mission, settings, np.random.default_rng(seed), stop, progress, prior)
     while player.missions < settings.missions and player.incumbent < mission.total_prize:
         if player.play():
             break

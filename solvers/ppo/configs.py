@@ -91,13 +91,23 @@ SET_CONFIG = Config(
     policy="set",
     observation="lookahead",
     fields=VARIED,
-    steps=4_500_000,
-    batch=1024,
-    entropy=0.01,
+    steps=2_000_000,
+    learning_rate=1e-3,
+    entropy=0.003,
+    network={"width": 64, "rounds": 2, "lead": 6.0},
+)
+
+SET_TRANSFER_CONFIG = Config(
+    name="set-transfer",
+    summary="the set network without chains: quicker to ask, and behind in the end",
+    policy="set",
+    observation="transfer",
+    fields=VARIED,
+    steps=6_000_000,
     network={"width": 64, "rounds": 2},
 )
 
-CONFIGS = {config.name: config for config in (SET_CONFIG, PUBLISHED_CONFIG)}
+CONFIGS = {config.name: config for config in (SET_CONFIG, SET_TRANSFER_CONFIG, PUBLISHED_CONFIG)}
 """The configurations by name."""
 
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 import torch
 from torch import Tensor, nn
 
-from adr_opt.kernels.observation import MISSION_FIELDS
+from adr_opt.kernels.lookahead import CHAIN_FIELDS, LEAD
+from adr_opt.kernels.observation import MISSION_FIELDS, MOVE_FIELDS
 
 LEGAL, STATION, OPEN = 0, 1, 2
 """Columns of ``MOVE_FIELDS`` that the network itself asks for."""
@@ -29,10 +30,18 @@ class SetNetwork(nn.Module):
         Rounds of pooling, in which every move sees the whole.
     value_scale : float
         Scale of the value output.
+    lead : float
+        Weight in the scores, at first, of the best chain's lead in the observation ``lookahead``:
+        training begins with a policy that follows the best chain, instead of a random one.
     """
 
     def __init__(
-        self, fields: int, width: int = 64, rounds: int = 2, value_scale: float = 1.0
+        self,
+        fields: int,
+        width: int = 64,
+        rounds: int = 2,
+        value_scale: float = 1.0,
+        lead: float = 8.0,
     ) -> None:
         super().__init__()
         self.value_scale = value_scale
@@ -46,6 +55,8 @@ class SetNetwork(nn.Module):
             nn.Linear(3 * width, width), nn.ReLU(), nn.Linear(width, width), nn.ReLU()
         )
         self.value = nn.Linear(width, 1)
+        self.has_chains = fields == len(MOVE_FIELDS) + len(CHAIN_FIELDS)
+        self.lead = nn.Parameter(torch.tensor(lead))
         # Orthogonal weights, a first policy that is nearly uniform and a first value near 0
         # are what actor-critic training starts from.
         for module in self.modules():
@@ -79,6 +90,8 @@ class SetNetwork(nn.Module):
             pooled = torch.cat([h.sum(dim=1) / count, h.amax(dim=1)], dim=-1)
             h = torch.relu(h + mix(h) + share(pooled).unsqueeze(1)) * present
         scores = self.score(h).squeeze(-1)
+        if self.has_chains:
+            scores = scores + self.lead * moves[..., len(MOVE_FIELDS) + LEAD]
         pooled = torch.cat([h.sum(dim=1) / count, h.amax(dim=1), torch.relu(whole)], dim=-1)
         value = self.value(self.judge(pooled)).squeeze(-1) * self.value_scale
         return scores, value

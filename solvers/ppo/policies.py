@@ -34,7 +34,7 @@ class SetPolicy(MaskableActorCriticPolicy):
 
     Parameters
     ----------
-    width, rounds, value_scale
+    width, rounds, value_scale, lead
         See :class:`SetNetwork`.
     """
 
@@ -47,9 +47,15 @@ class SetPolicy(MaskableActorCriticPolicy):
         width: int = 64,
         rounds: int = 2,
         value_scale: float = 1.0,
+        lead: float = 8.0,
         **kwargs: Any,
     ) -> None:
-        self._shape: dict[str, Any] = {"width": width, "rounds": rounds, "value_scale": value_scale}
+        self._shape: dict[str, Any] = {
+            "width": width,
+            "rounds": rounds,
+            "value_scale": value_scale,
+            "lead": lead,
+        }
         kwargs["features_extractor_class"] = _AsItIs
         super().__init__(observation_space, action_space, lr_schedule, *args, **kwargs)
 

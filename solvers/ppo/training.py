@@ -30,4 +30,5 @@ def trainer(name: str) -> Callable[..., None]:
 
 
 set_ = trainer("set")
+set_transfer = trainer("set-transfer")
 published = trainer("published")
