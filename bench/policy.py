@@ -2,12 +2,13 @@
 
     python bench/policy.py nominal reduced-time reduced-fuel --count 100
     python bench/policy.py nominal --targets 20 --count 20 ppo ppo:decode=beam auto@10
-    python bench/policy.py --curve RUN
+    python bench/policy.py --curve bench/curves/set.csv
 
 Fields are those of the library, by seed from 0; none was trained on. Every plan is checked. Gaps
 are to the best-known plan and to the best bound of `instances/best-known.csv`, or where a field
 has no row (``--targets``) to the best plan of this run. ``--from SEED`` leaves out the first.
-``--curve`` prints the evaluations of a training, thinned out.
+``--curve`` prints the evaluations of a training, thinned out; those of the trainings behind the
+model card are in `bench/curves/`.
 """
 
 from __future__ import annotations
@@ -105,9 +106,9 @@ def lines(family: str, fields: list[list[dict[str, Any]]], known: list[Any]) -> 
     return out
 
 
-def curve(folder: Path) -> list[str]:
+def curve(path: Path) -> list[str]:
     """Evaluations of a training."""
-    with (folder / "evaluations.csv").open(newline="", encoding="utf-8") as file:
+    with path.open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     every = max(1, -(-len(rows) // CURVE_ROWS))
     kept = [row for index, row in enumerate(rows) if index % every == 0 or row is rows[-1]]
@@ -129,7 +130,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--from", type=int, default=0, dest="first", metavar="SEED")
     parser.add_argument("--targets", type=int)
-    parser.add_argument("--curve", type=Path, metavar="RUN")
+    parser.add_argument("--curve", type=Path, metavar="FILE")
     arguments = parser.parse_args()
     if arguments.curve:
         print("\n".join(curve(arguments.curve)))

@@ -17,9 +17,9 @@ import adr_opt
 for package in ("torch", "gymnasium", "sb3_contrib", "tensorboard", "safetensors", "onnx"):
     pytest.importorskip(package)
 
-from solvers.ppo import configs  # noqa: E402
 from adr_opt.env import fields  # noqa: E402
 from adr_opt.library import load_library  # noqa: E402
+from solvers.ppo import configs  # noqa: E402
 from solvers.ppo.held import FAMILIES, HELD_FIELDS, HELD_SEED  # noqa: E402
 from solvers.ppo.runs import Run  # noqa: E402
 

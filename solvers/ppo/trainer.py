@@ -191,6 +191,8 @@ def train(
                     f"{run.checkpoint}: cannot be read ({type(error).__name__}); remove it to "
                     "begin anew"
                 ) from None
+            # Loading seeds the environment as at the beginning.
+            env.seed(seed + done)
         model.set_logger(configure(str(folder / "tensorboard"), ["tensorboard"]))
         keeper = Keeper(run, config, evaluate_every, checkpoint_s, enough, report)
         model.learn(config.steps - done, callback=keeper, reset_num_timesteps=done == 0)

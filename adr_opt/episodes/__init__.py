@@ -1,0 +1,20 @@
+"""Many missions at once: fields side by side, states, observations.
+
+What the environment (:mod:`adr_opt.env`) and the learned planner stand on; needs NumPy and Numba
+alone.
+"""
+
+from .board import OBSERVATIONS, Board, Observation, check_observation, move_fields, published_size
+from .pool import FieldPool, new_episodes, start
+
+__all__ = [
+    "OBSERVATIONS",
+    "Board",
+    "FieldPool",
+    "Observation",
+    "check_observation",
+    "move_fields",
+    "new_episodes",
+    "published_size",
+    "start",
+]

@@ -1,0 +1,128 @@
+"""A pool of fields with their timetables, for many episodes at once."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..instance import Instance
+from ..kernels import outlook as outlook_kernels
+from ..kernels.episodes import Episodes, Pool, begin
+from ..mission import Mission
+
+
+class FieldPool:
+    """Fields side by side in arrays that the kernels take.
+
+    Parameters
+    ----------
+    slots : int
+        Number of fields.
+    bodies : int
+        Room for so many bodies, the station included.
+    events : int
+        Room for so many departure events of one body.
+
+    Attributes
+    ----------
+    arrays : Pool
+        Written by :meth:`install` alone.
+    instances : list of Instance or None
+        What stands in each slot.
+    """
+
+    def __init__(self, slots: int, bodies: int, events: int) -> None:
+        self.arrays = Pool(
+            bodies=np.zeros(slots, dtype=np.int32),
+            orbits=np.zeros((slots, bodies, 4)),
+            service=np.zeros((slots, bodies)),
+            first=np.zeros((slots, bodies, bodies)),
+            spacing=np.ones((slots, bodies)),
+            total=np.zeros((slots, bodies, bodies), dtype=np.int32),
+            entries=np.full((slots, bodies, events, bodies, 2), np.inf),
+            angle=np.zeros((slots, bodies, bodies), dtype=np.float32),
+            near=np.full((slots, bodies, outlook_kernels.NEAR), -1, dtype=np.int16),
+            near_angle=np.zeros((slots, bodies, outlook_kernels.NEAR), dtype=np.float32),
+            ahead=np.zeros((slots, bodies, events, outlook_kernels.LINE), dtype=np.uint16),
+            home=np.zeros((slots, bodies, events, 2), dtype=np.float32),
+            home_first=np.zeros((slots, bodies)),
+            home_total=np.zeros((slots, bodies), dtype=np.int32),
+            rate=np.zeros((slots, bodies)),
+        )
+        self.instances: list[Instance | None] = [None] * slots
+
+    @classmethod
+    def of(cls, mission: Mission) -> FieldPool:
+        """A pool with one slot that holds one mission."""
+        table = mission.timetable.table
+        pool = cls(1, len(mission.names), table.entries.shape[1])
+        pool.install(0, mission)
+        return pool
+
+    def fits(self, mission: Mission) -> bool:
+        """Whether there is room for a mission."""
+        _, bodies, events, _, _ = self.arrays.entries.shape
+        table = mission.timetable.table
+        return bool(len(mission.names) <= bodies and table.entries.shape[1] <= events)
+
+    def install(self, slot: int, mission: Mission) -> None:
+        """Put a mission into a slot, which no running episode may be using."""
+        arrays = self.arrays
+        table = mission.timetable.table
+        bodies, events = table.entries.shape[:2]
+        orbits = mission.transfer_inputs[0]
+        arrays.bodies[slot] = bodies
+        arrays.orbits[slot, :bodies] = orbits
+        arrays.service[slot, :bodies] = mission.rules.service
+        arrays.first[slot, :bodies, :bodies] = table.first
+        arrays.spacing[slot, :bodies] = table.spacing
+        arrays.total[slot, :bodies, :bodies] = table.total
+        arrays.entries[slot] = np.inf
+        arrays.entries[slot, :bodies, :events, :bodies] = table.entries
+        outlook_kernels.fill(
+            orbits,
+            table,
+            mission.rules.service,
+            outlook_kernels.Outlook(
+                arrays.angle[slot],
+                arrays.near[slot],
+                arrays.near_angle[slot],
+                arrays.ahead[slot],
+                arrays.home[slot],
+                arrays.home_first[slot],
+                arrays.home_total[slot],
+                arrays.rate[slot],
+            ),
+        )
+        self.instances[slot] = mission.instance
+
+
+def new_episodes(count: int, bodies: int) -> Episodes:
+    """Room for the states of ``count`` episodes; :func:`start` begins them."""
+    return Episodes(
+        slot=np.zeros(count, dtype=np.int32),
+        budget=np.zeros(count),
+        duration=np.zeros(count),
+        body=np.zeros(count, dtype=np.int32),
+        since_refuel=np.zeros(count, dtype=np.int32),
+        time=np.zeros(count),
+        left=np.zeros(count),
+        visited=np.zeros((count, bodies), dtype=np.bool_),
+        serviced=np.zeros(count, dtype=np.int32),
+        refuelled=np.zeros(count, dtype=np.int32),
+        delta_v=np.zeros(count),
+    )
+
+
+def start(
+    pool: FieldPool,
+    episodes: Episodes,
+    index: int,
+    slot: int,
+    delta_v_m_s: float,
+    duration_s: float,
+) -> None:
+    """Begin an episode on a slot of the pool."""
+    episodes.slot[index] = slot
+    episodes.budget[index] = delta_v_m_s
+    episodes.duration[index] = duration_s
+    begin(pool.arrays, episodes, index)

@@ -1,0 +1,303 @@
+"""Many missions at once: a pool of timetables, the episodes on it, one step of all of them.
+
+A *slot* of the pool holds one field; several episodes may play on it with budgets and durations of
+their own. Fields may differ in their number of targets: arrays have room for the largest.
+
+Actions are numbered as the environment numbers them: the targets in their order, then the station.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from . import rules as rule_kernels
+from .compile import inlined, kernel
+from .constants import STATION
+from .memory import borrowed
+from .outlook import Outlook
+from .rules import Rules
+from .timetable import Table
+
+
+class Pool(NamedTuple):
+    """Fields side by side.
+
+    Attributes
+    ----------
+    bodies : (slots,) int32
+        Bodies of each field, the station first.
+    orbits : (slots, bodies, 4) float64
+        Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
+    service : (slots, bodies) float64
+        Time at each body after arrival [s].
+    first, spacing, total, entries : arrays
+        As in :class:`adr_opt.kernels.timetable.Table`, with a leading axis of slots.
+    angle, near, near_angle, ahead, home, home_first, home_total, rate : arrays
+        As in :class:`adr_opt.kernels.outlook.Outlook`, with a leading axis of slots.
+    """
+
+    bodies: np.ndarray
+    orbits: np.ndarray
+    service: np.ndarray
+    first: np.ndarray
+    spacing: np.ndarray
+    total: np.ndarray
+    entries: np.ndarray
+    angle: np.ndarray
+    near: np.ndarray
+    near_angle: np.ndarray
+    ahead: np.ndarray
+    home: np.ndarray
+    home_first: np.ndarray
+    home_total: np.ndarray
+    rate: np.ndarray
+
+
+class Episodes(NamedTuple):
+    """The states of many episodes.
+
+    Attributes
+    ----------
+    slot : (episodes,) int32
+        Field of the pool.
+    budget, duration : (episodes,) float64
+        Full ΔV budget [m/s] and end of the mission [s].
+    body, since_refuel : (episodes,) int32
+        Where the chaser is; targets serviced since it last refuelled.
+    time, left : (episodes,) float64
+        Since when the chaser is free [s]; ΔV left [m/s].
+    visited : (episodes, bodies) bool
+        Serviced targets; also True for bodies that the field does not have.
+    serviced, refuelled : (episodes,) int32
+        Targets serviced and refuelling stops so far.
+    delta_v : (episodes,) float64
+        ΔV of all moves so far [m/s].
+    """
+
+    slot: np.ndarray
+    budget: np.ndarray
+    duration: np.ndarray
+    body: np.ndarray
+    since_refuel: np.ndarray
+    time: np.ndarray
+    left: np.ndarray
+    visited: np.ndarray
+    serviced: np.ndarray
+    refuelled: np.ndarray
+    delta_v: np.ndarray
+
+
+TURN = 2.0 * math.pi
+_NO_REVOLUTIONS = np.empty((0, 0, 0), dtype=np.int8)
+_NO_PRIZES = np.empty(0)
+
+
+@inlined
+def lent(pool, episodes):
+    """Pool and episodes without ownership, for use within a kernel: no slice of them is counted."""
+    return (
+        Pool(
+            borrowed(pool.bodies),
+            borrowed(pool.orbits),
+            borrowed(pool.service),
+            borrowed(pool.first),
+            borrowed(pool.spacing),
+            borrowed(pool.total),
+            borrowed(pool.entries),
+            borrowed(pool.angle),
+            borrowed(pool.near),
+            borrowed(pool.near_angle),
+            borrowed(pool.ahead),
+            borrowed(pool.home),
+            borrowed(pool.home_first),
+            borrowed(pool.home_total),
+            borrowed(pool.rate),
+        ),
+        Episodes(
+            borrowed(episodes.slot),
+            borrowed(episodes.budget),
+            borrowed(episodes.duration),
+            borrowed(episodes.body),
+            borrowed(episodes.since_refuel),
+            borrowed(episodes.time),
+            borrowed(episodes.left),
+            borrowed(episodes.visited),
+            borrowed(episodes.serviced),
+            borrowed(episodes.refuelled),
+            borrowed(episodes.delta_v),
+        ),
+    )
+
+
+@inlined
+def table_of(pool, slot):
+    """The timetable of a slot; without the numbers of revolutions, which no rule asks for."""
+    return Table(
+        pool.first[slot], pool.spacing[slot], pool.total[slot], pool.entries[slot], _NO_REVOLUTIONS
+    )
+
+
+@inlined
+def rules_of(pool, episodes, e):
+    """The rules of an episode; without prizes, every serviced target counts 1."""
+    slot = episodes.slot[e]
+    return Rules(
+        table_of(pool, slot),
+        pool.service[slot],
+        _NO_PRIZES,
+        episodes.budget[e],
+        episodes.duration[e],
+    )
+
+
+@inlined
+def outlook_of(pool, slot):
+    """The outlook of a slot."""
+    return Outlook(
+        pool.angle[slot],
+        pool.near[slot],
+        pool.near_angle[slot],
+        pool.ahead[slot],
+        pool.home[slot],
+        pool.home_first[slot],
+        pool.home_total[slot],
+        pool.rate[slot],
+    )
+
+
+@kernel
+def begin(pool, episodes, e):
+    """Put an episode at its start: docked at the station with a full budget at t = 0."""
+    episodes.body[e] = STATION
+    episodes.since_refuel[e] = 0
+    episodes.time[e] = 0.0
+    episodes.left[e] = episodes.budget[e]
+    episodes.serviced[e] = 0
+    episodes.refuelled[e] = 0
+    episodes.delta_v[e] = 0.0
+    bodies = pool.bodies[episodes.slot[e]]
+    for j in range(episodes.visited.shape[1]):
+        episodes.visited[e, j] = j >= bodies
+
+
+@inlined
+def body_of(action, targets):
+    """Body that an action goes to: the actions are the targets in order, then the station."""
+    return STATION if action == targets else action + 1
+
+
+@inlined
+def action_of(body, targets):
+    """Action that goes to a body, the inverse of :func:`body_of`."""
+    return targets if body == STATION else body - 1
+
+
+@kernel
+def move(pool, episodes, e, destination):
+    """Make one move of one episode if it is legal.
+
+    Returns
+    -------
+    legal : bool
+        Nothing has changed if not.
+    """
+    body, since = episodes.body[e], episodes.since_refuel[e]
+    if not rule_kernels.may_go(body, since, episodes.visited[e], destination):
+        return False
+    rules = rules_of(pool, episodes, e)
+    legal, delta_v, end = rule_kernels.fits(
+        rules, body, episodes.time[e], episodes.left[e], destination
+    )
+    if not legal:
+        return False
+    episodes.left[e] = rule_kernels.left_after(rules, episodes.left[e], delta_v, destination)
+    episodes.time[e] = end
+    episodes.body[e] = destination
+    episodes.delta_v[e] += delta_v
+    if destination == STATION:
+        episodes.since_refuel[e] = 0
+        episodes.refuelled[e] += 1
+    else:
+        episodes.since_refuel[e] = since + 1
+        episodes.serviced[e] += 1
+        episodes.visited[e, destination] = True
+    return True
+
+
+@kernel
+def make_mask(pool, episodes, e, mask):
+    """Legal actions of an episode, written into ``mask`` (actions,) bool; returns their number."""
+    rules = rules_of(pool, episodes, e)
+    bodies = pool.bodies[episodes.slot[e]]
+    targets = mask.size - 1
+    body, since = episodes.body[e], episodes.since_refuel[e]
+    count = 0
+    mask[:] = False
+    for j in range(bodies):
+        if rule_kernels.may_go(body, since, episodes.visited[e], j):
+            if rule_kernels.fits(rules, body, episodes.time[e], episodes.left[e], j)[0]:
+                mask[action_of(j, targets)] = True
+                count += 1
+    return count
+
+
+@kernel
+def begin_many(pool, episodes, which, slots, budgets, durations):
+    """Put some episodes at the start of missions on other slots of the pool.
+
+    Parameters
+    ----------
+    which : (starts,) int
+    slots : (starts,) int
+    budgets, durations : (starts,) float64
+    """
+    pool, episodes = lent(pool, episodes)
+    for place in range(which.size):
+        e = which[place]
+        episodes.slot[e] = slots[place]
+        episodes.budget[e] = budgets[place]
+        episodes.duration[e] = durations[place]
+        begin(pool, episodes, e)
+
+
+@kernel
+def act(pool, episodes, first, last, actions, rewards, order=None):
+    """Take one action in each of the episodes ``first`` to ``last`` − 1.
+
+    Parameters
+    ----------
+    actions : (episodes,) int64
+    rewards : (episodes,) float32
+        Written: +1 for a serviced target, 0 for refuelling, −1 for an illegal action.
+    order : (episodes,) int, optional
+        The episodes are ``order[first:last]`` instead.
+    """
+    pool, episodes = lent(pool, episodes)
+    targets = episodes.visited.shape[1] - 1
+    for place in range(first, last):
+        e = place if order is None else order[place]
+        action = actions[e]
+        legal = False
+        if 0 <= action <= targets:
+            legal = move(pool, episodes, e, body_of(action, targets))
+        if not legal:
+            rewards[e] = -1.0
+        else:
+            rewards[e] = 0.0 if action == targets else 1.0
+
+
+@inlined
+def clip(value, low, high):
+    """A value within its limits; NaN becomes the upper one, so that none reaches a network."""
+    if value <= low:
+        return low
+    if value <= high:
+        return value
+    return high
+
+
+@inlined
+def turned(angle):
+    """An angle in [−π, π)."""
+    return angle - TURN * math.floor((angle + math.pi) * (1.0 / TURN))

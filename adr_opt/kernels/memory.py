@@ -1,0 +1,62 @@
+"""Two things about memory that Numba cannot say in Python.
+
+Kernels that step hundreds of missions read a cache line here and there from tables of gigabytes.
+What they wait for is memory, not arithmetic, and two threads that count references to the same
+arrays wait for each other.
+"""
+
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+
+def _borrowed(_, array):
+    """The same array without ownership, so that its slices are not counted.
+
+    For arguments of a kernel and within it only: the caller holds the array for so long.
+    """
+
+    def generate(context, builder, signature, arguments):
+        view = context.make_array(signature.args[0])(context, builder, arguments[0])
+        view.meminfo = cgutils.get_null_value(view.meminfo.type)
+        view.parent = cgutils.get_null_value(view.parent.type)
+        return view._getvalue()
+
+    return array(array), generate
+
+
+def _fetch(_, array, indices):
+    """Ask for the cache line of an element, without waiting for it; ``indices`` is a tuple.
+
+    Indices outside the array are harmless: nothing is read.
+    """
+
+    def generate(context, builder, signature, arguments):
+        kind = signature.args[0]
+        view = context.make_array(kind)(context, builder, arguments[0])
+        places = cgutils.unpack_tuple(builder, arguments[1], kind.ndim)
+        word = view.strides.type.element
+        places = [builder.zext(p, word) if p.type.width < word.width else p for p in places]
+        strides = cgutils.unpack_tuple(builder, view.strides, kind.ndim)
+        place = ir.Constant(word, 0)
+        for index, stride in zip(places, strides, strict=True):
+            place = builder.add(place, builder.mul(index, stride))
+        byte = ir.IntType(8).as_pointer()
+        address = builder.gep(builder.bitcast(view.data, byte), [place])
+        flag = ir.IntType(32)
+        ask = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(ir.VoidType(), [byte, flag, flag, flag]),
+            "llvm.prefetch.p0i8",
+        )  # fmt: skip
+        # For reading, to be kept in all caches, data.
+        builder.call(ask, [address, flag(0), flag(3), flag(1)])
+        return context.get_dummy_value()
+
+    return types.void(array, indices), generate
+
+
+borrowed: Any = intrinsic(_borrowed)
+fetch: Any = intrinsic(_fetch)

@@ -1,0 +1,328 @@
+"""Observations of many episodes, as the learned policies see them.
+
+``published`` is what the published study lists: visited mask, ΔV and time left, six elements of
+the chaser and of every target. ``transfer`` says of every move what it costs now and what it
+leaves; :mod:`adr_opt.kernels.lookahead` adds where it leads. :data:`PUBLISHED_ELEMENTS`,
+:data:`MOVE_FIELDS` and :data:`MISSION_FIELDS` name every number in order, with its unit and scale;
+all are clipped to :data:`LIMIT`.
+"""
+
+import math
+
+import numpy as np
+
+from . import rules as rule_kernels
+from .compile import inlined, kernel
+from .constants import STATION
+from .episodes import clip, lent, make_mask, outlook_of, rules_of, turned
+from .memory import borrowed, fetch
+from .orbits import ARGUMENT_OF_LATITUDE, INCLINATION, RAAN, RADIUS, mean_motion
+from .outlook import AHEAD, DELTA_V_UNIT_M_S, HOUR_UNIT, M_S_PER_HOUR, NEAR, NOBODY
+
+LIMIT = 5.0
+"""Every number of an observation lies in [−LIMIT, LIMIT]."""
+
+# Factors, not divisors: the kernels below are called for every step of a training.
+PER_50_KM = 1.0 / 50e3
+PER_KM_S = 1.0 / 1e3
+PER_HOUR = 1.0 / 3600.0
+PER_TEN = 1.0 / 10.0
+HOURS_PER_M_S = 1.0 / M_S_PER_HOUR
+WEEK_S = 604800.0
+TARGET_SCALE = 50.0
+
+PUBLISHED_ELEMENTS = (
+    "semi-major axis less the station's [50 km]",
+    "eccentricity",
+    "inclination less the station's [deg]",
+    "RAAN less the station's [deg]",
+    "argument of perigee [half turns]",
+    "true anomaly now [half turns]",
+)
+
+MOVE_FIELDS = (
+    "legal",
+    "is the station",
+    "open: an unvisited target, or a refuelling that is earned",
+    "ΔV of the move now [km/s]",
+    "ΔV of the move / ΔV left",
+    "time from now to the end of service [10 h]",
+    "that time / time left",
+    "hours + ΔV / (450 m/s) [10 h]",
+    "ΔV left afterwards [km/s]",
+    "time left afterwards [10 h]",
+    "ΔV of the way back to the station from there [km/s]",
+    "ΔV left after the way back [km/s]",
+    "the station stays reachable",
+    "time of the way back, refuelling included [10 h]",
+    "ΔV of the best move after it [km/s]",
+    "time of the best move after it [10 h]",
+    "cost of the best move after it, hours + ΔV / (450 m/s) [10 h]",
+    "cost of the second best move after it [10 h]",
+    "share of the 6 targets of the nearest planes that are open",
+    "mean angle to the open ones of the 6 nearest planes [deg]",
+    "radius less the chaser's [50 km]",
+    "inclination less the chaser's [deg]",
+    "RAAN less the chaser's, times sin i [deg]",
+    "angle between its plane and the chaser's [deg]",
+    "radius less the station's [50 km]",
+    "inclination less the station's [deg]",
+    "RAAN less the station's, times sin i [deg]",
+    "angle between its plane and the station's [deg]",
+    "phase ahead of the chaser now [half turns]",
+)
+
+MISSION_FIELDS = (
+    "ΔV left [km/s]",
+    "ΔV left / budget",
+    "ΔV budget [km/s]",
+    "time left [weeks]",
+    "time left / duration",
+    "duration [weeks]",
+    "share of the targets that are open",
+    "open targets [50]",
+    "share of the actions that are legal",
+    "docked at the station",
+    "refuelling is earned",
+    "radius less the station's [50 km]",
+    "inclination less the station's [deg]",
+    "RAAN less the station's, times sin i [deg]",
+    "the station is reachable now",
+    "hours left for each open target [10 h]",
+)
+
+DEGREES = 180.0 / math.pi
+FAR = LIMIT
+
+
+@inlined
+def way_back(outlook, spacing, j, ready):
+    """ΔV [m/s] and time [s] from ready to the arrival at the station; +inf for no transfer."""
+    first = outlook.home_first[j]
+    m = max(0, math.ceil((ready - first) / spacing))
+    if m >= outlook.home_total[j]:
+        return math.inf, math.inf
+    time = first + m * spacing - ready + outlook.home[j, m, 1]
+    return outlook.home[j, m, 0], time
+
+
+@kernel
+def observe_published(pool, episodes, order, first, last, out, mask, legal):
+    """Observations ``published`` of the episodes ``order[first:last]``.
+
+    Parameters
+    ----------
+    order : (episodes,) int32
+    out : (episodes, 7·targets + 8) float32
+        Written: visited (targets), ΔV left / budget, time left / duration, six elements of the
+        chaser, six of each target; elements as :data:`PUBLISHED_ELEMENTS`.
+    mask : (episodes, actions) bool
+        Written: legal actions.
+    legal : (episodes,) int32
+        Written: number of legal actions.
+    """
+    pool, episodes = lent(pool, episodes)
+    out, mask, legal = borrowed(out), borrowed(mask), borrowed(legal)
+    targets = mask.shape[1] - 1
+    for place in range(first, last):
+        e = order[place]
+        slot = episodes.slot[e]
+        legal[e] = make_mask(pool, episodes, e, mask[e])
+        for j in range(targets):
+            out[e, j] = 1.0 if episodes.visited[e, j + 1] else 0.0
+        out[e, targets] = clip(episodes.left[e] / episodes.budget[e], 0.0, LIMIT)
+        out[e, targets + 1] = clip(1.0 - episodes.time[e] / episodes.duration[e], 0.0, LIMIT)
+        orbits = pool.orbits[slot]
+        for row in range(targets + 1):
+            j = episodes.body[e] if row == 0 else row
+            at = targets + 2 + 6 * row
+            if j >= pool.bodies[slot]:
+                for column in range(6):
+                    out[e, at + column] = 0.0
+                continue
+            u = orbits[j, ARGUMENT_OF_LATITUDE] + episodes.time[e] * mean_motion(orbits[j, RADIUS])
+            radius = orbits[j, RADIUS] - orbits[STATION, RADIUS]
+            inclination = orbits[j, INCLINATION] - orbits[STATION, INCLINATION]
+            raan = turned(orbits[j, RAAN] - orbits[STATION, RAAN])
+            out[e, at] = clip(radius * PER_50_KM, -LIMIT, LIMIT)
+            # Bodies move on circles (MODEL section 1): e and the perigee are 0, ν is u.
+            out[e, at + 1] = 0.0
+            out[e, at + 2] = clip(inclination * DEGREES, -LIMIT, LIMIT)
+            out[e, at + 3] = clip(raan * DEGREES, -LIMIT, LIMIT)
+            out[e, at + 4] = 0.0
+            out[e, at + 5] = clip(turned(u) / math.pi, -1.0, 1.0)
+
+
+@kernel
+def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, legal):
+    """Observations ``transfer`` of the episodes ``order[first:last]``.
+
+    Those of one field side by side are quicker: their table is then in the cache.
+
+    Parameters
+    ----------
+    order : (episodes,) int32
+    moves : (episodes, actions, len(MOVE_FIELDS)) float32
+        Written: :data:`MOVE_FIELDS` of every action; 0 for targets that are visited or that the
+        field does not have. What cannot be reached has the upper limit for its costs.
+    mission : (episodes, len(MISSION_FIELDS)) float32
+        Written: :data:`MISSION_FIELDS`.
+    mask : (episodes, actions) bool
+        Written: legal actions.
+    legal : (episodes,) int32
+        Written: number of legal actions.
+    """
+    pool, episodes = lent(pool, episodes)
+    moves, mission, mask, legal = (
+        borrowed(moves),
+        borrowed(mission),
+        borrowed(mask),
+        borrowed(legal),
+    )
+    targets = mask.shape[1] - 1
+    costs, ends = np.empty(targets + 1), np.empty(targets + 1)
+    home_costs, home_times = np.empty(targets + 1), np.empty(targets + 1)
+    places = np.empty(targets + 1, dtype=np.int64)
+    for place in range(first, last):
+        e = order[place]
+        slot = episodes.slot[e]
+        rules = rules_of(pool, episodes, e)
+        spacing = rules.table.spacing
+        outlook = outlook_of(pool, slot)
+        orbits = pool.orbits[slot]
+        bodies = pool.bodies[slot]
+        visited = episodes.visited[e]
+        out = moves[e]
+        body, now, left = episodes.body[e], episodes.time[e], episodes.left[e]
+        since = episodes.since_refuel[e]
+        duration, refuelling = rules.duration, rules.service[STATION]
+        remaining = duration - now
+        # Costs first, in the order of the table's memory.
+        for j in range(bodies):
+            costs[j], ends[j] = math.inf, math.inf
+            if j != body and not visited[j]:
+                _, costs[j], ends[j] = rule_kernels.fits(rules, body, now, left, j)
+        # Then everything that lies scattered, in a loop so short that its reads overlap.
+        for j in range(bodies):
+            if ends[j] <= duration:
+                home_costs[j], home_times[j] = way_back(outlook, spacing[j], j, ends[j])
+                places[j] = min(math.ceil(ends[j] / spacing[j]), outlook.ahead.shape[1] - 1)
+                fetch(outlook.ahead, (j, places[j], 0))
+        # A budget or a time of zero must not divide.
+        per_left = 1.0 / max(left, 1.0)
+        per_time = 1.0 / max(remaining, 1.0)
+        radius, inclination = orbits[body, RADIUS], orbits[body, INCLINATION]
+        raan = orbits[body, RAAN]
+        home_radius, home_inclination = orbits[STATION, RADIUS], orbits[STATION, INCLINATION]
+        home_raan = orbits[STATION, RAAN]
+        node_scale = DEGREES * math.sin(home_inclination)
+        cosine = math.cos(home_inclination)
+        phase = orbits[body, ARGUMENT_OF_LATITUDE] + now * outlook.rate[body] + cosine * raan
+        count, unvisited = 0, 0
+        station_reachable = False
+        for j in range(bodies):
+            is_station = j == STATION
+            row = targets if is_station else j - 1
+            if not is_station and visited[j]:
+                mask[e, row] = False
+                for column in range(out.shape[1]):
+                    out[row, column] = 0.0
+                continue
+            allowed = rule_kernels.may_go(body, since, visited, j)
+            unvisited += 0 if is_station else 1
+            delta_v, end = costs[j], ends[j]
+            in_time = end <= duration
+            fits = delta_v <= left and in_time
+            is_legal = fits and allowed
+            mask[e, row] = is_legal
+            count += is_legal
+            if is_station:
+                station_reachable = fits or body == STATION
+            hours = (end - now) * PER_HOUR
+            after = rule_kernels.left_after(rules, left, delta_v, j)
+            after_scaled = clip(after * PER_KM_S, -LIMIT, LIMIT)
+            out[row, 0] = 1.0 if is_legal else 0.0
+            out[row, 1] = 1.0 if is_station else 0.0
+            out[row, 2] = 1.0 if allowed else 0.0
+            out[row, 3] = clip(delta_v * PER_KM_S, 0.0, LIMIT)
+            out[row, 4] = clip(delta_v * per_left, 0.0, LIMIT)
+            out[row, 5] = clip(hours * PER_TEN, 0.0, LIMIT)
+            out[row, 6] = clip((end - now) * per_time, 0.0, LIMIT)
+            out[row, 7] = clip((hours + delta_v * HOURS_PER_M_S) * PER_TEN, 0.0, LIMIT)
+            out[row, 8] = after_scaled
+            out[row, 9] = clip((duration - end) * PER_HOUR * PER_TEN, -LIMIT, LIMIT)
+            back, margin, safe, back_hours = 0.0, after_scaled, fits, 0.0
+            best_v, best_h, best, second = FAR, FAR, FAR, FAR
+            if in_time:
+                if not is_station:
+                    back_end = end + home_times[j] + refuelling
+                    back = clip(home_costs[j] * PER_KM_S, 0.0, LIMIT)
+                    margin = clip((after - home_costs[j]) * PER_KM_S, -LIMIT, LIMIT)
+                    safe = home_costs[j] <= after and back_end <= duration
+                    back_hours = clip((back_end - end) * PER_HOUR * PER_TEN, 0.0, LIMIT)
+                line = outlook.ahead[j, places[j]]
+                hours_left = (duration - end) * PER_HOUR
+                for place in range(AHEAD):
+                    k = line[3 * place]
+                    if k == NOBODY:
+                        break
+                    if visited[k]:
+                        continue
+                    next_v = line[3 * place + 1] * DELTA_V_UNIT_M_S
+                    next_h = line[3 * place + 2] * HOUR_UNIT
+                    if next_v > after or next_h > hours_left:
+                        continue
+                    cost = (next_h + next_v * HOURS_PER_M_S) * PER_TEN
+                    if best < FAR:
+                        second = clip(cost, 0.0, LIMIT)
+                        break
+                    best_v, best_h = clip(next_v * PER_KM_S, 0.0, LIMIT), next_h * PER_TEN
+                    best = clip(cost, 0.0, LIMIT)
+            out[row, 10] = back
+            out[row, 11] = margin
+            out[row, 12] = 1.0 if safe else 0.0
+            out[row, 13] = back_hours
+            out[row, 14] = best_v
+            out[row, 15] = clip(best_h, 0.0, LIMIT)
+            out[row, 16] = best
+            out[row, 17] = second
+            near, angle = 0, 0.0
+            for place in range(NEAR):
+                k = outlook.near[j, place]
+                if k >= 0 and not visited[k]:
+                    near += 1
+                    angle += outlook.near_angle[j, place]
+            out[row, 18] = near * (1.0 / NEAR)
+            out[row, 19] = clip(DEGREES * angle / near, 0.0, LIMIT) if near > 0 else LIMIT
+            r, i, o = orbits[j, RADIUS], orbits[j, INCLINATION], orbits[j, RAAN]
+            out[row, 20] = clip((r - radius) * PER_50_KM, -LIMIT, LIMIT)
+            out[row, 21] = clip((i - inclination) * DEGREES, -LIMIT, LIMIT)
+            out[row, 22] = clip(turned(o - raan) * node_scale, -LIMIT, LIMIT)
+            out[row, 23] = clip(outlook.angle[body, j] * DEGREES, 0.0, LIMIT)
+            out[row, 24] = clip((r - home_radius) * PER_50_KM, -LIMIT, LIMIT)
+            out[row, 25] = clip((i - home_inclination) * DEGREES, -LIMIT, LIMIT)
+            out[row, 26] = clip(turned(o - home_raan) * node_scale, -LIMIT, LIMIT)
+            out[row, 27] = clip(outlook.angle[STATION, j] * DEGREES, 0.0, LIMIT)
+            ahead = orbits[j, ARGUMENT_OF_LATITUDE] + now * outlook.rate[j] + cosine * o
+            out[row, 28] = turned(ahead - phase) * (1.0 / math.pi)
+        for row in range(bodies - 1, targets):
+            mask[e, row] = False
+            for column in range(out.shape[1]):
+                out[row, column] = 0.0
+        legal[e] = count
+        mission[e, 0] = clip(left * PER_KM_S, 0.0, LIMIT)
+        mission[e, 1] = clip(left / max(rules.budget, 1.0), 0.0, LIMIT)
+        mission[e, 2] = clip(rules.budget * PER_KM_S, 0.0, LIMIT)
+        mission[e, 3] = clip(remaining / WEEK_S, 0.0, LIMIT)
+        mission[e, 4] = clip(remaining / max(rules.duration, 1.0), 0.0, LIMIT)
+        mission[e, 5] = clip(rules.duration / WEEK_S, 0.0, LIMIT)
+        mission[e, 6] = unvisited / max(bodies - 1, 1)
+        mission[e, 7] = clip(unvisited / TARGET_SCALE, 0.0, LIMIT)
+        mission[e, 8] = count / max(bodies, 1)
+        mission[e, 9] = 1.0 if body == STATION else 0.0
+        mission[e, 10] = 1.0 if since > 0 else 0.0
+        mission[e, 11] = clip((radius - home_radius) * PER_50_KM, -LIMIT, LIMIT)
+        mission[e, 12] = clip((inclination - home_inclination) * DEGREES, -LIMIT, LIMIT)
+        mission[e, 13] = clip(turned(raan - home_raan) * node_scale, -LIMIT, LIMIT)
+        mission[e, 14] = 1.0 if station_reachable else 0.0
+        mission[e, 15] = clip(remaining * PER_HOUR / max(unvisited, 1) * PER_TEN, 0.0, LIMIT)

@@ -1,0 +1,493 @@
+"""The Gymnasium environment: the protocol, the rules, and what a user may get wrong."""
+
+# ruff: noqa: D102  the broken copies say in one sentence what is wrong with them
+
+from __future__ import annotations
+
+import dataclasses
+import re
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
+from stable_baselines3.common.env_checker import check_env as check_env_of_sb3
+from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
+
+import adr_opt
+from adr_opt.env import ID, OBSERVATIONS, PUBLISHED, VARIED, Fields, Limits, MissionEnv, space
+from adr_opt.env.fields import FIRST_SEED
+from adr_opt.errors import InputError
+from adr_opt.instance import Instance
+from adr_opt.kernels.lookahead import CHAIN_FIELDS, UNGUARDED_S
+from adr_opt.kernels.observation import LIMIT, MISSION_FIELDS, MOVE_FIELDS, PUBLISHED_ELEMENTS
+from adr_opt.result import certify
+
+HOUR_S = 3600.0
+SMALL = Fields(
+    "tiny", targets=(3, 9), share_of_family=0.3, zones=(0, 3), delta_v_m_s=(300.0, 1500.0),
+    duration_s=(15 * HOUR_S, 40 * HOUR_S), limits=(Limits(2000.0, 50 * HOUR_S),),
+    share_of_limits=0.2,
+)  # fmt: skip
+"""Fields whose timetables are worked out in milliseconds, of many sizes, budgets and durations."""
+
+
+def tiny(seed: int = 0, **limits: float) -> Instance:
+    instance = adr_opt.generate("tiny", seed)
+    return instance.replace(mission=instance.mission.replace(**limits))
+
+
+def play(env: MissionEnv, rng: np.random.Generator) -> tuple[float, list[Any]]:
+    """The return of a masked random episode that has begun, and all that was observed."""
+    total, seen = 0.0, []
+    while True:
+        mask = env.action_masks()
+        assert mask.any()
+        action = rng.choice(np.flatnonzero(mask))
+        observation, reward, terminated, truncated, info = env.step(action)
+        assert not truncated
+        assert reward == (0.0 if action == env.action_space.n - 1 else 1.0)
+        np.testing.assert_array_equal(info["action_mask"], env.action_masks())
+        total += reward
+        seen.append(observation)
+        if terminated:
+            assert not env.action_masks().any()
+            return total, seen
+
+
+@pytest.mark.parametrize("observation", OBSERVATIONS)
+def test_the_checkers_pass(observation: str) -> None:
+    """Gymnasium and Stable-Baselines3 find nothing to say against the environment."""
+    env = gymnasium.make(ID, fields=SMALL, observation=observation)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        # Rows of moves are no pictures, and Stable-Baselines3 would rather have vectors.
+        warnings.filterwarnings("ignore", message=".*unconventional shape.*")
+        check_env(env.unwrapped, skip_render_check=True)
+        check_env_of_sb3(env.unwrapped, warn=True)
+        check_env(gymnasium.make(ID, instance=tiny(), render_mode="ansi").unwrapped)
+        check_env(gymnasium.make(ID, instance=tiny(), render_mode="rgb_array").unwrapped)
+
+
+class Outside(MissionEnv):
+    """Observations outside the space."""
+
+    def step(self, action: Any) -> Any:
+        observation, *rest = super().step(action)
+        return {name: part + 100.0 for name, part in observation.items()}, *rest
+
+    def reset(self, **arguments: Any) -> Any:
+        observation, info = super().reset(**arguments)
+        return {name: part + 100.0 for name, part in observation.items()}, info
+
+
+class Missing(MissionEnv):
+    """A part of the observation is not there."""
+
+    def reset(self, **arguments: Any) -> Any:
+        observation, info = super().reset(**arguments)
+        return {"moves": observation["moves"]}, info
+
+
+class Wide(MissionEnv):
+    """Numbers of 64 bits."""
+
+    def reset(self, **arguments: Any) -> Any:
+        observation, info = super().reset(**arguments)
+        return {name: part.astype(float) for name, part in observation.items()}, info
+
+
+class Nan(MissionEnv):
+    """A number that is none."""
+
+    def reset(self, **arguments: Any) -> Any:
+        observation, info = super().reset(**arguments)
+        observation["mission"][0] = np.nan
+        return observation, info
+
+
+class Four(MissionEnv):
+    """A step in the old protocol."""
+
+    def step(self, action: Any) -> Any:
+        observation, reward, terminated, _, info = super().step(action)
+        return observation, reward, terminated, info
+
+
+class Words(MissionEnv):
+    """A reward that is no number."""
+
+    def step(self, action: Any) -> Any:
+        observation, _, *rest = super().step(action)
+        return observation, "much", *rest
+
+
+class Silent(MissionEnv):
+    """No info."""
+
+    def reset(self, **arguments: Any) -> Any:
+        return super().reset(**arguments)[0]
+
+
+class Numbered(MissionEnv):
+    """``terminated`` is no bool."""
+
+    def step(self, action: Any) -> Any:
+        observation, reward, terminated, *rest = super().step(action)
+        return observation, reward, float(terminated), *rest
+
+
+BROKEN = (Outside, Missing, Wide, Nan, Four, Silent)
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("broken", BROKEN)
+def test_the_checkers_fail_on_broken_copies(broken: type[MissionEnv]) -> None:
+    """Each deliberate fault is found by both checkers."""
+    for check in (check_env, check_env_of_sb3):
+        with pytest.raises((AssertionError, ValueError, TypeError)):
+            check(broken(tiny()))
+
+
+class Unseeded(MissionEnv):
+    """Forgets its seed."""
+
+    def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
+        return super().reset(options=options)
+
+
+class Leaking(MissionEnv):
+    """Gives out the array that the next step overwrites."""
+
+    def step(self, action: Any) -> Any:
+        _, *rest = super().step(action)
+        return self._board.arrays, *rest
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize(
+    ("broken", "check"),
+    [
+        (Unseeded, check_env),
+        (Leaking, check_env),
+        (Words, check_env_of_sb3),
+        (Numbered, check_env_of_sb3),
+    ],
+    ids=lambda it: it.__module__ if it in (check_env, check_env_of_sb3) else it.__name__,
+)
+def test_a_checker_fails_on_faults_that_the_other_does_not_see(
+    broken: Callable[..., MissionEnv], check: Callable[[Any], None]
+) -> None:
+    """A forgotten seed, an array that changes afterwards and odd types are found."""
+    env = broken(tiny()) if broken is not Unseeded else broken(fields=SMALL)
+    with pytest.raises((AssertionError, ValueError)):
+        check(env)
+
+
+@pytest.mark.parametrize("observation", OBSERVATIONS)
+def test_two_environments_of_one_seed_keep_in_lock_step(observation: str) -> None:
+    """The same seed and actions give the same fields, observations, masks and rewards."""
+    envs = [MissionEnv(fields=SMALL, observation=observation) for _ in range(2)]
+    rng = np.random.default_rng(0)
+    for episode in range(8):
+        seen = [env.reset(seed=7 if episode == 0 else None) for env in envs]
+        assert envs[0].mission.instance == envs[1].mission.instance
+        over = False
+        while True:
+            for left, right in zip(_parts(seen[0][0]), _parts(seen[1][0]), strict=True):
+                np.testing.assert_array_equal(left, right)
+            masks = [env.action_masks() for env in envs]
+            np.testing.assert_array_equal(*masks)
+            if over:
+                break
+            action = rng.choice(np.flatnonzero(masks[0]))
+            seen = [env.step(action) for env in envs]
+            assert seen[0][1:4] == seen[1][1:4]
+            over = seen[0][2]
+    other = MissionEnv(fields=SMALL)
+    other.reset(seed=8)
+    first = MissionEnv(fields=SMALL)
+    first.reset(seed=7)
+    assert other.mission.instance != first.mission.instance
+
+
+def _parts(observation: Any) -> list[Any]:
+    return list(observation.values()) if isinstance(observation, dict) else [observation]
+
+
+@pytest.mark.parametrize("observation", OBSERVATIONS)
+def test_random_episodes_stay_in_their_space_and_count_what_check_counts(observation: str) -> None:
+    """Every observation of masked random episodes lies in its space, and returns are objectives."""
+    env = MissionEnv(fields=SMALL, observation=observation)
+    rng = np.random.default_rng(1)
+    sizes, returns = set(), []
+    for episode in range(40):
+        first, info = env.reset(seed=100 + episode)
+        assert info["action_mask"].dtype == np.int8
+        sizes.add(len(env.mission.instance.targets))
+        total, seen = play(env, rng)
+        for each in (first, *seen):
+            assert env.observation_space.contains(each)
+            assert all(np.isfinite(part).all() for part in _parts(each))
+        plan = certify(env.mission, "episode", env.sequence, seed=0, runtime_s=0.0).plan
+        assert plan is not None
+        assert plan.objective == total
+        assert adr_opt.check(env.mission.instance, plan) == ()
+        returns.append(total)
+    assert len(sizes) > 3
+    assert len(set(returns)) > 3
+
+
+@pytest.mark.parametrize("family", ["nominal", "cloud"])
+def test_whole_fields_too(family: str) -> None:
+    """One episode on a field of 50 targets with zones: in its space, and check agrees."""
+    rng = np.random.default_rng(2)
+    fields = Fields(family, zones=(6, 6), duration_s=(4 * 86400.0, 4 * 86400.0))
+    env = MissionEnv(fields=fields, observation="lookahead")
+    env.reset(seed=3)
+    total, seen = play(env, rng)
+    assert all(env.observation_space.contains(each) for each in seen)
+    plan = certify(env.mission, "episode", env.sequence, seed=0, runtime_s=0.0).plan
+    assert plan is not None
+    assert plan.objective == total
+    assert adr_opt.check(env.mission.instance, plan) == ()
+
+
+@pytest.mark.parametrize("delta_v", [1e-9, 0.5, 20.0, 140.0])
+def test_tiny_budgets_give_no_nan(delta_v: float) -> None:
+    """However small the budget, an observation is finite, or there is one sentence about it."""
+    for observation in OBSERVATIONS:
+        env = MissionEnv(tiny(delta_v_m_s=delta_v), observation=observation)
+        try:
+            seen, _ = env.reset()
+        except InputError as error:
+            assert "no move is legal at the start" in str(error)  # noqa: PT017
+            with pytest.raises(InputError, match="over"):
+                env.step(np.int64(0))
+            continue
+        assert env.observation_space.contains(seen)
+        _, later = play(env, np.random.default_rng(0))
+        assert all(env.observation_space.contains(each) for each in later)
+
+
+def test_illegal_actions_end_the_episode() -> None:
+    """An illegal action costs 1 and ends the episode; a step after the end is refused."""
+    env = MissionEnv(tiny())
+    targets = len(tiny().targets)
+    for action in (targets, targets + 1, -1, 10**6):  # no refuelling at the start; no such action
+        env.reset()
+        assert not (0 <= action <= targets and env.action_masks()[action])
+        before = env.sequence.copy()
+        _, reward, terminated, truncated, _ = env.step(np.int64(action))
+        assert (reward, terminated, truncated) == (-1.0, True, False)
+        assert env.sequence == before
+        with pytest.raises(InputError, match="the episode is over"):
+            env.step(np.int64(0))
+    env.reset()
+    action = int(np.flatnonzero(env.action_masks())[0])
+    env.step(np.int64(action))
+    _, reward, terminated, *_ = env.step(np.int64(action))  # serviced already
+    assert (reward, terminated) == (-1.0, True)
+
+
+def test_a_given_instance_is_played() -> None:
+    """``instance`` is played at every reset, in its own order; ``options`` may give another."""
+    env = gymnasium.make(ID, instance=tiny(4)).unwrapped
+    assert isinstance(env, MissionEnv)
+    for _ in range(2):
+        env.reset()
+        assert env.mission.instance == tiny(4)
+    action = np.flatnonzero(env.action_masks())[-1]
+    env.step(action)
+    assert env.sequence == [action + 1]
+    smaller = adr_opt.generate("tiny", 9, targets=4)
+    _, info = env.reset(options={"instance": smaller})
+    assert env.mission.instance == smaller
+    assert not info["action_mask"][4:-1].any()
+    env.reset()
+    assert env.mission.instance == tiny(4)
+
+
+def test_options_change_the_fields_of_one_reset() -> None:
+    """``options`` hold for one reset; every field of ``Fields`` is one."""
+    env = MissionEnv(fields=SMALL)
+    env.reset(seed=0, options={"targets": (5, 5), "share_of_family": 0.0, "zones": (2, 2)})
+    assert len(env.mission.instance.targets) == 5
+    assert len(env.mission.instance.keep_out_zones) == 2
+    limits = {"delta_v_m_s": (900.0, 900.0), "duration_s": (90e3, 90e3), "share_of_limits": 0.0}
+    env.reset(options=limits)
+    assert env.mission.instance.mission.delta_v_m_s == 900.0
+    assert env.mission.instance.mission.duration_s == 90e3
+    env.reset(options={"share_of_limits": 1.0})
+    assert env.mission.instance.mission.delta_v_m_s == 2000.0
+
+
+WRONG: dict[str, Callable[[], Any]] = {
+    "observation 'pictures' is unknown": lambda: MissionEnv(observation="pictures"),
+    "render_mode 'human' is unknown": lambda: MissionEnv(render_mode="human"),
+    "option 'target' is unknown": lambda: MissionEnv(fields=SMALL).reset(options={"target": 3}),
+    "family 'huge' is unknown": lambda: Fields("huge"),
+    "give a pair of whole numbers": lambda: Fields(targets=(3.5, 9)),  # type: ignore[arg-type]
+    r"targets = \(9, 3\)": lambda: Fields(targets=(9, 3)),
+    "zones = 4": lambda: Fields(zones=4),  # type: ignore[arg-type]
+    "delta_v_m_s = .*: give a pair of numbers": lambda: Fields(delta_v_m_s=(1.0, float("nan"))),
+    "duration_s = -1.0: must be": lambda: Limits(100.0, -1.0),
+    "share_of_family = 2.0": lambda: Fields(share_of_family=2.0),
+    "no limits to draw from": lambda: Fields(share_of_limits=0.5),
+    "more than the 6 of the action space": lambda: MissionEnv(
+        adr_opt.generate("tiny", 0, targets=6)
+    ).reset(options={"instance": adr_opt.generate("tiny", 0, targets=7)}),
+    "no targets": lambda: MissionEnv(adr_opt.generate("tiny", 0, targets=0)),
+    "no move is legal at the start": lambda: MissionEnv(tiny(delta_v_m_s=0.0)).reset(),
+    "no move is legal at the start; raise": lambda: MissionEnv(tiny(duration_s=60.0)).reset(),
+    "call reset before the next step": lambda: MissionEnv(tiny()).step(np.int64(0)),
+    "call reset first": lambda: MissionEnv(tiny()).action_masks(),
+    "no mission has begun": lambda: MissionEnv(tiny()).mission,
+    "action 1.5: must be a whole number": lambda: _begun().step(1.5),  # type: ignore[arg-type]
+}
+
+
+def _begun() -> MissionEnv:
+    env = MissionEnv(tiny())
+    env.reset()
+    return env
+
+
+@pytest.mark.parametrize("sentence", WRONG)
+def test_wrong_input_is_refused_in_one_sentence(sentence: str) -> None:
+    """What cannot be meant is refused by an InputError that names it."""
+    with pytest.raises(InputError, match=sentence) as caught:
+        WRONG[sentence]()
+    assert "\n" not in str(caught.value)
+
+
+def test_pictures_and_text() -> None:
+    """``ansi`` states time, ΔV and visits; ``rgb_array`` is a picture that changes with them."""
+    env = MissionEnv(tiny(), render_mode="ansi")
+    assert env.render() is None
+    env.reset()
+    start = env.render()
+    assert start.startswith("0.0 of 36.0 h, 1000 of 1000 m/s left, at station: 0 of ")
+    action = np.flatnonzero(env.action_masks())[0]
+    env.step(action)
+    assert f"at {tiny().targets[action].name}: 1 of " in env.render()
+    env = MissionEnv(tiny(), render_mode="rgb_array")
+    env.reset()
+    before = env.render()
+    env.step(action)
+    after = env.render()
+    assert before.shape == after.shape == (400, 400, 3)
+    assert before.dtype == np.uint8
+    assert (before != after).any()
+    silent = MissionEnv(tiny())
+    silent.reset()
+    assert silent.render() is None
+
+
+def test_gymnasium_makes_it_with_its_own_checks() -> None:
+    """``gymnasium.make`` wraps it in its checks, and a whole episode passes them silently."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        env = gymnasium.make(ID, fields=SMALL)
+        _, info = env.reset(seed=5)
+        assert is_masking_supported(env)
+        terminated = False
+        while not terminated:
+            np.testing.assert_array_equal(get_action_masks(env), info["action_mask"])
+            action = env.action_space.sample(mask=info["action_mask"])
+            _, _, terminated, _, info = env.step(action)
+        env.close()
+
+
+def make() -> MissionEnv:
+    return MissionEnv(fields=SMALL)
+
+
+def test_masks_through_processes() -> None:
+    """``SubprocVecEnv`` gives masks, and steps as the same environments in one process do."""
+    there = SubprocVecEnv([make, make], start_method="spawn")
+    here = DummyVecEnv([make, make])
+    rng = np.random.default_rng(3)
+    try:
+        assert is_masking_supported(there)
+        for env in (there, here):
+            env.seed(11)
+        seen = [env.reset() for env in (there, here)]
+        for _ in range(25):
+            for key in ("moves", "mission"):
+                np.testing.assert_array_equal(seen[0][key], seen[1][key])
+            masks = [get_action_masks(env) for env in (there, here)]
+            np.testing.assert_array_equal(*masks)
+            assert masks[0].shape == (2, SMALL.most_targets + 1)
+            assert masks[0].dtype == np.bool_
+            actions = (masks[0] * rng.random(masks[0].shape)).argmax(axis=1)
+            steps = [env.step(actions) for env in (there, here)]
+            np.testing.assert_array_equal(steps[0][1], steps[1][1])
+            np.testing.assert_array_equal(steps[0][2], steps[1][2])
+            assert (steps[0][1] >= 0.0).all()
+            seen = [step[0] for step in steps]
+    finally:
+        there.close()
+
+
+def test_spaces_are_as_wide_as_stated() -> None:
+    """The spaces have the documented shapes and limits, for any number of targets."""
+    for targets in (1, 50, 200):
+        assert space("published", targets).shape == (7 * targets + 8,)
+        assert space("transfer", targets)["moves"].shape == (targets + 1, 29)
+        assert space("lookahead", targets)["moves"].shape == (targets + 1, 43)
+        assert space("lookahead", targets)["mission"].shape == (16,)
+    box = space("published", 3)
+    assert (box.low == -LIMIT).all()
+    assert (box.high == LIMIT).all()
+    assert PUBLISHED.most_targets == 50
+    assert VARIED.most_targets == 60
+    assert MissionEnv(fields=VARIED).action_space.n == 61
+
+
+def test_the_page_lists_every_number_option_and_observation() -> None:
+    """docs/environment.md has the fields of every observation in their order, and all options."""
+    page = (Path(__file__).parents[1] / "docs/environment.md").read_text(encoding="utf-8")
+    tables = [
+        re.findall(r"^\| (\d+) \| (.*) \|$", section, re.MULTILINE)
+        for section in page.split("\n### ")[1:]
+    ]
+    wanted = [
+        list(enumerate(MOVE_FIELDS)),
+        list(enumerate(CHAIN_FIELDS, len(MOVE_FIELDS))),
+        list(enumerate(MISSION_FIELDS)),
+        list(enumerate(PUBLISHED_ELEMENTS)),
+    ]
+    assert [[(int(number), name) for number, name in table] for table in tables] == wanted
+    options = re.findall(r"^\| `([a-z_]+)` \|", page, re.MULTILINE)
+    assert options == [field.name for field in dataclasses.fields(Fields)]
+    assert set(re.findall(r"^- `([a-z]+)`: a|^- `([a-z]+)`: the same", page, re.MULTILINE)) == {
+        ("transfer", ""),
+        ("", "lookahead"),
+        ("published", ""),
+    }
+    transfer, ahead = (
+        space("transfer", 1)["moves"].shape[1],
+        space("lookahead", 1)["moves"].shape[1],
+    )
+    for stated in (
+        f"shape (N + 1, {transfer})", f"shape\n  ({len(MISSION_FIELDS)},)",
+        f"with {ahead} columns, the last {ahead - transfer} ", f"within ±{LIMIT:g}",
+        f"seeds from {FIRST_SEED:,} on", f"last {UNGUARDED_S:,.0f} s",
+    ):  # fmt: skip
+        assert stated in page, stated
+
+
+def test_the_examples_of_the_page_run() -> None:
+    """The first example of docs/environment.md plays a mission as it stands, but for its fields."""
+    page = (Path(__file__).parents[1] / "docs/environment.md").read_text(encoding="utf-8")
+    first, second = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    names: dict[str, Any] = {"SMALL": SMALL}
+    exec(first.replace("adr_opt.env.VARIED", "SMALL"), names)
+    assert names["terminated"]
+    exec(second.replace("256, VARIED", "4, SMALL").replace("slots=64", "slots=2"), names | {})

@@ -1,0 +1,292 @@
+"""Many missions at once: in step with single ones, and true to Stable-Baselines3's protocol."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
+from stable_baselines3.common.vec_env import VecMonitor
+
+from adr_opt.env import OBSERVATIONS, Fields, Limits, MissionEnv, MissionVecEnv
+from adr_opt.errors import InputError
+
+HOUR_S = 3600.0
+SMALL = Fields("tiny", targets=(3, 9), zones=(0, 3), delta_v_m_s=(300.0, 1500.0))
+"""All missions last as long as the field's timetable does."""
+
+VARIED_SMALL = Fields(
+    "tiny", targets=(3, 9), share_of_family=0.3, zones=(0, 3), delta_v_m_s=(300.0, 1500.0),
+    duration_s=(15 * HOUR_S, 40 * HOUR_S), limits=(Limits(2000.0, 50 * HOUR_S),),
+    share_of_limits=0.2,
+)  # fmt: skip
+
+
+def vector(**options: Any) -> MissionVecEnv:
+    return MissionVecEnv(
+        **{"count": 12, "fields": SMALL, "slots": 5, "seed": 3} | options  # type: ignore[arg-type]
+    )
+
+
+def choose(env: MissionVecEnv, rng: np.random.Generator) -> Any:
+    """Legal actions at random."""
+    mask = env.action_masks()
+    assert mask.any(axis=1).all()
+    return (mask * rng.random(mask.shape)).argmax(axis=1)
+
+
+def parts(observation: Any) -> list[Any]:
+    return list(observation.values()) if isinstance(observation, dict) else [observation]
+
+
+def rows_of(observation: Any, index: int) -> Any:
+    if isinstance(observation, dict):
+        return {name: part[index].copy() for name, part in observation.items()}
+    return observation[index].copy()
+
+
+@pytest.mark.parametrize("observation", OBSERVATIONS)
+def test_single_missions_keep_in_lock_step(observation: str) -> None:
+    """A single environment on the same instance sees, may do and earns the same at every step."""
+    env = vector(observation=observation, refresh_every=60, threads=2)
+    rng = np.random.default_rng(0)
+    seen = env.reset()
+
+    def alone(index: int) -> MissionEnv:
+        slot = env.episodes.slot[index]
+        instance = env.pool.instances[slot]
+        assert instance is not None
+        limits = instance.mission.replace(delta_v_m_s=float(env.episodes.budget[index]))
+        single = MissionEnv(fields=SMALL, observation=observation)
+        single.reset(options={"instance": instance.replace(mission=limits)})
+        return single
+
+    singles = [alone(index) for index in range(env.num_envs)]
+    sights = [single._board.copy(0) for single in singles]
+    ended = 0
+    for _ in range(40):
+        masks = env.action_masks()
+        for index, single in enumerate(singles):
+            np.testing.assert_array_equal(masks[index], single.action_masks())
+            for here, there in zip(parts(rows_of(seen, index)), parts(sights[index]), strict=True):
+                np.testing.assert_array_equal(here, there)
+        actions = choose(env, rng)
+        seen, rewards, dones, infos = env.step(actions)
+        for index, single in enumerate(singles):
+            sight, reward, terminated, truncated, info = single.step(actions[index])
+            assert (reward, terminated, truncated) == (rewards[index], dones[index], False)
+            if terminated:
+                ended += 1
+                last = infos[index]["terminal_observation"]
+                for here, there in zip(parts(last), parts(sight), strict=True):
+                    np.testing.assert_array_equal(here, there)
+                assert infos[index]["serviced"] == info["serviced"]
+                assert infos[index]["episode"]["r"] == info["serviced"]
+                assert infos[index]["episode"]["l"] == len(single.sequence)
+                assert infos[index]["TimeLimit.truncated"] is False
+                singles[index] = alone(index)
+                sight = singles[index]._board.copy(0)
+            else:
+                assert infos[index] == {}
+            sights[index] = sight
+    env.close()
+    assert ended > env.num_envs
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_a_seed_determines_everything(threads: int) -> None:
+    """Two of one seed keep in lock-step while fields are renewed, whatever their threads."""
+    one = vector(fields=VARIED_SMALL, refresh_every=30, threads=1)
+    two = vector(fields=VARIED_SMALL, refresh_every=30, threads=threads)
+    first_fields = list(one.pool.instances)
+    rng = np.random.default_rng(1)
+    seen = [env.reset() for env in (one, two)]
+    for _ in range(60):
+        for left, right in zip(parts(seen[0]), parts(seen[1]), strict=True):
+            np.testing.assert_array_equal(left, right)
+        np.testing.assert_array_equal(one.action_masks(), two.action_masks())
+        actions = choose(one, rng)
+        steps = [env.step(actions) for env in (one, two)]
+        np.testing.assert_array_equal(steps[0][1], steps[1][1])
+        np.testing.assert_array_equal(steps[0][2], steps[1][2])
+        seen = [step[0] for step in steps]
+        assert one.pool.instances == two.pool.instances
+    replaced = sum(a != b for a, b in zip(first_fields, one.pool.instances, strict=True))
+    assert replaced == len(first_fields)
+    one.close()
+    two.close()
+
+
+def test_a_field_is_replaced_only_when_nobody_is_on_it() -> None:
+    """While the pool is refreshed, the field under a running mission stays the same."""
+    env = vector(fields=VARIED_SMALL, refresh_every=20)
+    rng = np.random.default_rng(2)
+    env.reset()
+    fields: list[Any] = [None] * env.num_envs
+    fresh = np.ones(env.num_envs, dtype=bool)
+    for _ in range(60):
+        for index, slot in enumerate(env.episodes.slot):
+            if fresh[index]:
+                fields[index] = env.pool.instances[slot]
+            assert env.pool.instances[slot] is fields[index]
+        users = np.bincount(env.episodes.slot, minlength=5)
+        np.testing.assert_array_equal(users, env._users)
+        fresh = env.step(choose(env, rng))[2]
+    env.close()
+
+
+def test_seeding_again_begins_again() -> None:
+    """A reset after ``seed`` starts from that seed alone; without it, the draws go on."""
+    env = vector()
+    begun = env.reset()
+    before = {name: part.copy() for name, part in begun.items()}
+    later = env.reset()
+    assert (later["moves"] != before["moves"]).any()
+    env.step(choose(env, np.random.default_rng(0)))
+    env.seed(3)
+    again = env.reset()
+    other = vector(seed=4)
+    other.seed(3)
+    same = other.reset()
+    for name, part in before.items():
+        np.testing.assert_array_equal(again[name], part)
+        np.testing.assert_array_equal(same[name], part)
+    other.seed(9)
+    assert (other.reset()["moves"] != before["moves"]).any()
+    env.close()
+    other.close()
+
+
+def test_seeding_a_new_one_with_its_own_seed_keeps_its_pool() -> None:
+    """Training seeds the environment once more before it begins; the pool is not drawn twice."""
+    env = vector()
+    pool = env.pool
+    env.seed(3)
+    env.reset()
+    assert env.pool is pool
+    env.close()
+
+
+def test_observations_lie_in_the_space_and_stay_for_a_step() -> None:
+    """Every row lies in the space; what a step returned is not touched by the next step."""
+    for observation in OBSERVATIONS:
+        env = vector(fields=VARIED_SMALL, observation=observation, refresh_every=50)
+        rng = np.random.default_rng(4)
+        seen = env.reset()
+        for _ in range(25):
+            for index in range(env.num_envs):
+                assert env.observation_space.contains(rows_of(seen, index))
+            kept = [part.copy() for part in parts(seen)]
+            later, rewards, _, infos = env.step(choose(env, rng))
+            for part, copy in zip(parts(seen), kept, strict=True):
+                np.testing.assert_array_equal(part, copy)
+            for info in infos:
+                if info:
+                    assert env.observation_space.contains(info["terminal_observation"])
+            assert rewards.dtype == np.float32
+            assert (rewards >= 0.0).all()
+            seen = later
+        env.close()
+
+
+def test_illegal_actions_end_their_mission_alone() -> None:
+    """An illegal action earns −1 and a new mission; the others go on."""
+    env = vector(reward_scale=0.5)
+    env.reset()
+    rng = np.random.default_rng(5)
+    actions = choose(env, rng)
+    actions[2] = env.action_space.n - 1  # there is nothing to refuel for
+    actions[7] = 10**9
+    time = env.episodes.time.copy()
+    _, rewards, dones, infos = env.step(actions)
+    wrong = np.isin(np.arange(env.num_envs), (2, 7))
+    np.testing.assert_array_equal(rewards[wrong], -0.5)
+    np.testing.assert_array_equal(rewards[~wrong], 0.5)
+    assert dones[wrong].all()
+    assert infos[7]["episode"]["r"] == -1.0
+    assert infos[7]["episode"]["l"] == 1
+    assert (env.episodes.time[~wrong & ~dones] > time[~wrong & ~dones]).all()
+    assert (env.episodes.time[dones] == 0.0).all()
+    env.close()
+
+
+def test_missions_without_a_first_move_are_drawn_again() -> None:
+    """Budgets that often allow nothing still give missions with a legal move."""
+    env = vector(fields=Fields("tiny", delta_v_m_s=(1.0, 400.0)), count=40)
+    env.reset()
+    rng = np.random.default_rng(6)
+    for _ in range(15):
+        env.step(choose(env, rng))
+    assert env.episodes.budget.min() > 1.0
+    env.close()
+
+
+def test_the_protocol_of_stable_baselines() -> None:
+    """Masks by ``env_method``, attributes, wrappers and ``close`` work as its callers expect."""
+    env = vector()
+    env.reset()
+    assert is_masking_supported(env)
+    masks = get_action_masks(env)
+    np.testing.assert_array_equal(masks, env.action_masks())
+    assert masks.shape == (12, 10)
+    assert len(env.env_method("action_masks", indices=[0, 5])) == 2
+    np.testing.assert_array_equal(env.env_method("action_masks", indices=3)[0], masks[3])
+    with pytest.raises(AttributeError, match="no method 'fly'"):
+        env.env_method("fly")
+    assert env.get_attr("render_mode", indices=[1, 2]) == [None, None]
+    assert not env.has_attr("wings")
+    env.set_attr("mood", "good")
+    assert env.get_attr("mood") == ["good"] * 12
+    assert env.env_is_wrapped(VecMonitor) == [False] * 12
+    assert env.unwrapped is env
+    assert list(env.get_images()) == [None] * 12
+    monitored = VecMonitor(env)
+    monitored.reset()
+    rng = np.random.default_rng(7)
+    lengths = []
+    for _ in range(20):
+        _, _, dones, infos = monitored.step(choose(env, rng))
+        lengths += [info["episode"]["l"] for info, done in zip(infos, dones, strict=True) if done]
+    assert min(lengths) >= 1
+    env.close()
+    env.close()
+
+
+WRONG: dict[str, Callable[[], Any]] = {
+    "count = 0": lambda: vector(count=0),
+    "slots = 1: must be at least 2": lambda: vector(slots=1, refresh_every=100),
+    "refresh_every = -1": lambda: vector(refresh_every=-1),
+    "threads = 0": lambda: vector(threads=0),
+    "seed = -1": lambda: vector(seed=-1),
+    "reward_scale = nan": lambda: vector(reward_scale=float("nan")),
+    "observation 'x' is unknown": lambda: vector(observation="x"),
+    "call reset before the first step": lambda: vector().step(np.zeros(12, dtype=int)),
+    r"actions of shape \(3,\)": lambda: _begun().step(np.zeros(3, dtype=int)),
+    "type float64: give one whole number": lambda: _begun().step(np.zeros(12)),
+    "call step_async first": lambda: _begun().step_wait(),
+    "takes no options": lambda: _with_options().reset(),
+    "set it without indices": lambda: vector().set_attr("mood", "bad", indices=[0]),
+    "allow no move at all": lambda: vector(fields=Fields("tiny", delta_v_m_s=(0.1, 0.2))).reset(),
+}
+
+
+def _begun() -> MissionVecEnv:
+    env = vector()
+    env.reset()
+    return env
+
+
+def _with_options() -> MissionVecEnv:
+    env = vector()
+    env.set_options({"zones": (0, 1)})
+    return env
+
+
+@pytest.mark.parametrize("sentence", WRONG)
+def test_wrong_input_is_refused_in_one_sentence(sentence: str) -> None:
+    """What cannot be meant is refused by an InputError that names it."""
+    with pytest.raises(InputError, match=sentence) as caught:
+        WRONG[sentence]()
+    assert "\n" not in str(caught.value)
