@@ -18,7 +18,7 @@ DEVELOPMENT := $(VENV)/.installed-development
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help solve test lint format bench clean
+.PHONY: help solve test lint format docs bench clean
 
 help: ## Show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1@\2/p' $(MAKEFILE_LIST) | awk -F@ '{printf "%-14s %s\n", $$1, $$2}'
@@ -40,12 +40,16 @@ format: $(DEVELOPMENT) ## Format the code and sort the imports
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
+docs: $(DEVELOPMENT) ## Build the documentation in site/ (make test builds it too, elsewhere)
+	$(BIN)/mkdocs build --strict --quiet
+	@echo "open site/index.html"
+
 bench: $(DEVELOPMENT) ## Measure the timetable and the planners (docs/benchmarks.md lists the rest)
 	$(BIN)/python bench/precompute.py
 	$(BIN)/python bench/planners.py nominal greedy greedy-guarded mcts beam auto@10
 
 clean: ## Remove the virtual environment, caches and written plans
-	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) site build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	rm -rf .import_linter_cache $(PLAN)
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
@@ -60,5 +64,5 @@ $(BASE): $(DEFINITION) | $(BIN)/python
 
 # The development install holds the base, so it renews both stamps.
 $(DEVELOPMENT): $(DEFINITION) | $(BIN)/python
-	$(PIP) install --constraint constraints.txt --editable '.[test,dev]'
+	$(PIP) install --constraint constraints.txt --editable '.[test,dev,docs]'
 	@touch $(BASE) $@

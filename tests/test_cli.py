@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -29,6 +30,16 @@ def test_help_lists_every_verb(cli: Cli) -> None:
         assert f"\n  {verb} " in outcome.out
 
 
+def test_verbs_are_listed_as_a_mission_goes(cli: Cli) -> None:
+    """`--help` lists them in the order of `VERBS`: make an instance, plan, look at it, the rest."""
+    listed = re.findall(r"(?m)^  ([a-z]+) ", cli("--help").out.partition("Commands:")[2])
+    assert tuple(listed) == VERBS
+    assert set(VERBS) == {
+        "generate", "import", "solve", "bound", "check", "fly", "matrix", "export", "report",
+        "train", "methods", "schema",
+    }  # fmt: skip
+
+
 @pytest.mark.parametrize("verb", VERBS)
 def test_every_verb_has_help_and_json(cli: Cli, verb: str) -> None:
     """Each verb explains itself and has a machine-readable output."""
@@ -42,10 +53,21 @@ def test_version(cli: Cli) -> None:
     assert cli("--version").out == f"adr-opt {adr_opt.__version__}\n"
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["solve", "--help"]])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--help"],
+        ["--version"],
+        ["solve", "--help"],
+        ["import", "--help"],
+        ["export", "--help"],
+        ["report", "--help"],
+        ["train", "--help"],
+    ],
+)
 def test_help_does_not_wait_for_numba(arguments: list[str]) -> None:
-    """Help and version import neither numba nor pydantic nor rich, which take longer than they."""
-    heavy = "{'numba', 'pydantic', 'rich', 'ortools'}"
+    """Help and version import nothing that takes longer than they do, such as numba or torch."""
+    heavy = "{'numba', 'pydantic', 'rich', 'ortools', 'torch', 'plotly', 'sgp4'}"
     code = (
         "import sys; from adr_opt.__main__ import main; "
         f"main({arguments!r}); sys.exit(len({heavy} & set(sys.modules)))"
@@ -68,7 +90,7 @@ def test_verb_imports_only_its_own_module() -> None:
     ("arguments", "named"),
     [
         ([], "missing command"),
-        (["frobnicate"], "verb 'frobnicate' is unknown; use one of: generate, solve"),
+        (["frobnicate"], "verb 'frobnicate' is unknown; use one of: generate, import"),
         (["--frobnicate"], "'--frobnicate'"),
         (["solve"], "missing argument 'INSTANCE'"),
         (["solve", "x.json", "--methd", "greedy"], "'--methd' (did you mean"),
@@ -79,6 +101,16 @@ def test_verb_imports_only_its_own_module() -> None:
         (["check", "x.json", "y.json", "z.json"], "extra argument (z.json)"),
         (["bound", "x.json"], "missing option '--method'"),
         (["matrix", "x.json", "--at", "0"], "missing option '--out'"),
+        (["import", "--out", "my.json"], "missing argument 'FILE...'"),
+        (["import", "x.tle"], "missing option '--out'"),
+        (["export", "x.json"], "missing argument 'PLAN'"),
+        (
+            ["export", "x.json", "y.json", "--out", "z.oem", "--format", "xml"],
+            "'xml' is not one of",
+        ),
+        (["report", "x.json", "y.json"], "missing option '--out'"),
+        (["train", "--out", "run"], "missing option '--config'"),
+        (["train", "--config", "set", "--out", "run", "--steps", "many"], "'--steps': 'many'"),
         (["schema", "result"], "'result' is not one of 'instance', 'plan'"),
     ],
 )
@@ -295,5 +327,5 @@ def test_matrix_of_one_epoch_formats(cli: Cli, tiny_file: Path) -> None:
     assert "d.tsp: a .tsp file holds one departure" in several.err
     unknown = cli("matrix", tiny_file, "--at", "0", "--out", "c.csv")
     assert unknown.status == 2
-    assert "use one of .npz, .nc, .tsp, .vrp" in unknown.err
+    assert "use one of .npz, .nc, .tsp, .vrp, .oplib" in unknown.err
     assert sorted(path.name for path in tiny_file.parent.iterdir()) == ["c.tsp", "tiny.json"]

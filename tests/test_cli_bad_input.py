@@ -54,6 +54,13 @@ def refused(outcome: Any, *named: str) -> None:
 
 
 ORBIT = ("targets", 0, "orbit")
+VERBS_OF_PLANS = {
+    "check": [],
+    "fly": [],
+    "export": ["--out", "m.oem"],
+    "report": ["--out", "m.html"],
+}
+"""Verbs that read an instance and a plan, each with the options that it must have."""
 
 
 @pytest.mark.parametrize(
@@ -110,7 +117,7 @@ def test_broken_instance_field(cli: Cli, tiny_file: Path, change: Change, named:
         ('{"a": 1', "not JSON"),
     ],
 )
-@pytest.mark.parametrize("verb", ["solve", "check", "fly", "bound", "matrix"])
+@pytest.mark.parametrize("verb", ["solve", "check", "fly", "bound", "matrix", "export", "report"])
 def test_file_that_is_no_instance(cli: Cli, text: str, named: str, verb: str) -> None:
     """Every verb that reads an instance says that a file is none."""
     Path("bad.json").write_text(text)
@@ -120,6 +127,8 @@ def test_file_that_is_no_instance(cli: Cli, text: str, named: str, verb: str) ->
         "fly": ["plan.json"],
         "bound": ["--method", "none"],
         "matrix": ["--at", "0", "--out", "c.npz"],
+        "export": ["plan.json", "--out", "m.oem"],
+        "report": ["plan.json", "--out", "m.html"],
     }
     outcome = cli(verb, "bad.json", *more[verb])
     if verb == "bound":  # there is none to be asked for, and that is said first
@@ -209,7 +218,10 @@ def test_places_that_cannot_be_written(
 
     monkeypatch.setattr("adr_opt.front.run", never)
     monkeypatch.setattr("adr_opt.generator.generate", never)
-    for call in (["solve", tiny_file, "--method", "greedy"], ["generate", "tiny"]):
+    monkeypatch.setattr("adr_opt.catalogue.read", never)
+    cloud = Path(__file__).parents[1] / "examples/catalogue/cloud.tle"
+    calls = (["solve", tiny_file, "--method", "greedy"], ["generate", "tiny"], ["import", cloud])
+    for call in calls:
         refused(cli(*call, "--out", "no/such/p.json"), "no/such/p.json: the folder no/such does")
         refused(cli(*call, "--out", "."), ".: this is a folder")
         refused(cli(*call, "--out", "/dev/null"), "/dev/null: not an ordinary file")
@@ -252,7 +264,7 @@ def test_a_failed_write_leaves_nothing(
         (put("instance", "sha256", "0" * 64), "belongs to the instance 'tiny-000' (sha256 0000"),
     ],
 )
-@pytest.mark.parametrize("verb", ["check", "fly"])
+@pytest.mark.parametrize("verb", VERBS_OF_PLANS)
 def test_broken_plan_field(
     cli: Cli, tiny_file: Path, change: Change, named: str, verb: str
 ) -> None:
@@ -261,15 +273,17 @@ def test_broken_plan_field(
     content = json.loads(Path("plan.json").read_text(encoding="utf-8"))
     change(content)
     Path("plan.json").write_text(json.dumps(content), encoding="utf-8")
-    refused(cli(verb, tiny_file, "plan.json"), "plan.json: ", named)
+    refused(cli(verb, tiny_file, "plan.json", *VERBS_OF_PLANS[verb]), "plan.json: ", named)
+    assert not any(Path(name).exists() for name in VERBS_OF_PLANS[verb])
 
 
 def test_plan_of_another_instance(cli: Cli, tiny_file: Path) -> None:
     """A plan is refused by all but the instance that it was made for."""
     cli("solve", tiny_file, "--method", "greedy", "--out", "plan.json")
     cli("generate", "tiny", "--seed", "1", "--out", "other.json")
-    for verb in ("check", "fly"):
-        refused(cli(verb, "other.json", "plan.json"), "plan.json: ", "'tiny-000'", "'tiny-001'")
+    for verb, more in VERBS_OF_PLANS.items():
+        outcome = cli(verb, "other.json", "plan.json", *more)
+        refused(outcome, "plan.json: ", "'tiny-000'", "'tiny-001'")
 
 
 def test_no_targets_is_a_mission_without_legs(cli: Cli) -> None:

@@ -1,0 +1,242 @@
+"""Draw the pictures of docs/model.md and docs/index.md.
+
+    python docs/draw_model.py              # into docs/pictures
+    python docs/draw_model.py --out DIR
+
+`sequence` is a sketch with exaggerated radii; everything else is computed from a generated
+instance, so that the pictures show what the model does. Needs the extra ``[viz]``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import adr_opt
+from adr_opt import plot
+from adr_opt.instance import KeepOutZone
+from adr_opt.kernels.constants import EARTH_RADIUS_M, STATION
+from adr_opt.plan import Leg
+from adr_opt.result import certify
+
+FOLDER = Path(__file__).with_name("pictures")
+WIDTH_IN = 6.2
+INK = "#26313d"
+FAINT = "#9aa5b1"
+ZONE = "#d4553f"
+
+# The same bytes for the same drawing, and a background, so that a dark page does not swallow ink.
+STYLE = {
+    "svg.hashsalt": "adr-opt",
+    "svg.fonttype": "path",
+    "figure.facecolor": "#fcfcfa",
+    "savefig.facecolor": "#fcfcfa",
+    "axes.facecolor": "#fcfcfa",
+    "axes.edgecolor": FAINT,
+    "axes.labelcolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "font.size": 12.0,
+    "legend.frameon": False,
+    "legend.fontsize": 11.0,
+}
+
+
+def sequence() -> Any:
+    """The co-elliptic sequence, seen along the orbits' normal; radii are exaggerated."""
+    origin, phasing, target, fraction = 1.0, 0.72, 1.5, 0.75
+    co_elliptic = phasing + fraction * (target - phasing)
+    behind = 0.22  # angle of the stand-off, exaggerated
+    figure, ax = plt.subplots(figsize=(WIDTH_IN, WIDTH_IN * 0.86))
+    ax.add_patch(plt.Circle((0.0, 0.0), 0.5, facecolor="#dfe7ee", edgecolor=FAINT))
+    ax.text(0.0, 0.0, "Earth", ha="center", va="center")
+    around = np.linspace(0.0, 2.0 * np.pi, 241)
+    for radius, dashes in ((origin, (0, (5, 3))), (target, (0, (1, 2)))):
+        ax.plot(radius * np.cos(around), radius * np.sin(around), color=FAINT, lw=1.2, ls=dashes)
+    ax.plot([-1.75, 1.85], [0.0, 0.0], color=FAINT, lw=0.8)
+    ax.text(1.85, 0.05, "line of nodes", fontsize=10.5, ha="right", color=INK)
+
+    def half(first: float, last: float, start: float, phase: str, shown: float = math.pi) -> None:
+        """Half an ellipse from one apsis to the other."""
+        swept = np.linspace(0.0, shown, 181)
+        semi_latus = 2.0 * first * last / (first + last)
+        eccentricity = (last - first) / (last + first)
+        radius = semi_latus / (1.0 + eccentricity * np.cos(swept))
+        x, y = radius * np.cos(start + swept), radius * np.sin(start + swept)
+        ax.plot(x, y, color=plot.COLOURS[phase], lw=2.6, label=plot.LABELS[phase])
+
+    def burn(number: str, radius: float, angle: float, dx: float, dy: float) -> None:
+        x, y = radius * math.cos(angle), radius * math.sin(angle)
+        ax.plot([x], [y], "o", color=INK, ms=6, zorder=5)
+        ax.annotate(number, (x, y), (x + dx, y + dy), ha="center", va="center", weight="bold")
+
+    half(origin, phasing, 0.0, "hohmann-1")
+    swept = np.linspace(math.pi, 3.0 * math.pi, 361)
+    ax.plot(
+        phasing * np.cos(swept), phasing * np.sin(swept),
+        color=plot.COLOURS["phasing"], lw=2.6, label=plot.LABELS["phasing"],
+    )  # fmt: skip
+    half(phasing, co_elliptic, math.pi, "co-elliptic")
+    half(co_elliptic, target, 2.0 * math.pi, "terminal", math.pi)
+    end = math.pi
+    swept = np.linspace(end, end + behind, 31)
+    bow = target - 0.07 * np.sin(np.linspace(0.0, math.pi, 31))
+    ax.plot(
+        bow * np.cos(swept), bow * np.sin(swept),
+        color=plot.COLOURS["approach"], lw=2.6, label=plot.LABELS["approach"],
+    )  # fmt: skip
+    x, y = target * math.cos(end + behind), target * math.sin(end + behind)
+    ax.plot([x], [y], "s", color=plot.COLOURS["service"], ms=9, zorder=6)
+    ax.annotate("target", (x, y), (x - 0.08, y - 0.17), ha="center")
+    burn("1", origin, 0.0, -0.09, -0.1)
+    burn("2, 3", phasing, math.pi, 0.1, 0.12)
+    burn("4", co_elliptic, 0.0, 0.09, -0.11)
+    burn("5, 6", target, math.pi, -0.17, 0.13)
+    burn("7", target, end + behind, 0.15, -0.03)
+    ax.text(0.30, -1.12, "origin's orbit", fontsize=10.5, rotation=15)
+    ax.text(0.56, -1.56, "target's orbit", fontsize=10.5, rotation=20)
+    ax.set(xlim=(-1.95, 1.85), ylim=(-1.62, 1.62), aspect="equal")
+    ax.axis("off")
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, 0.02), ncols=3, handlelength=1.4)
+    return figure
+
+
+def _leg(instance: adr_opt.Instance, target: int) -> tuple[adr_opt.Plan, Leg]:
+    """The mission that goes from the station to one target, and its leg."""
+    result = certify(adr_opt.Mission(instance), "drawn", (target,), seed=0, runtime_s=0.0)
+    assert result.plan is not None
+    return result.plan, result.plan.legs[0]
+
+
+def _heights(instance: adr_opt.Instance, plan: adr_opt.Plan) -> Iterator[tuple[str, Any, Any]]:
+    """Phase, hours and altitude [km] of the arcs of a plan."""
+    from adr_opt.trajectory import sample
+
+    for _, arc in sample(instance, plan, 60.0).arcs():
+        altitudes = np.linalg.norm(arc.positions_m, axis=1) - EARTH_RADIUS_M
+        yield arc.phase, arc.times_s / 3600.0, altitudes / 1000.0
+
+
+def leg() -> Any:
+    """Altitude of a real leg against time."""
+    instance = adr_opt.generate("nominal", 0)
+    plan, _ = _leg(instance, 5)
+    figure, ax = plt.subplots(figsize=(WIDTH_IN, 3.5))
+    for phase, hours, altitudes in _heights(instance, plan):
+        label = plot.LABELS[phase]
+        ax.plot(hours, altitudes, color=plot.COLOURS[phase], lw=2.4, label=label)
+    for burn in plan.legs[0].burns:
+        ax.axvline(burn.time_s / 3600.0, color=FAINT, lw=0.7, zorder=0)
+    ax.set(xlabel="hours since the epoch", ylabel="altitude [km]")
+    ax.legend(ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.22), handlelength=1.4)
+    return figure
+
+
+def timetable() -> Any:
+    """ΔV and duration of one pair at every ready time of its first hours."""
+    instance = adr_opt.generate("nominal", 0)
+    table = adr_opt.Timetable(instance, threads=1)
+    origin, destination, end = STATION, 5, 8.0 * 3600.0
+    ready = np.arange(0.0, end, 20.0)
+    found = np.array([table.lookup(origin, destination, t) for t in ready])
+    # A departure event is where the arrival of a chaser that is ready then changes.
+    changes = np.flatnonzero(np.diff(found[:, 1])) + 1
+    events = ready[changes] / 3600.0
+    hours = ready / 3600.0
+    figure, (above, below) = plt.subplots(2, 1, figsize=(WIDTH_IN, 4.6), sharex=True)
+    for begin, stop in zip([0, *changes], [*changes, len(ready)], strict=True):
+        piece = slice(begin, stop)
+        above.plot(hours[piece], found[piece, 0], color=plot.COLOURS["phasing"], lw=2.6)
+        waited = (found[piece, 1] - ready[piece]) / 3600.0
+        below.plot(hours[piece], waited, color=plot.COLOURS["terminal"], lw=2.6)
+    for ax in (above, below):
+        for event in events:
+            ax.axvline(event, color=FAINT, lw=0.8, ls=(0, (2, 2)), zorder=0)
+        ax.set_ylim(0.0, 1.12 * ax.get_ylim()[1])
+    above.set_ylabel("ΔV [m/s]")
+    below.set(xlabel="ready at the station [h]", ylabel="until arrival [h]", xlim=(0.0, 8.0))
+    figure.tight_layout()
+    return figure
+
+
+def detour() -> Any:
+    """The altitude of a leg without and with a keep-out zone in its way."""
+    free = adr_opt.generate("nominal", 0)
+    zone = KeepOutZone(min_altitude_m=715e3, max_altitude_m=770e3, start_s=2.4e4, end_s=4.2e4)
+    closed = free.replace(keep_out_zones=(zone,))
+    figure, ax = plt.subplots(figsize=(WIDTH_IN, 3.7))
+    for instance, colour, label in (
+        (free, FAINT, "without the zone"),
+        (closed, plot.COLOURS["phasing"], "with it"),
+    ):
+        plan, leg = _leg(instance, 5)
+        label = f"{label}: {leg.delta_v_m_s:.0f} m/s, arrives after {leg.arrival_s / 3600:.1f} h"
+        pieces = [piece for piece in _heights(instance, plan) if piece[0] != "service"]
+        hours = np.concatenate([piece[1] for piece in pieces])
+        altitudes = np.concatenate([piece[2] for piece in pieces])
+        ax.plot(hours, altitudes, color=colour, lw=2.4, label=label)
+    ax.fill_between(
+        [zone.start_s / 3600.0, zone.end_s / 3600.0],
+        zone.min_altitude_m / 1000.0, zone.max_altitude_m / 1000.0,
+        color=ZONE, alpha=0.3, lw=0.0, label="keep-out zone",
+    )  # fmt: skip
+    ax.set(xlabel="hours since the epoch", ylabel="altitude [km]")
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), handlelength=1.4)
+    return figure
+
+
+def mission() -> Any:
+    """A whole small mission: altitude against time, phases coloured."""
+    instance = adr_opt.generate("tiny", 0)
+    plan = adr_opt.solve(instance, method="greedy-guarded").plan
+    assert plan is not None
+    figure, (above, below) = plt.subplots(
+        2, 1, figsize=(WIDTH_IN, 4.8), sharex=True, height_ratios=(3, 2)
+    )
+    plot.altitude(above, instance, plan)
+    plot.delta_v_left(below, instance, plan)
+    above.set_xlabel("")
+    handles, labels = above.get_legend_handles_labels()
+    figure.legend(handles, labels, ncols=3, loc="lower center", handlelength=1.2)
+    figure.tight_layout(rect=(0.0, 0.17, 1.0, 1.0))
+    return figure
+
+
+PICTURES: dict[str, Callable[[], Any]] = {
+    "sequence": sequence,
+    "leg": leg,
+    "timetable": timetable,
+    "detour": detour,
+    "mission": mission,
+}
+
+
+def draw(folder: Path) -> list[Path]:
+    """Draw all pictures into a folder; returns their paths."""
+    paths = []
+    folder.mkdir(parents=True, exist_ok=True)
+    with plt.rc_context(STYLE):
+        for name, picture in PICTURES.items():
+            figure = picture()
+            path = folder / f"{name}.svg"
+            # Without the date two runs give the same bytes.
+            figure.savefig(path, bbox_inches="tight", pad_inches=0.12, metadata={"Date": None})
+            plt.close(figure)
+            paths.append(path)
+    return paths
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description="Draw the pictures of the documentation.")
+    parser.add_argument("--out", type=Path, default=FOLDER, metavar="DIR")
+    for written in draw(parser.parse_args().out):
+        print(f"{written}: {written.stat().st_size / 1000:.0f} kB")
