@@ -171,7 +171,7 @@ def test_published_policy_refuses_more_targets(small_published: Path) -> None:
     """A network of fixed size plans for fewer targets, and names the other policy for more."""
     few = adr_opt.generate("tiny", 0, targets=4)
     assert adr_opt.solve(few, method="ppo", policy=str(small_published)).objective >= 0
-    with pytest.raises(InputError, match="made for 5 targets.*use the policy 'set'"):
+    with pytest.raises(InputError, match=r"made for 5 targets.*use the policy 'set'"):
         adr_opt.solve(adr_opt.generate("tiny", 0, targets=6), method="ppo",
                       policy=str(small_published))  # fmt: skip
 
