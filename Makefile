@@ -41,7 +41,7 @@ format: $(DEVELOPMENT) ## Format the code and sort the imports
 	$(BIN)/ruff format .
 
 docs: $(DEVELOPMENT) ## Build the documentation in site/ (make test builds it too, elsewhere)
-	$(BIN)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "open site/index.html"
 
 bench: $(DEVELOPMENT) ## Measure the timetable and the planners (docs/benchmarks.md lists the rest)
