@@ -26,6 +26,7 @@ from planners import options_of, parse
 from scipy.stats import t
 
 import adr_opt
+from adr_opt.generator import FAMILIES
 
 BEST_KNOWN = Path(__file__).resolve().parents[1] / "instances" / "best-known.csv"
 METHODS = ("ppo", "ppo:decode=sample@1", "ppo:decode=beam@1")
@@ -135,7 +136,7 @@ def main() -> None:
     if arguments.curve:
         print("\n".join(curve(arguments.curve)))
         return
-    families = [name for name in arguments.what if name in adr_opt.generator.FAMILIES]
+    families = [name for name in arguments.what if name in FAMILIES]
     methods = [name for name in arguments.what if name not in families] or list(METHODS)
     rows_of = best_known()
     print(heading())
