@@ -132,7 +132,7 @@ def main() -> None:
     parser.add_argument("--from", type=int, default=0, dest="first", metavar="SEED")
     parser.add_argument("--targets", type=int)
     parser.add_argument("--curve", type=Path, metavar="FILE")
-    arguments = parser.parse_args()
+    arguments = parser.parse_intermixed_args()
     if arguments.curve:
         print("\n".join(curve(arguments.curve)))
         return

@@ -192,6 +192,7 @@ def test_which_planner_lists_exactly_what_is_installed() -> None:
 
 def commands(text: str) -> Iterator[str]:
     """Every command of a page: lines of code blocks, and code in the text."""
+    text = re.sub(r"\\\n\s*", "", text)  # a backslash at its end goes on with a line
     fenced = re.findall(r"^```\w*\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
     rest = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
     for block in (*fenced, *re.findall(r"(?m)^    \S.*$", rest)):
