@@ -440,7 +440,7 @@ def test_spaces_are_as_wide_as_stated() -> None:
     for targets in (1, 50, 200):
         assert space("published", targets).shape == (7 * targets + 8,)
         assert space("transfer", targets)["moves"].shape == (targets + 1, 29)
-        assert space("lookahead", targets)["moves"].shape == (targets + 1, 43)
+        assert space("lookahead", targets)["moves"].shape == (targets + 1, 51)
         assert space("lookahead", targets)["mission"].shape == (16,)
     box = space("published", 3)
     assert (box.low == -LIMIT).all()

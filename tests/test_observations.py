@@ -10,7 +10,14 @@ import pytest
 from adr_opt import Instance, Mission, generate
 from adr_opt.episodes import Board, FieldPool, move_fields, new_episodes, published_size, start
 from adr_opt.kernels import episodes as kernels
-from adr_opt.kernels.lookahead import CHAIN_FIELDS, CHAIN_M_S_PER_HOUR, SLACK_PER_S, UNGUARDED_S
+from adr_opt.kernels.lookahead import (
+    CHAIN_FIELDS,
+    CHAINS,
+    FOLLOWED,
+    NOTHING_HOURS,
+    SLACK_PER_S,
+    UNGUARDED_S,
+)
 from adr_opt.kernels.observation import LIMIT, MISSION_FIELDS, MOVE_FIELDS, PUBLISHED_ELEMENTS
 
 MU = 398600.4418e9
@@ -91,38 +98,47 @@ class Slow:
             self._lists[key] = [entry[1:] for entry in sorted(found)[:10]]
         return self._lists[key]
 
-    def chain(self, move: int, worth: float) -> tuple[int, float, float, float, float]:
-        """Greedy to the end: count, end, ΔV left, time of and ΔV until the third service."""
+    def chain(self, move: int, worth: float, foresight: float) -> tuple[int, float, float]:
+        """Greedy to the end: targets, end and ΔV left."""
         body, now, left, since, visited = (
             self.body, self.now, self.left, self.since, set(self.visited),
         )  # fmt: skip
-        choice, count, spent, third = move, 0, 0.0, (0.0, 0.0)
+        choice, count = move, 0
         while choice is not None:
             delta_v, end = self.move(body, now, choice)
-            spent += delta_v
             left = self.budget if choice == 0 else left - delta_v
             body, now = choice, end
             since = 0 if choice == 0 else since + 1
             count += choice != 0
             visited.add(choice)
-            if count <= 3:
-                third = (now, spent)
-            choice, least = None, math.inf
-            for k, _, _ in self.ahead(body, now):
-                delta_v, end = self.move(body, now, k)
-                if k in visited or delta_v > left or end > self.duration:
-                    continue
+            choices = []
+            for k, delta_v, end in self.open_ahead(body, now, left, visited):
                 if end < self.duration - UNGUARDED_S and self.move(k, end, 0)[0] > left - delta_v:
                     continue
                 cost = (end - now) / HOUR + delta_v / worth
-                # The list's own order stands where it is that of the chain.
-                if cost < least and not (worth == 450.0 and choice is not None):
-                    choice, least = k, cost
+                after = self.open_ahead(k, end, left - delta_v, visited | {k})
+                if after:
+                    cost += foresight * ((after[0][2] - end) / HOUR + after[0][1] / worth)
+                else:
+                    cost += foresight * NOTHING_HOURS
+                choices.append((cost, len(choices), k))
+            choice = min(choices)[2] if choices else None
             if choice is None and since > 0 and body != 0:
                 delta_v, end = self.move(body, now, 0)
                 if delta_v <= left and end <= self.duration:
                     choice = 0
-        return count, now, left, *third
+        return count, now, left
+
+    def open_ahead(
+        self, body: int, now: float, left: float, visited: set[int]
+    ) -> list[tuple[int, float, float]]:
+        """Target, ΔV and end of service of those ahead that are open and fit."""
+        moves = [(k, *self.move(body, now, k)) for k, _, _ in self.ahead(body, now)]
+        return [
+            (k, delta_v, end)
+            for k, delta_v, end in moves
+            if k not in visited and delta_v <= left and end <= self.duration
+        ]
 
 
 def bounded(value: float, low: float = 0.0) -> float:
@@ -315,24 +331,34 @@ def test_every_number_of_lookahead_is_what_its_name_says(name: str) -> None:
         assert isinstance(without, dict)
         np.testing.assert_array_equal(seen["mission"], without["mission"])
         np.testing.assert_array_equal(seen["moves"][..., : len(MOVE_FIELDS)], without["moves"])
-        moves = [j for j in slow.bodies if slow.legal(j)]
+        ends = {j: slow.move(slow.body, slow.now, j) for j in slow.bodies if slow.legal(j)}
+        ranked = sorted(
+            (j for j in ends if j), key=lambda j: ends[j][1] / HOUR + ends[j][0] / 450.0
+        )
+        moves = ranked[:FOLLOWED] + [0] * (0 in ends)
         wanted = np.zeros((targets + 1, len(CHAIN_FIELDS)))
-        most, slack = np.zeros(targets + 1), np.zeros(targets + 1)
+        compares = slice(len(CHAIN_FIELDS) - 4, len(CHAIN_FIELDS) - 2)
+        wanted[[kernels.action_of(j, targets) for j in ends], compares] = -LIMIT
+        most, slack, followed = {}, {}, {}
         for j in moves:
-            row = kernels.action_of(j, targets)
-            for chain, worth in enumerate(CHAIN_M_S_PER_HOUR):
-                count, end, left, third_s, third_v = slow.chain(j, worth)
-                left_s = slow.duration - end
-                wanted[row, 3 * chain : 3 * chain + 3] = count / 10.0, left_s / 36e3, left / 1e3
-                most[row] = max(most[row], count)
-                slack[row] = max(slack[row], count + left_s * SLACK_PER_S)
-                if worth == 450.0:
-                    wanted[row, 12:14] = (third_s - slow.now) / HOUR / 30.0, third_v / 1e3
-            wanted[row, 9] = most[row] / 10.0
+            followed[j] = [slow.chain(j, *chain) for chain in CHAINS]
+            most[j] = max(count for count, _, _ in followed[j])
+            slack[j] = max(
+                (count + (slow.duration - end) * SLACK_PER_S, -number, left)
+                for number, (count, end, left) in enumerate(followed[j])
+            )
         for j in moves:
-            row = kernels.action_of(j, targets)
-            wanted[row, 10] = most[row] - most.max()
-            wanted[row, 11] = slack[row] - slack.max()
+            counts = [count for count, _, _ in followed[j]]
+            left_s = [slow.duration - end for _, end, _ in followed[j]]
+            wanted[kernels.action_of(j, targets)] = [
+                *np.ravel(np.column_stack([np.divide(counts, 10.0), np.divide(left_s, 36e3)])),
+                1.0,
+                most[j] / 10.0,
+                most[j] - max(most.values()),
+                slack[j][0] - max(slack.values())[0],
+                slack[j][2] / 1e3,
+                np.mean(np.array(counts) >= max(most.values())),
+            ]
         got = seen["moves"][0, :, len(MOVE_FIELDS) :]
         np.testing.assert_allclose(got, wanted.clip(-LIMIT, LIMIT), rtol=0.0, atol=3e-6)
         compared += len(moves)

@@ -21,7 +21,16 @@ torch = pytest.importorskip("torch")
 from adr_opt.env import Fields  # noqa: E402
 from adr_opt.env.vector import MissionVecEnv  # noqa: E402
 from adr_opt.episodes.board import MISSION, MOVES, move_fields  # noqa: E402
+from adr_opt.kernels import episodes as kernels  # noqa: E402
+from adr_opt.result import certify  # noqa: E402
 from solvers.learned import SHIPPED, Policy, load_policy  # noqa: E402
+from solvers.learned.decoding import (  # noqa: E402
+    Field,
+    body_of,
+    finish,
+    follow_chains,
+    promises,
+)
 from solvers.ppo import configs  # noqa: E402
 from solvers.ppo.export import write_onnx  # noqa: E402
 from solvers.ppo.network import SetNetwork  # noqa: E402
@@ -136,6 +145,48 @@ def test_samples_and_beams_are_no_worse_than_the_greedy_plan(policy_file: Path) 
     }
     assert found["sample"] >= found["greedy"]
     assert found["beam"] >= found["greedy"]
+
+
+def test_what_chains_promise_can_be_flown(policy_file: Path) -> None:
+    """Following the chains from any state ends with at least the targets that they promise."""
+    rng = np.random.default_rng(8)
+    gains = 0
+    for seed in range(12):
+        instance = adr_opt.generate("reduced-fuel", seed, targets=15, zones=seed % 4)
+        field = Field(Mission(instance, threads=1), load_policy(policy_file))
+        episodes, made = field.begin(1), [[]]
+        for _ in range(rng.integers(0, 6)):
+            board = field.board(episodes)
+            if not board.legal[0]:
+                break
+            action = rng.choice(np.flatnonzero(board.mask[0]), size=1)
+            kernels.act(field.pool.arrays, episodes, 0, 1, action, np.zeros(1, np.float32))
+            made[0].append(body_of(field, int(action[0])))
+        seen = promises(field, field.board(episodes), episodes)
+        assert seen is not None
+        if not np.isfinite(seen).any():
+            continue
+        plans: list[np.ndarray] = []
+        most = finish(field, episodes, made, follow_chains, plans.append)
+        assert most == np.count_nonzero(plans[0])
+        assert most >= round(float(seen.max()), 3)
+        assert certify(field.mission, "chains", plans[0], seed=0, runtime_s=0.0).objective == most
+        gains += most > seen.max() + 0.5
+    assert gains > 0
+
+
+@pytest.mark.parametrize("decode", ["greedy", "sample", "beam"])
+def test_no_decoding_falls_behind_what_chains_promised(decode: str, policy_file: Path) -> None:
+    """A policy of random weights still ends with what its observation promised at the start."""
+    mission = Mission(adr_opt.generate("reduced-time", 5, targets=20))
+    field = Field(mission, load_policy(policy_file))
+    episodes = field.begin(1)
+    seen = promises(field, field.board(episodes), episodes)
+    assert seen is not None
+    result = adr_opt.solve(
+        mission, method="ppo", policy=str(policy_file), decode=decode, samples=4, width=4
+    )
+    assert result.objective >= round(float(seen.max()), 3)
 
 
 def test_shipped_policy_is_better_than_the_guard() -> None:

@@ -1,5 +1,5 @@
 """Learned policies, for every planner that can use one: files, scores, decoding."""
 
-from .policy import SHIPPED, SHIPPED_QUICK, Policy, load_policy, log_probabilities
+from .policy import SHIPPED, Policy, load_policy, log_probabilities
 
-__all__ = ["SHIPPED", "SHIPPED_QUICK", "Policy", "load_policy", "log_probabilities"]
+__all__ = ["SHIPPED", "Policy", "load_policy", "log_probabilities"]

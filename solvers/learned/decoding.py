@@ -11,11 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.episodes import Board, FieldPool, new_episodes, start
+from adr_opt.episodes.board import MOVES
 from adr_opt.kernels import episodes as kernels
 from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.lookahead import BEHIND, LEAD, PROMISE
+from adr_opt.kernels.observation import MOVE_FIELDS
 from adr_opt.mission import Mission
 
-from .policy import Policy, log_probabilities
+from .policy import FloatArray, Policy, log_probabilities
 
 Sequence = npt.NDArray[np.int64]
 Found = Callable[[Sequence], None]
@@ -46,7 +49,7 @@ class Field:
     def __init__(self, mission: Mission, policy: Policy, threads: int = 1) -> None:
         targets = len(mission.names) - 1
         policy.check_size(targets)
-        self.policy = policy
+        self.mission, self.policy = mission, policy
         self._threads = threads
         # A policy for a fixed number of targets sees the missing ones as bodies that are not there.
         self.targets = policy.targets or targets
@@ -88,6 +91,11 @@ def pick(episodes: kernels.Episodes, rows: npt.NDArray[np.int64]) -> kernels.Epi
     return kernels.Episodes(*(np.ascontiguousarray(part[rows]) for part in episodes))
 
 
+def body_of(field: Field, action: int) -> int:
+    """The body that an action goes to."""
+    return STATION if action == field.targets else action + 1
+
+
 def play(
     field: Field,
     count: int,
@@ -105,29 +113,142 @@ def play(
     temperature : float
         Divides the scores before sampling.
     """
-    episodes = field.begin(count)
-    running = np.arange(count)
-    made: list[list[int]] = [[] for _ in range(count)]
-    rewards = np.zeros(count, dtype=np.float32)
+
+    def choose(board: Board) -> npt.NDArray[np.int64]:
+        scores, _ = field.policy.judge(board.arrays, board.mask)
+        if noise is not None:
+            scores = log_probabilities(scores, temperature) + noise(scores.shape)
+            scores[~board.mask] = -np.inf
+        best: npt.NDArray[np.int64] = scores.argmax(axis=1)
+        return best
+
+    promise = BestPromise(field)
+    most = finish(field, field.begin(count), [[] for _ in range(count)], choose, found, promise)
+    promise.keep(most, found)
+
+
+def finish(
+    field: Field,
+    episodes: kernels.Episodes,
+    made: list[list[int]],
+    choose: Callable[[Board], npt.NDArray[np.int64]],
+    found: Found,
+    promise: BestPromise | None = None,
+) -> int:
+    """Go on from states to the end of every mission.
+
+    Parameters
+    ----------
+    made : list of list of int
+        How each of them came about, bodies; written.
+    choose : callable
+        The actions that follow upon a board.
+    promise : BestPromise, optional
+        Sees every board.
+
+    Returns
+    -------
+    most : int
+        Targets of the best of them.
+    """
+    most = 0
+    running = np.arange(episodes.slot.size)
+    rewards = np.zeros(running.size, dtype=np.float32)
     while running.size:
         board = field.board(episodes)
         alive = board.legal > 0
         if not alive.all():
             for row in running[~alive]:
                 found(np.array(made[row], dtype=np.int64))
+            most = max(most, int(episodes.serviced[~alive].max()))
             running = running[alive]
             if not running.size:
-                return
+                break
             episodes = pick(episodes, np.flatnonzero(alive))
             board = field.board(episodes)
-        scores, _ = field.policy.judge(board.arrays, board.mask)
-        if noise is not None:
-            scores = log_probabilities(scores, temperature) + noise(scores.shape)
-            scores[~board.mask] = -np.inf
-        actions = scores.argmax(axis=1)
+        if promise is not None:
+            promise.look(board, episodes)
+            if promise.row >= 0:
+                promise.made = list(made[running[promise.row]])
+        actions = choose(board)
         kernels.act(field.pool.arrays, episodes, 0, running.size, actions, rewards)
         for row, action in zip(running.tolist(), actions.tolist(), strict=True):
-            made[row].append(STATION if action == field.targets else action + 1)
+            made[row].append(body_of(field, action))
+    return most
+
+
+def promises(field: Field, board: Board, episodes: kernels.Episodes) -> FloatArray | None:
+    """Targets of the whole mission that the chains after each move promise.
+
+    Returns
+    -------
+    promises : (episodes, actions), optional
+        −inf where no chain was followed. None if the policy sees no chains.
+    """
+    if field.policy.observation != "lookahead":
+        return None
+    chains = _chains(board)
+    total = 10.0 * chains[..., PROMISE] + episodes.serviced[:, None]
+    return np.where(chains[..., BEHIND] > 0.0, total, np.float32(-np.inf))
+
+
+def time_left_of_best(board: Board) -> FloatArray:
+    """Time left at the end of the chain that promises most, after each move [10 h]."""
+    chains = _chains(board)
+    counts, left = chains[..., 0:BEHIND:2], chains[..., 1:BEHIND:2]
+    best = np.where(counts > chains[..., PROMISE, None] - 0.05, left, np.float32(0.0))
+    longest: FloatArray = best.max(axis=-1)
+    return longest
+
+
+def follow_chains(board: Board) -> npt.NDArray[np.int64]:
+    """The moves after which chains promise most; what they promise never gets less."""
+    lead = np.where(board.mask, _chains(board)[..., LEAD], np.float32(-np.inf))
+    best: npt.NDArray[np.int64] = lead.argmax(axis=1)
+    return best
+
+
+def _chains(board: Board) -> FloatArray:
+    assert isinstance(board.arrays, dict)
+    return board.arrays[MOVES][..., len(MOVE_FIELDS) :]
+
+
+class BestPromise:
+    """The best promise seen: a plan that can be flown, whatever the policy makes of it.
+
+    Parameters
+    ----------
+    field : Field
+
+    Attributes
+    ----------
+    row : int
+        Its row in the board looked at last; −1 if that has no better one.
+    made : list of int
+        How its state came about, bodies; to be set when ``row`` is.
+    """
+
+    def __init__(self, field: Field) -> None:
+        self._field = field
+        self._most = -math.inf
+        self._state: kernels.Episodes | None = None
+        self.row = -1
+        self.made: list[int] = []
+
+    def look(self, board: Board, episodes: kernels.Episodes) -> FloatArray | None:
+        """Look at the boards of states; returns what they promise, see :func:`promises`."""
+        promised = promises(self._field, board, episodes)
+        self.row = -1
+        if promised is not None and promised.max() > self._most:
+            self._most = float(promised.max())
+            self.row = int(promised.max(axis=1).argmax())
+            self._state = pick(episodes, np.array([self.row]))
+        return promised
+
+    def keep(self, most: int, found: Found) -> None:
+        """Make the plan behind it, by following the chains, if ``most`` targets are fewer."""
+        if self._state is not None and self._most > most:
+            finish(self._field, self._state, [self.made], follow_chains, found)
 
 
 def gumbel(rng: np.random.Generator) -> Callable[[tuple[int, ...]], npt.NDArray[np.float32]]:
@@ -137,6 +258,10 @@ def gumbel(rng: np.random.Generator) -> Callable[[tuple[int, ...]], npt.NDArray[
         return rng.gumbel(size=shape).astype(np.float32)
 
     return draw
+
+
+AFTERWARDS = 0.5
+"""Worth of ten hours left at the end of the chain that promises most [targets]."""
 
 
 @dataclass(frozen=True)
@@ -159,11 +284,39 @@ class BeamSettings:
     delta_v_weight: float = 0.38
 
 
+class _Trail:
+    """How the partial plans of every level of a beam came about."""
+
+    def __init__(self) -> None:
+        self._bodies = [np.full(1, STATION)]
+        self._parents = [np.zeros(1, dtype=np.int64)]
+
+    def add(self, bodies: Sequence, parents: Sequence) -> None:
+        """The next level: last bodies, and places in the level before."""
+        self._bodies.append(bodies)
+        self._parents.append(parents)
+
+    @property
+    def level(self) -> int:
+        """The last level."""
+        return len(self._bodies) - 1
+
+    def back(self, level: int, place: int) -> list[int]:
+        """The bodies on the way to a place."""
+        sequence: list[int] = []
+        while level > 0:
+            sequence.append(int(self._bodies[level][place]))
+            place = int(self._parents[level][place])
+            level -= 1
+        return sequence[::-1]
+
+
 def beam(field: Field, settings: BeamSettings, found: Found, enough: Enough) -> int:
     """Level by level over moves, all states of a level judged by the network at once.
 
     Plans that service the same targets and end at the same body are the same state but for time
-    and ΔV; only the best of them is kept.
+    and ΔV; only the best of them is kept. Where the policy sees chains, partial plans are compared
+    by what these promise, and the best promise is kept, whatever becomes of the plan behind it.
 
     Returns
     -------
@@ -172,13 +325,12 @@ def beam(field: Field, settings: BeamSettings, found: Found, enough: Enough) -> 
     """
     episodes = field.begin(1)
     priors = np.zeros(1)
-    history = [np.full(1, STATION)]
-    parents = [np.zeros(1, dtype=np.int64)]
+    trail = _Trail()
     best_count, best_key = -1, (0.0, 0.0)
     best_place: tuple[int, int] = (0, 0)
+    best_promise = BestPromise(field)
     words = np.random.default_rng(0).integers(1, 2**62, size=field.targets + 1, dtype=np.int64)
     states = 0
-    level = 0
     while True:
         board = field.board(episodes)
         states += board.legal.size
@@ -186,14 +338,24 @@ def beam(field: Field, settings: BeamSettings, found: Found, enough: Enough) -> 
             key = (-float(episodes.delta_v[row]), float(priors[row]))
             if episodes.serviced[row] > best_count or key > best_key:
                 best_count, best_key = int(episodes.serviced[row]), key
-                best_place = (level, int(row))
-        if not board.legal.any() or enough():
+                best_place = (trail.level, int(row))
+        if not board.legal.any():
+            break
+        promised = best_promise.look(board, episodes)
+        if best_promise.row >= 0:
+            best_promise.made = trail.back(trail.level, best_promise.row)
+        if enough():
             break
         scores, _ = field.policy.judge(board.arrays, board.mask)
         logs = log_probabilities(scores) + priors[:, None].astype(np.float32)
-        rows, actions = np.nonzero(board.mask)
-        # Cheaply by prior first: only these children are worth a move.
-        promise = logs[rows, actions]
+        if promised is None:
+            rows, actions = np.nonzero(board.mask)
+            promise = settings.prior_weight * logs[rows, actions]
+        else:
+            rows, actions = np.nonzero(promised > -np.inf)
+            promise = (promised + AFTERWARDS * time_left_of_best(board))[rows, actions]
+            promise = promise + settings.prior_weight * logs[rows, actions]
+        # Cheaply by promise first: only these children are worth a move.
         most = min(rows.size, 6 * settings.width)
         chosen = np.argpartition(-promise, most - 1)[:most] if most < rows.size else slice(None)
         rows, actions, promise = rows[chosen], actions[chosen], promise[chosen]
@@ -202,7 +364,7 @@ def beam(field: Field, settings: BeamSettings, found: Found, enough: Enough) -> 
         kernels.act(field.pool.arrays, children, 0, rows.size, actions, rewards)
         worth = (
             children.serviced
-            + settings.prior_weight * promise
+            + promise
             - settings.time_weight * children.time / 3600.0
             + settings.delta_v_weight * children.left / 1000.0
         )
@@ -210,18 +372,11 @@ def beam(field: Field, settings: BeamSettings, found: Found, enough: Enough) -> 
         same = (children.visited * words).sum(axis=1) ^ (children.body.astype(np.int64) << 1)
         _, firsts = np.unique(same[order], return_index=True)
         kept = order[np.sort(firsts)][: settings.width]
+        priors = logs[rows[kept], actions[kept]].astype(float)
         episodes = pick(children, kept)
-        priors = promise[kept].astype(float)
-        parents.append(rows[kept])
-        history.append(episodes.body.astype(np.int64))
-        level += 1
-    sequence: list[int] = []
-    depth, place = best_place
-    while depth > 0:
-        sequence.append(int(history[depth][place]))
-        place = int(parents[depth][place])
-        depth -= 1
-    found(np.array(sequence[::-1], dtype=np.int64))
+        trail.add(episodes.body.astype(np.int64), rows[kept])
+    found(np.array(trail.back(*best_place), dtype=np.int64))
+    best_promise.keep(best_count, found)
     return states
 
 

@@ -18,9 +18,8 @@ from adr_opt.kernels.observation import MISSION_FIELDS, PUBLISHED_ELEMENTS
 
 FORMAT = "adr-opt-policy/1"
 
-SHIPPED, SHIPPED_QUICK = "set", "set-transfer"
-"""Policies that come with the package: the better one, and one that is quick enough to judge tens
-of thousands of states in a second."""
+SHIPPED = "set"
+"""The policy of the package that is taken unless another is asked for."""
 
 MOST_BYTES = 64 * 2**20
 """A larger file is no policy of ours; it is refused before it is read."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import torch
 from torch import Tensor, nn
 
-from adr_opt.kernels.lookahead import CHAIN_FIELDS, LEAD
+from adr_opt.kernels.lookahead import CHAIN_FIELDS, LEAD, PROMISE
 from adr_opt.kernels.observation import MISSION_FIELDS, MOVE_FIELDS
 
 LEGAL, STATION, OPEN = 0, 1, 2
@@ -33,6 +33,10 @@ class SetNetwork(nn.Module):
     lead : float
         Weight in the scores, at first, of the best chain's lead in the observation ``lookahead``:
         training begins with a policy that follows the best chain, instead of a random one.
+    promise : float
+        Weight in the value, at first, of what the best chain promises [per 10 targets]: with the
+        reward of a training as its unit, the rest of the value is only what a policy gains on the
+        promise, a small number that is soon learned.
     """
 
     def __init__(
@@ -42,6 +46,7 @@ class SetNetwork(nn.Module):
         rounds: int = 2,
         value_scale: float = 1.0,
         lead: float = 8.0,
+        promise: float = 1.0,
     ) -> None:
         super().__init__()
         self.value_scale = value_scale
@@ -57,6 +62,7 @@ class SetNetwork(nn.Module):
         self.value = nn.Linear(width, 1)
         self.has_chains = fields == len(MOVE_FIELDS) + len(CHAIN_FIELDS)
         self.lead = nn.Parameter(torch.tensor(lead))
+        self.promise = nn.Parameter(torch.tensor(promise))
         # Orthogonal weights, a first policy that is nearly uniform and a first value near 0
         # are what actor-critic training starts from.
         for module in self.modules():
@@ -94,4 +100,6 @@ class SetNetwork(nn.Module):
             scores = scores + self.lead * moves[..., len(MOVE_FIELDS) + LEAD]
         pooled = torch.cat([h.sum(dim=1) / count, h.amax(dim=1), torch.relu(whole)], dim=-1)
         value = self.value(self.judge(pooled)).squeeze(-1) * self.value_scale
+        if self.has_chains:
+            value = value + self.promise * moves[..., len(MOVE_FIELDS) + PROMISE].amax(dim=1)
         return scores, value

@@ -14,7 +14,7 @@ from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
-from ..learned import SHIPPED, SHIPPED_QUICK, load_policy
+from ..learned import SHIPPED, load_policy
 from ..learned.decoding import (
     BeamSettings,
     Field,
@@ -27,8 +27,9 @@ from ..learned.decoding import (
 )
 
 DECODE = ("greedy", "sample", "beam")
-PRIOR_WEIGHTS = (0.05, 0.02, 0.1)
-"""Worth of a unit of log-probability in beams that follow each other [targets]."""
+PRIOR_WEIGHT, PRIOR_WEIGHT_BESIDE_CHAINS = 0.05, 0.005
+"""Worth of a unit of log-probability in a beam [targets]. Where the policy sees chains, what they
+promise says most of it already."""
 
 BATCH = 64
 """Samples played side by side."""
@@ -45,7 +46,7 @@ def ppo(
     samples: int = 512,
     temperature: float = 1.5,
     width: int = 100,
-    beams: int = 6,
+    beams: int = 2,
     jobs: int = 0,
 ) -> Result:
     """A policy trained by masked PPO.
@@ -55,10 +56,9 @@ def ppo(
     Parameters
     ----------
     policy : str
-        A policy of the package or a file that ``train`` wrote. If empty, ``set`` for ``greedy``
-        and ``sample``, and ``set-transfer``, which judges states ten times as fast, for ``beam``.
+        A policy of the package or a file that ``train`` wrote; ``set`` if empty.
     decode : str
-        ``greedy``: the move with the best score again and again, a few milliseconds. ``sample``:
+        ``greedy``: the move with the best score again and again, some milliseconds. ``sample``:
         the best of many plans drawn from the policy, by ``seed``, the greedy one among them.
         ``beam``: beams over moves that the policy has judged, the greedy plan besides.
     samples : int
@@ -68,8 +68,7 @@ def ppo(
     width : int
         Partial plans kept by the first beam.
     beams : int
-        Beams, unless ``stop`` says enough before: the policy counts differently in each, and every
-        third is twice as wide.
+        Beams, unless ``stop`` says enough before, each twice as wide as the one before.
     jobs : int
         Threads; 0 for all cores. The plan does not depend on it.
 
@@ -92,7 +91,7 @@ def ppo(
     if jobs < 0:
         raise InputError(f"option jobs = {jobs} of method 'ppo': must be at least 0")
     threads = jobs or os.cpu_count() or 1
-    learned = load_policy(policy or (SHIPPED_QUICK if decode == "beam" else SHIPPED), threads)
+    learned = load_policy(policy or SHIPPED, threads)
     learned.check_size(len(mission.names) - 1)
     rules = mission.rules
     began = time.perf_counter()
@@ -112,13 +111,12 @@ def ppo(
                 counters["plans"] += count
                 progress(kept()[1], math.inf)
         elif decode == "beam":
+            chains = learned.observation == "lookahead"
+            weight = PRIOR_WEIGHT_BESIDE_CHAINS if chains else PRIOR_WEIGHT
             for number in range(beams):
                 if stop(kept()[1], math.inf):
                     break
-                settings = BeamSettings(
-                    width * 2 ** (number // len(PRIOR_WEIGHTS)),
-                    PRIOR_WEIGHTS[number % len(PRIOR_WEIGHTS)],
-                )
+                settings = BeamSettings(width * 2**number, weight)
                 counters["states"] += beam(
                     field, settings, found, lambda: bool(stop(kept()[1], math.inf))
                 )
