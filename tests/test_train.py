@@ -19,6 +19,7 @@ for package in ("torch", "gymnasium", "sb3_contrib", "tensorboard", "safetensors
 
 from adr_opt.env import fields  # noqa: E402
 from adr_opt.library import load_library  # noqa: E402
+from solvers.learned import load_policy  # noqa: E402
 from solvers.ppo import configs  # noqa: E402
 from solvers.ppo.held import FAMILIES, HELD_FIELDS, HELD_SEED  # noqa: E402
 from solvers.ppo.runs import Run  # noqa: E402
@@ -57,6 +58,7 @@ def test_training_survives_a_kill(tmp_path: Path) -> None:
     steps = [int(row["steps"]) for row in _curve(folder)]
     assert steps == sorted(set(steps))
     assert not list(folder.glob("*.part*"))
+    assert load_policy(folder / "last.onnx").facts["steps"] == steps[-1]
     again = subprocess.run(_call(folder, "--steps", "65536"), capture_output=True, text=True)
     assert again.returncode == 0
     assert json.loads((folder / "state.json").read_text(encoding="utf-8")) == after

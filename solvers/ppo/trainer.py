@@ -56,7 +56,7 @@ def model_of(config: Config, env: MissionVecEnv, seed: int, device: str) -> Mask
 
 
 class Keeper(BaseCallback):
-    """Evaluates, checkpoints, keeps the best weights, and ends the training when asked to.
+    """Evaluates, checkpoints, keeps the best weights and the last, and ends when asked to.
 
     Parameters
     ----------
@@ -109,6 +109,7 @@ class Keeper(BaseCallback):
     def _on_training_end(self) -> None:
         if not self.enough():
             self._evaluate()
+            self._keep("last")
         self._save()
 
     def _evaluate(self) -> None:
@@ -118,10 +119,10 @@ class Keeper(BaseCallback):
         self.run.add_to_curve(self.num_timesteps, self.seconds, means)
         if sum(means.values()) > self.best:
             self.best = sum(means.values())
-            self._keep_best()
+            self._keep("best")
         self.report(self.num_timesteps, means)
 
-    def _keep_best(self) -> None:
+    def _keep(self, name: str) -> None:
         config = self.config
         facts = {
             "steps": self.num_timesteps,
@@ -133,12 +134,12 @@ class Keeper(BaseCallback):
             for name, tensor in self.model.policy.state_dict().items()
         }
         self.run.replace(
-            "best.safetensors",
+            f"{name}.safetensors",
             lambda part: save_file(tensors, part, metadata={"facts": json.dumps(facts)}),
         )
         targets = None if config.policy == "set" else config.fields.most_targets
         self.run.replace(
-            "best.onnx",
+            f"{name}.onnx",
             lambda part: write_onnx(
                 self.model.policy, part, name=config.name, observation=config.observation,
                 targets=targets, facts=facts,
