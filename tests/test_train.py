@@ -27,7 +27,7 @@ from solvers.ppo.runs import Run  # noqa: E402
 
 def _call(folder: Path, *more: str) -> list[str]:
     return [
-        sys.executable, "-m", "adr_opt", "train", "--config", "set", "--out", str(folder),
+        sys.executable, "-m", "adr_opt", "train", "--config", "set-transfer", "--out", str(folder),
         "--evaluate-every", "16384", "--checkpoint-every", "0", *more,
     ]  # fmt: skip
 
@@ -37,18 +37,23 @@ def _curve(folder: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
+def _steps(folder: Path) -> int:
+    """Steps of the last checkpoint."""
+    state = folder / "state.json"
+    return int(json.loads(state.read_text(encoding="utf-8"))["steps"]) if state.exists() else 0
+
+
 @pytest.mark.slow
 def test_training_survives_a_kill(tmp_path: Path) -> None:
     """Killed at any moment, a training goes on from its last checkpoint with whole files."""
     folder = tmp_path / "run"
     training = subprocess.Popen(_call(folder, "--steps", "65536", "--quiet"))
     deadline = time.monotonic() + 300.0
-    while not (folder / "state.json").exists() and time.monotonic() < deadline:
+    while time.monotonic() < deadline and not _steps(folder):
         time.sleep(0.2)
     training.send_signal(signal.SIGKILL)
     training.wait()
-    before = json.loads((folder / "state.json").read_text(encoding="utf-8"))
-    assert 0 < before["steps"] < 65536
+    assert 0 < _steps(folder) < 65536
     ended = subprocess.run(
         _call(folder, "--steps", "65536", "--json"), capture_output=True, text=True, check=True
     )
