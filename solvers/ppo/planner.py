@@ -111,8 +111,7 @@ def ppo(
                 counters["plans"] += count
                 progress(kept()[1], math.inf)
         elif decode == "beam":
-            chains = learned.observation == "lookahead"
-            weight = PRIOR_WEIGHT_BESIDE_CHAINS if chains else PRIOR_WEIGHT
+            weight = PRIOR_WEIGHT_BESIDE_CHAINS if field.sees_chains else PRIOR_WEIGHT
             for number in range(beams):
                 if stop(kept()[1], math.inf):
                     break
