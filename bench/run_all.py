@@ -111,15 +111,20 @@ def _account(summary: Summary) -> str:
     """Where the time went, in one sentence."""
     work = sum(summary.spent[part] for part in PARTS)
     shares = ", ".join(f"{part} {summary.spent[part]:.1f} s" for part in PARTS)
-    share = summary.overhead_s / work if work > 0.0 else 0.0
-    planning = summary.overhead_s / max(1e-9, summary.spent["planning"])
     text = (
         f"{summary.rows} rows in {clock(summary.wall_s)} ({summary.wall_s:.1f} s) with "
-        f"{summary.workers} workers: {shares}; harness {summary.overhead_s:.1f} s, "
-        f"{100 * planning:.1f} % of planning, {100 * share:.1f} % of all work"
+        f"{summary.workers} workers: {shares}"
     )
     if summary.deaths:
-        text += f"; {summary.deaths} tasks lost their worker"
+        # What a task that lost its worker had done is not known, so nothing is left to compare.
+        return f"{text}; {summary.deaths} tasks lost their worker"
+    planning = summary.spent["planning"]
+    text += f"; harness {summary.overhead_s:.1f} s"
+    if planning > 0.0:
+        text += (
+            f", {100 * summary.overhead_s / planning:.1f} % of planning, "
+            f"{100 * summary.overhead_s / work:.1f} % of all work"
+        )
     return text
 
 

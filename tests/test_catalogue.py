@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 import os
@@ -552,3 +553,24 @@ class TestExternal:
         ]
         assert np.degrees(np.median(apart)) < 0.05
         assert np.median(np.abs(then[:, 0] - there[:, 0])) < 2e3
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "same"),
+    [
+        ({"number": 0, "object_id": "UNKNOWN"}, {"number": 0, "object_id": "UNKNOWN"}, False),
+        ({"number": None, "object_id": ""}, {"number": None, "object_id": ""}, False),
+        ({"number": 7}, {"number": 7}, True),
+        ({"number": 0, "object_id": "1999-001A"}, {"number": 0, "object_id": "1999-001A"}, True),
+        ({"number": 0, "object_id": "", "raan_deg": 10.0}, {"number": 0, "object_id": ""}, True),
+    ],
+)
+def test_objects_are_the_same_by_number_or_designator(
+    first: dict[str, object], second: dict[str, object], same: bool
+) -> None:
+    """Objects that are not catalogued yet are the same only if all of their elements are."""
+    record = dataclasses.replace(field(1)[0], name="TBA", raan_deg=10.0)
+    other = {"raan_deg": 40.0} if "raan_deg" not in first else {}
+    one = dataclasses.replace(record, **first)
+    two = dataclasses.replace(record, **second, **other)
+    assert (one.key == two.key) is same

@@ -284,6 +284,7 @@ def test_fly_without_its_extra_names_it(
         (["--every", "nan"], "--every = nan"),
         (["--at", "-1"], "--at = -1"),
         (["--at", "inf"], "--at = inf"),
+        (["--at", "0", "--at", "1e12"], "--at = 1e+12: the mission ends at"),
         (["--every", "1e-6"], "--every = 1e-06: the matrices would take"),
         (["--at", "0", "--quantity", "fuel"], "'fuel' is not one of 'delta_v', 'duration'"),
         (["--at", "0", "--scale", "-1"], "scale"),

@@ -64,10 +64,17 @@ def test_wrong_calls_end_in_one_sentence(cli, tiny_file, plan_file, tmp_path) ->
     other.write_text(adr_opt.generate("tiny", 1).to_json(), encoding="utf-8")
     empty = tmp_path / "empty.json"
     adr_opt.load_plan(plan_file).replace(legs=()).save(empty)
+    legs = adr_opt.load_plan(plan_file).legs
+    swapped, early = tmp_path / "swapped.json", tmp_path / "early.json"
+    adr_opt.load_plan(plan_file).replace(legs=(legs[1], legs[0], *legs[2:])).save(swapped)
+    hasty = legs[1].replace(ready_s=legs[0].ready_s)
+    adr_opt.load_plan(plan_file).replace(legs=(legs[0], hasty, *legs[2:])).save(early)
     before = sorted(tmp_path.iterdir())
     for arguments, said in (
         ((other, plan_file, "--out", "a.oem"), "plan.json: the plan belongs to the instance"),
         ((tiny_file, empty, "--out", "a.oem"), "empty.json: the plan has no legs"),
+        ((tiny_file, swapped, "--out", "a.oem"), "leg 1 begins at"),
+        ((tiny_file, early, "--out", "a.script"), "leg 2 begins at"),
         ((tiny_file, plan_file, "--out", "a.xyz"), "a.xyz: suffix '.xyz' is unknown"),
         ((tiny_file, plan_file, "--out", "nowhere/a.oem"), "does not exist"),
         ((tiny_file, plan_file, "--out", plan_file, "--format", "oem"), "this is the input"),

@@ -342,9 +342,18 @@ WRONG: dict[str, Callable[[], Any]] = {
     "more than the 6 of the action space": lambda: MissionEnv(
         adr_opt.generate("tiny", 0, targets=6)
     ).reset(options={"instance": adr_opt.generate("tiny", 0, targets=7)}),
+    "instance = 'x.json': must be an": lambda: MissionEnv(instance="x.json"),
+    "instance = 'y.json': must be an": lambda: MissionEnv(tiny()).reset(
+        options={"instance": "y.json"}
+    ),
+    "fields = 3: must be": lambda: MissionEnv(fields=3),
+    "options = 'abc': must be a dictionary": lambda: MissionEnv(fields=SMALL).reset(options="abc"),
+    "share_of_limits = 'a': must be": lambda: Fields(share_of_limits="a"),
+    "give pairs of ΔV budget and duration": lambda: Fields(limits=(3.0,)),
+    "but an instance is given": lambda: MissionEnv(tiny()).reset(options={"targets": (3, 3)}),
     "no targets": lambda: MissionEnv(adr_opt.generate("tiny", 0, targets=0)),
     "no move is legal at the start": lambda: MissionEnv(tiny(delta_v_m_s=0.0)).reset(),
-    "no move is legal at the start; raise": lambda: MissionEnv(tiny(duration_s=60.0)).reset(),
+    "it needs targets, more duration_s or": lambda: MissionEnv(tiny(duration_s=60.0)).reset(),
     "call reset before the next step": lambda: MissionEnv(tiny()).step(np.int64(0)),
     "call reset first": lambda: MissionEnv(tiny()).action_masks(),
     "no mission has begun": lambda: MissionEnv(tiny()).mission,

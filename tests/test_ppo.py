@@ -222,7 +222,7 @@ def test_published_policy_refuses_more_targets(small_published: Path) -> None:
     """A network of fixed size plans for fewer targets, and names the other policy for more."""
     few = adr_opt.generate("tiny", 0, targets=4)
     assert adr_opt.solve(few, method="ppo", policy=str(small_published)).objective >= 0
-    with pytest.raises(InputError, match=r"made for 5 targets.*use the policy 'set'"):
+    with pytest.raises(InputError, match=r"made for 5 targets.*the package's own \('set'\)"):
         adr_opt.solve(adr_opt.generate("tiny", 0, targets=6), method="ppo",
                       policy=str(small_published))  # fmt: skip
 
@@ -237,6 +237,38 @@ def _with_metadata(source: Path, target: Path, **changes: str | None) -> Path:
             entry.key, entry.value = key, value
     onnx.save(model, target)
     return target
+
+
+def test_files_that_only_look_like_a_policy(policy_file: Path, tmp_path: Path) -> None:
+    """Metadata of a policy on a network of other shapes or types is refused in one sentence."""
+    from onnx import TensorProto, helper
+
+    known = {entry.key: entry.value for entry in onnx.load(policy_file).metadata_props}
+    wide, whole = [None, None, len(move_fields("lookahead"))], [None, 16]
+    for number, (kind, moves, mission) in enumerate(
+        [
+            (TensorProto.FLOAT, wide, whole),
+            (TensorProto.DOUBLE, wide, whole),
+            (TensorProto.FLOAT, [], []),
+            (TensorProto.FLOAT, [1, 51, 51], [1, 16]),
+        ]
+    ):
+        inputs = [
+            helper.make_tensor_value_info(MOVES, kind, moves),
+            helper.make_tensor_value_info(MISSION, kind, mission),
+        ]
+        outputs = [helper.make_tensor_value_info(name, kind, None) for name in "ab"]
+        nodes = [
+            helper.make_node("Identity", [entry.name], [name])
+            for entry, name in zip(inputs, "ab", strict=True)
+        ]
+        graph = helper.make_graph(nodes, "no policy", inputs, outputs)
+        model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=8)
+        helper.set_model_props(model, known)
+        path = tmp_path / f"{number}.onnx"
+        onnx.save(model, path)
+        with pytest.raises(InputError, match="does not take the observation 'lookahead'"):
+            load_policy(path)
 
 
 def test_damaged_and_foreign_policy_files(policy_file: Path, tmp_path: Path) -> None:

@@ -101,6 +101,43 @@ def test_a_folder_of_another_training_is_refused(tmp_path: Path) -> None:
         Run(tmp_path / "run", config, 0)
 
 
+def test_a_damaged_state_is_refused(tmp_path: Path) -> None:
+    """Half of a state file ends in a sentence, and not in a training that begins anew."""
+    run = Run(tmp_path, configs.config("set"), 0)
+    assert run.state == {}
+    (tmp_path / "checkpoint.zip").write_bytes(b"")
+    for text in ('{"steps": 16', "[]", '{"steps": 3}', '{"steps": "a", "seconds": 1, "best": 1}'):
+        (tmp_path / "state.json").write_text(text, encoding="utf-8")
+        with pytest.raises(adr_opt.errors.InputError, match="not the state of a training"):
+            run.state  # noqa: B018
+
+
+@pytest.mark.slow
+def test_a_training_stopped_after_its_last_step_is_ended(tmp_path: Path) -> None:
+    """The same call again evaluates and keeps the last weights, and then says what they are."""
+    from solvers.ppo import trainer
+
+    config = configs.config("published")
+    calls = {
+        "steps": 1, "seed": 0, "jobs": 1, "device": "cpu", "evaluate_every": 10**9,
+        "checkpoint_s": 0.0,
+    }  # fmt: skip
+    steps: list[int] = []
+    trainer.train(
+        config, tmp_path, **calls, enough=lambda: bool(steps and steps[-1] > 0),
+        report=lambda done, _: steps.append(done),
+    )  # fmt: skip
+    (tmp_path / "last.onnx").unlink(missing_ok=True)
+    heard: list[dict[str, float]] = []
+    for _ in range(2):
+        trainer.train(
+            config, tmp_path, **calls, enough=lambda: False,
+            report=lambda _, means: heard.append(dict(means)),
+        )  # fmt: skip
+        assert (tmp_path / "last.onnx").is_file()
+    assert heard[-1].keys() == set(FAMILIES)
+
+
 def test_published_configuration_is_the_appendix() -> None:
     """The named configuration states the published hyperparameters."""
     config = configs.config("published")
@@ -118,6 +155,8 @@ def test_bad_calls_of_train(cli, tmp_path: Path) -> None:
         ("--config", "other", "--out", "run"),
         ("--config", "set", "--out", "run", "--steps", "0"),
         ("--config", "set", "--out", "run", "--seed", "-1"),
+        ("--config", "set", "--out", "run", "--seed", "99999999999999999999"),
+        ("--config", "set", "--out", "run", "--jobs", "5000"),
         ("--config", "set", "--out", "run", "--checkpoint-every", "-1"),
         ("--config", "set", "--out", "file"),
         ("--config", "set", "--out", "file/run"),

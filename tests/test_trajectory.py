@@ -156,7 +156,7 @@ def test_phases_that_take_no_time_are_left_out(tiny: Instance) -> None:
 @pytest.mark.parametrize("step_s", [0.0, -1.0, math.nan, math.inf, 1e-4])
 def test_a_step_that_cannot_be_is_refused(tiny: Instance, plan: Plan, step_s: float) -> None:
     """A step is positive, finite, and long enough for the samples to fit into memory."""
-    with pytest.raises(adr_opt.InputError, match="step_s"):
+    with pytest.raises(adr_opt.InputError, match="step"):
         sample(tiny, plan, step_s)
 
 
@@ -188,7 +188,7 @@ def test_absurd_times_end_in_a_sentence(tiny: Instance, plan: Plan, changes: dic
     if "burn_s" in times:
         time = times.pop("burn_s")
         leg = leg.replace(burns=tuple(burn.replace(time_s=time) for burn in leg.burns))
-    with pytest.raises(adr_opt.InputError, match=r"step_s|leg 1"):
+    with pytest.raises(adr_opt.InputError, match=r"step|leg 1"):
         sample(tiny, plan.replace(legs=(leg.replace(**times),)))
 
 

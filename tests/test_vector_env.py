@@ -256,7 +256,7 @@ def test_the_protocol_of_stable_baselines() -> None:
 
 WRONG: dict[str, Callable[[], Any]] = {
     "count = 0": lambda: vector(count=0),
-    "slots = 1: must be at least 2": lambda: vector(slots=1, refresh_every=100),
+    "slots = 1: must be a whole number from 2 on": lambda: vector(slots=1, refresh_every=100),
     "refresh_every = -1": lambda: vector(refresh_every=-1),
     "threads = 0": lambda: vector(threads=0),
     "seed = -1": lambda: vector(seed=-1),

@@ -25,6 +25,14 @@ from .station import densest, find, parse_orbit, plane_angles
 FAR_DAYS = 7.0
 """Elements farther than this from the epoch are warned of: SGP4 loses kilometres a day."""
 
+AT_ANOTHER_EPOCH = ("far-epoch", "sgp4-error")
+"""Why an object is left out that might be kept at another epoch."""
+
+NO_FILTERS = ("malformed", "duplicate", "not-sgp4", "decayed", *AT_ANOTHER_EPOCH)
+"""Why objects are left out that no filter was asked for."""
+
+PLACED = "at the densest plane"
+
 MANY_TARGETS = 1000
 """More targets than this are warned of: the timetable grows with their square."""
 
@@ -191,7 +199,7 @@ def to_instance(
         read=read,
         dropped=tuple(dropped),
         warnings=tuple(_warnings(targets, host, instance, epoch)),
-        station=host.label if host else "as told" if told is not None else "the densest plane",
+        station=f"at {host.label}" if host else "as told" if told is not None else PLACED,
     )
 
 
@@ -264,15 +272,17 @@ def _failed_sentence(failed: Sequence[Dropped], epoch: datetime, host: Record | 
     ):  # fmt: skip
         return f"{said}); give another --station or --epoch"
     more = f"; {len(failed) - 1} more objects fail" if len(failed) > 1 else ""
-    return f"{said}{more}); leave such objects out with --skip-bad, or give another --epoch"
+    other = ", or give another --epoch" if first.reason in AT_ANOTHER_EPOCH else ""
+    return f"{said}{more}); leave such objects out with --skip-bad{other}"
 
 
 def _nothing_left(read: int, dropped: Sequence[Dropped]) -> InputError:
     counts = Counter(drop.reason for drop in dropped)
     listed = ", ".join(f"{reason} {count}" for reason, count in counts.items())
-    return InputError(
-        f"no object is left of {read} (left out: {listed or 'none'}); widen the filters"
-    )
+    advice = "widen the filters" if counts.keys() - set(NO_FILTERS) else "give other files"
+    if counts.keys() & set(AT_ANOTHER_EPOCH):
+        advice += ", or another --epoch"
+    return InputError(f"no object is left of {read} (left out: {listed or 'none'}); {advice}")
 
 
 def _warnings(

@@ -38,7 +38,9 @@ def read_json(text: str, source: str) -> Iterator[Record | Dropped]:
         try:
             item, place = _DECODER.raw_decode(text, place)
         except (ValueError, RecursionError) as error:
-            said = getattr(error, "msg", "nested too deeply or a number too long")
+            said = "nested too deeply or a number too long"
+            if isinstance(error, json.JSONDecodeError):
+                said = f"{error.msg}, column {error.colno}"
             yield Dropped(source, line, "", "malformed", f"not JSON: {said}", ordinal)
             return
         if not is_list:

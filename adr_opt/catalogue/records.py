@@ -11,6 +11,10 @@ LONGEST_NAME = 80
 """Longer names of objects are cut."""
 
 
+NO_DESIGNATOR = ("", "UNKNOWN", "TBA", "TBD", "NONE")
+"""What stands for the international designator where there is none."""
+
+
 @dataclass(frozen=True, slots=True)
 class Record:
     """One element set: mean elements of SGP4 in TEME at their epoch.
@@ -73,13 +77,21 @@ class Record:
 
     @property
     def key(self) -> tuple[Any, ...]:
-        """What makes two records the same object: the number, else designator and name."""
-        return (self.number,) if self.number is not None else (self.object_id, self.name)
+        """What makes two records the same object: the number, else the designator with the name.
+
+        Number 0 and the designator UNKNOWN are of objects that are not catalogued yet. Without
+        either, only a record that says the same is the same.
+        """
+        if self.number:
+            return (self.number,)
+        if self.object_id.upper() not in NO_DESIGNATOR:
+            return (self.object_id, self.name)
+        return (self,)
 
     @property
     def label(self) -> str:
         """The object as an instance names it: its name and what tells it from namesakes."""
-        identity = str(self.number) if self.number is not None else self.object_id
+        identity = str(self.number) if self.number else self.object_id
         return " ".join(part for part in (self.name or "object", identity) if part)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from datetime import datetime
 from typing import TYPE_CHECKING
 
@@ -76,6 +77,13 @@ def command(
     check_out(out, *files)
     if any(not name.strip() for name in names):
         raise InputError("--name '': give a part of a name or a pattern")
+    for option, value, least in (
+        ("--max-targets", max_targets, 1),
+        ("--duration-days", duration_days, 0.0),
+        ("--delta-v", delta_v, 0.0),
+    ):
+        if value is not None and not (least <= value < math.inf and value > 0):
+            raise InputError(f"{option} = {value:g}: must be a positive number")
     filters = catalogue.Filters(
         altitude_km=None if altitude is None else parse_range(altitude, "--altitude"),
         inclination_deg=None if inclination is None else parse_range(inclination, "--inclination"),
@@ -138,7 +146,7 @@ def _tell(made: Imported, out: str) -> None:
     orbit = instance.station.orbit
     altitude_km = (orbit.semi_major_axis_m - EARTH_RADIUS_M) / 1e3
     say(
-        f"station at {made.station}: altitude {altitude_km:.1f} km, inclination "
+        f"station {made.station}: altitude {altitude_km:.1f} km, inclination "
         f"{orbit.inclination_deg:.3f}°, RAAN {orbit.raan_deg:.3f}°; "
         f"left out: {listed or 'nothing'}"
     )

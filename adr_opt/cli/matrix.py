@@ -87,7 +87,7 @@ def command(
         departures = _departures(instance, every_s, at_s)
         write_matrix(instance, out, departures, quantity=quantity, scale=scale)
         written |= {"quantity": quantity, "departures_s": departures.tolist()}
-        what = f"{departures.size} ready times"
+        what = f"{departures.size} ready time{'s' if departures.size > 1 else ''}"
     if as_json:
         emit_json(written | {"bodies": list(instance.names)})
     if not quiet:
@@ -99,9 +99,11 @@ def _departures(instance: Instance, every_s: float | None, at_s: tuple[float, ..
     """The ready times asked for [s]."""
     import numpy as np
 
-    if every_s is None:
-        return np.array(at_s)
     end_s = instance.mission.duration_s
+    if every_s is None:
+        if max(at_s) > end_s:
+            raise InputError(f"--at = {max(at_s):g}: the mission ends at {end_s:g} s")
+        return np.array(at_s)
     size = 16.0 * len(instance.names) ** 2 * (end_s / every_s + 1.0)
     if size > MOST_BYTES:
         raise InputError(

@@ -32,6 +32,8 @@ def command(instance_path: str, plan_path: str, out: str, as_json: bool, quiet: 
 
     instance, plan = load(instance_path), load_plan(plan_path)
     check_out(out, instance_path, plan_path)
+    if not out.lower().endswith((".html", ".htm")):
+        raise InputError(f"{out}: the page is HTML; give a file that ends in .html")
     try:
         written = write_report(instance, plan, out)
     except MissingExtra:

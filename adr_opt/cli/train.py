@@ -20,7 +20,9 @@ from .parameters import json_option, quiet_option
 @click.option(
     "--config", "config", required=True, metavar="NAME", help="set, set-transfer or published."
 )
-@click.option("--steps", type=int, metavar="N", help="Environment steps.")
+@click.option(
+    "--steps", type=int, metavar="N", help="Environment steps, at least; whole rollouts are played."
+)
 @click.option("--out", required=True, metavar="DIR", help="Folder of the run; resumed.")
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--jobs", type=int, default=1, show_default=True, help="Threads.")
@@ -54,14 +56,14 @@ def command(
     from ..trainer import get
 
     train = get(config)
-    for name, value, least in (
-        ("--steps", 1 if steps is None else steps, 1),
-        ("--seed", seed, 0),
-        ("--jobs", jobs, 1),
-        ("--evaluate-every", evaluate_every, 1),
+    for name, value, least, most in (
+        ("--steps", 1 if steps is None else steps, 1, 10**12),
+        ("--seed", seed, 0, 2**31 - 1),
+        ("--jobs", jobs, 1, 1024),
+        ("--evaluate-every", evaluate_every, 1, 10**12),
     ):
-        if value < least:
-            raise InputError(f"{name} = {value}: must be at least {least}")
+        if not least <= value <= most:
+            raise InputError(f"{name} = {value}: must be between {least} and {most}")
     if not (checkpoint_s >= 0.0 and math.isfinite(checkpoint_s)):
         raise InputError(f"--checkpoint-every = {checkpoint_s:g}: must be seconds from 0 on")
     folder = Path(out)

@@ -22,6 +22,13 @@ DAY_S = 86400.0
 Range = tuple[float, float]
 
 
+def _between(value: Any, least: float, most: float) -> bool:
+    try:
+        return bool(least <= value <= most)
+    except TypeError:
+        return False
+
+
 @dataclass(frozen=True)
 class Limits:
     """ΔV budget and duration of one mission.
@@ -41,7 +48,7 @@ class Limits:
 
     def __post_init__(self) -> None:
         for name in ("delta_v_m_s", "duration_s"):
-            if not 0.0 < getattr(self, name) < float("inf"):
+            if not _between(getattr(self, name), 1e-300, 1e300):
                 raise InputError(f"{name} = {getattr(self, name)!r}: must be a positive number")
 
 
@@ -61,7 +68,7 @@ class Fields:
         Least and largest ΔV budget [m/s] and duration [s], drawn uniformly for every mission; the
         family's if None.
     limits : tuple of Limits
-        Pairs of budget and duration that are drawn besides.
+        Pairs of budget and duration that are drawn besides; plain pairs become :class:`Limits`.
     share_of_limits : float
         How often one of ``limits`` is drawn, each equally often, instead of the ranges.
     share_of_family : float
@@ -84,6 +91,15 @@ class Fields:
 
     def __post_init__(self) -> None:
         family(self.family)
+        try:
+            pairs = tuple(
+                limits if isinstance(limits, Limits) else Limits(*limits) for limits in self.limits
+            )
+        except TypeError:
+            raise InputError(
+                f"limits = {self.limits!r}: give pairs of ΔV budget and duration"
+            ) from None
+        object.__setattr__(self, "limits", pairs)
         for name in ("targets", "zones", "delta_v_m_s", "duration_s"):
             span = getattr(self, name)
             if span is None:
@@ -104,7 +120,7 @@ class Fields:
                     f"{least:g}"
                 )
         for name in ("share_of_limits", "share_of_family"):
-            if not 0.0 <= getattr(self, name) <= 1.0:
+            if not _between(getattr(self, name), 0.0, 1.0):
                 raise InputError(f"{name} = {getattr(self, name)!r}: must be between 0 and 1")
         if self.share_of_limits > 0.0 and not self.limits:
             raise InputError("share_of_limits is positive, but there are no limits to draw from")
@@ -118,7 +134,7 @@ class Fields:
         InputError
             An option that does not exist.
         """
-        known = {field.name for field in fields(cls)}
+        known = [field.name for field in fields(cls)]
         for name in options or {}:
             if name not in known:
                 raise InputError(f"option {name!r} is unknown; use one of: {', '.join(known)}")
@@ -175,6 +191,17 @@ class Fields:
                 budgets[index] = self.limits[which].delta_v_m_s
                 durations[index] = self.limits[which].duration_s
         return budgets, durations
+
+
+def check_kind(given: Any) -> None:
+    """Refuse what is no distribution of missions.
+
+    Raises
+    ------
+    InputError
+    """
+    if not isinstance(given, Fields):
+        raise InputError(f"fields = {given!r}: must be an adr_opt.env.Fields")
 
 
 PUBLISHED = Fields()

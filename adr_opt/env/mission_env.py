@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+from collections.abc import Mapping
 from typing import Any
 
 import gymnasium
@@ -15,7 +16,7 @@ from ..errors import InputError
 from ..instance import Instance
 from ..kernels import episodes as kernels
 from ..mission import Mission
-from .fields import PUBLISHED, Fields
+from .fields import PUBLISHED, Fields, check_kind
 from .rendering import picture, sentence
 from .spaces import space
 
@@ -97,6 +98,8 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             known = ", ".join(self.metadata["render_modes"])
             raise InputError(f"render_mode {render_mode!r} is unknown; use one of: {known}")
+        _check_kind(instance)
+        check_kind(fields)
         self.render_mode = render_mode
         self.fields = fields
         self._fixed = instance
@@ -127,12 +130,21 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         Raises
         ------
         InputError
-            Unknown option, more targets than the action space has, or no legal first move.
+            Unknown option, an option beside an instance, more targets than the action space has, or
+            no legal first move.
         """
         super().reset(seed=seed)
+        if not isinstance(options or {}, Mapping):
+            raise InputError(f"options = {options!r}: must be a dictionary")
         changes = dict(options or {})
         fixed = changes.pop("instance", self._fixed)
         fields = Fields.from_options(changes, self.fields)
+        _check_kind(fixed)
+        if fixed is not None and changes:
+            raise InputError(
+                f"option {next(iter(changes))!r} changes what missions are drawn from, but an "
+                "instance is given"
+            )
         for _ in range(MOST_REDRAWS):
             instance = fixed
             if instance is None:
@@ -150,7 +162,8 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
             if fixed is not None:
                 break
         raise InputError(
-            f"{instance.name}: no move is legal at the start; raise duration_s or delta_v_m_s"
+            f"{instance.name}: no move is legal at the start; it needs targets, more duration_s or "
+            "delta_v_m_s, or fewer keep-out zones"
         )
 
     def _begin(self, instance: Instance) -> None:
@@ -241,3 +254,8 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         state = {**self._info(), "body": int(self._episodes.body[0])}
         draw = sentence if self.render_mode == "ansi" else picture
         return draw(self._mission, state, self._episodes.visited[0])
+
+
+def _check_kind(instance: Any) -> None:
+    if instance is not None and not isinstance(instance, Instance):
+        raise InputError(f"instance = {instance!r}: must be an adr_opt.Instance; load it first")

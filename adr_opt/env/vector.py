@@ -18,7 +18,7 @@ from ..errors import InputError
 from ..instance import Instance
 from ..kernels import episodes as kernels
 from ..mission import Mission
-from .fields import PUBLISHED, Fields
+from .fields import PUBLISHED, Fields, check_kind
 from .spaces import space
 
 MOST_REDRAWS = 1000
@@ -96,8 +96,9 @@ class MissionVecEnv(VecEnv):
             ("threads", threads, 1),
             ("seed", seed, 0),
         ):
-            if value < least:
-                raise InputError(f"{name} = {value}: must be at least {least}")
+            if not isinstance(value, (int, np.integer)) or value < least:
+                raise InputError(f"{name} = {value!r}: must be a whole number from {least} on")
+        check_kind(fields)
         if not math.isfinite(reward_scale):
             raise InputError(f"reward_scale = {reward_scale!r}: must be a finite number")
         self.fields = fields

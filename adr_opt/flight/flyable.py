@@ -16,15 +16,42 @@ def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
     It belongs to another instance, names an unknown body, or has burns out of time order, after
     the arrival or without an approach.
     """
+    refuse_foreign(instance, plan)
+    bodies = set(instance.names)
+    for number, leg in enumerate(plan.legs, start=1):
+        _refuse_leg(number, leg, bodies)
+
+
+def refuse_foreign(instance: Instance, plan: Plan) -> None:
+    """Raise :class:`InputError` for a plan that belongs to another instance."""
     if plan.instance.name != instance.name or plan.instance.sha256 != instance.sha256:
         raise InputError(
             f"the plan belongs to the instance {plan.instance.name!r} "
             f"(sha256 {plan.instance.sha256[:12]}…), not to {instance.name!r} "
             f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
         )
-    bodies = set(instance.names)
+
+
+def refuse_broken_chain(instance: Instance, plan: Plan) -> None:
+    """Raise :class:`InputError` for legs that cannot be flown one after the other.
+
+    Each may be flown alone; a flight of all of them needs that each begins where and not before the
+    one before it ends.
+    """
+    where, free_s = instance.station.name, 0.0
     for number, leg in enumerate(plan.legs, start=1):
-        _refuse_leg(number, leg, bodies)
+        if leg.origin != where:
+            raise InputError(
+                f"leg {number} begins at {leg.origin!r}, but the chaser is at {where!r}; put the "
+                "legs in order"
+            )
+        begins_s = min(leg.ready_s, leg.departure_s, leg.burns[0].time_s)
+        if begins_s < free_s - TIME_TOLERANCE_S:
+            raise InputError(
+                f"leg {number} begins at {begins_s!r} s, but the chaser is free at {free_s!r} s "
+                "only; correct its times"
+            )
+        where, free_s = leg.destination, leg.end_s
 
 
 def _refuse_leg(number: int, leg: Leg, bodies: set[str]) -> None:

@@ -22,7 +22,7 @@ CHAINS = tuple((worth, share) for share in (0.0, 0.6) for worth in (200.0, 350.0
 """The chains: ΔV taken to be worth an hour [m/s], and how much of the cost of the cheapest move
 after it counts as a move's own."""
 
-FOLLOWED = 12
+FOLLOWED = 8
 """So many targets are followed by chains, those whose moves are cheapest now, and the station."""
 
 CHAIN_FIELDS = (

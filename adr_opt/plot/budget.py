@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from ..flight.flyable import refuse_foreign
 from ..instance import Instance
 from ..plan import Plan
 from .axes import DAY_S, label
@@ -38,6 +39,7 @@ def budget(instance: Instance, plan: Plan) -> Budget:
 
     The cost of matching eccentricity vectors has no burn; it is taken with the last one of a leg.
     """
+    refuse_foreign(instance, plan)
     left = instance.mission.delta_v_m_s
     rows = [(0.0, left, 0, False)]
     for number, leg in enumerate(plan.legs, start=1):

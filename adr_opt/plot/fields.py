@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..flight.flyable import refuse_foreign
 from ..instance import Instance
 from ..plan import Plan
 from ..timetable import Matrices
@@ -46,6 +47,7 @@ def planes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
     index = {name: number for number, name in enumerate(instance.names)}
     route = [0]
     if plan is not None:
+        refuse_foreign(instance, plan)
         route += [index[leg.destination] for leg in plan.legs if leg.destination in index]
         ax.plot(
             raan[route], inclination[route], color=COLOURS["phasing"], linewidth=0.8, zorder=1,

@@ -23,6 +23,11 @@ def gantt(ax: Any, instance: Instance, plan: Plan) -> Any:
     Returns
     -------
     matplotlib.axes.Axes
+
+    Raises
+    ------
+    InputError
+        The plan belongs to another instance.
     """
     found = segments(instance, plan)
     for phase in PHASES:

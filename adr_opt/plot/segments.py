@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
+from ..flight.flyable import refuse_foreign
 from ..instance import Instance
 from ..plan import Leg, Plan
 
@@ -46,6 +47,7 @@ def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
     plan : Plan
         Need not be free of violations.
     """
+    refuse_foreign(instance, plan)
     return tuple(
         segment
         for number, leg in enumerate(plan.legs, start=1)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import InputError
 from ..instance import Instance
 from ..kernels.constants import EARTH_RADIUS_M
 from ..plan import Plan
@@ -25,6 +26,7 @@ def earth(ax: Any) -> Any:
     -------
     mpl_toolkits.mplot3d.Axes3D
     """
+    _check_three(ax)
     latitude, longitude = np.meshgrid(
         np.linspace(-np.pi / 2, np.pi / 2, 19), np.linspace(0.0, 2.0 * np.pi, 37), indexing="ij"
     )
@@ -51,6 +53,7 @@ def orbits(ax: Any, instance: Instance) -> Any:
     -------
     mpl_toolkits.mplot3d.Axes3D
     """
+    _check_three(ax)
     rings = joined([ring(instance, target.name) for target in instance.targets]) / KM_M
     if rings.size:
         ax.plot(*rings.T, color=UNVISITED, linewidth=0.4, label="targets")
@@ -78,6 +81,7 @@ def path(ax: Any, instance: Instance, plan: Plan) -> Any:
     InputError
         The plan belongs to another instance or cannot be flown.
     """
+    _check_three(ax)
     found = tracks(instance, plan)
     for phase in PHASES:
         of_phase = [track.around_m for track in found if track.phase == phase]
@@ -88,6 +92,11 @@ def path(ax: Any, instance: Instance, plan: Plan) -> Any:
             )  # fmt: skip
     ax.set_aspect("equal")
     return _labelled(ax)
+
+
+def _check_three(ax: Any) -> None:
+    if not hasattr(ax, "set_zlabel"):
+        raise InputError("the axis is flat; make it with projection='3d'")
 
 
 def _labelled(ax: Any) -> Any:

@@ -143,8 +143,8 @@ def sample(instance: Instance, plan: Plan, step_s: float = 60.0) -> Trajectory:
     total_s = sum(_span(leg) for leg in plan.legs)
     if not total_s / step_s <= MOST_SAMPLES:
         raise InputError(
-            f"step_s = {step_s:g}: would give {total_s / step_s:.3g} samples, more than "
-            f"{MOST_SAMPLES}; raise it"
+            f"a flight of {total_s:.3g} s, a state every {step_s:g} s, would have more than "
+            f"{MOST_SAMPLES:,} states; take a longer step, or correct the times of the plan"
         )
     return Trajectory(
         instance,

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..files import check_writable, write_text
+from ..flight.flyable import refuse_broken_chain
 from ..instance import Instance
 from ..plan import Plan
 from .czml import to_czml
@@ -59,7 +60,8 @@ def write_plan(
     ------
     InputError
         Unknown format or frame, a plan of another instance, without legs or that cannot be flown,
-        no such leg, a step that is not positive, or a file that cannot be written.
+        legs that do not follow each other, no such leg, a step that is not positive, or a file that
+        cannot be written.
     """
     format_of(path, format)
     check_frame(frame)
@@ -77,6 +79,7 @@ def flown(
     if not trajectory.legs:
         raise InputError("the plan has no legs: there is nothing to fly and so nothing to export")
     if leg is None:
+        refuse_broken_chain(instance, plan)
         return trajectory
     if not 1 <= leg <= len(trajectory.legs):
         raise InputError(f"leg = {leg}: the plan has the legs 1 to {len(trajectory.legs)}")

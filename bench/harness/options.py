@@ -96,10 +96,13 @@ def parse(arguments: Sequence[str], description: str) -> Options:
         raise InputError(f"--jobs = {jobs}: must be a number of processes, at least 1")
     if typed.cluster is not None and typed.jobs is not None:
         raise InputError("--jobs and --cluster exclude each other; the cluster has its own workers")
-    if typed.report_only and typed.no_report:
-        raise InputError("--report-only and --no-report exclude each other; leave one out")
+    for name in ("no_report", "retry_failed"):
+        if typed.report_only and getattr(typed, name):
+            option = name.replace("_", "-")
+            raise InputError(f"--report-only and --{option} exclude each other; leave one out")
+    protocol = _protocol(typed)
     return Options(
-        protocol=None if typed.report_only else _protocol(typed),
+        protocol=None if typed.report_only else protocol,
         out=typed.out,
         jobs=jobs,
         cluster=typed.cluster,

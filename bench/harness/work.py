@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import contextlib
 import math
+import sys
 import time
-import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -95,8 +95,12 @@ def preflight(methods: tuple[Method | BoundCall, ...]) -> str | None:
             _solve_small(method)
         except InputError as error:
             return f"{method.name}: {error}"
-        except Exception:
-            traceback.print_exc()
+        except Exception as error:
+            print(
+                f"{method.name}: fails on a small mission ({_sentence(error)}); its rows will say "
+                "what becomes of it",
+                file=sys.stderr,
+            )
         _warm.add(method)
     return None
 
@@ -126,8 +130,14 @@ def _solve_small(method: Method | BoundCall) -> None:
     result = front.solve(
         mission, method.name, time_limit=WARM_LIMIT_S, iterations=3, **method.values()
     )
+    if not isinstance(result, Result):
+        raise TypeError(_no_result(result))
     if result.plan is not None:
         adr_opt.check(mission.instance, result.plan)
+
+
+def _no_result(given: Any) -> str:
+    return f"returned {type(given).__name__}, not a Result"
 
 
 def _plan(task: Task, method: Method, mission: Mission, spent: Spent) -> dict[str, Any]:
@@ -153,8 +163,10 @@ def _plan(task: Task, method: Method, mission: Mission, spent: Spent) -> dict[st
     return _row(task, method, planning_s=planning_s, check_s=check_s, **facts)
 
 
-def _judged(instance: Instance, result: Result) -> dict[str, Any]:
+def _judged(instance: Instance, result: Any) -> dict[str, Any]:
     """The facts of a plan, and whether it may count: ``check`` decides, nothing else."""
+    if not isinstance(result, Result):
+        return {"outcome": "illegal", "message": _no_result(result)}
     plan = result.plan
     if plan is None:
         return {"outcome": "illegal", "message": f"returned no plan, status {result.status!r}"}

@@ -62,7 +62,7 @@ class Field:
     @property
     def sees_chains(self) -> bool:
         """Whether the policy's observation has chains."""
-        return self.policy.observation == "lookahead"
+        return bool(self.policy.observation == "lookahead")
 
     def begin(self, count: int) -> kernels.Episodes:
         """``count`` episodes at the start of the mission."""

@@ -88,6 +88,8 @@ class Policy:
             self.facts = json.loads(known["facts"])
             self.name, self.observation = known["name"], known["observation"]
             self.targets = int(known["targets"]) or None
+            if (self.targets or 1) < 1:
+                raise ValueError
         except (KeyError, ValueError):
             raise InputError(f"{path}: its metadata is not that of a policy") from None
         if self.observation not in OBSERVATIONS:
@@ -100,15 +102,30 @@ class Policy:
                 f"{path}: made for another version of the observation {self.observation!r}; "
                 "train it again"
             )
-        self._check_inputs(path)
+        self._path = path
+        self._check_shapes()
 
-    def _check_inputs(self, path: Path) -> None:
-        wanted = {MOVES: len(move_fields(self.observation)), MISSION: len(MISSION_FIELDS)}
+    def _check_shapes(self) -> None:
+        """Judge two made-up states, so that no other file gets further than this."""
+        actions = (self.targets or 3) + 1
+        states: Observation = {
+            MOVES: np.zeros((2, actions, len(move_fields(self.observation))), np.float32),
+            MISSION: np.zeros((2, len(MISSION_FIELDS)), np.float32),
+        }
         if self.observation == "published":
-            wanted = {"observation": published_size(self.targets or 0)}
-        found = {entry.name: entry.shape[-1] for entry in self._session.get_inputs()}
-        if found != wanted or len(self._session.get_outputs()) != 2:
-            raise InputError(f"{path}: takes {found} instead of {wanted}; train it again")
+            states = np.zeros((2, published_size(self.targets or 0)), np.float32)
+        try:
+            scores, value = self.judge(states, np.ones((2, actions), np.bool_))
+            fits = scores.shape == (2, actions) and value.shape == (2,)
+        except InputError:
+            raise
+        except Exception:  # ONNX Runtime has no common class of its own for these
+            fits = False
+        if not fits:
+            raise InputError(
+                f"{self._path}: does not take the observation {self.observation!r} and give a "
+                "score for every move and a value; train it again"
+            )
 
     def judge(self, observation: Observation, mask: npt.NDArray[np.bool_]) -> tuple[Any, Any]:
         """Scores (batch, actions), illegal moves at :data:`ILLEGAL`, and values (batch,)."""
@@ -116,7 +133,7 @@ class Policy:
         scores, value = self._session.run(None, seen)
         # A NaN would win every argmax; no weights that train wrote give one.
         if not np.isfinite(scores).all():
-            raise InputError("the policy's scores are not finite; its file is damaged")
+            raise InputError(f"{self._path}: its scores are not finite; the file is damaged")
         return np.where(mask, scores, np.float32(ILLEGAL)), value
 
     def check_size(self, targets: int) -> None:
@@ -129,8 +146,9 @@ class Policy:
         """
         if self.targets is not None and targets > self.targets:
             raise InputError(
-                f"policy {self.name!r} was made for {self.targets} targets, the instance has "
-                f"{targets}; use the policy {SHIPPED!r}, which takes any number"
+                f"{self._path}: policy {self.name!r} was made for {self.targets} targets, the "
+                f"instance has {targets}; use the package's own ({SHIPPED!r}), which takes any "
+                "number"
             )
 
 

@@ -96,8 +96,30 @@ class Run:
         path = self.folder / "state.json"
         if not (path.exists() and self.checkpoint.exists()):
             return {}
-        state: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        try:
+            state: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+            if int(state["steps"]) < 0 or float(state["seconds"]) < 0.0:
+                raise ValueError
+            float(state["best"])
+        except (OSError, ValueError, KeyError, TypeError):
+            raise InputError(
+                f"{path}: not the state of a training; remove it to begin anew"
+            ) from None
         return state
+
+    @property
+    def last(self) -> Path:
+        """The policy at the end of the training."""
+        return self.folder / "last.onnx"
+
+    def last_evaluation(self) -> dict[str, float]:
+        """The last row of the curve; empty if there is none."""
+        try:
+            with (self.folder / "evaluations.csv").open(newline="", encoding="utf-8") as file:
+                row = list(csv.DictReader(file))[-1]
+            return {name: float(row[name]) for name in row if name not in ("steps", "seconds")}
+        except (OSError, ValueError, IndexError):
+            return {}
 
     def add_to_curve(self, steps: int, seconds: float, means: Mapping[str, float]) -> None:
         """One row more in ``evaluations.csv``; rows after a resumed checkpoint are dropped."""

@@ -173,14 +173,14 @@ def train(
     run = Run(folder, config, seed)
     torch.set_num_threads(jobs)
     done = int(run.state.get("steps", 0))
-    if done >= config.steps:
-        report(done, {})
+    if done >= config.steps and run.last.exists():
+        report(done, run.last_evaluation())
         return
     env = MissionVecEnv(
         config.missions, config.fields, observation=config.observation, slots=config.slots,
         refresh_every=config.refresh_every, threads=jobs, reward_scale=config.reward_scale,
         # A resumed training goes on with other fields than it began with.
-        seed=seed + done,
+        seed=(seed + done) % 2**32,
     )  # fmt: skip
     try:
         model = model_of(config, env, seed, device)
@@ -193,9 +193,15 @@ def train(
                     "begin anew"
                 ) from None
             # Loading seeds the environment as at the beginning.
-            env.seed(seed + done)
+            env.seed((seed + done) % 2**32)
         model.set_logger(configure(str(folder / "tensorboard"), ["tensorboard"]))
         keeper = Keeper(run, config, evaluate_every, checkpoint_s, enough, report)
+        if done >= config.steps:
+            # It was stopped after its last step, and before it was ended.
+            keeper.init_callback(model)
+            keeper.num_timesteps = done
+            keeper.on_training_end()
+            return
         model.learn(config.steps - done, callback=keeper, reset_num_timesteps=done == 0)
     finally:
         env.close()
