@@ -66,9 +66,11 @@ def ppo(
     temperature : float
         Below 1, samples keep closer to the best move.
     width : int
-        Partial plans kept by the first beam.
+        Partial plans kept by the second beam. The first is a fifth as wide, so that there is a
+        plan early.
     beams : int
-        Beams, unless ``stop`` says enough before, each twice as wide as the one before.
+        Beams, unless ``stop`` says enough before; from the third on, each is twice as wide as the
+        one before.
     jobs : int
         Threads; 0 for all cores. The plan does not depend on it.
 
@@ -115,7 +117,8 @@ def ppo(
             for number in range(beams):
                 if stop(kept()[1], math.inf):
                     break
-                settings = BeamSettings(width * 2**number, weight)
+                wide = width * 2 ** (number - 1) if number else max(1, width // 5)
+                settings = BeamSettings(wide, weight)
                 counters["states"] += beam(
                     field, settings, found, lambda: bool(stop(kept()[1], math.inf))
                 )
