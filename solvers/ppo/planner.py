@@ -45,7 +45,7 @@ def ppo(
     decode: str = "greedy",
     samples: int = 512,
     temperature: float = 1.5,
-    width: int = 100,
+    width: int = 60,
     beams: int = 2,
     jobs: int = 0,
 ) -> Result:
