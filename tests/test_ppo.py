@@ -26,7 +26,6 @@ from adr_opt.result import certify  # noqa: E402
 from solvers.learned import SHIPPED, Policy, load_policy  # noqa: E402
 from solvers.learned.decoding import (  # noqa: E402
     Field,
-    body_of,
     finish,
     follow_chains,
     promises,
@@ -161,7 +160,7 @@ def test_what_chains_promise_can_be_flown(policy_file: Path) -> None:
                 break
             action = rng.choice(np.flatnonzero(board.mask[0]), size=1)
             kernels.act(field.pool.arrays, episodes, 0, 1, action, np.zeros(1, np.float32))
-            made[0].append(body_of(field, int(action[0])))
+            made[0].append(int(kernels.body_of(int(action[0]), field.targets)))
         seen = promises(field, field.board(episodes), episodes)
         assert seen is not None
         if not np.isfinite(seen).any():

@@ -96,11 +96,6 @@ def pick(episodes: kernels.Episodes, rows: npt.NDArray[np.int64]) -> kernels.Epi
     return kernels.Episodes(*(np.ascontiguousarray(part[rows]) for part in episodes))
 
 
-def body_of(field: Field, action: int) -> int:
-    """The body that an action goes to."""
-    return STATION if action == field.targets else action + 1
-
-
 def play(
     field: Field,
     count: int,
@@ -183,7 +178,7 @@ def finish(
         actions = choose(board)
         kernels.act(field.pool.arrays, episodes, 0, running.size, actions, rewards)
         for row, action in zip(running.tolist(), actions.tolist(), strict=True):
-            made[row].append(body_of(field, action))
+            made[row].append(int(kernels.body_of(action, field.targets)))
     return most
 
 

@@ -57,7 +57,6 @@ class Config:
     entropy: float = 0.005
     value_weight: float = 0.5
     gradient_norm: float = 0.5
-    target_kl: float | None = None
     reward_scale: float = 0.1
     network: dict[str, Any] = field(default_factory=dict)
 

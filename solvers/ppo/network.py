@@ -28,15 +28,9 @@ class SetNetwork(nn.Module):
         Numbers that describe a move inside the network.
     rounds : int
         Rounds of pooling, in which every move sees the whole.
-    value_scale : float
-        Scale of the value output.
     lead : float
         Weight in the scores, at first, of the best chain's lead in the observation ``lookahead``:
         training begins with a policy that follows the best chain, instead of a random one.
-    promise : float
-        Weight in the value, at first, of what the best chain promises [per 10 targets]: with the
-        reward of a training as its unit, the rest of the value is only what a policy gains on the
-        promise, a small number that is soon learned.
     """
 
     def __init__(
@@ -44,12 +38,9 @@ class SetNetwork(nn.Module):
         fields: int,
         width: int = 64,
         rounds: int = 2,
-        value_scale: float = 1.0,
         lead: float = 8.0,
-        promise: float = 1.0,
     ) -> None:
         super().__init__()
-        self.value_scale = value_scale
         self.enter = nn.Linear(fields, width)
         self.mission = nn.Linear(len(MISSION_FIELDS), width)
         self.encode = nn.Linear(width, width)
@@ -62,7 +53,9 @@ class SetNetwork(nn.Module):
         self.value = nn.Linear(width, 1)
         self.has_chains = fields == len(MOVE_FIELDS) + len(CHAIN_FIELDS)
         self.lead = nn.Parameter(torch.tensor(lead))
-        self.promise = nn.Parameter(torch.tensor(promise))
+        # The value begins as what the best chain promises, in tens of targets, which is the unit
+        # of the rewards: the rest is what a policy gains on it, small and soon learned.
+        self.promise = nn.Parameter(torch.tensor(1.0))
         # Orthogonal weights, a first policy that is nearly uniform and a first value near 0
         # are what actor-critic training starts from.
         for module in self.modules():
@@ -99,7 +92,7 @@ class SetNetwork(nn.Module):
         if self.has_chains:
             scores = scores + self.lead * moves[..., len(MOVE_FIELDS) + LEAD]
         pooled = torch.cat([h.sum(dim=1) / count, h.amax(dim=1), torch.relu(whole)], dim=-1)
-        value = self.value(self.judge(pooled)).squeeze(-1) * self.value_scale
+        value = self.value(self.judge(pooled)).squeeze(-1)
         if self.has_chains:
             value = value + self.promise * moves[..., len(MOVE_FIELDS) + PROMISE].amax(dim=1)
         return scores, value

@@ -34,7 +34,7 @@ class SetPolicy(MaskableActorCriticPolicy):
 
     Parameters
     ----------
-    width, rounds, value_scale, lead
+    width, rounds, lead
         See :class:`SetNetwork`.
     """
 
@@ -46,14 +46,12 @@ class SetPolicy(MaskableActorCriticPolicy):
         *args: Any,
         width: int = 64,
         rounds: int = 2,
-        value_scale: float = 1.0,
         lead: float = 8.0,
         **kwargs: Any,
     ) -> None:
         self._shape: dict[str, Any] = {
             "width": width,
             "rounds": rounds,
-            "value_scale": value_scale,
             "lead": lead,
         }
         kwargs["features_extractor_class"] = _AsItIs

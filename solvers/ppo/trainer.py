@@ -48,7 +48,6 @@ def model_of(config: Config, env: MissionVecEnv, seed: int, device: str) -> Mask
         ent_coef=config.entropy,
         vf_coef=config.value_weight,
         max_grad_norm=config.gradient_norm,
-        target_kl=config.target_kl,
         policy_kwargs=kwargs,
         seed=seed,
         device=device,
