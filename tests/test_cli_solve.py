@@ -402,7 +402,7 @@ def test_second_signal_aborts(tiny_file: Path) -> None:
     assert "once more to abort" in process.stderr.readline()
     assert process.poll() is None
     process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=10.0)
+    out, err = process.communicate(timeout=30.0)
     assert process.returncode == 130
     assert out == ""
     assert err == "adr-opt: aborted\n"
@@ -428,7 +428,7 @@ def test_aborting_gives_the_cursor_back(tiny_file: Path) -> None:
     except OSError:  # Linux says EIO when the other end is closed
         pass
     os.close(ours)
-    assert process.wait(timeout=10.0) == 130
+    assert process.wait(timeout=30.0) == 130
     hidden, shown = said.rfind(b"\x1b[?25l"), said.rfind(b"\x1b[?25h")
     assert 0 <= hidden < shown
 

@@ -140,7 +140,7 @@ def test_stops_in_time(nominal):
     plan(nominal, windows=1)
     begun = time.perf_counter()
     ortools(nominal, seed=0, stop=MaxRuntime(0.5), progress=silent)
-    assert time.perf_counter() - begun < 5.0
+    assert time.perf_counter() - begun < 10.0
     interrupted = Interrupted()
     interrupted.interrupt()
     stop = AnyOf(interrupted, MaxIterations(50))

@@ -37,7 +37,15 @@ def note(mission, name):
 def slow(mission, *, seed, stop, progress):
     note(mission, "slow")
     time.sleep(0.15)
+    while held(f"slow {mission.instance.name}\\n"):
+        time.sleep(0.02)
     return get("greedy")(mission, seed=seed, stop=stop, progress=progress)
+
+def held(line):
+    try:
+        return line in open(os.environ["NOTES"]).readlines()[int(open(os.environ["HOLD"]).read()):]
+    except FileNotFoundError:
+        return False
 
 def raises(mission, *, seed, stop, progress):
     raise RuntimeError("no idea what to do")
@@ -78,6 +86,7 @@ def environment(tmp_path: Path) -> dict[str, str]:
         **os.environ,
         "PYTHONPATH": os.pathsep.join(paths),
         "NOTES": str(tmp_path / "notes.txt"),
+        "HOLD": str(tmp_path / "hold.txt"),
     }
 
 
@@ -129,6 +138,24 @@ def wait_for_rows(folder: Path, number: int) -> None:
     raise TimeoutError(f"{number} rows in {folder}")
 
 
+@contextmanager
+def held_after(environment: dict[str, str], calls: int) -> Iterator[None]:
+    """While it lasts, calls of `slow` after so many do not end: a run stays half-way."""
+    hold = Path(environment["HOLD"])
+    hold.write_text(str(calls))
+    yield
+    hold.unlink()
+
+
+def wait_for_notes(environment: dict[str, str], number: int) -> None:
+    """Wait until so many calls are noted."""
+    path = Path(environment["NOTES"])
+    end = time.monotonic() + PATIENCE_S
+    while not path.exists() or len(path.read_text().splitlines()) < number:
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
 def notes(environment: dict[str, str]) -> list[str]:
     path = Path(environment["NOTES"])
     lines = path.read_text().splitlines() if path.exists() else []
@@ -148,12 +175,14 @@ def test_a_run_that_is_killed_goes_on_where_it_was(
     assert finish(start(tmp_path / "whole", *arguments))[0] == 0
     assert len(notes(environment)) == 12
 
-    killed = start(tmp_path / "killed", *arguments)
-    wait_for_rows(tmp_path / "killed", 12)
-    killed.send_signal(signal.SIGKILL)
-    killed.wait()
+    with held_after(environment, 4):
+        killed = start(tmp_path / "killed", *arguments)
+        wait_for_notes(environment, 6)
+        wait_for_rows(tmp_path / "killed", 4 * 3 + 2)  # four fields, and greedy of two others
+        killed.send_signal(signal.SIGKILL)
+        killed.wait()
     before = facts(tmp_path / "killed")
-    assert 12 <= len(before) < 36
+    assert len(before) == 14
     status, said = finish(start(tmp_path / "killed", *arguments))
     assert status == 0
     assert facts(tmp_path / "killed") == facts(tmp_path / "whole")
@@ -161,7 +190,7 @@ def test_a_run_that_is_killed_goes_on_where_it_was(
     assert set(before) <= set(facts(tmp_path / "killed"))
     calls = notes(environment)
     assert len(set(calls)) == 12
-    assert len(calls) <= 12 + 2  # one for each worker
+    assert len(calls) == 12 + 2  # one for each worker
 
     status, said = finish(start(tmp_path / "killed", *arguments))
     assert (status, said.splitlines()[0]) == (0, "nothing is missing")
@@ -267,13 +296,16 @@ def test_a_cluster_gives_the_same_rows_even_when_a_worker_is_killed(
     pytest.importorskip("distributed")
     arguments = ["--cases", 5, "--iterations", 2, "--methods", "greedy,slow,mcts", "--no-report"]
     assert finish(start(tmp_path / "whole", *arguments, "--jobs", 2))[0] == 0
+    notes(environment)
     with cluster(tmp_path, environment) as (address, workers):
-        run = start(
-            tmp_path / "cluster", *arguments, "--cluster", address.replace("tcp://", "dask://")
-        )
-        wait_for_rows(tmp_path / "cluster", 8)
-        workers[0].send_signal(signal.SIGKILL)
-        assert len(facts(tmp_path / "cluster")) < 30
+        with held_after(environment, 4):
+            run = start(
+                tmp_path / "cluster", *arguments, "--cluster", address.replace("tcp://", "dask://")
+            )
+            wait_for_notes(environment, 6)
+            wait_for_rows(tmp_path / "cluster", 4 * 3)
+            workers[0].send_signal(signal.SIGKILL)
+            assert len(facts(tmp_path / "cluster")) < 30
         status, said = finish(run)
     assert status == 0, said
     assert facts(tmp_path / "cluster") == facts(tmp_path / "whole")
