@@ -13,7 +13,9 @@ States are ordered by a weighted sum, smaller first:
     time_weight · end − delta_v_weight · ΔV left − (upper bound on the objective of any completion)
 
 where the last term needs a completion table (:mod:`solvers.completion`), and stands for what is
-known about the targets still to come; without a table it is the prizes collected.
+known about the targets still to come; without a table it is the prizes collected. Whether the ΔV
+left still reaches the station is not asked: the worth of ΔV sees to that at a third of the time,
+and where keep-out zones block the station for a while such a guard drops what is best.
 """
 
 from __future__ import annotations
@@ -52,10 +54,6 @@ class BeamSettings:
     noise : float
         Width of the random number, uniform and the same for one state in one search, that is
         added to its score [prizes]: makes searches of different seeds differ.
-    unguarded_s : float
-        Up to so long before the end of the mission, states whose ΔV does not reach the station
-        are kept only where there is room after all others [s]; nobody who is later can make use
-        of a refuelling. A completion table knows better, so it needs no guard.
     """
 
     width: int
@@ -63,7 +61,6 @@ class BeamSettings:
     delta_v_weight: float
     crowding: float = 1.7
     noise: float = 0.0
-    unguarded_s: float = 20e3
 
 
 @kernel
@@ -118,7 +115,6 @@ def beam_kernel(
     delta_v_weight,
     crowding,
     noise,
-    guard_until,
     seed,
 ):
     """Beam search from the state that a prefix leads to.
@@ -138,8 +134,6 @@ def beam_kernel(
         As in :class:`BeamSettings`.
     noise : float
         [prizes].
-    guard_until : float
-        Absolute time up to which a state is stranded if it cannot afford the way back [s].
     seed : int
 
     Returns
@@ -208,9 +202,6 @@ def beam_kernel(
     if crowding < remaining:
         share = max(1, math.ceil(crowding * width / remaining))
     held = np.empty(bodies, np.int64)
-    # More than any two scores differ by, so that the stranded come after all others.
-    stranded = 1.0 + rules.prize.sum() + time_weight * rules.duration
-    stranded += delta_v_weight * rules.budget + noise
 
     size, level, priced = 1, 0, 0
     while level < remaining and size > 0:
@@ -253,11 +244,6 @@ def beam_kernel(
                     score = time_weight * end - delta_v_weight * rest - bound + shade
                     if score > limit:
                         continue
-                    if end < guard_until:
-                        if rule_kernels.fits(rules, j, end, rest, STATION)[1] > rest:
-                            score += stranded
-                            if score > limit:
-                                continue
                     if count == room:
                         limit = _threshold(scores, count, wanted)
                         count = _compact(
@@ -378,6 +364,5 @@ def beam_search(
         settings.delta_v_weight / 1000.0,
         settings.crowding,
         settings.noise,
-        -np.inf if guide is not None else rules.duration - settings.unguarded_s,
         seed,
     )

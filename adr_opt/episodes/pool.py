@@ -43,7 +43,7 @@ class FieldPool:
             near=np.full((slots, bodies, outlook_kernels.NEAR), -1, dtype=np.int16),
             near_angle=np.zeros((slots, bodies, outlook_kernels.NEAR), dtype=np.float32),
             ahead=np.zeros((slots, bodies, events, outlook_kernels.LINE), dtype=np.uint16),
-            home=np.zeros((slots, bodies, events, 2), dtype=np.float32),
+            home=np.zeros((slots, bodies, events, 3), dtype=np.float32),
             home_first=np.zeros((slots, bodies)),
             home_total=np.zeros((slots, bodies), dtype=np.int32),
             rate=np.zeros((slots, bodies)),

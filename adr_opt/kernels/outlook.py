@@ -49,8 +49,10 @@ class Outlook(NamedTuple):
         Of a chaser that is ready ``time`` half periods of the body after the epoch: destination,
         ΔV [0.1 m/s] and time from ready to the end of service [0.001 h] of the :data:`AHEAD`
         transfers that are cheapest by hours + ΔV / :data:`M_S_PER_HOUR`, cheapest first.
-    home : (bodies, events, 2) float32
-        The timetable's entries of the way to the station: ΔV [m/s], arrival after departure [s].
+    home : (bodies, events, 3) float32
+        The timetable's entries of the way to the station: ΔV [m/s], arrival after departure [s],
+        and the ΔV as soon as the way is open, see
+        :func:`adr_opt.kernels.timetable.delta_v_when_open`.
     home_first : (bodies,) float64
         Their first departure event [s].
     home_total : (bodies,) int32
@@ -125,7 +127,9 @@ def fill(bodies, table, service, outlook):
             for m in range(outlook.home_total[i]):
                 delta_v, arrival = timetable.entry_at(table, i, STATION, m)
                 outlook.home[i, m, 0] = delta_v
-                outlook.home[i, m, 1] = arrival - timetable.departure_at(table, i, STATION, m)
+                departure = timetable.departure_at(table, i, STATION, m)
+                outlook.home[i, m, 1] = arrival - departure
+                outlook.home[i, m, 2] = timetable.delta_v_when_open(table, i, STATION, departure)
         for m in range(outlook.ahead.shape[1]):
             ready = m * table.spacing[i]
             kept = 0

@@ -130,6 +130,18 @@ def lookup(table, i, j, time):
     return table.entries[i, m, j, 0], table.entries[i, m, j, 1]
 
 
+@inlined
+def delta_v_when_open(table, i, j, time):
+    """ΔV of the first transfer at or after a time that is there at all [m/s]; +inf if none is.
+
+    Other than :func:`lookup` it looks past departures that keep-out zones block.
+    """
+    for m in range(next_event(table, i, j, time), table.total[i, j]):
+        if math.isfinite(table.entries[i, m, j, 0]):
+            return table.entries[i, m, j, 0]
+    return math.inf
+
+
 @kernel
 def transfer_exists(table):
     """Whether a body can be reached at all, by index: from any body, at any event."""
