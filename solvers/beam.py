@@ -15,9 +15,9 @@ from adr_opt.stop import Stop
 from .beams import BeamSettings, beam_search
 from .completion import guide as make_guide
 from .learned import load_policy
-from .learned.decoding import BeamSettings as PolicyBeam
 from .learned.decoding import Field, best_of, without_last_refuelling
-from .learned.decoding import beam as beam_by_policy
+from .learned.policy_beam import BeamSettings as PolicyBeam
+from .learned.policy_beam import beam as beam_by_policy
 from .recreate import HOUR_WORTH, KILOMETRE_WORTH, mean_prize
 
 
@@ -27,7 +27,7 @@ def beam(
     seed: int,
     stop: Stop,
     progress: Progress,
-    width: int = 3000,
+    width: int = 8000,
     time_weight: float = HOUR_WORTH,
     delta_v_weight: float = KILOMETRE_WORTH,
     crowding: float = 1.7,

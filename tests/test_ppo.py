@@ -24,12 +24,8 @@ from adr_opt.episodes.board import MISSION, MOVES, move_fields  # noqa: E402
 from adr_opt.kernels import episodes as kernels  # noqa: E402
 from adr_opt.result import certify  # noqa: E402
 from solvers.learned import SHIPPED, Policy, load_policy  # noqa: E402
-from solvers.learned.decoding import (  # noqa: E402
-    Field,
-    finish,
-    follow_chains,
-    promises,
-)
+from solvers.learned.decoding import Field, finish  # noqa: E402
+from solvers.learned.promises import follow_chains, promises  # noqa: E402
 from solvers.ppo import configs  # noqa: E402
 from solvers.ppo.export import write_onnx  # noqa: E402
 from solvers.ppo.network import SetNetwork  # noqa: E402
@@ -161,7 +157,7 @@ def test_what_chains_promise_can_be_flown(policy_file: Path) -> None:
             action = rng.choice(np.flatnonzero(board.mask[0]), size=1)
             kernels.act(field.pool.arrays, episodes, 0, 1, action, np.zeros(1, np.float32))
             made[0].append(int(kernels.body_of(int(action[0]), field.targets)))
-        seen = promises(field, field.board(episodes), episodes)
+        seen = promises(field.board(episodes), episodes)
         assert seen is not None
         if not np.isfinite(seen).any():
             continue
@@ -180,7 +176,7 @@ def test_no_decoding_falls_behind_what_chains_promised(decode: str, policy_file:
     mission = Mission(adr_opt.generate("reduced-time", 5, targets=20))
     field = Field(mission, load_policy(policy_file))
     episodes = field.begin(1)
-    seen = promises(field, field.board(episodes), episodes)
+    seen = promises(field.board(episodes), episodes)
     assert seen is not None
     result = adr_opt.solve(
         mission, method="ppo", policy=str(policy_file), decode=decode, samples=4, width=4

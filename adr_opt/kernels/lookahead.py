@@ -228,9 +228,21 @@ def greedy_chain(
                     if way_back_when_open(outlook, spacing[k], k, end) > left - delta_v:
                         continue
                 if foresight > 0.0:
-                    cost += foresight * cheapest_after(
-                        rules, outlook, k, end, left - delta_v, visited, hours_per_m_s, stamp, mark
-                    )
+                    # In place: as a function of its own this took half of all the time.
+                    after = NOTHING_HOURS
+                    rest, begin = left - delta_v, math.ceil(end / spacing[k])
+                    if begin < outlook.ahead.shape[1]:
+                        for second in range(AHEAD):
+                            j = np.int64(outlook.ahead[k, begin, 3 * second])
+                            if j == NOBODY:
+                                break
+                            if visited[j] or stamp[j] == mark or j == k:
+                                continue
+                            legal, delta_v_j, end_j = rule_kernels.fits(rules, k, end, rest, j)
+                            if legal:
+                                after = (end_j - end) * PER_HOUR + delta_v_j * hours_per_m_s
+                                break
+                    cost += foresight * after
                     if cost >= least:
                         continue
                 choice, least, choice_v, choice_end = k, cost, delta_v, end
@@ -239,20 +251,3 @@ def greedy_chain(
             if fits:
                 choice = STATION
     return count, time, left
-
-
-@kernel
-def cheapest_after(rules, outlook, body, time, left, visited, hours_per_m_s, stamp, mark):
-    """Cost [h] of the first open target ahead that fits; :data:`NOTHING_HOURS` if there is none."""
-    index = math.ceil(time / rules.table.spacing[body])
-    if index < outlook.ahead.shape[1]:
-        for place in range(AHEAD):
-            k = np.int64(outlook.ahead[body, index, 3 * place])
-            if k == NOBODY:
-                break
-            if visited[k] or stamp[k] == mark or k == body:
-                continue
-            legal, delta_v, end = rule_kernels.fits(rules, body, time, left, k)
-            if legal:
-                return (end - time) * PER_HOUR + delta_v * hours_per_m_s
-    return NOTHING_HOURS

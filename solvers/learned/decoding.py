@@ -1,24 +1,21 @@
-"""From a policy to a plan: the best move again and again, samples, or a beam."""
+"""From a policy to a plan: the best move again and again, or samples."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from adr_opt.episodes import Board, FieldPool, new_episodes, start
-from adr_opt.episodes.board import MOVES
 from adr_opt.kernels import episodes as kernels
 from adr_opt.kernels.constants import STATION
-from adr_opt.kernels.lookahead import BEHIND, LEAD, PROMISE
-from adr_opt.kernels.observation import MOVE_FIELDS
 from adr_opt.mission import Mission
 
 from .policy import FloatArray, Policy, log_probabilities
+from .promises import follow_chains, promises
 
 Sequence = npt.NDArray[np.int64]
 Found = Callable[[Sequence], None]
@@ -182,42 +179,6 @@ def finish(
     return most
 
 
-def promises(field: Field, board: Board, episodes: kernels.Episodes) -> FloatArray | None:
-    """Targets of the whole mission that the chains after each move promise.
-
-    Returns
-    -------
-    promises : (episodes, actions), optional
-        −inf where no chain was followed. None if the policy sees no chains.
-    """
-    if not field.sees_chains:
-        return None
-    chains = _chains(board)
-    total = 10.0 * chains[..., PROMISE] + episodes.serviced[:, None]
-    return np.where(chains[..., BEHIND] > 0.0, total, np.float32(-np.inf))
-
-
-def time_left_of_best(board: Board) -> FloatArray:
-    """Time left at the end of the chain that promises most, after each move [10 h]."""
-    chains = _chains(board)
-    counts, left = chains[..., 0:BEHIND:2], chains[..., 1:BEHIND:2]
-    best = np.where(counts > chains[..., PROMISE, None] - 0.05, left, np.float32(0.0))
-    longest: FloatArray = best.max(axis=-1)
-    return longest
-
-
-def follow_chains(board: Board) -> npt.NDArray[np.int64]:
-    """The moves after which chains promise most; what they promise never gets less."""
-    lead = np.where(board.mask, _chains(board)[..., LEAD], np.float32(-np.inf))
-    best: npt.NDArray[np.int64] = lead.argmax(axis=1)
-    return best
-
-
-def _chains(board: Board) -> FloatArray:
-    assert isinstance(board.arrays, dict)
-    return board.arrays[MOVES][..., len(MOVE_FIELDS) :]
-
-
 class BestPromise:
     """The best promise seen: a plan that can be flown, whatever the policy makes of it.
 
@@ -241,8 +202,12 @@ class BestPromise:
         self.made: list[int] = []
 
     def look(self, board: Board, episodes: kernels.Episodes) -> FloatArray | None:
-        """Look at the boards of states; returns what they promise, see :func:`promises`."""
-        promised = promises(self._field, board, episodes)
+        """Look at the boards of states.
+
+        Returns what they promise, see :func:`solvers.learned.promises.promises`; None if the
+        policy sees no chains.
+        """
+        promised = promises(board, episodes) if self._field.sees_chains else None
         self.row = -1
         if promised is not None and promised.max() > self._most:
             self._most = float(promised.max())
@@ -263,126 +228,6 @@ def gumbel(rng: np.random.Generator) -> Callable[[tuple[int, ...]], npt.NDArray[
         return rng.gumbel(size=shape).astype(np.float32)
 
     return draw
-
-
-AFTERWARDS = 0.5
-"""Worth of ten hours left at the end of the chain that promises most [targets]."""
-
-
-@dataclass(frozen=True)
-class BeamSettings:
-    """How a beam by policy keeps partial plans.
-
-    Attributes
-    ----------
-    width : int
-        Partial plans kept after each move.
-    prior_weight : float
-        Worth of a unit of log-probability [targets].
-    time_weight, delta_v_weight : float
-        Worth of an hour [targets per h] and of a km/s left [targets per km/s].
-    """
-
-    width: int
-    prior_weight: float = 0.05
-    time_weight: float = 0.17
-    delta_v_weight: float = 0.38
-
-
-class _Trail:
-    """How the partial plans of every level of a beam came about."""
-
-    def __init__(self) -> None:
-        self._bodies = [np.full(1, STATION)]
-        self._parents = [np.zeros(1, dtype=np.int64)]
-
-    def add(self, bodies: Sequence, parents: Sequence) -> None:
-        """The next level: last bodies, and places in the level before."""
-        self._bodies.append(bodies)
-        self._parents.append(parents)
-
-    @property
-    def level(self) -> int:
-        """The last level."""
-        return len(self._bodies) - 1
-
-    def back(self, level: int, place: int) -> list[int]:
-        """The bodies on the way to a place."""
-        sequence: list[int] = []
-        while level > 0:
-            sequence.append(int(self._bodies[level][place]))
-            place = int(self._parents[level][place])
-            level -= 1
-        return sequence[::-1]
-
-
-def beam(field: Field, settings: BeamSettings, found: Found, enough: Enough) -> int:
-    """Level by level over moves, all states of a level judged by the network at once.
-
-    Plans that service the same targets and end at the same body are the same state but for time
-    and ΔV; only the best of them is kept. Where the policy sees chains, partial plans are compared
-    by what these promise, and the best promise is kept, whatever becomes of the plan behind it.
-
-    Returns
-    -------
-    states : int
-        States judged.
-    """
-    episodes = field.begin(1)
-    priors = np.zeros(1)
-    trail = _Trail()
-    best_count, best_key = -1, (0.0, 0.0)
-    best_place: tuple[int, int] = (0, 0)
-    best_promise = BestPromise(field)
-    words = np.random.default_rng(0).integers(1, 2**62, size=field.targets + 1, dtype=np.int64)
-    states = 0
-    while True:
-        board = field.board(episodes)
-        states += board.legal.size
-        for row in np.flatnonzero(episodes.serviced >= best_count):
-            key = (-float(episodes.delta_v[row]), float(priors[row]))
-            if episodes.serviced[row] > best_count or key > best_key:
-                best_count, best_key = int(episodes.serviced[row]), key
-                best_place = (trail.level, int(row))
-        if not board.legal.any():
-            break
-        promised = best_promise.look(board, episodes)
-        if best_promise.row >= 0:
-            best_promise.made = trail.back(trail.level, best_promise.row)
-        if enough():
-            break
-        scores, _ = field.policy.judge(board.arrays, board.mask)
-        logs = log_probabilities(scores) + priors[:, None].astype(np.float32)
-        if promised is None:
-            rows, actions = np.nonzero(board.mask)
-            promise = settings.prior_weight * logs[rows, actions]
-        else:
-            rows, actions = np.nonzero(promised > -np.inf)
-            promise = (promised + AFTERWARDS * time_left_of_best(board))[rows, actions]
-            promise = promise + settings.prior_weight * logs[rows, actions]
-        # Cheaply by promise first: only these children are worth a move.
-        most = min(rows.size, 6 * settings.width)
-        chosen = np.argpartition(-promise, most - 1)[:most] if most < rows.size else slice(None)
-        rows, actions, promise = rows[chosen], actions[chosen], promise[chosen]
-        children = pick(episodes, rows)
-        rewards = np.zeros(rows.size, dtype=np.float32)
-        kernels.act(field.pool.arrays, children, 0, rows.size, actions, rewards)
-        worth = (
-            children.serviced
-            + promise
-            - settings.time_weight * children.time / 3600.0
-            + settings.delta_v_weight * children.left / 1000.0
-        )
-        order = np.argsort(-worth, kind="stable")
-        same = (children.visited * words).sum(axis=1) ^ (children.body.astype(np.int64) << 1)
-        _, firsts = np.unique(same[order], return_index=True)
-        kept = order[np.sort(firsts)][: settings.width]
-        priors = logs[rows[kept], actions[kept]].astype(float)
-        episodes = pick(children, kept)
-        trail.add(episodes.body.astype(np.int64), rows[kept])
-    found(np.array(trail.back(*best_place), dtype=np.int64))
-    best_promise.keep(best_count, found)
-    return states
 
 
 def chunks(total: int, size: int) -> list[int]:

@@ -15,16 +15,8 @@ from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
 from ..learned import SHIPPED, load_policy
-from ..learned.decoding import (
-    BeamSettings,
-    Field,
-    beam,
-    best_of,
-    chunks,
-    gumbel,
-    play,
-    without_last_refuelling,
-)
+from ..learned.decoding import Field, best_of, chunks, gumbel, play, without_last_refuelling
+from ..learned.policy_beam import BeamSettings, beam
 
 DECODE = ("greedy", "sample", "beam")
 PRIOR_WEIGHT, PRIOR_WEIGHT_BESIDE_CHAINS = 0.05, 0.005
@@ -45,7 +37,7 @@ def ppo(
     decode: str = "greedy",
     samples: int = 512,
     temperature: float = 1.5,
-    width: int = 60,
+    width: int = 100,
     beams: int = 2,
     jobs: int = 0,
 ) -> Result:

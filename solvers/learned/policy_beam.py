@@ -1,0 +1,206 @@
+"""Beam search over what a policy sees, level by level over visits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from adr_opt.episodes import Board
+from adr_opt.kernels import episodes as kernels
+from adr_opt.kernels.constants import STATION
+
+from .decoding import BestPromise, Enough, Field, Found, Sequence, pick
+from .policy import FloatArray, log_probabilities
+from .promises import time_left_of_best
+
+AFTERWARDS = 0.5
+"""Worth of ten hours left at the end of the chain that promises most [targets]."""
+
+MOVED = 6
+"""So many children, as a multiple of the width, are moved and compared exactly."""
+
+REFUELLED = 0.25
+"""Share of the width that goes on from the station."""
+
+
+@dataclass(frozen=True)
+class BeamSettings:
+    """How a beam by policy keeps partial plans.
+
+    Attributes
+    ----------
+    width : int
+        Partial plans kept after each visit.
+    prior_weight : float
+        Worth of a unit of log-probability [targets].
+    time_weight, delta_v_weight : float
+        Worth of an hour [targets per h] and of a km/s left [targets per km/s].
+    """
+
+    width: int
+    prior_weight: float = 0.05
+    time_weight: float = 0.17
+    delta_v_weight: float = 0.38
+
+
+class _Trail:
+    """How all partial plans came about: a tree of moves."""
+
+    def __init__(self) -> None:
+        self._bodies = [STATION]
+        self._parents = [-1]
+
+    def add(self, bodies: Sequence, parents: Sequence) -> Sequence:
+        """One more move each; returns the new nodes."""
+        first = len(self._bodies)
+        self._bodies.extend(bodies.tolist())
+        self._parents.extend(parents.tolist())
+        return np.arange(first, len(self._bodies))
+
+    def back(self, node: int) -> list[int]:
+        """The bodies on the way to a node."""
+        sequence: list[int] = []
+        while node > 0:
+            sequence.append(self._bodies[node])
+            node = self._parents[node]
+        return sequence[::-1]
+
+
+class _Partial(NamedTuple):
+    """Partial plans: their states, nodes in the trail, and sums of log-probabilities."""
+
+    episodes: kernels.Episodes
+    nodes: Sequence
+    priors: FloatArray
+
+
+class _Children(NamedTuple):
+    """Partial plans after one more move, and what they are worth [targets]."""
+
+    episodes: kernels.Episodes
+    parents: Sequence
+    priors: FloatArray
+    worth: npt.NDArray[np.float64]
+
+    def best(self, order: Sequence, trail: _Trail) -> _Partial:
+        """Some of them as partial plans."""
+        episodes = pick(self.episodes, order)
+        nodes = trail.add(episodes.body.astype(np.int64), self.parents[order])
+        return _Partial(episodes, nodes, self.priors[order])
+
+
+def beam(field: Field, settings: BeamSettings, found: Found, enough: Enough) -> int:
+    """Level by level over visits, all states of a level judged by the network at once.
+
+    A refuelling on the way is part of the level, so states before and after it are never compared.
+    Plans that service the same targets and end at the same body are the same state but for time
+    and ΔV; only the best of them is kept. Where the policy sees chains, partial plans are compared
+    by what these promise, and the best promise is kept, whatever becomes of the plan behind it.
+
+    Returns
+    -------
+    states : int
+        States judged.
+    """
+    trail = _Trail()
+    level = _Partial(field.begin(1), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.float32))
+    best_promise = BestPromise(field)
+    words = np.random.default_rng(0).integers(1, 2**62, size=field.targets + 1, dtype=np.int64)
+    best, states, ended = level, 0, False
+    while level.nodes.size and not ended:
+        best = level
+        partial, targets = level, []
+        for refuelled in (False, True):
+            board = field.board(partial.episodes)
+            states += partial.nodes.size
+            promised = best_promise.look(board, partial.episodes)
+            if best_promise.row >= 0:
+                best_promise.made = trail.back(int(partial.nodes[best_promise.row]))
+            ended = enough()
+            if ended or not board.legal.any():
+                break
+            worth, priors = _worth_of_moves(field, settings, board, partial, promised)
+            targets.append(_move(field, settings, partial, worth, priors, slice(0, field.targets)))
+            if refuelled:
+                break
+            station = slice(field.targets, field.targets + 1)
+            stops = _move(field, settings, partial, worth, priors, station)
+            if not stops.parents.size:
+                break
+            most = max(1, int(REFUELLED * settings.width))
+            partial = stops.best(np.argsort(-stops.worth, kind="stable")[:most], trail)
+        if ended or not targets:
+            break
+        children = _side_by_side(targets)
+        order = np.argsort(-children.worth, kind="stable")
+        visited, body = children.episodes.visited, children.episodes.body
+        same = (visited * words).sum(axis=1) ^ (body.astype(np.int64) << 1)
+        _, firsts = np.unique(same[order], return_index=True)
+        level = children.best(order[np.sort(firsts)][: settings.width], trail)
+    most = int(best.episodes.serviced[0])
+    cheapest = int(np.argmin(best.episodes.delta_v))
+    found(np.array(trail.back(int(best.nodes[cheapest])), dtype=np.int64))
+    best_promise.keep(most, found)
+    return states
+
+
+def _worth_of_moves(
+    field: Field,
+    settings: BeamSettings,
+    board: Board,
+    partial: _Partial,
+    promised: FloatArray | None,
+) -> tuple[FloatArray, FloatArray]:
+    """Worth of every move before it is made, and its log-probability with all before it.
+
+    −inf where a move is illegal or, with chains, not followed by any.
+    """
+    scores, _ = field.policy.judge(board.arrays, board.mask)
+    priors = log_probabilities(scores) + partial.priors[:, None]
+    worth = settings.prior_weight * np.where(board.mask, priors, np.float32(0.0))
+    if promised is None:
+        worth[~board.mask] = -np.inf
+    else:
+        worth = worth + promised + AFTERWARDS * time_left_of_best(board)
+    return worth, priors
+
+
+def _move(
+    field: Field,
+    settings: BeamSettings,
+    partial: _Partial,
+    worth: FloatArray,
+    priors: FloatArray,
+    actions: slice,
+) -> _Children:
+    """Make the moves among ``actions`` that are worth most, and say what their ends are worth."""
+    rows, moves = np.nonzero(worth[:, actions] > -np.inf)
+    moves = moves + actions.start
+    value = worth[rows, moves]
+    most = MOVED * settings.width
+    if most < rows.size:
+        chosen = np.argpartition(-value, most - 1)[:most]
+        rows, moves, value = rows[chosen], moves[chosen], value[chosen]
+    episodes = pick(partial.episodes, rows)
+    rewards = np.zeros(rows.size, dtype=np.float32)
+    kernels.act(field.pool.arrays, episodes, 0, rows.size, moves, rewards)
+    ends = (
+        value
+        - settings.time_weight * episodes.time / 3600.0
+        + settings.delta_v_weight * episodes.left / 1000.0
+    )
+    return _Children(episodes, partial.nodes[rows], priors[rows, moves], ends)
+
+
+def _side_by_side(parts: list[_Children]) -> _Children:
+    """Children of the same level as one."""
+    episodes = kernels.Episodes(
+        *(np.concatenate(arrays) for arrays in zip(*(part.episodes for part in parts), strict=True))
+    )
+    parents, priors, worth = (
+        np.concatenate(arrays) for arrays in zip(*(part[1:] for part in parts), strict=True)
+    )
+    return _Children(episodes, parents, priors, worth)
