@@ -50,11 +50,13 @@ class _Search:
         """Search one beam, with the usual settings or with others near them."""
         # The draws do not depend on the clock, so that time limits do not shift them.
         kilometre, crowding, noise, seed = KILOMETRE_WORTH, 1.7, 0.0, 0
+        unguarded_s = BeamSettings.unguarded_s
         if vary:
             kilometre *= self._rng.uniform(0.6, 1.5)
             crowding = self._rng.uniform(1.2, 2.5)
             noise = self._rng.uniform(0.0, 0.4)
             seed = int(self._rng.integers(2**31))
+            unguarded_s = math.inf  # where refuelling is of little use, better at this width
         remaining = self._stop.remaining_s()
         if remaining <= 0.0:
             return
@@ -67,6 +69,7 @@ class _Search:
             delta_v_weight=kilometre * self._mean,
             crowding=crowding,
             noise=noise * self._mean,
+            unguarded_s=unguarded_s,
         )
         self._certificate.offer(beam_search(self._mission, settings, seed=seed)[0])
         if width >= QUICK_WIDTHS[-1] // 10:

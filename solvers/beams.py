@@ -13,9 +13,7 @@ States are ordered by a weighted sum, smaller first:
     time_weight · end − delta_v_weight · ΔV left − (upper bound on the objective of any completion)
 
 where the last term needs a completion table (:mod:`solvers.completion`), and stands for what is
-known about the targets still to come; without a table it is the prizes collected. Whether the ΔV
-left still reaches the station is not asked: the worth of ΔV sees to that at a third of the time,
-and where keep-out zones block the station for a while such a guard drops what is best.
+known about the targets still to come; without a table it is the prizes collected.
 """
 
 from __future__ import annotations
@@ -27,6 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.kernels import rules as rule_kernels
+from adr_opt.kernels import timetable
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import STATION
 from adr_opt.mission import Mission
@@ -54,6 +53,11 @@ class BeamSettings:
     noise : float
         Width of the random number, uniform and the same for one state in one search, that is
         added to its score [prizes]: makes searches of different seeds differ.
+    unguarded_s : float
+        Up to so long before the end of the mission, states whose ΔV does not reach the station,
+        as soon as keep-out zones let them, are kept only where there is room after all others
+        [s]; nobody who is later can make use of a refuelling. Narrow beams strand themselves
+        without this guard. A completion table knows better, so it needs none.
     """
 
     width: int
@@ -61,6 +65,7 @@ class BeamSettings:
     delta_v_weight: float
     crowding: float = 1.7
     noise: float = 0.0
+    unguarded_s: float = 20e3
 
 
 @kernel
@@ -115,6 +120,7 @@ def beam_kernel(
     delta_v_weight,
     crowding,
     noise,
+    guard_until,
     seed,
 ):
     """Beam search from the state that a prefix leads to.
@@ -134,6 +140,8 @@ def beam_kernel(
         As in :class:`BeamSettings`.
     noise : float
         [prizes].
+    guard_until : float
+        Absolute time up to which a state is stranded if it cannot afford the way back [s].
     seed : int
 
     Returns
@@ -194,6 +202,7 @@ def beam_kernel(
     scores, parents = np.empty(room), np.empty(room, np.int32)
     moves = np.empty(room, np.int32)
     cand_end, cand_left, cand_spent = np.empty(room), np.empty(room), np.empty(room)
+    waiting = np.empty(room, np.int64)
     buckets = 1
     while buckets < 4 * width:
         buckets *= 2
@@ -266,11 +275,22 @@ def beam_kernel(
         head[:] = -1
         held[:] = 0
         size = 0
-        for c in order:
-            if size == width:
+        stranded = 0
+        for turn in range(2 * count):
+            if size == width or turn == count + stranded:
                 break
+            c = order[turn] if turn < count else waiting[turn - count]
             s = parents[c]
             j = abs(moves[c])
+            if turn < count and cand_end[c] < guard_until:
+                # Asked only here: of all candidates it would take most of the time.
+                back = rule_kernels.fits(rules, j, cand_end[c], cand_left[c], STATION)[1]
+                if back == np.inf:
+                    back = timetable.delta_v_when_open(rules.table, j, STATION, cand_end[c])
+                if back > cand_left[c]:
+                    waiting[stranded] = c
+                    stranded += 1
+                    continue
             if held[j] == share:
                 continue
             set_key = key[s] + keys[j]
@@ -364,5 +384,6 @@ def beam_search(
         settings.delta_v_weight / 1000.0,
         settings.crowding,
         settings.noise,
+        -np.inf if guide is not None else rules.duration - settings.unguarded_s,
         seed,
     )
