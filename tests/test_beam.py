@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 from typing import Any
@@ -108,6 +109,29 @@ def test_wide_enough_for_variants(seed: int) -> None:
     mission = Mission(variant(seed), threads=1)
     best, _, _ = brute_force(mission)
     assert plan(mission, width=1000).objective == pytest.approx(best)
+
+
+def test_the_guard_keeps_narrow_beams_from_stranding_themselves() -> None:
+    """With little fuel a narrow guarded beam finds a third more than one without a guard."""
+    guarded = BeamSettings(60, 0.17, 0.38)
+    unguarded = dataclasses.replace(guarded, unguarded_s=math.inf)
+    found = {guarded: 0.0, unguarded: 0.0}
+    for seed in range(4):
+        mission = Mission(adr_opt.generate("reduced-fuel", seed))
+        for settings in found:
+            found[settings] += beam_search(mission, settings)[1]
+    assert found[guarded] > 1.33 * found[unguarded]
+
+
+def test_the_guard_looks_past_keep_out_zones() -> None:
+    """A station that is closed for a while strands nobody: beams stay near the optimum."""
+    lost = 0.0
+    for seed in range(6):
+        mission = Mission(adr_opt.generate("reduced-time", seed, zones=6))
+        optimal = adr_opt.solve(mission, "exact", time_limit=60.0)
+        assert optimal.status == "optimal"
+        lost += optimal.objective - plan(mission, width=1000).objective
+    assert lost <= 1.0
 
 
 def test_a_wide_guided_beam_finds_the_optimum() -> None:

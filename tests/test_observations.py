@@ -58,6 +58,15 @@ class Slow:
         delta_v, arrival = self.mission.timetable.lookup(i, j, ready)
         return delta_v, arrival + self.service[j]
 
+    def way_home(self, j: int, ready: float) -> float:
+        """ΔV of the first departure for the station that no zone blocks."""
+        while ready <= self.duration:
+            delta_v, _ = self.move(j, ready, 0)
+            if math.isfinite(delta_v):
+                return delta_v
+            ready += math.pi / self.rate[j]
+        return math.inf
+
     def allowed(self, j: int) -> bool:
         """Unvisited, or a refuelling that is earned."""
         if j == 0:
@@ -113,7 +122,7 @@ class Slow:
             visited.add(choice)
             choices = []
             for k, delta_v, end in self.open_ahead(body, now, left, visited):
-                if end < self.duration - UNGUARDED_S and self.move(k, end, 0)[0] > left - delta_v:
+                if end < self.duration - UNGUARDED_S and self.way_home(k, end) > left - delta_v:
                     continue
                 cost = (end - now) / HOUR + delta_v / worth
                 after = self.open_ahead(k, end, left - delta_v, visited | {k})

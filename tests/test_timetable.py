@@ -77,6 +77,25 @@ def test_lookup_takes_the_next_event(table):
                 assert found == kernels.entry_at(table.table, i, j, expected)
 
 
+def test_the_way_once_open_is_the_first_event_that_is_there(table):
+    """Past departures that zones block, the ΔV is that of the first event with a transfer."""
+    rng = np.random.default_rng(1)
+    blocked = 0
+    for _ in range(3000):
+        i, j = rng.choice(len(table.names), 2, replace=False)
+        time = rng.uniform(0, table.instance.mission.duration_s)
+        first = kernels.next_event(table.table, i, j, time)
+        costs = [
+            kernels.entry_at(table.table, i, j, m)[0]
+            for m in range(first, kernels.events(table.table, i, j))
+        ]
+        finite = [cost for cost in costs if math.isfinite(cost)]
+        blocked += bool(finite) and finite[0] != costs[0]
+        expected = finite[0] if finite else math.inf
+        assert kernels.delta_v_when_open(table.table, i, j, time) == expected
+    assert blocked > 0
+
+
 def test_matrices_are_lookups(table):
     """Sampled matrices have the stated shape and hold ΔV and arrival − ready, +inf together."""
     departures = [0.0, 5000.0, 86400.0, 1e9]
