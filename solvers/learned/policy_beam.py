@@ -153,14 +153,16 @@ def _worth_of_moves(
     board: Board,
     partial: _Partial,
     promised: FloatArray | None,
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[npt.NDArray[np.float64], FloatArray]:
     """Worth of every move before it is made, and its log-probability with all before it.
 
     −inf where a move is illegal or, with chains, not followed by any.
     """
     scores, _ = field.policy.judge(board.arrays, board.mask)
-    priors = log_probabilities(scores) + partial.priors[:, None]
-    worth = settings.prior_weight * np.where(board.mask, priors, np.float32(0.0))
+    priors: FloatArray = log_probabilities(scores) + partial.priors[:, None]
+    # Illegal moves have no log-probability; 0 keeps 0 · −∞ out of what follows.
+    logs = np.where(board.mask, priors, 0.0).astype(np.float64)
+    worth: npt.NDArray[np.float64] = settings.prior_weight * logs
     if promised is None:
         worth[~board.mask] = -np.inf
     else:
@@ -172,7 +174,7 @@ def _move(
     field: Field,
     settings: BeamSettings,
     partial: _Partial,
-    worth: FloatArray,
+    worth: npt.NDArray[np.float64],
     priors: FloatArray,
     actions: slice,
 ) -> _Children:

@@ -19,6 +19,8 @@ from ..learned.decoding import Field, best_of, chunks, gumbel, play, without_las
 from ..learned.policy_beam import BeamSettings, beam
 
 DECODE = ("greedy", "sample", "beam")
+PUNCTUAL = 0.9
+"""Share of the time left that a beam may be planned to take."""
 PRIOR_WEIGHT, PRIOR_WEIGHT_BESIDE_CHAINS = 0.05, 0.005
 """Worth of a unit of log-probability in a beam [targets]. Where the policy sees chains, what they
 promise says most of it already."""
@@ -58,8 +60,8 @@ def ppo(
     temperature : float
         Below 1, samples keep closer to the best move.
     width : int
-        Partial plans kept by the second beam. The first is a fifth as wide, so that there is a
-        plan early.
+        Partial plans kept by the second beam; fewer where that would take more time than is
+        left. The first is a fifth as wide, so that there is a plan early.
     beams : int
         Beams, unless ``stop`` says enough before; from the third on, each is twice as wide as the
         one before.
@@ -106,14 +108,20 @@ def ppo(
                 progress(kept()[1], math.inf)
         elif decode == "beam":
             weight = PRIOR_WEIGHT_BESIDE_CHAINS if field.sees_chains else PRIOR_WEIGHT
+            pace_s = 0.0  # of a beam, per unit of width
             for number in range(beams):
                 if stop(kept()[1], math.inf):
                     break
                 wide = width * 2 ** (number - 1) if number else max(1, width // 5)
+                if pace_s * wide > (remaining := PUNCTUAL * stop.remaining_s()):
+                    # A beam that is cut off is worth less than a narrower one that ends.
+                    wide = max(1, int(remaining / pace_s))
                 settings = BeamSettings(wide, weight)
+                since = time.perf_counter()
                 counters["states"] += beam(
                     field, settings, found, lambda: bool(stop(kept()[1], math.inf))
                 )
+                pace_s = (time.perf_counter() - since) / wide
                 counters["plans"] += 1
                 progress(kept()[1], math.inf)
     return certify(
