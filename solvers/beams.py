@@ -282,6 +282,8 @@ def beam_kernel(
             c = order[turn] if turn < count else waiting[turn - count]
             s = parents[c]
             j = abs(moves[c])
+            if held[j] == share:
+                continue
             if turn < count and cand_end[c] < guard_until:
                 # Asked only here: of all candidates it would take most of the time.
                 back = rule_kernels.fits(rules, j, cand_end[c], cand_left[c], STATION)[1]
@@ -291,8 +293,6 @@ def beam_kernel(
                     waiting[stranded] = c
                     stranded += 1
                     continue
-            if held[j] == share:
-                continue
             set_key = key[s] + keys[j]
             slot = np.int64(_mix(set_key ^ keys[j]) & np.uint64(buckets - 1))
             dominated = False
