@@ -56,7 +56,8 @@ class _Search:
             crowding = self._rng.uniform(1.2, 2.5)
             noise = self._rng.uniform(0.0, 0.4)
             seed = int(self._rng.integers(2**31))
-            unguarded_s = math.inf  # where refuelling is of little use, better at this width
+            if width >= QUICK_WIDTHS[-1]:
+                unguarded_s = math.inf  # wide beams do not strand themselves
         remaining = self._stop.remaining_s()
         if remaining <= 0.0:
             return

@@ -33,7 +33,10 @@ from adr_opt.mission import Mission
 from .completion import CompletionTable, completion_value
 
 CANDIDATES = 8
-"""Candidates looked at for each state kept: some are dominated, or at a body that is full."""
+"""Candidates looked at for each state kept: some are dominated, stranded, or at a full body."""
+
+LEAST_CANDIDATES = 1024
+"""Looked at by narrow beams too: at the end of a tank the best of them are all stranded."""
 
 
 @dataclass(frozen=True)
@@ -54,10 +57,12 @@ class BeamSettings:
         Width of the random number, uniform and the same for one state in one search, that is
         added to its score [prizes]: makes searches of different seeds differ.
     unguarded_s : float
-        Up to so long before the end of the mission, states whose ΔV does not reach the station,
-        as soon as keep-out zones let them, are kept only where there is room after all others
-        [s]; nobody who is later can make use of a refuelling. Narrow beams strand themselves
-        without this guard. A completion table knows better, so it needs none.
+        Up to so long before the end of the mission, states whose ΔV does not reach the station
+        are kept only where there is room after all other candidates [s]; nobody who is later can
+        make use of a refuelling. Narrow beams strand themselves without this guard. It asks for
+        the ΔV at the next departure that no keep-out zone blocks: nobody can wait for that one,
+        but after one more visit the way costs about as much. A completion table knows better, so
+        it needs no guard.
     """
 
     width: int
@@ -197,7 +202,7 @@ def beam_kernel(
     move_of = np.zeros((remaining, width), np.int32)  # −j: to j by way of the station
     best_prize, best_spent, best_level, best_at = prize[0], spent[0], -1, -1
 
-    wanted = CANDIDATES * width
+    wanted = max(CANDIDATES * width, LEAST_CANDIDATES)
     room = max(4 * wanted, 4096)
     scores, parents = np.empty(room), np.empty(room, np.int32)
     moves = np.empty(room, np.int32)

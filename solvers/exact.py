@@ -19,6 +19,9 @@ from adr_opt.stop import MaxIterations, Stop
 
 from .proof import Certificate, bound_notes, check_options, prove
 
+START_WIDTH = 3000
+"""Of the beam that it starts from; the proof finds what this misses."""
+
 
 def exact(
     mission: Mission,
@@ -58,9 +61,9 @@ def exact(
     def enough() -> bool:
         return stop(certificate.incumbent, certificate.bound)
 
-    for name in ("greedy-guarded", "beam"):
+    for name, options in (("greedy-guarded", {}), ("beam", {"width": START_WIDTH})):
         if not certificate.proven and not enough():
-            found = get(name)(mission, seed=seed, stop=MaxIterations(1), progress=silent)
+            found = get(name)(mission, seed=seed, stop=MaxIterations(1), progress=silent, **options)
             certificate.offer(found.sequence or ())
     counters = prove(
         mission, certificate, enough,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,8 @@ import pytest
 import adr_opt
 from adr_opt.errors import InputError
 from adr_opt.mission import Mission
+from adr_opt.planner import silent
+from adr_opt.stop import MaxIterations, MaxRuntime, Stop
 
 pytest.importorskip("onnxruntime")
 onnx = pytest.importorskip("onnx")
@@ -26,7 +28,7 @@ from adr_opt.result import certify  # noqa: E402
 from solvers.learned import SHIPPED, Policy, load_policy  # noqa: E402
 from solvers.learned.decoding import Field, finish  # noqa: E402
 from solvers.learned.promises import follow_chains, promises  # noqa: E402
-from solvers.ppo import configs  # noqa: E402
+from solvers.ppo import configs, ppo  # noqa: E402
 from solvers.ppo.export import write_onnx  # noqa: E402
 from solvers.ppo.network import SetNetwork  # noqa: E402
 
@@ -127,6 +129,34 @@ def test_decoded_plans_pass_check(decode: str, policy_file: Path) -> None:
         )
         assert result.plan is not None
         assert adr_opt.check(instance, result.plan) == ()
+
+
+class _Overdue:
+    """Says enough from the second time on; its time was over before it began."""
+
+    def __init__(self) -> None:
+        self.asked = 0
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        self.asked += 1
+        return self.asked > 1
+
+    def remaining_s(self) -> float:
+        return -1.0
+
+
+@pytest.mark.parametrize("policy", ["set", "set-transfer"])
+@pytest.mark.parametrize("stop", [_Overdue, lambda: MaxRuntime(0.2), lambda: MaxIterations(10**9)])
+def test_beams_need_neither_chains_nor_time(policy: str, stop: Callable[[], Stop]) -> None:
+    """With any policy and any time, beams end, and the plan is legal and no worse than greedy."""
+    mission = Mission(adr_opt.generate("reduced-time", 5, targets=20, zones=3))
+    greedy, beam = (
+        ppo(mission, seed=0, stop=stop(), progress=silent, policy=policy, decode=decode, width=10)
+        for decode in ("greedy", "beam")
+    )
+    assert beam.plan is not None
+    assert adr_opt.check(mission.instance, beam.plan) == ()
+    assert beam.objective >= greedy.objective
 
 
 def test_samples_and_beams_are_no_worse_than_the_greedy_plan(policy_file: Path) -> None:

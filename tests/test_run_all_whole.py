@@ -143,8 +143,10 @@ def held_after(environment: dict[str, str], calls: int) -> Iterator[None]:
     """While it lasts, calls of `slow` after so many do not end: a run stays half-way."""
     hold = Path(environment["HOLD"])
     hold.write_text(str(calls))
-    yield
-    hold.unlink()
+    try:
+        yield
+    finally:
+        hold.unlink()
 
 
 def wait_for_notes(environment: dict[str, str], number: int) -> None:
@@ -168,7 +170,7 @@ def test_a_run_that_is_killed_goes_on_where_it_was(
 ) -> None:
     """After SIGKILL half-way the same command gives the rows of an undisturbed run, none twice.
 
-    At most the plans that were being made are made again.
+    Only the plans that were being made are made again.
     """
     arguments = ["--cases", 6, "--iterations", 2, "--methods", "greedy,slow,mcts", "--jobs", 2]
     arguments += ["--no-report"]
@@ -181,6 +183,7 @@ def test_a_run_that_is_killed_goes_on_where_it_was(
         wait_for_rows(tmp_path / "killed", 4 * 3 + 2)  # four fields, and greedy of two others
         killed.send_signal(signal.SIGKILL)
         killed.wait()
+        time.sleep(1.0)  # workers end when they find their coordinator gone
     before = facts(tmp_path / "killed")
     assert len(before) == 14
     status, said = finish(start(tmp_path / "killed", *arguments))

@@ -171,7 +171,8 @@ def greedy_chain(
     """Make a move, and then the cheapest next move again and again, as far as it goes.
 
     The next move is the cheapest of :attr:`adr_opt.kernels.outlook.Outlook.ahead` that is open,
-    fits, and keeps a way back to the station; refuelling where there is none. Costs are exact.
+    fits, and keeps ΔV for a way back to the station (at the next departure that no keep-out zone
+    blocks); refuelling where there is none. Costs are exact.
 
     Parameters
     ----------

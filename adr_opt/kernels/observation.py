@@ -108,7 +108,7 @@ def way_back(outlook, spacing, j, ready):
 
 @kernel
 def way_back_when_open(outlook, spacing, j, ready):
-    """ΔV of the way to the station as soon as keep-out zones let it [m/s]; +inf for no transfer."""
+    """ΔV of the next way to the station that no keep-out zone blocks [m/s]; +inf for none."""
     m = max(0, math.ceil((ready - outlook.home_first[j]) / spacing))
     return outlook.home[j, m, 2] if m < outlook.home_total[j] else math.inf
 

@@ -51,7 +51,7 @@ class Outlook(NamedTuple):
         transfers that are cheapest by hours + ΔV / :data:`M_S_PER_HOUR`, cheapest first.
     home : (bodies, events, 3) float32
         The timetable's entries of the way to the station: ΔV [m/s], arrival after departure [s],
-        and the ΔV as soon as the way is open, see
+        and the ΔV of the next that no keep-out zone blocks, see
         :func:`adr_opt.kernels.timetable.delta_v_when_open`.
     home_first : (bodies,) float64
         Their first departure event [s].

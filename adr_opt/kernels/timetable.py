@@ -134,7 +134,8 @@ def lookup(table, i, j, time):
 def delta_v_when_open(table, i, j, time):
     """ΔV of the first transfer at or after a time that is there at all [m/s]; +inf if none is.
 
-    Other than :func:`lookup` it looks past departures that keep-out zones block.
+    Other than :func:`lookup` it looks past departures that keep-out zones block. A chaser cannot
+    wait for that one, but this is about what the way costs a little later, from a neighbour.
     """
     for m in range(next_event(table, i, j, time), table.total[i, j]):
         if math.isfinite(table.entries[i, m, j, 0]):

@@ -78,18 +78,22 @@ class _Partial(NamedTuple):
 
 
 class _Children(NamedTuple):
-    """Partial plans after one more move, and what they are worth [targets]."""
+    """Partial plans after one more move: parents are nodes of the trail, worth is in targets."""
 
     episodes: kernels.Episodes
     parents: Sequence
     priors: FloatArray
     worth: npt.NDArray[np.float64]
 
-    def best(self, order: Sequence, trail: _Trail) -> _Partial:
-        """Some of them as partial plans."""
-        episodes = pick(self.episodes, order)
-        nodes = trail.add(episodes.body.astype(np.int64), self.parents[order])
-        return _Partial(episodes, nodes, self.priors[order])
+    def best(self, most: int, words: Sequence, trail: _Trail) -> _Partial:
+        """Those worth most, of equal visits and body only one; ``words`` hash the visits."""
+        order = np.argsort(-self.worth, kind="stable")
+        body = self.episodes.body.astype(np.int64)
+        same = (self.episodes.visited * words).sum(axis=1) ^ (body << 1)
+        _, firsts = np.unique(same[order], return_index=True)
+        kept = order[np.sort(firsts)][:most]
+        nodes = trail.add(body[kept], self.parents[kept])
+        return _Partial(pick(self.episodes, kept), nodes, self.priors[kept])
 
 
 def beam(field: Field, settings: BeamSettings, found: Found, enough: Enough) -> int:
@@ -110,7 +114,7 @@ def beam(field: Field, settings: BeamSettings, found: Found, enough: Enough) -> 
     best_promise = BestPromise(field)
     words = np.random.default_rng(0).integers(1, 2**62, size=field.targets + 1, dtype=np.int64)
     best, states, ended = level, 0, False
-    while level.nodes.size and not ended:
+    while level.nodes.size:
         best = level
         partial, targets = level, []
         for refuelled in (False, True):
@@ -131,15 +135,10 @@ def beam(field: Field, settings: BeamSettings, found: Found, enough: Enough) -> 
             if not stops.parents.size:
                 break
             most = max(1, int(REFUELLED * settings.width))
-            partial = stops.best(np.argsort(-stops.worth, kind="stable")[:most], trail)
+            partial = stops.best(most, words, trail)
         if ended or not targets:
             break
-        children = _side_by_side(targets)
-        order = np.argsort(-children.worth, kind="stable")
-        visited, body = children.episodes.visited, children.episodes.body
-        same = (visited * words).sum(axis=1) ^ (body.astype(np.int64) << 1)
-        _, firsts = np.unique(same[order], return_index=True)
-        level = children.best(order[np.sort(firsts)][: settings.width], trail)
+        level = _side_by_side(targets).best(settings.width, words, trail)
     most = int(best.episodes.serviced[0])
     cheapest = int(np.argmin(best.episodes.delta_v))
     found(np.array(trail.back(int(best.nodes[cheapest])), dtype=np.int64))

@@ -64,7 +64,7 @@ def ppo(
         left. The first is a fifth as wide, so that there is a plan early.
     beams : int
         Beams, unless ``stop`` says enough before; from the third on, each is twice as wide as the
-        one before.
+        one before, or as wide as the time left allows.
     jobs : int
         Threads; 0 for all cores. The plan does not depend on it.
 
@@ -108,14 +108,18 @@ def ppo(
                 progress(kept()[1], math.inf)
         elif decode == "beam":
             weight = PRIOR_WEIGHT_BESIDE_CHAINS if field.sees_chains else PRIOR_WEIGHT
-            pace_s = 0.0  # of a beam, per unit of width
+            pace_s, widest = 0.0, 0  # of a beam, per unit of width; of all of them
             for number in range(beams):
                 if stop(kept()[1], math.inf):
                     break
                 wide = width * 2 ** (number - 1) if number else max(1, width // 5)
-                if pace_s * wide > (remaining := PUNCTUAL * stop.remaining_s()):
+                remaining = PUNCTUAL * stop.remaining_s()
+                if number and pace_s * wide > remaining:
                     # A beam that is cut off is worth less than a narrower one that ends.
-                    wide = max(1, int(remaining / pace_s))
+                    wide = int(remaining / pace_s)
+                if wide <= widest:
+                    break
+                widest = wide
                 settings = BeamSettings(wide, weight)
                 since = time.perf_counter()
                 counters["states"] += beam(
