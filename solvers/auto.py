@@ -47,7 +47,7 @@ class _Search:
         self.counters = {"beams": 0, "recreations": 0}
 
     def beam(self, width: int, vary: bool) -> None:
-        """Search one beam, with the usual settings or with others near them."""
+        """Search one beam, with the usual settings or with others near them, unguarded if wide."""
         # The draws do not depend on the clock, so that time limits do not shift them.
         kilometre, crowding, noise, seed = KILOMETRE_WORTH, 1.7, 0.0, 0
         unguarded_s = BeamSettings.unguarded_s

@@ -125,17 +125,24 @@ def facts(folder: Path) -> list[tuple]:
         return base.execute(f"SELECT {FACTS} FROM result").fetchall()
 
 
+def wait_until(happened: Callable[[], bool]) -> None:
+    """Wait, but not for ever."""
+    end = time.monotonic() + PATIENCE_S
+    while not happened():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
 def wait_for_rows(folder: Path, number: int) -> None:
     """Wait until a run has kept so many rows."""
-    end = time.monotonic() + PATIENCE_S
-    while time.monotonic() < end:
+
+    def kept() -> bool:
         try:
-            if len(facts(folder)) >= number:
-                return
+            return len(facts(folder)) >= number
         except sqlite3.OperationalError:
-            pass  # not made yet
-        time.sleep(0.02)
-    raise TimeoutError(f"{number} rows in {folder}")
+            return False  # not made yet
+
+    wait_until(kept)
 
 
 @contextmanager
@@ -152,10 +159,7 @@ def held_after(environment: dict[str, str], calls: int) -> Iterator[None]:
 def wait_for_notes(environment: dict[str, str], number: int) -> None:
     """Wait until so many calls are noted."""
     path = Path(environment["NOTES"])
-    end = time.monotonic() + PATIENCE_S
-    while not path.exists() or len(path.read_text().splitlines()) < number:
-        assert time.monotonic() < end
-        time.sleep(0.02)
+    wait_until(lambda: path.exists() and len(path.read_text().splitlines()) >= number)
 
 
 def notes(environment: dict[str, str]) -> list[str]:
@@ -273,9 +277,7 @@ def cluster(folder: Path, environment: dict[str, str]) -> Iterator[tuple[str, li
         )
     ]  # fmt: skip
     try:
-        end = time.monotonic() + PATIENCE_S
-        while not address_file.exists() and time.monotonic() < end:
-            time.sleep(0.05)
+        wait_until(address_file.exists)
         for _ in range(2):
             processes.append(
                 subprocess.Popen(

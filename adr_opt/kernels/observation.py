@@ -96,20 +96,25 @@ FAR = LIMIT
 
 
 @inlined
+def next_way_back(outlook, spacing, j, ready):
+    """Event of the next departure for the station."""
+    return max(0, math.ceil((ready - outlook.home_first[j]) / spacing))
+
+
+@inlined
 def way_back(outlook, spacing, j, ready):
     """ΔV [m/s] and time [s] from ready to the arrival at the station; +inf for no transfer."""
-    first = outlook.home_first[j]
-    m = max(0, math.ceil((ready - first) / spacing))
+    m = next_way_back(outlook, spacing, j, ready)
     if m >= outlook.home_total[j]:
         return math.inf, math.inf
-    time = first + m * spacing - ready + outlook.home[j, m, 1]
+    time = outlook.home_first[j] + m * spacing - ready + outlook.home[j, m, 1]
     return outlook.home[j, m, 0], time
 
 
-@kernel
+@inlined
 def way_back_when_open(outlook, spacing, j, ready):
     """ΔV of the next way to the station that no keep-out zone blocks [m/s]; +inf for none."""
-    m = max(0, math.ceil((ready - outlook.home_first[j]) / spacing))
+    m = next_way_back(outlook, spacing, j, ready)
     return outlook.home[j, m, 2] if m < outlook.home_total[j] else math.inf
 
 

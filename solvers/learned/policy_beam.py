@@ -134,15 +134,13 @@ def beam(field: Field, settings: BeamSettings, found: Found, enough: Enough) -> 
             stops = _move(field, settings, partial, worth, priors, station)
             if not stops.parents.size:
                 break
-            most = max(1, int(REFUELLED * settings.width))
-            partial = stops.best(most, words, trail)
+            partial = stops.best(max(1, int(REFUELLED * settings.width)), words, trail)
         if ended or not targets:
             break
         level = _side_by_side(targets).best(settings.width, words, trail)
-    most = int(best.episodes.serviced[0])
     cheapest = int(np.argmin(best.episodes.delta_v))
     found(np.array(trail.back(int(best.nodes[cheapest])), dtype=np.int64))
-    best_promise.keep(most, found)
+    best_promise.keep(int(best.episodes.serviced[0]), found)
     return states
 
 
