@@ -24,7 +24,7 @@ DEFAULT_METHOD = "auto"
 DEFAULT_TIME_LIMIT_S = 10.0
 DEFAULT_BOUND_TIME_LIMIT_S = 60.0
 
-Start = Plan | Iterable[int]
+Start = Plan | Iterable[int | str]
 
 
 def solve(
@@ -57,8 +57,8 @@ def solve(
         A further criterion; planning ends at whichever comes first.
     progress : callable
         Called with incumbent and bound whenever one improves.
-    start : Plan or sequence of int, optional
-        A plan to begin from, for planners that take one.
+    start : Plan or sequence of int or str, optional
+        A plan, or its bodies by number or name, to begin from, for planners that take one.
     repair : bool
         Begin from the legal beginning of ``start`` instead of refusing an illegal one.
     jobs : int, optional

@@ -127,11 +127,34 @@ class Mission:
         """Whether all prizes are integers, so that a bound may be rounded down."""
         return all(target.prize.is_integer() for target in self.instance.targets)
 
-    def time(self, sequence: Iterable[int]) -> Timing:
-        """Time a sequence of bodies exactly, as far as it is legal."""
-        moves = np.asarray(list(sequence), dtype=np.int64)
-        if moves.size and not (moves.min() >= 0 and moves.max() < len(self.names)):
-            raise InputError(f"a sequence may only name the bodies 0 to {len(self.names) - 1}")
+    def numbers(self, sequence: Iterable[int | str]) -> Sequence:
+        """The numbers of bodies that are given by number or by name.
+
+        Raises
+        ------
+        InputError
+            There is no such body.
+        """
+        moves = list(sequence)
+        if any(isinstance(body, str) for body in moves):
+            index: dict[int | str, int] = {name: at for at, name in enumerate(self.names)}
+            for body in moves:
+                if isinstance(body, str) and body not in index:
+                    raise InputError(f"{body!r} is not a body of {self.instance.name!r}")
+            moves = [index.get(body, body) for body in moves]
+        numbers = np.array(moves) if moves else np.empty(0, dtype=np.int64)
+        if moves and not (
+            numbers.dtype.kind in "iu" and numbers.min() >= 0 and numbers.max() < len(self.names)
+        ):
+            raise InputError(
+                f"a sequence may only name the bodies 0 to {len(self.names) - 1}, by their numbers "
+                "or their names"
+            )
+        return numbers.astype(np.int64)
+
+    def time(self, sequence: Iterable[int | str]) -> Timing:
+        """Time a sequence of bodies, by number or by name, exactly, as far as it is legal."""
+        moves = self.numbers(sequence)
         ends, lefts = np.empty(moves.size), np.empty(moves.size)
         rules = self.rules
         visited = np.zeros(len(self.names), dtype=np.bool_)

@@ -14,7 +14,7 @@ from .plan import Plan
 
 
 def start_sequence(
-    mission: Mission, start: Plan | Iterable[int], *, repair: bool = False
+    mission: Mission, start: Plan | Iterable[int | str], *, repair: bool = False
 ) -> tuple[int, ...]:
     """The bodies of a start plan, in order.
 
@@ -38,7 +38,7 @@ def start_sequence(
             _refuse_violations(mission, start)
         moves = _bodies(mission, start)
     else:
-        moves = [int(j) for j in start]
+        moves = mission.numbers(start).tolist()
     timing = mission.time(moves)
     if timing.made < len(moves) and not repair:
         # Next to impossible for a plan that was checked: only within the tolerances of the check.

@@ -58,6 +58,36 @@ def test_worked_out_plan(mission):
     assert timing.lefts == pytest.approx([168.4, 300.0, 168.4, 36.8], abs=0.2)
 
 
+def test_bodies_may_be_given_by_name(mission):
+    """A sequence of names is timed as that of numbers is, also mixed with them."""
+    names = [mission.names[j] for j in OPTIMAL_PLAN]
+    by_number = mission.time(OPTIMAL_PLAN)
+    for sequence in (names, [names[0], *OPTIMAL_PLAN[1:]]):
+        timing = mission.time(sequence)
+        assert timing.made == 4
+        assert timing.ends.tolist() == by_number.ends.tolist()
+    result = adr_opt.solve(mission, "local-search", start=names, time_limit=30.0, iterations=1)
+    assert result.objective == OPTIMUM
+    assert mission.time([]).made == 0
+
+
+@pytest.mark.parametrize(
+    ("sequence", "named"),
+    [
+        (["nowhere"], "'nowhere' is not a body of 'hand-made'"),
+        ([1, "nowhere"], "'nowhere'"),
+        ([5], "bodies 0 to 4"),
+        ([-1], "bodies 0 to 4"),
+        ([1.5], "by their numbers or their names"),
+        ([None], "by their numbers or their names"),
+    ],
+)
+def test_what_is_no_body_is_refused_in_one_sentence(mission, sequence, named):
+    """Unknown names, numbers out of range and what is neither raise InputError."""
+    with pytest.raises(adr_opt.InputError, match=named):
+        mission.time(sequence)
+
+
 def test_replay_stops_at_the_first_illegal_move(mission):
     """Timing a sequence with an illegal move reports the legal beginning only."""
     for sequence, made in (
