@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -18,8 +19,10 @@ import adr_opt
 from adr_opt import front
 from adr_opt.cli.live import describe
 from adr_opt.cli.timeline import clock, span
+from adr_opt.instance import Instance
 from adr_opt.mission import Mission
-from adr_opt.plan import load_plan
+from adr_opt.plan import Plan, load_plan
+from adr_opt.wording import shortened
 
 METHODS = '''
 """Methods that show how they were called."""
@@ -138,6 +141,95 @@ def test_timeline_shows_every_leg_and_the_summary(cli: Cli) -> None:
     assert f"visits {len(plan.legs) - refuellings} of 12" in last
     assert f"ΔV {plan.delta_v_m_s:.1f} m/s" in last
     assert f"refuellings {refuellings}" in last
+
+
+@pytest.fixture(scope="module")
+def of_a_cloud() -> tuple[Instance, Plan]:
+    """A plan over objects that share one long name but for the number at its end."""
+    tiny = adr_opt.generate("nominal", 0, targets=12)
+    instance = tiny.replace(
+        targets=tuple(
+            target.replace(name=f"COSMOS 2251 DEB {34020 + at}")
+            for at, target in enumerate(tiny.targets)
+        )
+    )
+    plan = adr_opt.solve(instance, "greedy-guarded").plan
+    assert plan is not None
+    assert "station" in plan.destinations
+    return instance, plan
+
+
+@pytest.mark.parametrize("verb", ["solve", "fly"])
+@pytest.mark.parametrize("columns", [40, 60, 80, 100, 200, None])
+def test_numbers_are_never_cut_and_names_can_be_told_apart(
+    cli: Cli,
+    monkeypatch: pytest.MonkeyPatch,
+    of_a_cloud: tuple[Instance, Plan],
+    verb: str,
+    columns: int | None,
+) -> None:
+    """At any width rows keep their numbers and differ in their names; a pipe has whole names."""
+    instance, plan = of_a_cloud
+    Path("my.json").write_text(instance.to_json(), encoding="utf-8")
+    plan.save("plan.json")
+    monkeypatch.setenv("COLUMNS", "80" if columns is None else str(columns))
+    if columns is not None:
+        monkeypatch.setenv("FORCE_COLOR", "1")  # rich takes standard output for a terminal
+        monkeypatch.setenv("TERM", "dumb" if columns == 80 else "xterm")
+    if verb == "fly":
+        pytest.importorskip("boinor")
+        flight = json.loads(cli("fly", "my.json", "plan.json", "--json").out)
+        numbers = [
+            [f"{leg[key]:.2g}" for key in ("miss_m", "relative_speed_m_s", "arrival_miss_m")]
+            for leg in flight["legs"]
+        ]
+        out = cli("fly", "my.json", "plan.json").out
+    else:
+        numbers = [
+            [
+                clock(leg.departure_s),
+                span(leg.departure_s - leg.ready_s),
+                f"{leg.delta_v_m_s:.1f}",
+                f"{leg.delta_v_left_m_s:.1f}",
+                str(leg.phasing_revolutions),
+                clock(leg.arrival_s),
+            ]
+            for leg in plan.legs
+        ]
+        out = cli("solve", "my.json", "--method", "greedy-guarded").out
+    plain = re.sub(r"\x1b\[[0-9;]*m", "", out)
+    rows = [line for line in plain.splitlines() if re.match(r"[│ ]* \d+ .*→", line)]
+    assert len(rows) == len(plan.legs) > 3
+    if columns is None or columns >= 60:
+        assert max(map(len, rows)) <= (columns or 200)
+    seen = set()
+    for row, texts, leg in zip(rows, numbers, plan.legs, strict=True):
+        cells = " ".join(row.replace("│", " ").split())
+        assert cells.endswith(" ".join(texts))
+        assert "…" not in cells.partition(texts[0])[2]
+        number = leg.destination.rpartition(" ")[2]
+        assert number in cells or "(refuels)" in cells or leg.destination == "station"
+        if columns is None or columns >= 200:
+            assert f"{leg.origin} → {leg.destination}" in cells
+        if leg.destination != "station":
+            seen.add(cells.partition("→")[2].partition(texts[0])[0])
+    assert len(seen) == len(set(plan.destinations) - {"station"})
+
+
+def test_names_are_cut_to_different_ones() -> None:
+    """Short names stay; of long ones the middle goes, or else what they begin with in common."""
+    cloud = [f"COSMOS 2251 DEB {number}" for number in (34021, 34022)]
+    short = shortened(["station", *cloud], 12)
+    assert list(short.values()) == ["station", "COSM…B 34021", "COSM…B 34022"]
+    for width in range(6, 22):
+        assert len(set(shortened(cloud, width).values())) == 2
+    front = [f"{letter} of the long long cloud" for letter in "ab"]
+    inside = [f"object {letter}{number} of the cloud" for letter in "ab" for number in (1, 2, 10)]
+    for names in (front, inside, [*front, *inside, *cloud]):
+        for width in (6, 10, 16):
+            short = shortened(names, width)
+            assert len(set(short.values())) == len(names)
+            assert all(len(text) <= width for text in short.values())
 
 
 def test_times_are_written_as_clocks() -> None:

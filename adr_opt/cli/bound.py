@@ -45,6 +45,7 @@ def command(
     from ..instance import load
     from ..plan import load_plan
     from ..planner import BOUNDS
+    from ..wording import status_words
     from .live import wanted
     from .work import work
 
@@ -69,7 +70,8 @@ def command(
         emit_json({"instance": reference, **result.to_dict()})
     else:
         proven = f"{result.upper_bound:.6g}" if math.isfinite(result.upper_bound) else "none proven"
-        emit(f"upper bound {proven}, {result.status}, runtime {result.runtime_s:.2f} s")
+        status = status_words(result.status)
+        emit(f"upper bound {proven}, {status}, runtime {result.runtime_s:.2f} s")
         for name, count in result.counters.items():
             emit(f"  {name} {count:g}")
     return 1 if result.status == "infeasible" else 0

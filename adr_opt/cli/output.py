@@ -14,8 +14,8 @@ import click
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-WIDTH = 110
-"""Columns of a table that is not shown on a terminal."""
+WIDEST = 10_000
+"""Columns that rich may use: tables are made to fit before they are printed, and never cut."""
 
 
 def emit(text: str) -> None:
@@ -38,14 +38,21 @@ def _plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
+def terminal_width() -> int | None:
+    """Columns of the terminal; None where nobody looks at one, and tables may be of any width."""
+    from rich.console import Console
+
+    console = Console(file=sys.stdout)
+    return console.width if console.is_terminal else None
+
+
 def emit_rich(*renderables: RenderableType) -> None:
     """Print tables on standard output, with colour on a terminal only."""
     from rich.console import Console
 
     # Rendered first and printed by :func:`emit`: rich itself leaves the process on a closed pipe.
-    console = Console(file=sys.stdout, highlight=False)
-    if not console.is_terminal:
-        console.width = WIDTH
+    # Without a height rich takes 80 columns for a terminal that calls itself dumb.
+    console = Console(file=sys.stdout, highlight=False, width=WIDEST, height=25)
     with console.capture() as capture:
         for renderable in renderables:
             console.print(renderable)

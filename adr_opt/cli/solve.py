@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from ..errors import InputError
-from .output import emit, emit_json, emit_rich, say
+from .output import emit, emit_json, emit_rich, say, terminal_width
 from .parameters import (
     check_out,
     instance_argument,
@@ -55,6 +55,7 @@ def command(
     from ..instance import load
     from ..plan import load_plan
     from ..planner import BOUNDS, PLANNERS
+    from ..wording import status_words
     from .live import wanted
     from .work import work
 
@@ -94,12 +95,13 @@ def command(
     if out is not None:
         result.plan.save(out)
         if not quiet:
-            say(f"wrote {out}: objective {result.objective:g}, {result.status}")
+            status = status_words(result.plan.status)
+            say(f"wrote {out}: objective {result.objective:g}, {status}")
     if as_json:
         emit(result.plan.to_json())
     else:
         from .timeline import summary, timeline
 
-        emit_rich(timeline(instance, result.plan))
+        emit_rich(timeline(instance, result.plan, terminal_width()))
         emit(summary(instance, result.plan))
     return 1 if result.status == "infeasible" else 0

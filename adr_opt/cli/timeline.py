@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rich.table import Table
-from rich.text import Text
+from ..wording import status_words
+from .tables import Row, leg_table
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
     from ..instance import Instance
     from ..plan import Plan
 
@@ -26,28 +28,24 @@ def span(duration_s: float) -> str:
     return f"{minutes // 60}:{minutes % 60:02d}"
 
 
-def timeline(instance: Instance, plan: Plan) -> Table:
-    """The legs of a plan as a table."""
-    table = Table(title=f"{instance.name}: {plan.method}, {plan.status}", title_justify="left")
-    for heading in ("leg", "departure", "origin → destination", "wait", "ΔV m/s", "left m/s",
-                    "k", "arrival", ""):  # fmt: skip
-        is_text = heading in ("origin → destination", "")
-        table.add_column(heading, justify="left" if is_text else "right", no_wrap=True)
+def timeline(instance: Instance, plan: Plan, width: int | None = None) -> Table:
+    """The legs of a plan as a table of at most ``width`` columns, if names can be cut to that."""
+    rows = []
     for number, leg in enumerate(plan.legs, start=1):
         refuels = leg.destination == instance.station.name
-        table.add_row(
-            str(number),
+        texts = (
             clock(leg.departure_s),
-            Text(f"{leg.origin} → {leg.destination}"),
             span(leg.departure_s - leg.ready_s),
             f"{leg.delta_v_m_s:.1f}",
             f"{leg.delta_v_left_m_s:.1f}",
             str(leg.phasing_revolutions),
             clock(leg.arrival_s),
-            "refuels" if refuels else "",
-            style="bold" if refuels else None,
         )
-    return table
+        destination = f"{leg.destination} (refuels)" if refuels else leg.destination
+        rows.append(Row(number, leg.origin, destination, texts, bold=refuels))
+    headings = ("departs", "wait", "ΔV\nm/s", "left\nm/s", "k", "arrives")
+    title = f"{instance.name}: {plan.method}, {status_words(plan.status)}"
+    return leg_table(headings, rows, width, title)
 
 
 def summary(instance: Instance, plan: Plan) -> str:
