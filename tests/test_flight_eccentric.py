@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from pathlib import Path
@@ -13,7 +14,9 @@ import adr_opt
 from adr_opt.flight import fly
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import MU_M3_S2
+from adr_opt.mission import Mission
 from adr_opt.plan import Plan, load_plan
+from adr_opt.result import certify
 from adr_opt.trajectory import body_states, propagate
 
 pytest.importorskip("boinor.bodies")
@@ -64,8 +67,9 @@ def test_circles_tell_nothing_new() -> None:
     plan = adr_opt.solve(tiny, "greedy-guarded").plan
     assert plan is not None
     flight = fly(tiny, plan)
-    assert set(flight.to_dict()) == {"worst_miss_m", "legs"}
+    assert set(flight.to_dict()) == {"worst_miss_m", "holds", "tanks", "legs"}
     assert all(leg.eccentric is None for leg in flight.legs)
+    assert all(tank.flown_delta_v_m_s == tank.planned_delta_v_m_s for tank in flight.tanks)
     assert flight.worst_true_miss_m == flight.worst_miss_m
     assert flight.correction_delta_v_m_s == 0.0
 
@@ -236,3 +240,93 @@ def test_the_table_of_the_page_is_what_comes_out() -> None:
             rel=0.02,
         )
     assert all(f"`{field}`" in page for field in NEW_FIELDS)
+
+
+def on_budget(instance: Instance, plan: Plan, delta_v_m_s: float) -> tuple[Instance, Plan]:
+    """The instance with another tank, and the same legs on it."""
+    other = instance.replace(mission=instance.mission.replace(delta_v_m_s=delta_v_m_s))
+    mission = Mission(other)
+    again = certify(mission, "again", mission.numbers(plan.destinations), seed=0, runtime_s=0.0)
+    assert again.plan is not None
+    return other, again.plan
+
+
+@pytest.fixture(scope="module")
+def breaking() -> tuple[Instance, Plan, float]:
+    """A plan that is legal in the model, whose second tank is too small in truth; by how much."""
+    instance, plan = ellipses(0.01, delta_v_m_s=1000.0)
+    first, second = fly(instance, plan).tanks
+    assert first.flown_delta_v_m_s < second.planned_delta_v_m_s
+    assert second.planned_delta_v_m_s + 10.0 < second.flown_delta_v_m_s
+    budget = (second.planned_delta_v_m_s + second.flown_delta_v_m_s) / 2.0
+    return *on_budget(instance, plan, budget), second.flown_delta_v_m_s - budget
+
+
+def test_a_tank_costs_its_burns_and_its_corrections() -> None:
+    """Tank by tank: the plan's ΔV, with the corrections in place of what was set aside for them."""
+    instance, plan = ellipses(0.01, seed=5, delta_v_m_s=600.0)
+    flight = fly(instance, plan)
+    assert len(flight.tanks) == 1 + plan.destinations.count(instance.station.name) > 1
+    assert [tank.tank for tank in flight.tanks] == list(range(1, len(flight.tanks) + 1))
+    seen = []
+    for tank in flight.tanks:
+        legs = range(tank.first_leg - 1, tank.last_leg)
+        seen += legs
+        burned = sum(math.hypot(*b.delta_v_m_s) for at in legs for b in plan.legs[at].burns)
+        flown = [flight.legs[at].eccentric for at in legs]
+        extra = sum(leg.correction_delta_v_m_s for leg in flown if leg is not None)
+        assert tank.flown_delta_v_m_s == pytest.approx(burned + extra, abs=1e-6)
+        assert plan.legs[tank.last_leg - 1].destination == instance.station.name or (
+            tank.last_leg == len(plan.legs)
+        )
+    assert seen == list(range(len(plan.legs)))
+
+
+def test_a_plan_that_breaks_a_tank_is_no_answer(breaking, cli, tmp_path: Path) -> None:
+    """`check` finds nothing, and `fly` says which tank is over by how much and ends with 1."""
+    instance, plan, over = breaking
+    assert adr_opt.check(instance, plan) == ()
+    (tmp_path / "my.json").write_text(instance.to_json(), encoding="utf-8")
+    plan.save(tmp_path / "plan.json")
+    said = cli("fly", "my.json", "plan.json", "--out", "flown.json", "--quiet")
+    assert said.status == 1
+    assert said.err == ""
+    home = plan.destinations.index(instance.station.name) + 1
+    legs = f"legs {home + 1} to {len(plan.legs)}"
+    sentence = f"tank 2 ({legs}) of {instance.mission.delta_v_m_s:g} m/s"
+    assert f"{sentence} is over by {over:.1f} m/s" in said.out
+    assert sentence in load_plan(tmp_path / "flown.json").notes[-1]
+    told = cli("fly", "my.json", "plan.json", "--json")
+    assert told.status == 1
+    content = json.loads(told.out)
+    assert content["holds"] is False
+    assert [tank["holds"] for tank in content["tanks"]] == [True, False]
+    assert content["tanks"][1]["over_m_s"] == pytest.approx(over, abs=1e-6)
+
+
+def test_a_plan_within_its_tanks_is_one(breaking, cli, tmp_path: Path) -> None:
+    """With a little more in the tank the same legs hold, and `fly` ends with 0."""
+    instance, plan, over = breaking
+    roomy, plan = on_budget(instance, plan, instance.mission.delta_v_m_s + over + 1.0)
+    (tmp_path / "my.json").write_text(roomy.to_json(), encoding="utf-8")
+    plan.save(tmp_path / "plan.json")
+    said = cli("fly", "my.json", "plan.json", "--out", "flown.json")
+    assert said.status == 0
+    assert "every tank holds" in said.out
+    assert "is left with 1.0 of" in said.out
+    assert said.err == "adr-opt: wrote flown.json\n"
+
+
+def test_a_tank_whose_correction_is_unknown_does_not_hold(monkeypatch) -> None:
+    """Where no corrected arc is found, the tank is not said to hold, and its cost is not known."""
+    instance, plan = ellipses(0.01)
+
+    def unsolved(*arguments: object) -> tuple:
+        raise ArithmeticError
+
+    monkeypatch.setattr(TwoBody, "lambert", unsolved)
+    flight = fly(instance, plan)
+    assert flight.broken_tanks
+    assert flight.broken_tanks[0].flown_delta_v_m_s is None
+    assert "no correction was found" in str(flight.broken_tanks[0])
+    assert flight.to_dict()["holds"] is False

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import click
 
 from ..errors import InputError, MissingExtra
-from .output import emit, emit_json, emit_rich, say
-from .parameters import check_out, instance_argument, json_option, plan_argument
+from ..wording import counted
+from .output import emit, emit_json, emit_rich, say, terminal_width
+from .parameters import check_out, instance_argument, json_option, plan_argument, quiet_option
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -25,11 +26,13 @@ FLOWN = "flown in two-body motion: "
 @plan_argument
 @click.option("--out", metavar="FILE", help="Write the plan again with the result in its notes.")
 @json_option
-def command(instance_path: str, plan_path: str, out: str | None, as_json: bool) -> int:
+@quiet_option
+def command(instance_path: str, plan_path: str, out: str | None, as_json: bool, quiet: bool) -> int:
     """Fly the burns of PLAN in two-body motion and measure how far each leg misses.
 
     Legs with an eccentric orbit are flown on the true orbits as well, and a corrected last arc is
-    solved for: a Lambert arc to the true stand-off.
+    solved for: a Lambert arc to the true stand-off. Exit status 1: with what the corrections cost,
+    some tank is not enough.
     """
     from ..flight import fly
     from ..instance import load
@@ -45,16 +48,19 @@ def command(instance_path: str, plan_path: str, out: str | None, as_json: bool) 
         raise InputError(f"{plan_path}: {error}") from None
     if out is not None:
         annotated(plan, flight).save(out)
-        say(f"wrote {out}")
+        if not quiet:
+            say(f"wrote {out}")
     if as_json:
         emit_json(flight.to_dict())
-        return 0
-    emit_rich(_misses(flight))
-    emit(f"worst miss {flight.worst_miss_m:.2g} m over {len(flight.legs)} legs")
-    if flight.eccentric:
-        emit_rich(_eccentric(flight))
-        emit("on the true orbits: " + _truth(flight))
-    return 0
+    else:
+        width = terminal_width()
+        emit_rich(_misses(flight, width))
+        emit(f"worst miss {flight.worst_miss_m:.2g} m over {counted(len(flight.legs), 'leg')}")
+        if flight.eccentric:
+            emit_rich(_eccentric(flight, width))
+            emit("on the true orbits: " + _truth(flight))
+        emit(_tanks(flight))
+    return 1 if flight.broken_tanks else 0
 
 
 def annotated(plan: Plan, flight: Flight) -> Plan:
@@ -62,6 +68,7 @@ def annotated(plan: Plan, flight: Flight) -> Plan:
     note = f"{FLOWN}worst miss {flight.worst_miss_m:.2g} m"
     if flight.eccentric:
         note += " between the circles planned with; on the true orbits " + _truth(flight)
+    note += f"; {_tanks(flight)}"
     kept = tuple(other for other in plan.notes if not other.startswith(FLOWN))
     return plan.replace(notes=(*kept, note))
 
@@ -74,55 +81,48 @@ def _truth(flight: Flight) -> str:
     )
 
 
-def _misses(flight: Flight) -> Table:
-    from rich.text import Text
+def _tanks(flight: Flight) -> str:
+    """Which tanks break, or how near the worst one comes to it."""
+    if flight.broken_tanks:
+        return "; ".join(str(tank) for tank in flight.broken_tanks)
+    if not flight.tanks:
+        return "no tank is used"
+    worst = max(flight.tanks, key=lambda tank: tank.over_m_s or 0.0)
+    return f"every tank holds: {worst}"
 
-    table = _table("leg", "origin → destination", "miss m", "relative m/s", "arrival miss m")
-    for leg in flight.legs:
-        table.add_row(
-            str(leg.leg),
-            Text(f"{leg.origin} → {leg.destination}"),
-            f"{leg.miss_m:.2g}",
-            f"{leg.relative_speed_m_s:.2g}",
-            f"{leg.arrival_miss_m:.2g}",
+
+def _misses(flight: Flight, width: int | None) -> Table:
+    from .tables import Row, leg_table
+
+    rows = (
+        Row(
+            leg.leg,
+            leg.origin,
+            leg.destination,
+            (f"{leg.miss_m:.2g}", f"{leg.relative_speed_m_s:.2g}", f"{leg.arrival_miss_m:.2g}"),
         )
-    return table
-
-
-def _eccentric(flight: Flight) -> Table:
-    from rich.text import Text
-
-    table = _table(
-        "leg",
-        "origin → destination",
-        "true miss\nm",
-        "set aside\nm/s",
-        "correction\nm/s",
-        "last arc\nm/s",
-        "Lambert arc\nm/s",
+        for leg in flight.legs
     )
+    return leg_table(("miss\nm", "relative\nm/s", "arrival\nmiss m"), rows, width)
+
+
+def _eccentric(flight: Flight, width: int | None) -> Table:
+    from .tables import Row, leg_table
+
+    rows = []
     for leg in flight.legs:
         true = leg.eccentric
         if true is not None:
-            table.add_row(
-                str(leg.leg),
-                Text(f"{leg.origin} → {leg.destination}"),
+            texts = (
                 _or_unknown(true.true_miss_m, ".4g"),
                 f"{true.eccentricity_delta_v_m_s:.2f}",
                 _or_unknown(true.correction_delta_v_m_s, ".2f"),
                 f"{true.last_arc_delta_v_m_s:.2f}",
                 _or_unknown(true.lambert_delta_v_m_s, ".2f"),
             )
-    return table
-
-
-def _table(*headings: str) -> Table:
-    from rich.table import Table
-
-    table = Table()
-    for heading in headings:
-        table.add_column(heading, justify="left" if "→" in heading else "right", no_wrap=True)
-    return table
+            rows.append(Row(leg.leg, leg.origin, leg.destination, texts))
+    headings = ("true\nmiss m", "aside\nm/s", "corrected\nm/s", "last arc\nm/s", "Lambert\nm/s")
+    return leg_table(headings, rows, width)
 
 
 def _or_unknown(value: float | None, form: str) -> str:

@@ -7,10 +7,10 @@ solves Lambert's problem.
 Two questions are asked of each leg. Does it arrive in the model's world, where every body moves
 on a circle? It must, to a millimetre. And where an orbit of the leg is eccentric: where does it
 arrive in truth, and what does it cost to arrive there after all? That is the size of the
-approximation of MODEL section 1.
+approximation of MODEL section 1, and decides whether each tank holds.
 """
 
 from .fly import fly
-from .result import EccentricFlight, Flight, LegFlight
+from .result import EccentricFlight, Flight, LegFlight, TankFlight
 
-__all__ = ["EccentricFlight", "Flight", "LegFlight", "fly"]
+__all__ = ["EccentricFlight", "Flight", "LegFlight", "TankFlight", "fly"]

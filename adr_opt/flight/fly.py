@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from ..instance import Instance
 from ..plan import Leg, Plan
 from .corrected import fly_eccentric
 from .flyable import refuse_what_cannot_be_flown
-from .result import EccentricFlight, Flight, LegFlight
+from .result import EccentricFlight, Flight, LegFlight, TankFlight
 from .two_body import State, TwoBody, distance
 
 
@@ -20,7 +21,7 @@ def fly(instance: Instance, plan: Plan) -> Flight:
 
     Each leg begins on the origin's own orbit; the burns are taken from the plan as they are.
     Bodies move on the circles that the model plans with (MODEL section 1). A leg with an eccentric
-    orbit is flown a second time on the true orbits.
+    orbit is flown a second time on the true orbits. What that costs is counted tank by tank.
 
     Parameters
     ----------
@@ -50,7 +51,29 @@ def fly(instance: Instance, plan: Plan) -> Flight:
                 two_body, origin, destination, leg, instance.transfer.standoff_m
             )
         flown.append(_fly_leg(instance, two_body, circles, number, leg, eccentric))
-    return Flight(max((leg.miss_m for leg in flown), default=0.0), tuple(flown))
+    worst = max((leg.miss_m for leg in flown), default=0.0)
+    return Flight(worst, tuple(flown), tuple(_tanks(instance, plan, flown)))
+
+
+def _tanks(instance: Instance, plan: Plan, flown: list[LegFlight]) -> Iterator[TankFlight]:
+    """The legs of a plan tank by tank; a tank ends with the leg to the station."""
+    tank, first, planned, extra, known = 1, 1, 0.0, 0.0, True
+    for leg, flight in zip(plan.legs, flown, strict=True):
+        planned += leg.delta_v_m_s
+        if flight.eccentric is not None:
+            correction = flight.eccentric.correction_delta_v_m_s
+            known = known and correction is not None
+            extra += (correction or 0.0) - leg.eccentricity_delta_v_m_s
+        if leg.destination == instance.station.name or flight.leg == len(flown):
+            yield TankFlight(
+                tank=tank,
+                first_leg=first,
+                last_leg=flight.leg,
+                budget_m_s=instance.mission.delta_v_m_s,
+                planned_delta_v_m_s=planned,
+                flown_delta_v_m_s=planned + extra if known else None,
+            )
+            tank, first, planned, extra, known = tank + 1, flight.leg + 1, 0.0, 0.0, True
 
 
 def _fly_leg(

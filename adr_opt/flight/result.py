@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from ..checking import DELTA_V_TOLERANCE_M_S
+
 
 @dataclass(frozen=True)
 class EccentricFlight:
@@ -86,6 +88,60 @@ class LegFlight:
 
 
 @dataclass(frozen=True)
+class TankFlight:
+    """Whether one tank holds: the legs from one refuelling to the next, that one included.
+
+    Attributes
+    ----------
+    tank : int
+        Number of the tank, from 1.
+    first_leg, last_leg : int
+        Numbers of its legs, from 1.
+    budget_m_s : float
+        ΔV of a full tank [m/s].
+    planned_delta_v_m_s : float
+        What the plan states for these legs [m/s].
+    flown_delta_v_m_s : float or None
+        What they cost on the true orbits: the burns of the plan and the corrections, which take
+        the place of what the plan sets aside for eccentricity; None if a correction is unknown
+        [m/s].
+    """
+
+    tank: int
+    first_leg: int
+    last_leg: int
+    budget_m_s: float
+    planned_delta_v_m_s: float
+    flown_delta_v_m_s: float | None
+
+    @property
+    def over_m_s(self) -> float | None:
+        """What is missing in the tank, negative if some is left; None if unknown [m/s]."""
+        flown = self.flown_delta_v_m_s
+        return None if flown is None else flown - self.budget_m_s
+
+    @property
+    def holds(self) -> bool:
+        """Whether the tank is known to be enough."""
+        return self.over_m_s is not None and self.over_m_s <= DELTA_V_TOLERANCE_M_S
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return asdict(self) | {"over_m_s": self.over_m_s, "holds": self.holds}
+
+    def __str__(self) -> str:
+        legs = f"leg {self.first_leg}"
+        if self.last_leg > self.first_leg:
+            legs = f"legs {self.first_leg} to {self.last_leg}"
+        if self.over_m_s is None:
+            return f"tank {self.tank} ({legs}) has a leg that no correction was found for"
+        budget = f"{self.budget_m_s:g} m/s"
+        if self.holds:
+            return f"tank {self.tank} ({legs}) is left with {-self.over_m_s:.1f} of {budget}"
+        return f"tank {self.tank} ({legs}) of {budget} is over by {self.over_m_s:.1f} m/s"
+
+
+@dataclass(frozen=True)
 class Flight:
     """What came of flying a plan.
 
@@ -94,10 +150,17 @@ class Flight:
     worst_miss_m : float
         Largest stand-off miss of all legs; 0 for a plan without legs [m].
     legs : tuple of LegFlight
+    tanks : tuple of TankFlight
     """
 
     worst_miss_m: float
     legs: tuple[LegFlight, ...]
+    tanks: tuple[TankFlight, ...] = ()
+
+    @property
+    def broken_tanks(self) -> tuple[TankFlight, ...]:
+        """The tanks that do not hold; none means that the plan does."""
+        return tuple(tank for tank in self.tanks if not tank.holds)
 
     @property
     def eccentric(self) -> tuple[EccentricFlight, ...]:
@@ -134,4 +197,8 @@ class Flight:
                 "eccentricity_delta_v_m_s": self.eccentricity_delta_v_m_s,
                 "correction_delta_v_m_s": self.correction_delta_v_m_s,
             }
-        return told | {"legs": [leg.to_dict() for leg in self.legs]}
+        return told | {
+            "holds": not self.broken_tanks,
+            "tanks": [tank.to_dict() for tank in self.tanks],
+            "legs": [leg.to_dict() for leg in self.legs],
+        }
