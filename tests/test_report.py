@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import re
 import sys
@@ -15,6 +16,7 @@ from conftest import Cli
 
 import adr_opt
 from adr_opt import plot
+from adr_opt.flight import fly
 from adr_opt.instance import Instance, KeepOutZone
 from adr_opt.plan import Plan
 from adr_opt.plot.tracks import tracks
@@ -187,6 +189,94 @@ def test_violations_head_the_page(mission) -> None:
     assert alert.count("<li>") == len(violations)
     assert text.index('role="alert"') < text.index('class="headline"')
     assert "no violations" not in text
+
+
+@pytest.fixture(scope="module")
+def eccentric() -> tuple[Instance, Plan]:
+    """A plan between eccentric orbits that is legal in the model, and breaks a tank in truth."""
+    tiny = adr_opt.generate("tiny", 4)
+    instance = tiny.replace(
+        targets=tuple(
+            target.replace(orbit=target.orbit.replace(eccentricity=0.02)) for target in tiny.targets
+        ),
+        mission=tiny.mission.replace(delta_v_m_s=1000.0),
+    )
+    most = max(legs_by_tank(instance, solved(instance)))
+    instance = instance.replace(mission=instance.mission.replace(delta_v_m_s=most + 1e-3))
+    plan = solved(instance)
+    assert adr_opt.check(instance, plan) == ()
+    return instance, plan
+
+
+def legs_by_tank(instance: Instance, plan: Plan) -> list[float]:
+    """The ΔV that a plan takes from each tank."""
+    tanks = [0.0]
+    for leg in plan.legs:
+        tanks[-1] += leg.delta_v_m_s
+        if leg.destination == instance.station.name:
+            tanks.append(0.0)
+    return tanks
+
+
+def test_tanks_that_break_head_the_page(eccentric, cli: Cli) -> None:
+    """No tick for a plan that breaks a tank on the true orbits: the page and the verb say which."""
+    pytest.importorskip("boinor.bodies")
+    instance, plan = eccentric
+    broken = fly(instance, plan).broken_tanks
+    assert broken
+    text = page(instance, plan)
+    alert = text.partition('role="alert"')[2].partition("</section>")[0]
+    assert "legal in the model" in alert
+    assert [str(tank) for tank in broken] == re.findall(r"<li>(.*?)</li>", alert)
+    assert "✓" not in text
+    Path("my.json").write_text(instance.to_json(), encoding="utf-8")
+    plan.save("plan.json")
+    said = cli("report", "my.json", "plan.json", "--out", "mission.html", "--json")
+    assert said.status == 1
+    tanks = json.loads(said.out)["tanks"]
+    assert [tank["tank"] for tank in tanks if not tank["holds"]] == [tank.tank for tank in broken]
+    assert f"plan.json: on the true orbits {broken[0]}" in said.err
+
+
+def test_no_tick_without_a_flight_on_the_true_orbits(eccentric, mission, monkeypatch) -> None:
+    """Without boinor the page of an eccentric field says what it does not know; circles need none.
+
+    And a plan that holds on the true orbits has its tick.
+    """
+    instance, plan = eccentric
+    roomy = instance.replace(mission=instance.mission.replace(delta_v_m_s=9000.0))
+    if importlib.util.find_spec("boinor") is not None:
+        assert "every tank holds" in outline(page(roomy, solved(roomy))).text
+        assert "✓" in page(roomy, solved(roomy))
+    monkeypatch.setitem(sys.modules, "boinor.bodies", None)
+    text = page(instance, plan)
+    assert "✓" not in text
+    assert "not flown on the true ones" in text
+    assert "adr-opt[astro]" in text
+    assert "✓" in page(*mission)
+
+
+def test_names_in_the_timeline_can_be_told_apart(mission) -> None:
+    """Long names that begin alike keep their ends beside the timeline."""
+    instance, plan = mission
+    names = {
+        target.name: f"COSMOS 2251 DEB {34000 + at}" for at, target in enumerate(instance.targets)
+    }
+    legs = tuple(
+        leg.replace(
+            origin=names.get(leg.origin, leg.origin),
+            destination=names.get(leg.destination, leg.destination),
+        )
+        for leg in plan.legs
+    )
+    targets = tuple(target.replace(name=names[target.name]) for target in instance.targets)
+    instance = instance.replace(targets=targets)
+    reference = plan.instance.replace(sha256=instance.sha256)
+    drawn = figures.gantt(instance, plan.replace(legs=legs, instance=reference))
+    ticks = drawn["layout"]["yaxis"]["ticktext"]
+    assert all(len(tick) <= 16 for tick in ticks)
+    assert all(tick.endswith(leg.destination[-5:]) for tick, leg in zip(ticks, legs, strict=True))
+    assert len(set(ticks)) == len(set(plan.destinations))
 
 
 def test_a_plan_that_cannot_be_flown_is_reported_all_the_same(mission) -> None:

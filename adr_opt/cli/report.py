@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from ..errors import InputError, MissingExtra
+from ..wording import counted
 from .output import emit_json, say
 from .parameters import (
     check_out,
@@ -24,7 +25,8 @@ from .parameters import (
 def command(instance_path: str, plan_path: str, out: str, as_json: bool, quiet: bool) -> int:
     """Write PLAN on INSTANCE as one self-contained HTML page: charts, tables, bound and gap.
 
-    A plan with violations is reported too: they head the page and are counted here.
+    A plan with violations is reported too: they head the page and are counted here. So are tanks
+    that break on the true orbits. Exit status 1: there are such tanks.
     """
     from ..instance import load
     from ..plan import load_plan
@@ -41,8 +43,9 @@ def command(instance_path: str, plan_path: str, out: str, as_json: bool, quiet: 
     except InputError as error:
         said = str(error)
         raise InputError(said if said.startswith(f"{out}: ") else f"{plan_path}: {said}") from None
-    count = len(written.violations)
+    broken = [tank for tank in written.tanks or () if not tank.holds]
     if as_json:
+        tanks = None if written.tanks is None else [tank.to_dict() for tank in written.tanks]
         emit_json(
             {
                 "instance": instance.name,
@@ -51,14 +54,18 @@ def command(instance_path: str, plan_path: str, out: str, as_json: bool, quiet: 
                 "legs": len(plan.legs),
                 "objective": plan.objective,
                 "violations": [violation.to_dict() for violation in written.violations],
+                "tanks": tanks,
                 "trouble": written.trouble,
             }
         )
     if not quiet:
-        say(f"wrote {out}: {len(plan.legs)} legs, {written.size_bytes / 1e6:.2f} MB")
-        if count:
+        legs = counted(len(plan.legs), "leg")
+        say(f"wrote {out}: {legs}, {written.size_bytes / 1e6:.2f} MB")
+        if count := len(written.violations):
             say(
-                f"{plan_path}: the plan has {count} violation{'s' if count > 1 else ''}; "
+                f"{plan_path}: the plan has {counted(count, 'violation')}; "
                 f"the page begins with {'them' if count > 1 else 'it'}"
             )
-    return 0
+        for tank in broken:
+            say(f"{plan_path}: on the true orbits {tank}")
+    return 1 if broken else 0

@@ -15,11 +15,13 @@ from .. import __version__
 from ..checking import Violation, check
 from ..errors import InputError, MissingExtra
 from ..files import check_writable, write_text
+from ..flight import Flight, TankFlight, fly
 from ..instance import Instance
 from ..plan import Plan
 from ..plot.palette import PHASES
 from ..plot.segments import segments
 from ..plot.tracks import Track, tracks
+from ..wording import counted, status_words
 from . import figures, sections, tables
 from .facts import facts
 from .figures.parts import leg_title
@@ -38,6 +40,8 @@ class Report:
     size_bytes : int
     violations : tuple of Violation
         What the check of the plan found.
+    tanks : tuple of TankFlight or None
+        Whether each tank holds on the true orbits; None if that was not or need not be flown.
     trouble : str or None
         Why the chaser's path could not be drawn, if it could not.
     """
@@ -45,6 +49,7 @@ class Report:
     path: str
     size_bytes: int
     violations: tuple[Violation, ...]
+    tanks: tuple[TankFlight, ...] | None
     trouble: str | None
 
 
@@ -66,11 +71,12 @@ def write_report(instance: Instance, plan: Plan, path: str | os.PathLike[str]) -
         plotly is not installed.
     """
     check_writable(path)
-    violations = check(instance, plan)
-    flown, trouble = _fly(instance, plan)
-    text = _page(instance, plan, violations, flown, trouble)
+    violations, flight = check(instance, plan), _on_true_orbits(instance, plan)
+    drawn, trouble = _drawn(instance, plan)
+    text = _page(instance, plan, violations, flight, drawn, trouble)
     write_text(path, text)
-    return Report(os.fspath(path), len(text.encode()), violations, trouble)
+    tanks = flight.tanks if isinstance(flight, Flight) else None
+    return Report(os.fspath(path), len(text.encode()), violations, tanks, trouble)
 
 
 def page(instance: Instance, plan: Plan) -> str:
@@ -81,11 +87,21 @@ def page(instance: Instance, plan: Plan) -> str:
     InputError, MissingExtra
         As in :func:`write_report`.
     """
-    violations = check(instance, plan)
-    return _page(instance, plan, violations, *_fly(instance, plan))
+    violations, flight = check(instance, plan), _on_true_orbits(instance, plan)
+    return _page(instance, plan, violations, flight, *_drawn(instance, plan))
 
 
-def _fly(instance: Instance, plan: Plan) -> tuple[tuple[Track, ...], str | None]:
+def _on_true_orbits(instance: Instance, plan: Plan) -> Flight | str | None:
+    """The flight, or why there is none; None where the circles that are planned with are true."""
+    if not instance.is_approximate:
+        return None
+    try:
+        return fly(instance, plan)
+    except InputError as error:  # also a missing extra: the page is worth having without it
+        return str(error)
+
+
+def _drawn(instance: Instance, plan: Plan) -> tuple[tuple[Track, ...], str | None]:
     try:
         return tracks(instance, plan), None
     except InputError as error:  # a plan so wrong that it leads nowhere; the check says more
@@ -96,7 +112,8 @@ def _page(
     instance: Instance,
     plan: Plan,
     violations: tuple[Violation, ...],
-    flown: tuple[Track, ...],
+    flight: Flight | str | None,
+    drawn: tuple[Track, ...],
     trouble: str | None,
 ) -> str:
     found = facts(instance, plan)
@@ -115,8 +132,8 @@ def _page(
     subtitle = (
         f"{epoch.day} {epoch:%B %Y, %H:%M} UTC · "
         f"{number(instance.mission.duration_s / DAY_S, 2)} days · "
-        f"{len(instance.targets)} targets · planned by {escape(plan.method)} · "
-        f"{'proven optimal' if plan.status == 'optimal' else plan.status}"
+        f"{counted(len(instance.targets), 'target')} · planned by {escape(plan.method)} · "
+        f"{'proven ' if plan.status == 'optimal' else ''}{status_words(plan.status)}"
     )
     left_out = (
         tables.reasons(plan) + tables.unvisited(instance, plan)
@@ -126,11 +143,11 @@ def _page(
     return Template(_asset("page.html")).substitute(
         policy=_policy(library, script),
         version=__version__,
-        title=escape(f"{instance.name} · {found.visits} of {found.targets} targets"),
+        title=escape(f"{instance.name} · {found.visits} of {counted(found.targets, 'target')}"),
         name=escape(instance.name),
         style=_asset("page.css"),
         subtitle=subtitle,
-        verdict=sections.verdict(violations),
+        verdict=sections.verdict(violations, flight),
         headline=sections.headline(found),
         leg_options=sections.leg_options(plan),
         phases=sections.phases([phase for phase in PHASES if phase in done]),
@@ -142,22 +159,22 @@ def _page(
         unvisited=left_out,
         certificate=sections.certificate(plan, found),
         origin=sections.origin(instance, plan),
-        data=in_script(_data(instance, plan, flown)),
+        data=in_script(_data(instance, plan, drawn)),
         library=library,
         script=script,
     )
 
 
-def _data(instance: Instance, plan: Plan, flown: tuple[Track, ...]) -> dict[str, Any]:
+def _data(instance: Instance, plan: Plan, drawn: tuple[Track, ...]) -> dict[str, Any]:
     """What the script of the page draws from."""
     numbers = range(1, len(plan.legs) + 1)
     return {
         "figures": {
-            "altitude": figures.altitude(instance, plan, flown),
+            "altitude": figures.altitude(instance, plan, drawn),
             "budget": figures.budget(instance, plan),
             "gantt": figures.gantt(instance, plan),
             "planes": figures.planes(instance, plan),
-            "orbits": figures.orbits(instance, plan, flown),
+            "orbits": figures.orbits(instance, plan, drawn),
         },
         "titles": ["start", *(leg_title(plan, number) for number in numbers)],
         "windows": [

@@ -2,30 +2,67 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from datetime import UTC
 
 from ..checking import Violation
+from ..flight import Flight
 from ..instance import Instance
 from ..plan import Plan
 from ..plot.palette import COLOURS, LABELS
+from ..wording import counted, status_words
 from .facts import Facts
 from .text import NOTHING, escape, number
 
 DAY_S = 86400.0
 
 
-def verdict(violations: tuple[Violation, ...]) -> str:
-    """What the check found: one quiet line, or every violation in a box that cannot be missed."""
-    if not violations:
-        return (
-            '<p class="verdict good"><span aria-hidden="true">✓</span> '
-            "Checked against the instance: no violations.</p>"
+def verdict(violations: tuple[Violation, ...], flown: Flight | str | None) -> str:
+    """What the check and a flight on the true orbits found.
+
+    One quiet line if the plan holds, and a box that cannot be missed for all that breaks.
+
+    Parameters
+    ----------
+    violations : tuple of Violation
+    flown : Flight or str or None
+        On the true orbits, or why it was not flown there; None if the circles are the truth.
+    """
+    boxes = ""
+    if violations:
+        boxes += _box(
+            f"This plan has {counted(len(violations), 'violation')}",
+            "It must not be flown as it is. All figures below are as the plan states them.",
+            violations,
         )
-    count = "1 violation" if len(violations) == 1 else f"{len(violations)} violations"
-    items = "".join(f"<li>{escape(violation)}</li>" for violation in violations)
+    if isinstance(flown, Flight) and flown.broken_tanks:
+        boxes += _box(
+            "On the true orbits this plan breaks " + counted(len(flown.broken_tanks), "tank"),
+            f"{'In the model too it is not legal.' if violations else 'It is legal in the model.'} "
+            "The model flies between circles; to arrive on the eccentric orbits after all costs "
+            "more than is left. Figures below are those of the model; <code>solve --margin</code> "
+            "plans with a reserve.",
+            flown.broken_tanks,
+        )
+    if boxes:
+        return boxes
+    if isinstance(flown, str):
+        return (
+            '<p class="verdict">Checked against the instance: no violations in the model. Some '
+            "orbits are eccentric, and the plan was not flown on the true ones: "
+            f"{escape(flown)}.</p>"
+        )
+    held = "" if flown is None else " Flown on the true orbits: every tank holds."
     return (
-        f'<section class="verdict bad" role="alert"><h2>This plan has {count}</h2>'
-        "<p>It must not be flown as it is. All figures below are as the plan states them.</p>"
+        '<p class="verdict good"><span aria-hidden="true">✓</span> '
+        f"Checked against the instance: no violations.{held}</p>"
+    )
+
+
+def _box(title: str, said: str, found: Iterable[object]) -> str:
+    items = "".join(f"<li>{escape(each)}</li>" for each in found)
+    return (
+        f'<section class="verdict bad" role="alert"><h2>{title}</h2><p>{said}</p>'
         f"<ul>{items}</ul></section>"
     )
 
@@ -39,7 +76,7 @@ def headline(found: Facts) -> str:
         gap = f"{100.0 * found.gap:.1f}\u202f%"
     cards = [
         ("targets visited", str(found.visits), f"of {found.targets}"),
-        ("upper bound", bound, "proven" if bound != NOTHING else "none given"),
+        ("upper bound", bound, "proven of the model" if bound != NOTHING else "none given"),
         ("gap", gap, "of the upper bound" if gap != NOTHING else "needs a bound"),
         ("ΔV used", f"{number(found.delta_v_m_s, 0)}", f"of {number(found.budgets_m_s, 0)} m/s"),
         ("refuellings", str(found.refuellings), "at the station"),
@@ -90,8 +127,8 @@ def certificate(plan: Plan, found: Facts) -> str:
         )
     elif plan.status == "optimal":
         said = (
-            f"Proven optimal: the plan collects {collected}, and no plan can collect more than "
-            f"{number(plan.upper_bound, 2)}."
+            f"Proven optimal, of the model: the plan collects {collected}, and no plan can collect "
+            f"more than {number(plan.upper_bound, 2)}."
         )
     else:
         said = (
@@ -126,7 +163,8 @@ def origin(instance: Instance, plan: Plan) -> str:
         (
             "limits",
             f"{number(limits.duration_s / DAY_S, 2)} days, {number(limits.delta_v_m_s, 1)} m/s "
-            f"from one refuelling to the next, {len(instance.keep_out_zones)} keep-out zones",
+            "from one refuelling to the next, "
+            + counted(len(instance.keep_out_zones), "keep-out zone"),
         ),
         (
             "transfers",
@@ -135,10 +173,14 @@ def origin(instance: Instance, plan: Plan) -> str:
             f"{number(settings.max_altitude_m / 1000.0)} km, "
             f"time valued at {number(settings.time_value_m_s_per_h)} m/s per hour",
         ),
-        ("motion", "two bodies and circular orbits; altitudes are radii less 6378.137 km"),
+        (
+            "motion",
+            "two bodies and circles; planes stay; altitudes are radii less 6378.137 km",
+        ),
         (
             "plan",
-            f"{escape(plan.method)}, seed {plan.seed}, {plan.status}, {plan.runtime_s:.2f} s",
+            f"{escape(plan.method)}, seed {plan.seed}, {status_words(plan.status)}, "
+            f"{plan.runtime_s:.2f} s",
         ),
     ]
     if plan.versions:

@@ -6,9 +6,6 @@ import html
 import json
 from typing import Any
 
-LONGEST_TICK = 16
-"""Longer names are cut beside a chart; the whole name is in the hover text and in the tables."""
-
 NOTHING = "—"
 
 
@@ -20,12 +17,6 @@ def escape(text: object) -> str:
 def in_chart(name: str) -> str:
     """A name as plotly.js takes it: it reads tags and entities in every text that it draws."""
     return html.escape(name, quote=False)
-
-
-def tick(name: str) -> str:
-    """A name short enough to stand beside a chart."""
-    short = name if len(name) <= LONGEST_TICK else name[: LONGEST_TICK - 1] + "…"
-    return in_chart(short)
 
 
 def in_script(content: Any) -> str:

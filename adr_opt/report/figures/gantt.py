@@ -6,11 +6,14 @@ from ...instance import Instance
 from ...plan import Plan
 from ...plot.palette import COLOURS, LABELS, PHASES
 from ...plot.segments import segments
-from ..text import span, tick
+from ...wording import shortened
+from ..text import in_chart, span
 from .parts import Figure, days, leg_title, period, time_axis
 
 ROW_PX = 19
 FRAME_PX = 70
+LONGEST_TICK = 16
+"""Longer names are cut beside the chart; the whole name is in the hover text and in the tables."""
 
 
 def gantt(instance: Instance, plan: Plan) -> Figure:
@@ -38,6 +41,7 @@ def gantt(instance: Instance, plan: Plan) -> Figure:
                 }
             )  # fmt: skip
     rows = len(plan.legs)
+    ticks = shortened(plan.destinations, LONGEST_TICK)
     layout = {
         "barmode": "overlay",
         "height": FRAME_PX + ROW_PX * max(rows, 4),
@@ -46,7 +50,7 @@ def gantt(instance: Instance, plan: Plan) -> Figure:
             "range": [rows + 0.6, 0.4],
             "fixedrange": True,
             "tickvals": list(range(1, rows + 1)),
-            "ticktext": [tick(leg.destination) for leg in plan.legs],
+            "ticktext": [in_chart(ticks[name]) for name in plan.destinations],
             "showgrid": False,
         },
     }
