@@ -19,6 +19,7 @@ from .result import Result
 from .start import start_sequence
 from .stop import AnyOf, MaxIterations, MaxRuntime, Stop
 from .together import together
+from .wording import counted
 
 DEFAULT_METHOD = "auto"
 DEFAULT_TIME_LIMIT_S = 10.0
@@ -261,7 +262,8 @@ def prepare(
     notes: tuple[str, ...] = ()
     if isinstance(start, Plan) and len(sequence) < len(start.legs):
         kept = f"only the first {len(sequence)}" if sequence else "none"
-        notes = (f"{kept} of the start plan's {len(start.legs)} legs could be kept",)
+        legs = counted(len(start.legs), "leg")
+        notes = (f"{kept} of the start plan's {legs} could be kept",)
     return Prepared(method, function, {"seed": seed, "start": sequence, **chosen}, notes)
 
 

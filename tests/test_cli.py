@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import re
@@ -261,6 +262,26 @@ def test_fly_reports_every_leg(cli: Cli, tiny_file: Path, tmp_path: Path) -> Non
     assert len(content["legs"]) == len(legs) > 0
     text = cli("fly", tiny_file, "plan.json").out
     assert all(f"{leg.origin} → {leg.destination}" in text for leg in legs)
+
+
+def test_one_is_said_in_the_singular(cli: Cli) -> None:
+    """No verb speaks of "1 legs" or "1 targets"."""
+    cli("generate", "tiny", "--targets", "1", "--out", "one.json")
+    said = cli("generate", "tiny", "--targets", "1", "--out", "one.json").err
+    said += cli("solve", "one.json", "--method", "greedy", "--out", "plan.json").err
+    assert len(load_plan("plan.json").legs) == 1
+    said += cli("check", "one.json", "plan.json").out
+    said += cli("matrix", "one.json", "--at", "0", "--out", "costs.npz").err
+    said += cli("export", "one.json", "plan.json", "--out", "plan.oem").err
+    if importlib.util.find_spec("boinor") is not None:
+        said += cli("fly", "one.json", "plan.json").out
+    if importlib.util.find_spec("plotly") is not None:
+        said += cli("report", "one.json", "plan.json", "--out", "plan.html").err
+        page = Path("plan.html").read_text(encoding="utf-8")
+        said += page.partition("<main>")[2].partition('<div class="controls">')[0]
+    assert said.count("1 leg") >= 3
+    assert "1 target" in said
+    assert re.findall(r"\b1 [a-z]+s\b(?! of)", said) == []
 
 
 def test_fly_without_its_extra_names_it(

@@ -17,6 +17,7 @@ from ..errors import InputError
 from ..files import sentence
 from ..instance import Instance, MissionLimits, Orbit, Station, Target, TransferSettings
 from ..kernels.constants import EARTH_RADIUS_M
+from ..wording import counted
 from .filters import Filters
 from .propagation import FLOAT, mean_elements, true_anomaly
 from .records import Catalogue, Dropped, Record
@@ -271,7 +272,10 @@ def _failed_sentence(failed: Sequence[Dropped], epoch: datetime, host: Record | 
         host.source, host.line, host.label,
     ):  # fmt: skip
         return f"{said}); give another --station or --epoch"
-    more = f"; {len(failed) - 1} more objects fail" if len(failed) > 1 else ""
+    more = ""
+    if len(failed) > 1:
+        more = counted(len(failed) - 1, "more object fails", "more objects fail")
+        more = f"; {more}"
     other = ", or give another --epoch" if first.reason in AT_ANOTHER_EPOCH else ""
     return f"{said}{more}); leave such objects out with --skip-bad{other}"
 
@@ -294,17 +298,17 @@ def _warnings(
     if far:
         worst = int(np.argmax(days))
         yield (
-            f"the elements of {far} of {len(bodies)} objects are more than {FAR_DAYS:g} days from "
-            f"the epoch; {bodies[worst].label} is {days[worst]:.1f} days from it"
+            f"the elements of {far} of {counted(len(bodies), 'object')} are more than {FAR_DAYS:g} "
+            f"days from the epoch; {bodies[worst].label} is {days[worst]:.1f} days from it"
         )
     rule = TransferSettings()
     low, high = EARTH_RADIUS_M + rule.min_altitude_m, EARTH_RADIUS_M + rule.max_altitude_m
     beyond = sum(not low <= orbit.semi_major_axis_m <= high for orbit in instance.body_orbits)
     if beyond:
         yield (
-            f"{beyond} of {len(instance.body_orbits)} bodies are outside the altitudes of phasing, "
-            f"{rule.min_altitude_m / 1e3:g} to {rule.max_altitude_m / 1e3:g} km; few or no "
-            "transfers will lead there"
+            f"{beyond} of {len(instance.body_orbits)} bodies {'is' if beyond == 1 else 'are'} "
+            f"outside the altitudes of phasing, {rule.min_altitude_m / 1e3:g} to "
+            f"{rule.max_altitude_m / 1e3:g} km; few or no transfers will lead there"
         )
     if len(targets) > MANY_TARGETS:
         yield (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from ..errors import InputError
+from ..wording import counted
 from .output import emit, emit_json
 from .parameters import instance_argument, json_option, plan_argument
 
@@ -41,5 +42,6 @@ def command(instance_path: str, plan_path: str, as_json: bool) -> int:
         for violation in violations:
             emit(f"{plan_path}: {violation}")
     else:
-        emit(f"{plan_path}: no violations, objective {plan.objective:g}, {len(plan.legs)} legs")
+        legs = counted(len(plan.legs), "leg")
+        emit(f"{plan_path}: no violations, objective {plan.objective:g}, {legs}")
     return 1 if violations else 0

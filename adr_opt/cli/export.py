@@ -7,6 +7,7 @@ import math
 import click
 
 from ..errors import InputError
+from ..wording import counted
 from .output import emit_json, say
 from .parameters import check_out, instance_argument, json_option, plan_argument, quiet_option
 
@@ -85,5 +86,6 @@ def command(
             }
         )
     if not quiet:
-        say(f"wrote {out}: {len(written.legs)} legs, {len(arcs)} arcs")
+        legs, parts = counted(len(written.legs), "leg"), counted(len(arcs), "arc")
+        say(f"wrote {out}: {legs}, {parts}")
     return 0

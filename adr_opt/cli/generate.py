@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from ..wording import counted
 from .output import emit, say
 from .parameters import check_out, json_option, quiet_option
 
@@ -35,7 +36,8 @@ def command(
     if out is not None:
         write_text(out, text)
         if not quiet:
-            say(f"wrote {out}: {instance.name}, {len(instance.targets)} targets")
+            count = counted(len(instance.targets), "target")
+            say(f"wrote {out}: {instance.name}, {count}")
     if out is None or as_json:
         emit(text)
     return 0

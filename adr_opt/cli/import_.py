@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ..errors import InputError
+from ..wording import counted
 from .output import emit_json, say
 from .parameters import check_out, json_option, quiet_option
 
@@ -132,13 +133,16 @@ def _tell(made: Imported, out: str) -> None:
     for drop in bad[:MOST_LISTED]:
         say(f"left out: {drop}")
     if len(bad) > MOST_LISTED:
-        say(f"left out: {len(bad) - MOST_LISTED} more bad rows or objects; --json lists all")
+        more = counted(len(bad) - MOST_LISTED, "more bad row or object", "more bad rows or objects")
+        say(f"left out: {more}; --json lists all")
     for warning in made.warnings:
         say(f"warning: {warning}")
     listed = ", ".join(f"{reason} {count}" for reason, count in made.counts.items())
     instance = made.instance
+    count = len(instance.targets)
+    taken = f"{count} of {counted(made.read, 'object')} as target{'' if count == 1 else 's'}"
     say(
-        f"wrote {out}: {instance.name}, {len(instance.targets)} of {made.read} objects as targets, "
+        f"wrote {out}: {instance.name}, {taken}, "
         f"mean elements (SGP4, TEME) at {instance.epoch:%Y-%m-%dT%H:%M:%SZ}"
     )
     from ..kernels.constants import EARTH_RADIUS_M

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import InputError
+from ..wording import counted
 from .output import emit_json, say
 from .parameters import check_out, instance_argument, json_option, quiet_option
 
@@ -87,11 +88,11 @@ def command(
         departures = _departures(instance, every_s, at_s)
         write_matrix(instance, out, departures, quantity=quantity, scale=scale)
         written |= {"quantity": quantity, "departures_s": departures.tolist()}
-        what = f"{departures.size} ready time{'s' if departures.size > 1 else ''}"
+        what = counted(departures.size, "ready time")
     if as_json:
         emit_json(written | {"bodies": list(instance.names)})
     if not quiet:
-        say(f"wrote {out}: {what}, {len(instance.names)} bodies")
+        say(f"wrote {out}: {what}, {counted(len(instance.names), 'body', 'bodies')}")
     return 0
 
 

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from ..kernels.constants import STATION
 from ..mission import Mission
+from ..wording import counted
 
 SIZE = 400
 MARGIN = 30
@@ -34,8 +35,8 @@ def sentence(mission: Mission, state: dict[str, Any], visited: npt.NDArray[np.bo
         f"{state['time_s'] / HOUR_S:.1f} of {limits.duration_s / HOUR_S:.1f} h, "
         f"{state['delta_v_left_m_s']:.0f} of {limits.delta_v_m_s:.0f} m/s left, "
         f"at {mission.names[state['body']]}: "
-        f"{state['serviced']} of {len(mission.names) - 1} targets serviced, "
-        f"{state['refuelled']} times refuelled"
+        f"{state['serviced']} of {counted(len(mission.names) - 1, 'target')} serviced, "
+        f"refuelled {counted(state['refuelled'], 'time')}"
     )
 
 
