@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,7 +15,7 @@ from .mission import Mission
 from .plan import Plan
 from .planner import BOUNDS, PLANNERS, Planner, Progress, get, names, silent
 from .planner import options as options_of
-from .result import Result
+from .result import Result, status_of
 from .start import start_sequence
 from .stop import AnyOf, MaxIterations, MaxRuntime, Stop
 from .together import together
@@ -41,6 +41,7 @@ def solve(
     jobs: int | None = None,
     iterations: int | None = None,
     bound: str | None = None,
+    margin: float = 0.0,
     **method_options: Any,
 ) -> Result:
     """Plan a mission.
@@ -71,6 +72,10 @@ def solve(
         early, the other goes on to the limit. ``start`` and ``jobs`` are given to it too if it
         takes them, and ``iterations`` limits each of the two by itself; see
         :func:`adr_opt.together.together`.
+    margin : float
+        Share of each tank that the plan keeps back, for what the model does not know. The result
+        says what is proven of plans that do so; its ``plan``, which belongs to the instance, states
+        no bound then.
     **method_options
         Options of the planner, see ``python -m adr_opt methods``.
 
@@ -85,7 +90,7 @@ def solve(
     """
     return run(
         PLANNERS, instance, method, time_limit=time_limit, seed=seed, stop=stop, progress=progress,
-        start=start, repair=repair, jobs=jobs, iterations=iterations, bound=bound,
+        start=start, repair=repair, jobs=jobs, iterations=iterations, bound=bound, margin=margin,
         options=method_options,
     )  # fmt: skip
 
@@ -101,6 +106,7 @@ def bound(
     start: Start | None = None,
     jobs: int | None = None,
     iterations: int | None = None,
+    margin: float = 0.0,
     **method_options: Any,
 ) -> Result:
     """Prove how much any plan of a mission can collect.
@@ -112,6 +118,8 @@ def bound(
         Name of an installed bound.
     start : Plan or sequence of int, optional
         A known plan, for bounds that can use one: what cannot beat it need not be searched.
+    margin : float
+        Share of each tank that all plans keep back: what is proven is not proven of the others.
     time_limit, seed, stop, progress, jobs, iterations, **method_options
         As in :func:`solve`.
 
@@ -127,7 +135,7 @@ def bound(
     """
     return run(
         BOUNDS, instance, method, time_limit=time_limit, seed=seed, stop=stop, progress=progress,
-        start=start, jobs=jobs, iterations=iterations, options=method_options,
+        start=start, jobs=jobs, iterations=iterations, margin=margin, options=method_options,
     )  # fmt: skip
 
 
@@ -155,12 +163,7 @@ class Prepared:
     def __call__(self, mission: Mission, stop: Stop, progress: Progress = silent) -> Result:
         """Run the method."""
         result = self.function(mission, stop=stop, progress=progress, **self.arguments)
-        if not self.notes:
-            return result
-        plan = result.plan
-        if plan is not None:
-            plan = plan.replace(notes=(*plan.notes, *self.notes))
-        return replace(result, notes=(*result.notes, *self.notes), plan=plan)
+        return _noted(result, self.notes)
 
 
 def run(
@@ -177,6 +180,7 @@ def run(
     jobs: int | None = None,
     iterations: int | None = None,
     bound: str | None = None,
+    margin: float = 0.0,
     options: Mapping[str, Any] | None = None,
 ) -> Result:
     """Run a planner or a bound: what :func:`solve` and :func:`bound` have in common.
@@ -188,6 +192,8 @@ def run(
     if stop is not None:
         criteria.append(stop)
     mission = instance if isinstance(instance, Mission) else Mission(instance)
+    if margin:
+        mission = mission.with_margin(margin)
     # Each side counts its own iterations, or the work of one would depend on the other's speed.
     limits = [] if iterations is None else [MaxIterations(iterations) for _ in range(2)]
     if bound is None:
@@ -196,7 +202,8 @@ def run(
             options=options,
         )  # fmt: skip
         progress(-math.inf, math.inf)
-        return prepared(mission, AnyOf(*criteria, *limits[:1]), progress)
+        result = prepared(mission, AnyOf(*criteria, *limits[:1]), progress)
+        return _beyond_the_model(mission, result)
 
     prover = method_of(bound, BOUNDS)
     both_jobs = jobs if takes_jobs(prover) else None
@@ -207,7 +214,35 @@ def run(
     known = prepared.arguments.get("start") if takes_start(prover) else None
     proving = prepare(BOUNDS, mission, bound, seed=seed, start=known, jobs=both_jobs)
     progress(-math.inf, math.inf)
-    return together(mission, prepared, proving, AnyOf(*criteria), progress, limits)
+    result = together(mission, prepared, proving, AnyOf(*criteria), progress, limits)
+    return _beyond_the_model(mission, result)
+
+
+def _beyond_the_model(mission: Mission, result: Result) -> Result:
+    """A result with what its reader has to know of the margin and of what the model leaves out."""
+    notes, plan = [], result.plan
+    if mission.margin:
+        kept = f"{100.0 * mission.margin:g} % of each tank, {mission.reserve_m_s:g} m/s,"
+        if not math.isfinite(result.upper_bound):
+            notes.append(f"{kept} are kept back")
+        else:
+            most = f"no plan that keeps {kept} back collects more than {result.upper_bound:.6g}"
+            notes.append(f"{most}; one with less margin may")
+        if plan is not None:
+            # A plan file is read together with its instance, whose tanks may be used to the end.
+            status = status_of(mission, plan.objective, math.inf)
+            plan = plan.replace(upper_bound=None, gap=None, status=status)
+    return _noted(replace(result, plan=plan), notes)
+
+
+def _noted(result: Result, notes: Sequence[str]) -> Result:
+    """A result with more notes, its plan included."""
+    if not notes:
+        return result
+    plan = result.plan
+    if plan is not None:
+        plan = plan.replace(notes=(*plan.notes, *notes))
+    return replace(result, notes=(*result.notes, *notes), plan=plan)
 
 
 def prepare(

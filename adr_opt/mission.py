@@ -54,12 +54,15 @@ class Mission:
         Built on first use if not given.
     threads : int, optional
         Threads to build the timetable with; all cores by default.
+    margin : float
+        Share of each tank that is kept back: planners and bounds see the rest only.
 
     Attributes
     ----------
     instance : Instance
     names : tuple of str
         Bodies, the station first (index 0).
+    margin : float
     """
 
     def __init__(
@@ -68,8 +71,12 @@ class Mission:
         timetable: Timetable | None = None,
         *,
         threads: int | None = None,
+        margin: float = 0.0,
     ) -> None:
+        if not 0.0 <= margin < 1.0:
+            raise InputError(f"margin = {margin!r}: must be a share of the tank, from 0 to below 1")
         self.instance = instance
+        self.margin = margin
         self.names = instance.names
         self._threads = threads
         if timetable is not None:
@@ -95,8 +102,19 @@ class Mission:
         service.setflags(write=False)
         prize.setflags(write=False)
         return kernels.Rules(
-            self.timetable.table, service, prize, limits.delta_v_m_s, limits.duration_s
-        )
+            self.timetable.table, service, prize, limits.delta_v_m_s - self.reserve_m_s,
+            limits.duration_s,
+        )  # fmt: skip
+
+    @property
+    def reserve_m_s(self) -> float:
+        """What is kept back of each tank [m/s]."""
+        return self.margin * self.instance.mission.delta_v_m_s
+
+    def with_margin(self, margin: float) -> Mission:
+        """The same mission, timetable included, with another share of each tank kept back."""
+        made = self.__dict__.get("timetable")
+        return Mission(self.instance, made, threads=self._threads, margin=margin)
 
     @cached_property
     def sha256(self) -> str:

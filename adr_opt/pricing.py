@@ -52,7 +52,7 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
                 arrival_s=float(arrival),
                 end_s=float(end),
                 delta_v_m_s=float(delta_v),
-                delta_v_left_m_s=float(left),
+                delta_v_left_m_s=float(left) + mission.reserve_m_s,
                 phasing_revolutions=int(revolutions),
                 eccentricity_delta_v_m_s=float(extra[i, j]),
                 burns=tuple(

@@ -93,6 +93,13 @@ class Result:
         }
 
 
+def status_of(mission: Mission, objective: float, upper_bound: float) -> Status:
+    """What is proven of a plan; all prizes collected is a proof without any bound."""
+    least_bound = min(upper_bound, mission.total_prize)
+    met = objective >= least_bound - TOLERANCE * max(1.0, abs(least_bound))
+    return "optimal" if met else "feasible"
+
+
 def certify(
     mission: Mission,
     method: str,
@@ -135,10 +142,7 @@ def certify(
     moves = tuple(int(j) for j in sequence)
     priced = legs(mission, moves)
     objective = float(sum(mission.rules.prize[j] for j in moves))
-    # All prizes collected is a proof without any bound.
-    least_bound = min(upper_bound, mission.total_prize)
-    met = objective >= least_bound - TOLERANCE * max(1.0, abs(least_bound))
-    status: Status = "optimal" if met else "feasible"
+    status = status_of(mission, objective, upper_bound)
     bounded = math.isfinite(upper_bound)
     plan = Plan(
         instance=InstanceReference(name=mission.instance.name, sha256=mission.sha256),

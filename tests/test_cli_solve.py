@@ -232,6 +232,28 @@ def test_names_are_cut_to_different_ones() -> None:
             assert all(len(text) <= width for text in short.values())
 
 
+def test_a_margin_is_left_in_every_tank(cli: Cli, tiny_file: Path) -> None:
+    """`--margin` keeps a share of each tank; the plan is legal and says what it was made with."""
+    call = ("--margin", "0.2", "--time-limit", "20")
+    solved = cli(
+        "solve", tiny_file, "--method", "beam", "--bound", "exact", *call, "--out", "plan.json"
+    )
+    assert solved.status == 0
+    assert "bound none, gap unknown" in solved.out
+    instance, plan = adr_opt.load(tiny_file), load_plan("plan.json")
+    assert plan.upper_bound is None
+    budget = instance.mission.delta_v_m_s
+    assert min(leg.delta_v_left_m_s for leg in plan.legs) >= 0.2 * budget
+    assert cli("check", tiny_file, "plan.json").status == 0
+    said = f"no plan that keeps 20 % of each tank, {0.2 * budget:g} m/s, back collects more than"
+    assert said in solved.err
+    assert any(said in note for note in plan.notes)
+    bound = cli("bound", tiny_file, "--method", "exact", *call, "--json")
+    assert said in bound.err
+    assert json.loads(bound.out)["margin"] == 0.2
+    assert cli("solve", tiny_file, "--margin", "1").status == 2
+
+
 def test_times_are_written_as_clocks() -> None:
     """Days count from 0, minutes are rounded and carry into hours and days."""
     assert clock(0.0) == "0d 00:00"

@@ -19,6 +19,7 @@ from brute_force import brute_force
 from hand_made import hand_made
 
 import adr_opt
+from adr_opt import front
 from adr_opt.errors import MissingExtra
 from adr_opt.instance import Instance
 from adr_opt.mission import Mission
@@ -294,6 +295,84 @@ def test_start_plan_is_never_lost(method: str, name: str) -> None:
     result = call(PLANNERS, method, name, MaxIterations(1), start=sequence)
     assert result.objective == pytest.approx(best)
     assert_legal(result, name)
+
+
+MARGIN = 0.25
+
+
+@cache
+def with_less(name: str) -> float:
+    """The best objective of a small instance whose tank is smaller by the margin."""
+    instance = INSTANCES[name]()
+    less = (1.0 - MARGIN) * instance.mission.delta_v_m_s
+    limits = instance.mission.replace(delta_v_m_s=less)
+    return brute_force(Mission(instance.replace(mission=limits), threads=1))[0]
+
+
+def kept_back(group: str, method: str, name: str) -> Result:
+    """What a little work gives, with a margin, on the whole way from the front door."""
+    try:
+        return front.run(
+            group, mission(name), method, time_limit=SAFETY_S, iterations=ITERATIONS, margin=MARGIN
+        )
+    except MissingExtra as missing:
+        pytest.skip(str(missing))
+
+
+def assert_kept_back(result: Result, name: str) -> None:
+    """The plan is legal on the whole instance, leaves the share in each tank, and claims no bound.
+
+    Nor is it called optimal, unless it collects all there is.
+    """
+    assert result.plan is not None
+    assert_legal(result, name)
+    instance = mission(name).instance
+    budget = instance.mission.delta_v_m_s
+    lowest = min((leg.delta_v_left_m_s for leg in result.plan.legs), default=budget)
+    assert lowest >= MARGIN * budget - 1e-6
+    for leg in result.plan.legs:
+        if leg.destination == instance.station.name:
+            assert leg.delta_v_left_m_s == pytest.approx(budget)
+    assert result.plan.upper_bound is None
+    assert result.plan.gap is None
+    everything = result.plan.objective >= mission(name).total_prize - 1e-9
+    assert result.plan.status == ("optimal" if everything else "feasible")
+    assert any("25 % of each tank" in note for note in result.plan.notes)
+
+
+@pytest.mark.parametrize("name", ["hand-made", "fractional", "refuelling"])
+@planners
+def test_planner_keeps_the_margin(method: str, name: str) -> None:
+    """Every planner keeps the share of each tank, and none is better than brute force with it."""
+    result = kept_back(PLANNERS, method, name)
+    assert_kept_back(result, name)
+    assert result.objective <= with_less(name) + 1e-9
+    assert result.upper_bound >= with_less(name) - 1e-6
+
+
+@pytest.mark.parametrize("name", ["hand-made", "fractional", "refuelling"])
+@bounds
+def test_bound_knows_the_margin(method: str, name: str) -> None:
+    """A bound with a margin is one of plans that keep it, and says so; its plan claims nothing."""
+    result = kept_back(BOUNDS, method, name)
+    assert result.upper_bound >= with_less(name) - 1e-6
+    assert any("no plan that keeps 25 % of each tank" in note for note in result.notes)
+    if result.plan is not None:
+        assert_kept_back(result, name)
+
+
+def test_the_margin_costs_something_somewhere() -> None:
+    """The tests above could fail: with the margin the optimum is smaller, and the bounds see it."""
+    assert with_less("refuelling") < optimum("refuelling")[0]
+    proven = front.bound(mission("refuelling"), "exact", time_limit=60.0, margin=MARGIN)
+    assert with_less("refuelling") <= proven.upper_bound < optimum("refuelling")[0]
+
+
+@pytest.mark.parametrize("margin", [-0.1, 1.0, float("nan"), float("inf")])
+def test_a_margin_that_is_no_share_is_refused(margin: float) -> None:
+    """A margin is a share of the tank, from 0 to below 1."""
+    with pytest.raises(adr_opt.InputError, match=r"margin = .*: must be a share of the tank"):
+        adr_opt.solve(mission("tiny"), "greedy", margin=margin)
 
 
 def interrupted() -> Interrupted:

@@ -31,6 +31,7 @@ def command(
     time_limit: float | None,
     seed: int,
     iterations: int | None,
+    margin: float,
     jobs: int | None,
     start_path: str | None,
     assignments: tuple[str, ...],
@@ -57,7 +58,8 @@ def command(
     result = work(
         lambda stop, progress: front.run(
             BOUNDS, instance, method, time_limit=time_limit, seed=seed, stop=stop,
-            progress=progress, start=start, jobs=jobs, iterations=iterations, options=options,
+            progress=progress, start=start, jobs=jobs, iterations=iterations, margin=margin,
+            options=options,
         ),
         live=wanted(as_json, quiet),
         quiet=quiet,
@@ -67,7 +69,7 @@ def command(
             say(f"note: {note}")
     if as_json:
         reference = {"name": instance.name, "sha256": instance.sha256}
-        emit_json({"instance": reference, **result.to_dict()})
+        emit_json({"instance": reference, "margin": margin, **result.to_dict()})
     else:
         proven = f"{result.upper_bound:.6g}" if math.isfinite(result.upper_bound) else "none proven"
         status = status_words(result.status)

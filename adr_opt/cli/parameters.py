@@ -34,6 +34,13 @@ def run_options(function: Function) -> Function:
             click.option(
                 "--iterations", type=int, metavar="N", help="Most iterations, as the method counts."
             ),
+            click.option(
+                "--margin",
+                type=float,
+                default=0.0,
+                metavar="SHARE",
+                help="Share of each tank to keep back, as 0.1 for a tenth.",
+            ),
             click.option("--jobs", type=int, metavar="N", help="Cores to use; 0 for all."),
             click.option("--start", "start_path", metavar="PLAN", help="A plan to begin from."),
             click.option(

@@ -36,6 +36,7 @@ def command(
     time_limit: float | None,
     seed: int,
     iterations: int | None,
+    margin: float,
     jobs: int | None,
     start_path: str | None,
     assignments: tuple[str, ...],
@@ -77,7 +78,7 @@ def command(
         lambda stop, progress: front.run(
             PLANNERS, instance, method, time_limit=time_limit, seed=seed, stop=stop,
             progress=progress, start=start, repair=repair, jobs=jobs, iterations=iterations,
-            bound=bound_name, options=options,
+            bound=bound_name, margin=margin, options=options,
         ),
         live=wanted(as_json, quiet),
         quiet=quiet,
@@ -88,7 +89,7 @@ def command(
     if result.plan is None:
         if as_json:
             reference = {"name": instance.name, "sha256": instance.sha256}
-            emit_json({"instance": reference, **result.to_dict()})
+            emit_json({"instance": reference, "margin": margin, **result.to_dict()})
         if not quiet:
             say(f"no plan: {method} ended with status {result.status}")
         return 1

@@ -25,7 +25,7 @@ from ..wording import counted, status_words
 from . import figures, sections, tables
 from .facts import facts
 from .figures.parts import leg_title
-from .text import escape, in_script, number
+from .text import escape, in_days, in_script
 
 DAY_S = 86400.0
 
@@ -131,7 +131,7 @@ def _page(
     epoch = instance.epoch.astimezone(UTC)
     subtitle = (
         f"{epoch.day} {epoch:%B %Y, %H:%M} UTC · "
-        f"{number(instance.mission.duration_s / DAY_S, 2)} days · "
+        f"{in_days(instance.mission.duration_s)} · "
         f"{counted(len(instance.targets), 'target')} · planned by {escape(plan.method)} · "
         f"{'proven ' if plan.status == 'optimal' else ''}{status_words(plan.status)}"
     )

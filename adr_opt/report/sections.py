@@ -12,7 +12,7 @@ from ..plan import Plan
 from ..plot.palette import COLOURS, LABELS
 from ..wording import counted, status_words
 from .facts import Facts
-from .text import NOTHING, escape, number
+from .text import NOTHING, escape, in_days, number
 
 DAY_S = 86400.0
 
@@ -83,7 +83,7 @@ def headline(found: Facts) -> str:
         (
             "duration used",
             f"{found.used_s / DAY_S:.2f}",
-            f"of {number(found.duration_s / DAY_S, 2)} days",
+            f"of {in_days(found.duration_s)}",
         ),
     ]
     if not found.counts_visits:
@@ -162,7 +162,7 @@ def origin(instance: Instance, plan: Plan) -> str:
         ("epoch", f"{instance.epoch.astimezone(UTC):%Y-%m-%d %H:%M:%S} UTC"),
         (
             "limits",
-            f"{number(limits.duration_s / DAY_S, 2)} days, {number(limits.delta_v_m_s, 1)} m/s "
+            f"{in_days(limits.duration_s)}, {number(limits.delta_v_m_s, 1)} m/s "
             "from one refuelling to the next, "
             + counted(len(instance.keep_out_zones), "keep-out zone"),
         ),

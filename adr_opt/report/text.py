@@ -38,6 +38,12 @@ def fixed(value: float, digits: int) -> str:
     return f"{value:.{digits}f}".replace("-", "−")
 
 
+def in_days(duration_s: float) -> str:
+    """A duration in days, with the word."""
+    text = number(duration_s / 86400.0, 2)
+    return f"{text} day{'' if text == '1' else 's'}"
+
+
 def clock(time_s: float) -> str:
     """A time since the epoch as day, hours and minutes; the first day is day 0."""
     minutes = round(time_s / 60.0)
