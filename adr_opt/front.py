@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from .drift import drift_warning
 from .errors import InputError
 from .generator import LARGEST_SEED
 from .instance import Instance
@@ -232,6 +233,9 @@ def _beyond_the_model(mission: Mission, result: Result) -> Result:
             # A plan file is read together with its instance, whose tanks may be used to the end.
             status = status_of(mission, plan.objective, math.inf)
             plan = plan.replace(upper_bound=None, gap=None, status=status)
+    drift = None if plan is None else drift_warning(mission.instance, plan)
+    if drift is not None:
+        notes.append(drift)
     return _noted(replace(result, plan=plan), notes)
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from ..drift import drift_warning
 from ..errors import InputError
 from ..files import sentence
 from ..instance import Instance, MissionLimits, Orbit, Station, Target, TransferSettings
@@ -310,6 +311,9 @@ def _warnings(
             f"outside the altitudes of phasing, {rule.min_altitude_m / 1e3:g} to "
             f"{rule.max_altitude_m / 1e3:g} km; few or no transfers will lead there"
         )
+    drift = drift_warning(instance)
+    if drift is not None:
+        yield drift
     if len(targets) > MANY_TARGETS:
         yield (
             f"{len(targets)} targets: the timetable grows with their square; --max-targets keeps "
