@@ -57,7 +57,7 @@ def drift_warning(instance: Instance, plan: Plan | None = None) -> str | None:
     if most_deg < LEAST_DEG and worth < LEAST_SHARE * plan.delta_v_m_s:
         return None
     return (
-        "nodes drift under J2, and the model does not know: when this plan flies its legs, their "
+        "nodes drift under J2, which the model does not know: when this plan flies its legs, their "
         f"planes have moved by up to {most_deg:.2g}° against each other, which may change up to "
         f"{worth:.0f} of its {plan.delta_v_m_s:.0f} m/s"
     )
@@ -74,10 +74,11 @@ def _of_all_pairs(
     if np.degrees(high) < LEAST_DEG:
         return None
     return (
-        f"nodes drift under J2, and the model does not know: in the {duration_s / DAY_S:.3g} days "
-        f"of the mission those of two bodies move by {np.degrees(middle):.2g}° against each other "
-        f"in the median and by {np.degrees(high):.2g}° or more for a tenth of the pairs, which is "
-        f"worth {middle * np.median(turn_m_s):.0f} and {high * np.median(turn_m_s):.0f} m/s a leg"
+        "nodes drift under J2, which the model does not know: in the "
+        f"{duration_s / DAY_S:.3g} days of the mission those of two bodies move by "
+        f"{np.degrees(middle):.2g}° against each other in the median and by "
+        f"{np.degrees(high):.2g}° or more for a tenth of the pairs, which is worth "
+        f"{middle * np.median(turn_m_s):.0f} and {high * np.median(turn_m_s):.0f} m/s a leg"
     )
 
 

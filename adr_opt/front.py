@@ -223,12 +223,12 @@ def _beyond_the_model(mission: Mission, result: Result) -> Result:
     """A result with what its reader has to know of the margin and of what the model leaves out."""
     notes, plan = [], result.plan
     if mission.margin:
-        kept = f"{100.0 * mission.margin:g} % of each tank, {mission.reserve_m_s:g} m/s,"
+        kept = f"{100.0 * mission.margin:g} % of each tank ({mission.reserve_m_s:g} m/s)"
         if not math.isfinite(result.upper_bound):
-            notes.append(f"{kept} are kept back")
+            notes.append(f"{kept} is kept back")
         else:
-            most = f"no plan that keeps {kept} back collects more than {result.upper_bound:.6g}"
-            notes.append(f"{most}; one with less margin may")
+            most = f"no plan that keeps back {kept} collects more than {result.upper_bound:.6g}"
+            notes.append(f"{most}; one that does not may")
         if plan is not None:
             # A plan file is read together with its instance, whose tanks may be used to the end.
             status = status_of(mission, plan.objective, math.inf)

@@ -245,7 +245,7 @@ def test_a_margin_is_left_in_every_tank(cli: Cli, tiny_file: Path) -> None:
     budget = instance.mission.delta_v_m_s
     assert min(leg.delta_v_left_m_s for leg in plan.legs) >= 0.2 * budget
     assert cli("check", tiny_file, "plan.json").status == 0
-    said = f"no plan that keeps 20 % of each tank, {0.2 * budget:g} m/s, back collects more than"
+    said = f"no plan that keeps back 20 % of each tank ({0.2 * budget:g} m/s) collects more than"
     assert said in solved.err
     assert any(said in note for note in plan.notes)
     bound = cli("bound", tiny_file, "--method", "exact", *call, "--json")

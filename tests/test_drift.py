@@ -131,3 +131,15 @@ def test_import_and_solve_warn(cli: Cli) -> None:
     assert drift_warning(instance, plan) in plan.notes
     said = cli("import", CLOUD, "--duration-days", "0.02", "--out", "my.json").err
     assert "drift" not in said
+
+
+def test_the_page_on_importing_states_the_drift_of_its_cloud() -> None:
+    """The figures of docs/importing.md are those that its example is warned with."""
+    pytest.importorskip("sgp4")
+    page = " ".join((CLOUD.parents[2] / "docs/importing.md").read_text(encoding="utf-8").split())
+    _, *told = numbers(drift_warning(catalogue.to_instance(catalogue.read([CLOUD])).instance))
+    stated = re.search(
+        r"([\d.]+)° in the median and ([\d.]+)° or more .* worth (\d+) and (\d+) m/s a leg", page
+    )
+    assert stated is not None
+    assert [float(text) for text in stated.groups()] == told

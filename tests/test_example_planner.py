@@ -70,9 +70,9 @@ def test_it_asks_the_stopping_criterion_and_reports_incumbents() -> None:
 def test_without_its_package_it_is_unknown() -> None:
     """A planner that is not installed is refused with the list of those that are."""
     with pytest.raises(
-        adr_opt.InputError, match=r"'random-walks' is unknown; use one of: .*greedy"
+        adr_opt.InputError, match=r"'of-no-package' is unknown; use one of: .*greedy"
     ):
-        adr_opt.solve(adr_opt.generate("tiny", seed=0), method="random-walks")
+        adr_opt.solve(adr_opt.generate("tiny", seed=0), method="of-no-package")
 
 
 def test_the_page_shows_the_code_that_runs() -> None:

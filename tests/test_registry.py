@@ -356,7 +356,7 @@ def test_bound_knows_the_margin(method: str, name: str) -> None:
     """A bound with a margin is one of plans that keep it, and says so; its plan claims nothing."""
     result = kept_back(BOUNDS, method, name)
     assert result.upper_bound >= with_less(name) - 1e-6
-    assert any("no plan that keeps 25 % of each tank" in note for note in result.notes)
+    assert any("no plan that keeps back 25 % of each tank" in note for note in result.notes)
     if result.plan is not None:
         assert_kept_back(result, name)
 

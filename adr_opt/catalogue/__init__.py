@@ -10,7 +10,7 @@ and after: an instance made here has the axes of TEME at its epoch, and semi-maj
 kilometres by which an osculating orbit wiggles within each revolution.
 
 >>> from adr_opt import catalogue
->>> found = catalogue.read("cloud.csv")  # doctest: +SKIP
+>>> found = catalogue.read("examples/catalogue/cloud.tle")  # doctest: +SKIP
 >>> instance = catalogue.to_instance(found, max_targets=50).instance  # doctest: +SKIP
 """
 
