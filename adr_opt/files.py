@@ -5,8 +5,12 @@ from __future__ import annotations
 import json
 import os
 import re
+import stat
 import tempfile
+import time
 from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -15,6 +19,9 @@ from pydantic import BaseModel, ValidationError
 from .errors import InputError
 
 Model = TypeVar("Model", bound=BaseModel)
+
+LEFT_OVER_S = 86400.0
+"""A temporary file that is older was left by a writer that was killed [s]."""
 
 LONGEST_VALUE = 60
 """Longer values are cut in error messages."""
@@ -47,6 +54,8 @@ def read_text(path: str | os.PathLike[str]) -> str:
         raise InputError(
             f"{path}: cannot be read ({error.strerror}); check the path and its permissions"
         ) from None
+    except ValueError:
+        raise InputError(f"{os.fspath(path)!r}: no file has such a name; check the path") from None
 
 
 def read_model(path: str | os.PathLike[str], model: type[Model]) -> Model:
@@ -129,14 +138,17 @@ def check_writable(path: str | os.PathLike[str]) -> None:
         raise InputError(f"{path}: this is a folder; name a file in it")
     if target.exists() and not target.is_file():
         raise InputError(f"{path}: not an ordinary file; name one that can be replaced")
-    folder = target.resolve().parent
+    try:
+        folder = target.resolve().parent
+    except (OSError, RuntimeError, ValueError):  # links in a circle, a NUL
+        raise InputError(f"{os.fspath(path)!r}: no file can have such a name") from None
     if not folder.is_dir():
         raise InputError(f"{path}: the folder {target.parent} does not exist; create it first")
     if not os.access(folder, os.W_OK):
         raise InputError(f"{path}: the folder {target.parent} cannot be written to; choose another")
 
 
-def write_whole(path: str | os.PathLike[str], write: Callable[[Path], None]) -> None:
+def write_whole(path: str | os.PathLike[str], write: Callable[[Path], object]) -> None:
     """Write a file whole or not at all: to a temporary neighbour, then renamed over it.
 
     Parameters
@@ -153,9 +165,10 @@ def write_whole(path: str | os.PathLike[str], write: Callable[[Path], None]) -> 
     """
     check_writable(path)
     target = Path(path).resolve()
+    _remove_left_overs(target.parent)
     try:
         handle, name = tempfile.mkstemp(
-            dir=target.parent, prefix=f".{target.stem[:50]}-", suffix=target.suffix
+            dir=target.parent, prefix=f".{target.stem[:50]}-", suffix=f".part{target.suffix}"
         )
         os.close(handle)
         temporary = Path(name)
@@ -175,10 +188,22 @@ def write_whole(path: str | os.PathLike[str], write: Callable[[Path], None]) -> 
         ) from error
 
 
+def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
+    """Write a file whole or not at all."""
+    write_whole(path, lambda temporary: temporary.write_bytes(content))
+
+
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text file whole or not at all."""
-    write_whole(path, lambda temporary: _write(temporary, text))
+    """Write a text file whole or not at all, in UTF-8."""
+    write_bytes(path, text.encode("utf-8"))
 
 
-def _write(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8", newline="\n")
+@cache
+def _remove_left_overs(folder: Path) -> None:
+    """Remove temporary files of writers that were killed; once for each folder."""
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            if re.fullmatch(r"\..*-[a-z0-9_]{8}\.part(\.[^.]*)?", entry.name, re.DOTALL):
+                status = entry.stat(follow_symlinks=False)
+                if stat.S_ISREG(status.st_mode) and time.time() - status.st_mtime > LEFT_OVER_S:
+                    os.unlink(entry.path)

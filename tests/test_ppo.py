@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import pickle
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,6 +22,7 @@ pytest.importorskip("onnxruntime")
 onnx = pytest.importorskip("onnx")
 torch = pytest.importorskip("torch")
 
+import solvers.learned  # noqa: E402
 from adr_opt.env import Fields  # noqa: E402
 from adr_opt.env.vector import MissionVecEnv  # noqa: E402
 from adr_opt.episodes.board import MISSION, MOVES, move_fields  # noqa: E402
@@ -326,6 +329,140 @@ def test_damaged_and_foreign_policy_files(policy_file: Path, tmp_path: Path) -> 
         with pytest.raises(InputError) as refused:
             load_policy(path)
         assert "\n" not in str(refused.value)
+
+
+def _attacks(model: Any) -> Iterator[tuple[str, Any]]:
+    """Models that would take time or memory without end, with what is said of them."""
+    from onnx import TensorProto, helper, numpy_helper
+
+    def made(change: Callable[[Any], object]) -> Any:
+        other = onnx.ModelProto()
+        other.CopyFrom(model)
+        change(other)
+        return other
+
+    def adds(*nodes: Any) -> Callable[[Any], object]:
+        return lambda other: other.graph.node.extend(nodes)
+
+    def node(kind: str, inputs: list[str], **attributes: Any) -> Any:
+        return helper.make_node(kind, inputs, ["/more"], **attributes)
+
+    def claims(**fields: Any) -> Callable[[Any], object]:
+        return lambda other: other.graph.initializer.append(TensorProto(name="more", **fields))
+
+    body = helper.make_graph([], "body", [], [])
+    thin = numpy_helper.from_array(np.zeros((5000, 1), np.float32), "thin")
+    flat = numpy_helper.from_array(np.zeros((1, 5000), np.float32), "flat")
+
+    def product(other: Any) -> None:
+        other.graph.initializer.extend([thin, flat])
+        adds(node("MatMul", ["thin", "flat"]))(other)
+
+    def doubled(other: Any) -> None:
+        for number in range(20):
+            names = [f"/{number}" if number else "moves"] * 2
+            other.graph.node.append(helper.make_node("Concat", names, [f"/{number + 1}"], axis=1))
+
+    yield "'Loop'", made(adds(node("Loop", ["", ""], body=body)))
+    yield "attribute", made(adds(node("Relu", ["moves"], body=body)))
+    yield "'ConstantOfShape'", made(adds(node("ConstantOfShape", ["moves"])))
+    yield "tensor", made(claims(dims=[10**6, 10**6], data_type=1))
+    yield "tensor", made(claims(dims=[2**32, 2**32], data_type=1, raw_data=b""))
+    yield "tensor", made(claims(dims=[0], data_type=1))
+    yield "tensor", made(claims(dims=[2], data_type=8, string_data=[b"a", b"b"]))
+    far = onnx.StringStringEntryProto(key="location", value="/etc/passwd")
+    yield "tensor", made(claims(dims=[1], data_type=1, data_location=1, external_data=[far]))
+    yield "'MatMul' of a size", made(product)
+    yield "'Concat' of a size", made(doubled)
+    yield "more than a network", made(lambda other: other.functions.add(name="f"))
+    yield "operator set", made(lambda other: other.opset_import.add(domain="more", version=1))
+    yield "operators", made(adds(*[node("Relu", ["moves"])] * 1000))
+    yield "fit together", made(adds(node("MatMul", ["moves", "moves"])))
+    yield "does not take", made(lambda other: other.graph.input.pop())
+
+
+def test_networks_that_attack_are_refused(policy_file: Path, tmp_path: Path) -> None:
+    """What could run for ever or take any memory is refused before it is run, in one sentence."""
+    path = tmp_path / "attack.onnx"
+    for said, model in _attacks(onnx.load(policy_file)):
+        path.write_bytes(model.SerializeToString())
+        with pytest.raises(InputError, match=said) as refused:
+            load_policy(path)
+        assert "\n" not in str(refused.value)
+
+
+def test_metadata_that_claim_too_much_are_refused(
+    policy_file: Path, small_published: Path, tmp_path: Path
+) -> None:
+    """No number or text of the metadata makes reading a policy slow, large or a traceback."""
+    path = tmp_path / "claims.onnx"
+    for changes in (
+        {"targets": "10000000"}, {"targets": "9" * 4000}, {"targets": "6"}, {"targets": "-1"},
+        {"facts": "[" * 100_000}, {"facts": "[]"}, {"name": "n" * 100_000},
+        {"observation": "o" * 100_000}, {"format": "f" * 100_000},
+    ):  # fmt: skip
+        with pytest.raises(InputError) as refused:
+            load_policy(_with_metadata(small_published, path, **changes))
+        assert "\n" not in str(refused.value)
+        assert len(str(refused.value)) < 500
+    claimed = load_policy(_with_metadata(policy_file, path, targets="10000000"))
+    claimed.check_size(100)
+
+
+def test_corrupted_policy_files(tmp_path: Path) -> None:
+    """A file with some bytes changed, cut off or put in plans, or is refused in one sentence."""
+    whole = (Path(solvers.learned.__file__).parent / "weights" / "set.onnx").read_bytes()
+    rng = np.random.default_rng(31)
+    mission = Mission(adr_opt.generate("tiny", 0))
+    path, planned = tmp_path / "corrupted.onnx", 0
+    for number in range(120):
+        content = bytearray(whole)
+        ends = [len(whole), 9000, 2000]  # weights; operators; the last bytes are metadata
+        at = int(rng.integers(ends[number % 3]))
+        at = len(whole) - 1 - at if number % 3 == 2 else at
+        if number % 4 == 0:
+            content[at] ^= 1 << int(rng.integers(8))
+        elif number % 4 == 1:
+            content[at : at + 8] = rng.bytes(8)
+        elif number % 4 == 2:
+            content[at:at] = rng.bytes(int(rng.integers(1, 50)))
+        else:
+            del content[at:]
+        path.write_bytes(content)
+        with suppress(InputError):
+            ppo(mission, seed=0, stop=MaxRuntime(10.0), progress=silent, policy=str(path))
+            planned += 1
+    assert 0 < planned < 120
+
+
+@pytest.mark.parametrize("name", configs.CONFIGS)
+def test_policies_of_all_configurations_are_taken(name: str, tmp_path: Path) -> None:
+    """What the exporter writes before and after a training is made of known operators only."""
+    from solvers.ppo.trainer import model_of
+
+    config = configs.config(name)
+    env = MissionVecEnv(2, config.fields, observation=config.observation, slots=1)
+    model = model_of(config, env, 0, "cpu")
+    env.close()
+    targets = None if config.policy == "set" else config.fields.most_targets
+    for number in range(2):
+        path = tmp_path / f"{number}.onnx"
+        write_onnx(
+            model.policy, path, name=name, observation=config.observation, targets=targets, facts={}
+        )
+        assert load_policy(path).targets == targets
+        for tensor in model.policy.parameters():  # else equal ones are written once
+            torch.nn.init.normal_(tensor, std=0.1)
+
+
+def test_scores_without_measure_are_refused(policy_file: Path, tmp_path: Path) -> None:
+    """No illegal move is taken because legal ones score less than anything: that would not end."""
+    network = _network()
+    torch.nn.init.constant_(network.score.bias, -1e20)
+    path = tmp_path / "low.onnx"
+    write_onnx(_Wrapped(network), path, name="set", observation="lookahead", targets=None, facts={})
+    with pytest.raises(InputError, match=r"beyond 1e\+08"):
+        adr_opt.solve(adr_opt.generate("tiny", 0), method="ppo", policy=str(path))
 
 
 def test_weights_that_are_not_numbers_are_refused(tmp_path: Path) -> None:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import csv
 import json
+import math
+import pickle
 import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,12 +21,18 @@ import adr_opt
 for package in ("torch", "gymnasium", "sb3_contrib", "tensorboard", "safetensors", "onnx"):
     pytest.importorskip(package)
 
+import torch  # noqa: E402
+from safetensors.torch import load, save  # noqa: E402
+from sb3_contrib import MaskablePPO  # noqa: E402
+
 from adr_opt.env import fields  # noqa: E402
+from adr_opt.env.vector import MissionVecEnv  # noqa: E402
 from adr_opt.library import load_library  # noqa: E402
 from solvers.learned import load_policy  # noqa: E402
-from solvers.ppo import configs  # noqa: E402
+from solvers.ppo import configs, trainer  # noqa: E402
+from solvers.ppo.checkpoints import read_checkpoint, read_state, write_checkpoint  # noqa: E402
 from solvers.ppo.held import FAMILIES, HELD_FIELDS, HELD_SEED  # noqa: E402
-from solvers.ppo.runs import Run  # noqa: E402
+from solvers.ppo.runs import Run, locked  # noqa: E402
 
 
 def _call(folder: Path, *more: str) -> list[str]:
@@ -39,8 +49,8 @@ def _curve(folder: Path) -> list[dict[str, str]]:
 
 def _steps(folder: Path) -> int:
     """Steps of the last checkpoint."""
-    state = folder / "state.json"
-    return int(json.loads(state.read_text(encoding="utf-8"))["steps"]) if state.exists() else 0
+    path = folder / "checkpoint.safetensors"
+    return int(read_state(path)["steps"]) if path.exists() else 0
 
 
 @pytest.mark.slow
@@ -58,15 +68,15 @@ def test_training_survives_a_kill(tmp_path: Path) -> None:
         _call(folder, "--steps", "65536", "--json"), capture_output=True, text=True, check=True
     )
     assert json.loads(ended.stdout)["held"]["nominal"] > 0.0
-    after = json.loads((folder / "state.json").read_text(encoding="utf-8"))
+    after = read_state(folder / "checkpoint.safetensors")
     assert after["steps"] >= 65536
     steps = [int(row["steps"]) for row in _curve(folder)]
     assert steps == sorted(set(steps))
-    assert not list(folder.glob("*.part*"))
+    assert load_policy(folder / "best.onnx").targets is None
     assert load_policy(folder / "last.onnx").facts["steps"] == steps[-1]
     again = subprocess.run(_call(folder, "--steps", "65536"), capture_output=True, text=True)
     assert again.returncode == 0
-    assert json.loads((folder / "state.json").read_text(encoding="utf-8")) == after
+    assert read_state(folder / "checkpoint.safetensors") == after
 
 
 @pytest.mark.slow
@@ -90,6 +100,7 @@ def test_a_minute_of_training_beats_random(tmp_path: Path) -> None:
 def test_a_folder_of_another_training_is_refused(tmp_path: Path) -> None:
     """Another configuration or seed never goes on from a checkpoint that is not its own."""
     config = configs.config("set")
+    (tmp_path / "run").mkdir()
     Run(tmp_path / "run", config, 0)
     Run(tmp_path / "run", config, 0)
     with pytest.raises(adr_opt.errors.InputError, match="seed"):
@@ -101,22 +112,127 @@ def test_a_folder_of_another_training_is_refused(tmp_path: Path) -> None:
         Run(tmp_path / "run", config, 0)
 
 
-def test_a_damaged_state_is_refused(tmp_path: Path) -> None:
-    """Half of a state file ends in a sentence, and not in a training that begins anew."""
-    run = Run(tmp_path, configs.config("set"), 0)
+def _model(seed: int = 0) -> tuple[MaskablePPO, MissionVecEnv]:
+    """A model that learns in rollouts of 32 steps."""
+    config = replace(
+        configs.config("set-transfer"), fields=fields.Fields(targets=(3, 5)), missions=2,
+        rollout=16, batch=8, epochs=2, slots=2,
+    )  # fmt: skip
+    env = MissionVecEnv(2, config.fields, observation=config.observation, slots=2, seed=seed)
+    return trainer.model_of(config, env, seed, "cpu"), env
+
+
+def _go_on(model: MaskablePPO, env: MissionVecEnv) -> dict[str, torch.Tensor]:
+    """The weights after two more rollouts in a new environment."""
+    env.seed(5)
+    model._last_obs = None
+    model.learn(64, reset_num_timesteps=False)
+    return {name: tensor.clone() for name, tensor in model.policy.state_dict().items()}
+
+
+def test_a_checkpoint_holds_all_of_a_model(tmp_path: Path) -> None:
+    """A model made of a checkpoint goes on bit for bit as the one that wrote it."""
+    path = tmp_path / "checkpoint.safetensors"
+    model, env = _model()
+    model.learn(32)
+    write_checkpoint(model, path, 1.5, -math.inf)
+    expected = _go_on(model, env)
+    other, env = _model(seed=1)
+    read_checkpoint(other, path)
+    assert read_state(path) == {"steps": 32, "updates": 2, "seconds": 1.5, "best": -math.inf}
+    found = _go_on(other, env)
+    assert expected.keys() == found.keys()
+    assert all(torch.equal(expected[name], found[name]) for name in expected)
+    assert (model.num_timesteps, model._n_updates) == (other.num_timesteps, other._n_updates)
+
+
+def test_damaged_checkpoints_are_refused(tmp_path: Path) -> None:
+    """Nothing but a whole checkpoint of the same network is gone on from, in one sentence."""
+    path = tmp_path / "checkpoint.safetensors"
+    model, _ = _model()
+    write_checkpoint(model, path, 1.0, 2.0)
+    whole = path.read_bytes()
+    tensors, state = load(whole), {"steps": 3, "updates": 1, "seconds": 1.0, "best": 2.0}
+    out_of_range = tensors["random.numpy"].clone()
+    out_of_range[-1] = 10**6
+    contents = [b"", whole[:100], whole[:-1], whole + b"0", pickle.dumps(tensors)]
+    for change in (
+        {"policy.network.lead": torch.zeros(3)},
+        {"policy.network.lead": torch.zeros((), dtype=torch.float64)},
+        {"random.numpy": out_of_range},
+        {"random.torch": torch.zeros_like(tensors["random.torch"])},
+        {"optimizer.0.step": torch.zeros(())},
+        {"more": torch.zeros(1)},
+    ):
+        contents.append(save(tensors | change, {"state": json.dumps(state)}))
+    for change in (
+        {"steps": "3"}, {"steps": -1}, {"updates": 1.5}, {"seconds": "a"}, {"best": math.nan},
+        {"steps": None},
+    ):  # fmt: skip
+        contents.append(save(tensors, {"state": json.dumps(state | change)}))
+    contents += [save(tensors, meta) for meta in (None, {"state": "[" * 100_000}, {"state": "[]"})]
+    for number, content in enumerate(contents):
+        path.write_bytes(content)
+        with pytest.raises(adr_opt.errors.InputError, match="not the checkpoint") as refused:
+            read_checkpoint(model, path)
+        assert "\n" not in str(refused.value), number
+
+
+class _Bomb:
+    """Unpickled, it makes a file."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Path.touch, (self.path,)
+
+
+def test_no_checkpoint_is_unpickled(tmp_path: Path) -> None:
+    """A checkpoint of an older version, or a pickle in place of one, is not even opened."""
+    run, made = Run(tmp_path, configs.config("set"), 0), tmp_path / "made"
     assert run.state == {}
-    (tmp_path / "checkpoint.zip").write_bytes(b"")
-    for text in ('{"steps": 16', "[]", '{"steps": 3}', '{"steps": "a", "seconds": 1, "best": 1}'):
-        (tmp_path / "state.json").write_text(text, encoding="utf-8")
-        with pytest.raises(adr_opt.errors.InputError, match="not the state of a training"):
-            run.state  # noqa: B018
+    torch.save(_Bomb(made), tmp_path / "checkpoint.zip")
+    with pytest.raises(adr_opt.errors.InputError, match="no longer read"):
+        run.state  # noqa: B018
+    torch.save(_Bomb(made), run.checkpoint)
+    with pytest.raises(adr_opt.errors.InputError, match="not the checkpoint"):
+        run.state  # noqa: B018
+    assert not made.exists()
+
+
+def test_a_damaged_curve_is_refused(tmp_path: Path) -> None:
+    """What is not the curve of a training is neither gone on with nor overwritten."""
+    run = Run(tmp_path, configs.config("set"), 0)
+    for text in ("steps,seconds\nmany,1\n", "steps\n\n"):
+        (tmp_path / "evaluations.csv").write_text(text, encoding="utf-8")
+        with pytest.raises(adr_opt.errors.InputError, match="not the curve"):
+            run.add_to_curve(1, 1.0, {"nominal": 1.0})
+
+
+def test_two_trainings_never_share_a_folder(tmp_path: Path) -> None:
+    """While one runs in a folder another is refused, and one that was killed locks nobody out."""
+    code = (
+        "import sys, time; from pathlib import Path; from solvers.ppo.runs import locked\n"
+        "with locked(Path(sys.argv[1])): print('in', flush=True); time.sleep(600)"
+    )
+    other = subprocess.Popen([sys.executable, "-c", code, tmp_path], stdout=subprocess.PIPE)
+    assert other.stdout is not None
+    assert other.stdout.readline() == b"in\n"
+    with (
+        pytest.raises(adr_opt.errors.InputError, match="another training runs in it"),
+        locked(tmp_path),
+    ):
+        pass
+    other.kill()
+    other.wait()
+    with locked(tmp_path):
+        pass
 
 
 @pytest.mark.slow
 def test_a_training_stopped_after_its_last_step_is_ended(tmp_path: Path) -> None:
     """The same call again evaluates and keeps the last weights, and then says what they are."""
-    from solvers.ppo import trainer
-
     config = configs.config("published")
     calls = {
         "steps": 1, "seed": 0, "jobs": 1, "device": "cpu", "evaluate_every": 10**9,

@@ -16,13 +16,18 @@ from adr_opt.episodes.board import MISSION, MOVES, move_fields, published_size
 from adr_opt.errors import InputError, MissingExtra
 from adr_opt.kernels.observation import MISSION_FIELDS, PUBLISHED_ELEMENTS
 
+from .screening import ACTIONS, BATCH, check_graph, parsed
+
 FORMAT = "adr-opt-policy/1"
 
 SHIPPED = "set"
 """The policy of the package that is taken unless another is asked for."""
 
-MOST_BYTES = 64 * 2**20
+MOST_BYTES = 4 * 2**20
 """A larger file is no policy of ours; it is refused before it is read."""
+
+LONGEST_NAME = 60
+"""Most letters of a name in the metadata."""
 
 ILLEGAL = -1e8
 """Score of an illegal move."""
@@ -64,33 +69,22 @@ class Policy:
             import onnxruntime
         except ImportError:
             raise MissingExtra("method 'ppo'", "onnxruntime", "ppo") from None
-        text = _read(path)
-        options = onnxruntime.SessionOptions()
-        options.intra_op_num_threads = threads
-        options.log_severity_level = 4  # errors come as exceptions; nothing goes to stderr
-        try:
-            self._session = onnxruntime.InferenceSession(
-                text, options, providers=["CPUExecutionProvider"]
-            )
-        except Exception as error:  # ONNX Runtime has no common class of its own for these
-            raise InputError(
-                f"{path}: not a whole ONNX file, so not a policy; give a file that train wrote "
-                f"({type(error).__name__})"
-            ) from None
-        known = self._session.get_modelmeta().custom_metadata_map
+        self._path = path
+        model = parsed(_read(path), path)
+        known = {entry.key: entry.value for entry in model.metadata_props}
         if known.get("format") != FORMAT:
             raise InputError(
-                f"{path}: format {known.get('format')!r} is not {FORMAT!r}; give a file that "
-                "train wrote"
+                f"{path}: format {repr(known.get('format'))[:LONGEST_NAME]} is not {FORMAT!r}; "
+                "give a file that train wrote"
             )
-        self.facts: dict[str, Any] = {}
         try:
-            self.facts = json.loads(known["facts"])
+            self.facts: dict[str, Any] = json.loads(known["facts"])
             self.name, self.observation = known["name"], known["observation"]
             self.targets = int(known["targets"]) or None
-            if (self.targets or 1) < 1:
+            longest = max(len(self.name), len(self.observation))
+            if (self.targets or 1) < 1 or longest > LONGEST_NAME or type(self.facts) is not dict:
                 raise ValueError
-        except (KeyError, ValueError):
+        except (KeyError, ValueError, RecursionError):
             raise InputError(f"{path}: its metadata is not that of a policy") from None
         if self.observation not in OBSERVATIONS:
             raise InputError(
@@ -102,23 +96,39 @@ class Policy:
                 f"{path}: made for another version of the observation {self.observation!r}; "
                 "train it again"
             )
-        self._path = path
-        self._check_shapes()
-
-    def _check_shapes(self) -> None:
-        """Judge two made-up states, so that no other file gets further than this."""
-        actions = (self.targets or 3) + 1
-        states: Observation = {
-            MOVES: np.zeros((2, actions, len(move_fields(self.observation))), np.float32),
-            MISSION: np.zeros((2, len(MISSION_FIELDS)), np.float32),
-        }
-        if self.observation == "published":
-            states = np.zeros((2, published_size(self.targets or 0)), np.float32)
+        check_graph(model, path, self._inputs(BATCH, ACTIONS))
+        options = onnxruntime.SessionOptions()
+        options.intra_op_num_threads = threads
+        options.log_severity_level = 4  # errors come as exceptions; nothing goes to stderr
         try:
-            scores, value = self.judge(states, np.ones((2, actions), np.bool_))
+            self._session = onnxruntime.InferenceSession(
+                model.SerializeToString(), options, providers=["CPUExecutionProvider"]
+            )
+        except Exception as error:  # ONNX Runtime has no common class of its own for these
+            raise InputError(
+                f"{path}: ONNX Runtime refuses it ({type(error).__name__}); give a file that "
+                "train wrote"
+            ) from None
+        self._check_outputs()
+
+    def _inputs(self, states: int, actions: int) -> dict[str, tuple[int, ...]]:
+        """The shapes of what the network takes for some states."""
+        if self.observation == "published":
+            return {"observation": (states, published_size(self.targets or 0))}
+        return {
+            MOVES: (states, actions, len(move_fields(self.observation))),
+            MISSION: (states, len(MISSION_FIELDS)),
+        }
+
+    def _check_outputs(self) -> None:
+        """Judge two made-up states, so that no other file gets further than this."""
+        actions = 4 if self.observation != "published" else (self.targets or 0) + 1
+        states: Any = {
+            name: np.zeros(shape, np.float32) for name, shape in self._inputs(2, actions).items()
+        }
+        try:
+            scores, value = self._session.run(None, states)
             fits = scores.shape == (2, actions) and value.shape == (2,)
-        except InputError:
-            raise
         except Exception:  # ONNX Runtime has no common class of its own for these
             fits = False
         if not fits:
@@ -131,9 +141,13 @@ class Policy:
         """Scores (batch, actions), illegal moves at :data:`ILLEGAL`, and values (batch,)."""
         seen = observation if isinstance(observation, dict) else {"observation": observation}
         scores, value = self._session.run(None, seen)
-        # A NaN would win every argmax; no weights that train wrote give one.
-        if not np.isfinite(scores).all():
-            raise InputError(f"{self._path}: its scores are not finite; the file is damaged")
+        # A NaN would win every argmax, and so would an illegal move among legal ones that score
+        # even less; no weights that train wrote give such scores.
+        if not (np.abs(scores) < -ILLEGAL).all():
+            raise InputError(
+                f"{self._path}: its scores are not finite, or beyond {-ILLEGAL:g}; the file is "
+                "damaged"
+            )
         return np.where(mask, scores, np.float32(ILLEGAL)), value
 
     def check_size(self, targets: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import warnings
 from pathlib import Path
@@ -12,9 +13,11 @@ import torch
 from torch import nn
 
 from adr_opt.episodes.board import MISSION, MOVES, move_fields, published_size
+from adr_opt.files import write_bytes
 from adr_opt.kernels.observation import MISSION_FIELDS
 
 from ..learned.policy import FORMAT, field_names
+from ..learned.screening import OPSET
 
 
 class _Flat(nn.Module):
@@ -43,7 +46,7 @@ def write_onnx(
     targets: int | None,
     facts: dict[str, Any],
 ) -> None:
-    """Write a policy.
+    """Write a policy, whole or not at all.
 
     Parameters
     ----------
@@ -56,6 +59,11 @@ def write_onnx(
         Number of targets of a network of fixed size.
     facts : dict
         Training steps, seed and versions.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
     """
     if observation == "published":
         network: nn.Module = _Flat(policy)
@@ -71,16 +79,19 @@ def write_onnx(
     axes |= {"scores": {0: "batch", 1: "actions"}, "value": {0: "batch"}}
     training = network.training
     network.eval()
+    # In memory: the exporter and onnx say in their own ways that a disk is full.
+    file = io.BytesIO()
     with warnings.catch_warnings():
         # The exporter by TorchScript is called old, but it needs no further package and takes
         # axes of any length.
         warnings.simplefilter("ignore")
         torch.onnx.export(
-            network, inputs, path, input_names=names, output_names=["scores", "value"],
-            dynamic_axes=axes, opset_version=17, dynamo=False,
+            network, inputs, file,  # type: ignore[arg-type]  # it takes files, and does not say so
+            input_names=names, output_names=["scores", "value"], dynamic_axes=axes,
+            opset_version=OPSET, dynamo=False,
         )  # fmt: skip
     network.train(training)
-    model = onnx.load(path)
+    model = onnx.ModelProto.FromString(file.getvalue())
     for key, value in {
         "format": FORMAT,
         "name": name,
@@ -95,4 +106,4 @@ def write_onnx(
     for node in model.graph.node:
         node.doc_string = ""
         del node.metadata_props[:]
-    onnx.save(model, path)
+    write_bytes(path, model.SerializeToString())

@@ -3,21 +3,51 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import os
 import platform
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from adr_opt.errors import InputError
+from filelock import FileLock, Timeout
 
+from adr_opt.errors import InputError
+from adr_opt.files import write_text
+
+from .checkpoints import read_state
 from .configs import Config
 
 PACKAGES = ("adr-opt", "numpy", "numba", "torch", "stable-baselines3", "sb3-contrib", "gymnasium")
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Make a folder, and keep other trainings out of it until this one ends or is killed.
+
+    Raises
+    ------
+    InputError
+        Another training runs in it, or it cannot be made or written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = FileLock(folder / "train.lock", timeout=0).acquire()
+    except Timeout:
+        raise InputError(
+            f"{folder}: another training runs in it; wait for its end, or give another folder"
+        ) from None
+    except OSError as error:
+        raise InputError(
+            f"{folder}: cannot be made or written ({error.strerror}); give another folder"
+        ) from None
+    with lock:
+        yield
 
 
 class Run:
@@ -29,7 +59,7 @@ class Run:
     Parameters
     ----------
     folder : Path
-        Made if it does not exist.
+        See :func:`locked`.
     config : Config
     seed : int
 
@@ -41,10 +71,6 @@ class Run:
 
     def __init__(self, folder: Path, config: Config, seed: int) -> None:
         self.folder = folder
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(f"{folder}: cannot be made ({error.strerror})") from None
         description = json.loads(json.dumps({"config": asdict(config), "seed": seed}))
         path = folder / "run.json"
         if path.exists():
@@ -54,9 +80,7 @@ class Run:
             description["machine"] = f"{platform.platform()}, {os.cpu_count()} cores"
             description["began"] = datetime.now(UTC).isoformat(timespec="seconds")
             self.facts = description
-            self.replace(
-                "run.json", lambda part: part.write_text(json.dumps(description, indent=1))
-            )
+            write_text(path, json.dumps(description, indent=1))
 
     def _known(self, path: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
         try:
@@ -64,7 +88,8 @@ class Run:
             # The number of steps may change: a training can be prolonged.
             known["config"]["steps"] = wanted["config"]["steps"]
             same = all(known[key] == wanted[key] for key in ("config", "seed"))
-        except (OSError, ValueError, KeyError, TypeError):
+            known["versions"]
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
             raise InputError(f"{path}: not the file of a training; give another folder") from None
         if not same:
             differing = [
@@ -78,34 +103,23 @@ class Run:
             )
         return known
 
-    def replace(self, name: str, write: Callable[[Path], Any]) -> None:
-        """Write a file of the folder, whole or not at all."""
-        target = self.folder / name
-        part = target.with_name(f"{target.stem}.part{target.suffix}")
-        write(part)
-        os.replace(part, target)
-
     @property
     def checkpoint(self) -> Path:
-        """The last checkpoint, a file of Stable-Baselines3; its own format, for resuming only."""
-        return self.folder / "checkpoint.zip"
+        """The last checkpoint, for resuming only; see :mod:`solvers.ppo.checkpoints`."""
+        return self.folder / "checkpoint.safetensors"
 
     @property
     def state(self) -> dict[str, Any]:
         """Steps, seconds and best evaluation at the last checkpoint; empty if there is none."""
-        path = self.folder / "state.json"
-        if not (path.exists() and self.checkpoint.exists()):
-            return {}
-        try:
-            state: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-            if int(state["steps"]) < 0 or float(state["seconds"]) < 0.0:
-                raise ValueError
-            float(state["best"])
-        except (OSError, ValueError, KeyError, TypeError):
+        old = self.folder / "checkpoint.zip"
+        if self.checkpoint.exists():
+            return read_state(self.checkpoint)
+        if old.exists():
             raise InputError(
-                f"{path}: not the state of a training; remove it to begin anew"
-            ) from None
-        return state
+                f"{old}: a checkpoint that could run code, so it is no longer read; give another "
+                "folder, or remove it to begin anew"
+            )
+        return {}
 
     @property
     def last(self) -> Path:
@@ -118,7 +132,7 @@ class Run:
             with (self.folder / "evaluations.csv").open(newline="", encoding="utf-8") as file:
                 row = list(csv.DictReader(file))[-1]
             return {name: float(row[name]) for name in row if name not in ("steps", "seconds")}
-        except (OSError, ValueError, IndexError):
+        except (OSError, ValueError, TypeError, IndexError, csv.Error):
             return {}
 
     def add_to_curve(self, steps: int, seconds: float, means: Mapping[str, float]) -> None:
@@ -126,12 +140,12 @@ class Run:
         path = self.folder / "evaluations.csv"
         rows: list[list[str]] = []
         if path.exists():
-            with path.open(newline="", encoding="utf-8") as file:
-                rows = [row for row in list(csv.reader(file))[1:] if int(row[0]) < steps]
+            try:
+                with path.open(newline="", encoding="utf-8") as file:
+                    rows = [row for row in list(csv.reader(file))[1:] if int(row[0]) < steps]
+            except (OSError, ValueError, IndexError, csv.Error):
+                raise InputError(f"{path}: not the curve of a training; remove it") from None
         rows.append([str(steps), f"{seconds:.1f}", *(f"{value:.4f}" for value in means.values())])
-
-        def write(part: Path) -> None:
-            with part.open("w", newline="", encoding="utf-8") as file:
-                csv.writer(file).writerows([["steps", "seconds", *means], *rows])
-
-        self.replace("evaluations.csv", write)
+        text = io.StringIO()
+        csv.writer(text).writerows([["steps", "seconds", *means], *rows])
+        write_text(path, text.getvalue())

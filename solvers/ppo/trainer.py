@@ -6,25 +6,28 @@ import json
 import math
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import torch
-from safetensors.torch import save_file
+from safetensors.torch import save
 from sb3_contrib import MaskablePPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import configure
 
 from adr_opt.env.vector import MissionVecEnv
 from adr_opt.errors import InputError
+from adr_opt.files import write_bytes
 from adr_opt.trainer import Report
 
+from .checkpoints import read_checkpoint, write_checkpoint
 from .configs import Config
 from .export import write_onnx
 from .held import HeldFields
 from .policies import SetPolicy
-from .runs import Run
+from .runs import Run, locked
 
 
 def model_of(config: Config, env: MissionVecEnv, seed: int, device: str) -> MaskablePPO:
@@ -132,23 +135,18 @@ class Keeper(BaseCallback):
             name: tensor.detach().cpu().contiguous()
             for name, tensor in self.model.policy.state_dict().items()
         }
-        self.run.replace(
-            f"{name}.safetensors",
-            lambda part: save_file(tensors, part, metadata={"facts": json.dumps(facts)}),
+        write_bytes(
+            self.run.folder / f"{name}.safetensors",
+            save(tensors, metadata={"facts": json.dumps(facts)}),
         )
         targets = None if config.policy == "set" else config.fields.most_targets
-        self.run.replace(
-            f"{name}.onnx",
-            lambda part: write_onnx(
-                self.model.policy, part, name=config.name, observation=config.observation,
-                targets=targets, facts=facts,
-            ),
+        write_onnx(
+            self.model.policy, self.run.folder / f"{name}.onnx", name=config.name,
+            observation=config.observation, targets=targets, facts=facts,
         )  # fmt: skip
 
     def _save(self) -> None:
-        self.run.replace("checkpoint.zip", self.model.save)
-        state = {"steps": self.num_timesteps, "seconds": self.seconds, "best": self.best}
-        self.run.replace("state.json", lambda part: part.write_text(json.dumps(state)))
+        write_checkpoint(self.model, self.run.checkpoint, self.seconds, self.best)
         self._saved = time.perf_counter()
 
 
@@ -169,29 +167,25 @@ def train(
     if device != "cpu" and not torch.cuda.is_available():
         raise InputError(f"device {device!r}: PyTorch finds no such device here; use cpu")
     config = replace(config, steps=config.steps if steps is None else steps)
-    run = Run(folder, config, seed)
-    torch.set_num_threads(jobs)
-    done = int(run.state.get("steps", 0))
-    if done >= config.steps and run.last.exists():
-        report(done, run.last_evaluation())
-        return
-    env = MissionVecEnv(
-        config.missions, config.fields, observation=config.observation, slots=config.slots,
-        refresh_every=config.refresh_every, threads=jobs, reward_scale=config.reward_scale,
-        # A resumed training goes on with other fields than it began with.
-        seed=(seed + done) % 2**32,
-    )  # fmt: skip
-    try:
+    with ExitStack() as stack:
+        stack.enter_context(locked(folder))
+        run = Run(folder, config, seed)
+        torch.set_num_threads(jobs)
+        done = int(run.state.get("steps", 0))
+        if done >= config.steps and run.last.exists():
+            report(done, run.last_evaluation())
+            return
+        env = MissionVecEnv(
+            config.missions, config.fields, observation=config.observation, slots=config.slots,
+            refresh_every=config.refresh_every, threads=jobs, reward_scale=config.reward_scale,
+            # A resumed training goes on with other fields than it began with.
+            seed=(seed + done) % 2**32,
+        )  # fmt: skip
+        stack.callback(env.close)
         model = model_of(config, env, seed, device)
         if done:
-            try:
-                model = MaskablePPO.load(run.checkpoint, env=env, device=device)
-            except Exception as error:  # a zip of pickles fails in more ways than can be named
-                raise InputError(
-                    f"{run.checkpoint}: cannot be read ({type(error).__name__}); remove it to "
-                    "begin anew"
-                ) from None
-            # Loading seeds the environment as at the beginning.
+            read_checkpoint(model, run.checkpoint)
+            # A new model seeds the environment as at the beginning.
             env.seed((seed + done) % 2**32)
         model.set_logger(configure(str(folder / "tensorboard"), ["tensorboard"]))
         keeper = Keeper(run, config, evaluate_every, checkpoint_s, enough, report)
@@ -202,5 +196,3 @@ def train(
             keeper.on_training_end()
             return
         model.learn(config.steps - done, callback=keeper, reset_num_timesteps=done == 0)
-    finally:
-        env.close()
