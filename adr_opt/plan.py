@@ -14,7 +14,14 @@ FORMAT: Literal["adr-opt-plan/1"] = "adr-opt-plan/1"
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
 Reason = Literal["duration", "delta-v", "no-transfer", "not-worth-it"]
-Vector = tuple[float, float, float]
+
+# Far beyond any use, and near enough for arithmetic to hold: squares and sums stay finite.
+LARGEST_TIME_S = 1e12
+LARGEST_DELTA_V_M_S = 1e9
+
+Time = Annotated[float, Field(ge=-LARGEST_TIME_S, le=LARGEST_TIME_S)]
+DeltaV = Annotated[float, Field(ge=-LARGEST_DELTA_V_M_S, le=LARGEST_DELTA_V_M_S)]
+Vector = tuple[DeltaV, DeltaV, DeltaV]
 
 
 class InstanceReference(Record):
@@ -27,7 +34,7 @@ class InstanceReference(Record):
 class Burn(Record):
     """An impulse in the inertial frame of the elements."""
 
-    time_s: float
+    time_s: Time
     delta_v_m_s: Annotated[Vector, Field(strict=False)]
     phase: Literal["hohmann-1", "phasing", "co-elliptic", "terminal", "approach"]
 
@@ -44,14 +51,14 @@ class Leg(Record):
 
     origin: Name
     destination: Name
-    ready_s: float
-    departure_s: float
-    arrival_s: float
-    end_s: float
-    delta_v_m_s: float
+    ready_s: Time
+    departure_s: Time
+    arrival_s: Time
+    end_s: Time
+    delta_v_m_s: DeltaV
     delta_v_left_m_s: float
     phasing_revolutions: int
-    eccentricity_delta_v_m_s: float = 0.0
+    eccentricity_delta_v_m_s: DeltaV = 0.0
     burns: Annotated[tuple[Burn, ...], Field(strict=False)]
 
 

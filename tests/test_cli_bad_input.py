@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -238,17 +240,64 @@ def test_a_link_is_written_through(cli: Cli, tmp_path: Path) -> None:
 
 
 def test_a_failed_write_leaves_nothing(
-    cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    cli: Cli, tmp_path: Path, full_disk: Callable[[], None]
 ) -> None:
     """A disk that fills up while a file is written leaves neither the file nor a piece of it."""
-
-    def full(path: Path, text: str) -> None:
-        path.write_text(text[:100])
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("adr_opt.files._write", full)
-    refused(cli("generate", "tiny", "--out", "my.json"), "my.json: cannot be written (No space")
+    full_disk()
+    refused(cli("generate", "tiny", "--out", "my.json"), "my.json: cannot be written (File too")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("more", [[], ["--json"]])
+def test_a_plan_that_cannot_be_written_is_printed(
+    cli: Cli, tiny_file: Path, tmp_path: Path, full_disk: Callable[[], None], more: list[str]
+) -> None:
+    """A full disk does not cost the plan: it ends standard output, and the exit status is 2."""
+    full_disk()
+    outcome = cli("solve", tiny_file, "--method", "greedy-guarded", "--out", "p.json", *more)
+    assert outcome.status == 2
+    assert "p.json: cannot be written" in outcome.err
+    assert "the plan is on standard output" in outcome.err
+    assert outcome.err.count("\n") == 1
+    plan = adr_opt.plan.Plan.model_validate_json(outcome.out[outcome.out.index("{") :])
+    assert adr_opt.check(adr_opt.load(tiny_file), plan) == ()
+    assert not list(tmp_path.glob("*p*.json"))
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".nc", ".parquet"])
+def test_a_matrix_that_cannot_be_written(
+    cli: Cli, tiny_file: Path, tmp_path: Path, full_disk: Callable[[], None], suffix: str
+) -> None:
+    """A disk that fills up while a matrix is written ends in one sentence and leaves nothing."""
+    for package in ("h5netcdf", "xarray", "pyarrow"):
+        pytest.importorskip(package)
+    arguments = ["matrix", tiny_file, *([] if suffix == ".parquet" else ["--at", 0]), "--out"]
+    assert cli(*arguments, f"first{suffix}").status == 0  # compiles and caches
+    full_disk()
+    refused(cli(*arguments, f"c{suffix}"), f"c{suffix}: cannot be written (")
+    assert {path.name for path in tmp_path.iterdir()} == {"tiny.json", f"first{suffix}"}
+
+
+def test_left_overs_of_killed_writers_are_removed(cli: Cli, tmp_path: Path) -> None:
+    """With the next write beside them go temporary files older than a day, and nothing else."""
+    day, names = 86400.0, {}
+    for name, age in {
+        ".plan-abcd1234.part.json": 2.0 * day,
+        ".m-a_b_c_d_.part": 2.0 * day,
+        ".plan-efgh5678.part.json": 0.5 * day,
+        ".plan-abcd1234.json": 2.0 * day,
+        "plan-abcd1234.part.json": 2.0 * day,
+        ".plan-abcd1234.part.json.bak": 2.0 * day,
+    }.items():
+        names[name] = age
+        (tmp_path / name).touch()
+        os.utime(tmp_path / name, times=(time.time() - age,) * 2)
+    (tmp_path / ".link-abcd1234.part.json").symlink_to("no")
+    (tmp_path / ".folder-abcd1234.part").mkdir()
+    assert cli("generate", "tiny", "--out", "my.json").status == 0
+    left = {path.name for path in tmp_path.iterdir()}
+    assert names.keys() - left == {".plan-abcd1234.part.json", ".m-a_b_c_d_.part"}
+    assert {"my.json", ".link-abcd1234.part.json", ".folder-abcd1234.part"} <= left
 
 
 @pytest.mark.parametrize(
@@ -258,6 +307,9 @@ def test_a_failed_write_leaves_nothing(
         (put("legs", 0, "arrival_s", math.nan), "field legs[0].arrival_s = NaN"),
         (put("legs", 0, "burns", 0, "phase", "warp"), 'field legs[0].burns[0].phase = "warp"'),
         (put("legs", 0, "burns", 0, "delta_v_m_s", [1.0]), "field legs[0].burns[0].delta_v_m_s"),
+        (put("legs", 0, "burns", 0, "delta_v_m_s", [0.0, 1e160, 0.0]), "delta_v_m_s[1] = 1e+160"),
+        (put("legs", 0, "burns", 0, "time_s", 1e308), "burns[0].time_s = 1e+308: must be less"),
+        (put("legs", 0, "ready_s", -1e308), "field legs[0].ready_s = -1e+308: must be greater"),
         (put("legs", 0, "colour", "red"), "field legs[0].colour: unknown"),
         (put("status", "great"), 'field status = "great"'),
         (put("instance", "sha256", "abc"), 'field instance.sha256 = "abc"'),

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -208,6 +209,28 @@ def test_a_damaged_curve_is_refused(tmp_path: Path) -> None:
         (tmp_path / "evaluations.csv").write_text(text, encoding="utf-8")
         with pytest.raises(adr_opt.errors.InputError, match="not the curve"):
             run.add_to_curve(1, 1.0, {"nominal": 1.0})
+
+
+def test_a_full_disk_ends_a_training_in_a_sentence(
+    tmp_path: Path,
+    full_disk: Callable[[], None],
+    capfd: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What TensorBoard or the checkpoint cannot write ends the training with one sentence."""
+    config = replace(
+        configs.config("set-transfer"), fields=fields.Fields(targets=(3, 5)), missions=2,
+        rollout=16, batch=8, epochs=1, slots=2,
+    )  # fmt: skip
+    calls: dict[str, Any] = {
+        "steps": 3200, "seed": 0, "jobs": 1, "device": "cpu", "evaluate_every": 10**9,
+        "enough": lambda: False, "report": lambda done, means: done and full_disk(),
+    }  # fmt: skip
+    monkeypatch.setattr("solvers.ppo.held.HELD_FIELDS", 1)
+    for checkpoint_s in (0.0, 1e9):
+        with pytest.raises(adr_opt.errors.InputError, match="cannot be written"):
+            trainer.train(config, tmp_path / str(checkpoint_s), checkpoint_s=checkpoint_s, **calls)
+    assert "Traceback" not in capfd.readouterr().err
 
 
 def test_two_trainings_never_share_a_folder(tmp_path: Path) -> None:

@@ -93,16 +93,23 @@ def command(
         if not quiet:
             say(f"no plan: {method} ended with status {result.status}")
         return 1
+    not_written: InputError | None = None
     if out is not None:
-        result.plan.save(out)
-        if not quiet:
-            status = status_words(result.plan.status)
-            say(f"wrote {out}: objective {result.objective:g}, {status}")
-    if as_json:
-        emit(result.plan.to_json())
-    else:
+        try:
+            result.plan.save(out)
+            if not quiet:
+                status = status_words(result.plan.status)
+                say(f"wrote {out}: objective {result.objective:g}, {status}")
+        except InputError as error:
+            not_written = error
+    if not as_json:
         from .timeline import summary, timeline
 
         emit_rich(timeline(instance, result.plan, terminal_width()))
         emit(summary(instance, result.plan))
+    if as_json or not_written is not None:
+        emit(result.plan.to_json())
+    if not_written is not None:
+        # It may have taken hours: what cannot be kept is at least said.
+        raise InputError(f"{not_written}; the plan is on standard output instead")
     return 1 if result.status == "infeasible" else 0

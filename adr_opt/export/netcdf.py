@@ -74,8 +74,8 @@ def write(path: Path, mission: Mission, matrices: Matrices) -> None:
     """Write the dataset."""
     # No fill value: xarray would read it back as "missing", and nothing here is missing.
     lossless = {"zlib": True, "complevel": 4, "_FillValue": None}
-    dataset(mission, matrices).to_netcdf(
-        path,
+    # In memory first: on a full disk the HDF5 library leaves files open and crashes at exit.
+    content = dataset(mission, matrices).to_netcdf(
         engine="h5netcdf",
         encoding={
             "delta_v": lossless,
@@ -84,3 +84,4 @@ def write(path: Path, mission: Mission, matrices: Matrices) -> None:
             "departure": {"_FillValue": None},
         },
     )
+    path.write_bytes(content)

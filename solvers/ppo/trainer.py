@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+import threading
 import time
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -150,6 +151,31 @@ class Keeper(BaseCallback):
         self._saved = time.perf_counter()
 
 
+@contextmanager
+def _full_disks_said(folder: Path) -> Iterator[None]:
+    """One sentence for what TensorBoard cannot write.
+
+    Its thread keeps the error for this one, which gets it with the next record, and would print a
+    traceback besides.
+    """
+    before = threading.excepthook
+
+    def hear(thrown: threading.ExceptHookArgs) -> None:
+        if not isinstance(thrown.exc_value, OSError):
+            before(thrown)
+
+    threading.excepthook = hear
+    try:
+        yield
+    except OSError as error:
+        raise InputError(
+            f"{folder}: cannot be written ({error.strerror or error}); make room, and give the "
+            "same call again"
+        ) from error
+    finally:
+        threading.excepthook = before
+
+
 def train(
     config: Config,
     folder: Path,
@@ -168,6 +194,7 @@ def train(
         raise InputError(f"device {device!r}: PyTorch finds no such device here; use cpu")
     config = replace(config, steps=config.steps if steps is None else steps)
     with ExitStack() as stack:
+        stack.enter_context(_full_disks_said(folder))
         stack.enter_context(locked(folder))
         run = Run(folder, config, seed)
         torch.set_num_threads(jobs)
