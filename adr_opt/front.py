@@ -14,7 +14,7 @@ from .generator import LARGEST_SEED
 from .instance import Instance
 from .mission import Mission
 from .plan import Plan
-from .planner import BOUNDS, PLANNERS, Planner, Progress, get, names, silent
+from .planner import BOUNDS, PLANNERS, Planner, Progress, check_size, get, names, silent
 from .planner import options as options_of
 from .result import Result, status_of
 from .start import start_sequence
@@ -278,6 +278,7 @@ def prepare(
             raise InputError(
                 f"option {option!r} of method {method!r} is unknown; use one of: {listed}"
             )
+        check_size(method, function, option, chosen[option])
     if jobs is not None:
         if not takes_jobs(function):
             raise InputError(
@@ -286,6 +287,7 @@ def prepare(
             )
         if jobs < 0:
             raise InputError(f"jobs = {jobs}: must be a number of cores, or 0 for all of them")
+        check_size(method, function, "jobs", jobs)
         if "jobs" in chosen:
             raise InputError("jobs is given twice, also as an option of the method; give it once")
         chosen["jobs"] = jobs

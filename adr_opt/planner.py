@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from .errors import InputError
 from .mission import Mission
@@ -14,6 +15,9 @@ from .stop import Stop
 PLANNERS = "adr_opt.planners"
 BOUNDS = "adr_opt.bounds"
 """Entry-point groups; a package that declares one of them shows up by being installed."""
+
+MOST_JOBS = 1024
+"""Most threads of a method."""
 
 
 class Progress(Protocol):
@@ -78,6 +82,35 @@ def options(planner: Planner) -> dict[str, inspect.Parameter]:
         for name, parameter in inspect.signature(planner).parameters.items()
         if parameter.kind is inspect.Parameter.KEYWORD_ONLY and name not in fixed
     }
+
+
+LARGEST_WHOLE = 10**9
+"""Largest value of an option that is a whole number, unless :func:`at_most` says less."""
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def at_most(**largest: int) -> Callable[[Function], Function]:
+    """Declare the largest values of options that cost memory, or time that no stop ends."""
+
+    def declare(planner: Function) -> Function:
+        planner.__dict__["at_most"] = largest
+        return planner
+
+    return declare
+
+
+def check_size(name: str, planner: Planner, option: str, value: Any) -> None:
+    """Refuse a whole number that is larger than the option can be.
+
+    Raises
+    ------
+    InputError
+        The sentence says how large it may be.
+    """
+    most = {"jobs": MOST_JOBS, **getattr(planner, "at_most", {})}.get(option, LARGEST_WHOLE)
+    if isinstance(value, int) and abs(value) > most:
+        raise InputError(f"option {option} = {value} of method {name!r}: must be at most {most}")
 
 
 def parse_option(name: str, planner: Planner, option: str, text: str) -> Any:

@@ -8,7 +8,7 @@ import time
 
 from adr_opt.errors import InputError
 from adr_opt.mission import Mission
-from adr_opt.planner import Progress
+from adr_opt.planner import Progress, at_most
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
@@ -21,6 +21,7 @@ from .learned.policy_beam import beam as beam_by_policy
 from .recreate import HOUR_WORTH, KILOMETRE_WORTH, mean_prize
 
 
+@at_most(width=1_000_000)
 def beam(
     mission: Mission,
     *,

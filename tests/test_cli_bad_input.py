@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import math
 import os
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -86,6 +88,8 @@ VERBS_OF_PLANS = {
         (put(*ORBIT, "true_anomaly_deg", 1e20), "true_anomaly_deg = 1e+20: must be less than"),
         (put("targets", 0, "prize", 1e300), "field targets[0].prize = 1e+300: must be less than"),
         (put("name", ""), 'field name = "": must not be empty'),
+        (put("name", "a\0b"), 'field name = "a\\u0000b": must have no control characters'),
+        (put("targets", 0, "name", "a\x1b[2J"), "field targets[0].name = "),
         (put(*ORBIT, "raan_deg", math.nan), "field targets[0].orbit.raan_deg = NaN: must be a fin"),
         (put("targets", 1, "prize", math.inf), "field targets[1].prize = Infinity: must be a fini"),
         (put("mission", "delta_v_m_s", -math.inf), "field mission.delta_v_m_s = -Infinity"),
@@ -176,6 +180,27 @@ def test_bad_method_options(cli: Cli, tiny_file: Path, assignment: list[str], na
     """A malformed, repeated or out-of-range --option is named."""
     given = [part for text in assignment for part in ("--option", text)]
     refused(cli("solve", tiny_file, "--method", "greedy", *given), named)
+
+
+@pytest.mark.parametrize(
+    ("method", "option", "most"),
+    [
+        ("beam", "width", 10**6),
+        ("mcts", "simulations", 10**6),
+        ("mcts", "depth", 10**9),
+        ("local-search", "chunk", 10**7),
+        ("exact", "jobs", 1024),
+        ("exact", "most_labels", 10**9),
+    ],
+)
+def test_options_beyond_any_use(
+    cli: Cli, tiny_file: Path, method: str, option: str, most: int
+) -> None:
+    """A number that no memory or no kernel could hold is refused with the largest there is."""
+    for value in (most + 1, 10**20, -(10**20)):
+        outcome = cli("solve", tiny_file, "--method", method, "--option", f"{option}={value}")
+        refused(outcome, f"option {option} = {value} of method '{method}': must be at most {most}")
+    refused(cli("solve", tiny_file, "--method", "exact", "--jobs", 10**20), "must be at most 1024")
 
 
 @pytest.mark.parametrize(
@@ -276,6 +301,44 @@ def test_a_matrix_that_cannot_be_written(
     full_disk()
     refused(cli(*arguments, f"c{suffix}"), f"c{suffix}: cannot be written (")
     assert {path.name for path in tmp_path.iterdir()} == {"tiny.json", f"first{suffix}"}
+
+
+@pytest.mark.skipif(os.name != "posix", reason="names of files are text elsewhere")
+@pytest.mark.parametrize("encoding", [{"PYTHONUTF8": "1"}, {"PYTHONUTF8": "0"}])
+def test_names_that_no_encoding_can_say(
+    tiny_file: Path, tmp_path: Path, encoding: dict[str, str]
+) -> None:
+    """A file whose name is no text is read and written, and named with escapes, in any locale."""
+    pytest.importorskip("pyarrow")
+    environment = os.environ | {"LC_ALL": "POSIX"} | encoding
+    plan, rows = b"p\xff.json", b"r\xff\xc3\xbc.parquet"
+    for arguments, said in (
+        (["solve", tiny_file, "--method", "greedy", "--out", plan], b"wrote p\\udcff.json"),
+        (["check", tiny_file, plan], b""),
+        (["check", tiny_file, b"n\xff"], b"n\\udcff: no such file"),
+        (["matrix", tiny_file, "--out", rows, "--json"], b"wrote r\\udcff"),
+    ):
+        done = subprocess.run(
+            [sys.executable, "-m", "adr_opt", *arguments], cwd=tmp_path, env=environment,
+            capture_output=True, check=False,
+        )  # fmt: skip
+        assert done.returncode == (2 if b"no such" in said else 0), done.stderr
+        assert said in done.stderr
+        assert done.stderr.count(b"\n") <= 1
+        if "--json" in arguments:
+            assert json.loads(done.stdout)["path"].encode(errors="surrogateescape") == rows
+    assert {plan, rows} <= {name for name in os.listdir(os.fsencode(tmp_path))}
+
+
+def test_names_with_a_nul(tmp_path: Path) -> None:
+    """No file can have a NUL in its name, which is said like everything else."""
+    instance = adr_opt.generate("tiny", 0)
+    plan = adr_opt.solve(instance, "greedy").plan
+    assert plan is not None
+    with pytest.raises(adr_opt.InputError, match="no file can have such a name"):
+        plan.save(f"{tmp_path}/a\0b.json")
+    with pytest.raises(adr_opt.InputError, match="no file has such a name"):
+        adr_opt.load(f"{tmp_path}/a\0b.json")
 
 
 def test_left_overs_of_killed_writers_are_removed(cli: Cli, tmp_path: Path) -> None:

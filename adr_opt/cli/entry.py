@@ -89,14 +89,15 @@ def _sentence(error: click.ClickException) -> str:
 
 
 def _can_say_everything(stream: TextIO | None) -> None:
-    """See that no name and no ΔV is a UnicodeEncodeError: JSON is UTF-8 by its standard."""
-    if stream is None or (stream.encoding or "").lower().replace("-", "") == "utf8":
-        return
+    """See that no name and no ΔV is a UnicodeEncodeError: JSON is UTF-8 by its standard.
+
+    What no encoding can say, as the name of a file in another one, is escaped as JSON does it.
+    """
     with suppress(AttributeError, OSError):
-        if stream.isatty():
-            stream.reconfigure(errors="replace")  # type: ignore[attr-defined]
+        if stream.isatty():  # type: ignore[union-attr]
+            stream.reconfigure(errors="replace")  # type: ignore[union-attr]
         else:
-            stream.reconfigure(encoding="utf-8")  # type: ignore[attr-defined]
+            stream.reconfigure(encoding="utf-8", errors="backslashreplace")  # type: ignore[union-attr]
 
 
 def _let_go(stream: TextIO | None) -> None:

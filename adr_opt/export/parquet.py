@@ -101,9 +101,13 @@ def write(path: Path, mission: Mission) -> None:
     columns = schema(mission)
     most = max(1, int(table.total.sum(axis=1).max()))
     numbers, values = np.empty((most, 3), dtype=np.int32), np.empty((most, 3))
-    with pq.ParquetWriter(
-        path, columns, compression="zstd", use_dictionary=["origin", "destination"]
-    ) as file:
+    # Not by its name, which pyarrow insists on having in UTF-8.
+    with (
+        path.open("wb") as sink,
+        pq.ParquetWriter(
+            sink, columns, compression="zstd", use_dictionary=["origin", "destination"]
+        ) as file,
+    ):
         for origin in range(len(mission.names)):
             count = _rows(table, origin, numbers, values)
             event, destination, revolutions = numbers[:count].T

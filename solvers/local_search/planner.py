@@ -11,7 +11,7 @@ import numpy as np
 from adr_opt.errors import InputError
 from adr_opt.kernels.constants import STATION
 from adr_opt.mission import Mission
-from adr_opt.planner import Progress, get, silent
+from adr_opt.planner import Progress, at_most, get, silent
 from adr_opt.result import Result, certify
 from adr_opt.stop import MaxIterations, Stop
 
@@ -88,6 +88,7 @@ class LocalSearch:
         return self.offer(recreate(self._mission, self.sequence, width, self._rng))
 
 
+@at_most(chunk=10_000_000, width=1_000_000)
 def local_search(
     mission: Mission,
     *,

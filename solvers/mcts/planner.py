@@ -12,7 +12,7 @@ import numpy.typing as npt
 from adr_opt.errors import InputError
 from adr_opt.kernels.constants import STATION
 from adr_opt.mission import Mission
-from adr_opt.planner import Progress
+from adr_opt.planner import Progress, at_most
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
@@ -137,6 +137,7 @@ class _Player:
         return self.answer
 
 
+@at_most(simulations=1_000_000)
 def mcts(
     mission: Mission,
     *,

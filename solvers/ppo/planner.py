@@ -10,7 +10,7 @@ import numpy as np
 
 from adr_opt.errors import InputError
 from adr_opt.mission import Mission
-from adr_opt.planner import Progress
+from adr_opt.planner import Progress, at_most
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
@@ -29,6 +29,7 @@ BATCH = 64
 """Samples played side by side."""
 
 
+@at_most(samples=10_000_000, width=1_000_000, beams=1000)
 def ppo(
     mission: Mission,
     *,
