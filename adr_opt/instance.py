@@ -33,8 +33,8 @@ from .kernels.transfer import TransferRule
 
 FORMAT: Literal["adr-opt-instance/1"] = "adr-opt-instance/1"
 
-# A name ends up on terminals and in formats of other programs: no control characters.
-Name = Annotated[str, Field(min_length=1, pattern=r"^[^\x00-\x1f\x7f-\x9f]*$")]
+# A name ends up in formats of other programs, which end texts at a NUL.
+Name = Annotated[str, Field(min_length=1, pattern=r"^[^\x00]*$")]
 NonNegative = Annotated[float, Field(ge=0.0)]
 Positive = Annotated[float, Field(gt=0.0)]
 

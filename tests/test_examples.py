@@ -24,7 +24,7 @@ SCRIPTS = sorted(path for path in FOLDER.glob("*.py") if path.stem != "coming_ba
 PACKAGES = {
     "pyvrp_fuel_loads": ("pyvrp",),
     "ortools_orienteering": ("vrplib",),
-    "lkh_tour": ("elkai", "tsplib95"),
+    "lkh_tour": ("elkai", "vrplib"),
     "networkx_tour": ("networkx", "xarray", "h5netcdf"),
     "numpy_dynamic_programme": (),
     "highs_model": ("highspy", "pyomo"),
@@ -88,11 +88,11 @@ def cycle_cost(weights: np.ndarray, order: tuple[int, ...]) -> int:
 
 def test_lkh_finds_the_shortest_tour(tmp_path: Path) -> None:
     """On tiny fields LKH's tour costs as little as the best of all orders."""
-    lkh, tsplib95 = example("lkh_tour"), pytest.importorskip("tsplib95")
+    lkh, vrplib = example("lkh_tour"), pytest.importorskip("vrplib")
     for seed in range(3):
         instance = adr_opt.generate("tiny", seed, targets=6)
         write_matrix(instance, tmp_path / "costs.tsp", 0.0, scale=1.0)
-        weights = np.array(tsplib95.load(tmp_path / "costs.tsp").edge_weights)
+        weights = vrplib.read_instance(tmp_path / "costs.tsp")["edge_weight"]
         order = tuple(lkh.solve(str(tmp_path / "costs.tsp")))
         best = min(cycle_cost(weights, other) for other in permutations(range(1, 7)))
         assert sorted(order) == list(range(1, 7))

@@ -65,24 +65,6 @@ def test_oplib_is_read_by_vrplib(mission: Mission, tmp_path: Path, quantity: str
     assert "1 = a prize of one" in read["comment"]
 
 
-def test_oplib_is_read_by_a_reader_of_oplib(mission: Mission, tmp_path: Path) -> None:
-    """A library made for OPLib reads the problem, asymmetric as it is."""
-    tspwplib = pytest.importorskip("tspwplib")
-    path = tmp_path / "costs.oplib"
-    write_matrix(mission, path, 0.0, scale=10.0)
-    problem = tspwplib.ProfitsProblem.load(path)
-    assert (problem.type, problem.depots) == ("OP", [1])
-    assert problem.cost_limit == math.floor(10.0 * mission.instance.mission.delta_v_m_s)
-    assert [problem.node_score[n + 1] for n in range(len(mission.names))] == list(
-        mission.rules.prize
-    )
-    truth = exact(mission, "delta_v")
-    finite = np.isfinite(truth)
-    read = np.array(problem.edge_weights)
-    assert (read[finite] == np.rint(10.0 * truth)[finite]).all()
-    assert (read != read.T).any()
-
-
 def test_the_best_cycle_of_the_file_is_the_best_fuel_load(tmp_path: Path) -> None:
     """By OPLib's rules the best cycle collects what one fuel load can at these costs."""
     vrplib = pytest.importorskip("vrplib")

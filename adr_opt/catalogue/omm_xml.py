@@ -15,6 +15,12 @@ from .records import Dropped, Record, RowError, shown
 
 DEEPEST = 50
 LONGEST_TEXT = 1000
+LONGEST_TOKEN = 1 << 20
+"""Bytes of one tag with its attributes, or of one comment.
+
+The parser begins such a token again with every chunk of it.
+"""
+
 CHUNK = 1 << 16
 
 
@@ -39,6 +45,11 @@ def read_xml(data: bytes, source: str) -> Iterator[Record | Dropped]:
             yield Dropped(source, error.lineno, omm.label(reader.fields), "malformed", detail)
             return
         yield from reader.take()
+        if begin + len(chunk) - max(parser.CurrentByteIndex, 0) > LONGEST_TOKEN + CHUNK:
+            raise InputError(
+                f"{source}: line {parser.CurrentLineNumber}: a tag or a comment longer than "
+                f"{LONGEST_TOKEN >> 20} MiB; this is no OMM"
+            )
 
 
 class _Reader:
