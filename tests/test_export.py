@@ -148,8 +148,8 @@ def test_tsp_is_read_by_vrplib(mission: Mission, tmp_path: Path, quantity: str) 
     assert f"{quantity} in " in problem["comment"]
     assert f" times {weights.scale:g}, " in problem["comment"]
     assert f"{weights.no_transfer} = no transfer" in problem["comment"]
-    assert mission.instance.sha256 in problem.comment
-    assert "ready at 3600.0 s" in problem.comment
+    assert mission.instance.sha256 in problem["comment"]
+    assert "ready at 3600.0 s" in problem["comment"]
 
 
 def test_a_tour_prefers_any_transfer_to_none(mission: Mission) -> None:
