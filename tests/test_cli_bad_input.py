@@ -272,7 +272,7 @@ def test_a_failed_write_leaves_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("more", [[], ["--json"]])
+@pytest.mark.parametrize("more", [["--quiet"], ["--quiet", "--json"]])
 def test_a_plan_that_cannot_be_written_is_printed(
     cli: Cli, tiny_file: Path, tmp_path: Path, full_disk: Callable[[], None], more: list[str]
 ) -> None:
@@ -323,7 +323,7 @@ def test_names_that_no_encoding_can_say(
         )  # fmt: skip
         assert done.returncode == (2 if b"no such" in said else 0), done.stderr
         assert said in done.stderr
-        assert done.stderr.count(b"\n") <= 1
+        assert b"Traceback" not in done.stderr
         if "--json" in arguments:
             assert json.loads(done.stdout)["path"].encode(errors="surrogateescape") == rows
     assert {plan, rows} <= {name for name in os.listdir(os.fsencode(tmp_path))}
