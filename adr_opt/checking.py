@@ -1,15 +1,20 @@
 """Check a plan against its instance, from the instance alone.
 
 Shares nothing with the planners but the physics of one transfer (`kernels.orbits`,
-`kernels.transfer`, `kernels.burns`): departure events, the choice of the entry and the mission
-rules are stated here a second time, on purpose, and plainly; so are the keep-out zones, in
-`keep_out`, from the burns alone.
+`kernels.transfer`, `kernels.burns`) and the slack of the model (`kernels.constants`): departure
+events, the choice of the entry and the mission rules are stated here a second time, on purpose, and
+plainly; so are the keep-out zones, in `keep_out`, from the burns alone.
+
+The mission is followed by a clock and a tank of its own, and the rules are asked about those, with
+the slack and nothing more. The figures of the plan only have to agree with them, to the tolerances
+below; so no plan gains anything by rounding its figures in its own favour, leg after leg, and what
+is accepted here is what is proven about.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -20,11 +25,15 @@ from .instance import Instance
 from .keep_out import crossed
 from .kernels import burns as burn_kernels
 from .kernels import orbits, transfer
+from .kernels.constants import SLACK_M_S, SLACK_S
 from .plan import Leg, Plan
 
 TIME_TOLERANCE_S = 1e-3
 DELTA_V_TOLERANCE_M_S = 1e-4
+"""What figures of a plan may differ by from what they state."""
+
 OBJECTIVE_TOLERANCE = 1e-6
+"""The same for objective and bound, relative; for the gap, which is a share, as it is."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +118,7 @@ def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
                 number, "ready", f"ready_s = {leg.ready_s!r}, but the chaser is free at {free!r}"
             )
         i, j = index[leg.origin], index[leg.destination]
-        yield from _check_transfer(instance, number, leg, i, j)
+        arrival, delta_v = yield from _check_transfer(instance, number, leg, i, j, free)
         for which in crossed(instance, leg):
             zone = instance.keep_out_zones[which]
             yield Violation(
@@ -122,18 +131,14 @@ def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
 
         at_station = leg.destination == instance.station.name
         revolutions = limits.refuel_revolutions if at_station else limits.service_revolutions
-        end = leg.arrival_s + revolutions * orbits.period(elements[j, orbits.RADIUS])
+        end = arrival + revolutions * orbits.period(elements[j, orbits.RADIUS])
         if abs(leg.end_s - end) > TIME_TOLERANCE_S:
             yield Violation(number, "service", f"end_s = {leg.end_s!r}, but it ends at {end!r}")
-        if leg.end_s > limits.duration_s + TIME_TOLERANCE_S:
-            yield Violation(
-                number, "duration", f"ends at {leg.end_s!r} s, after {limits.duration_s!r} s"
-            )
-        if leg.delta_v_m_s > left + DELTA_V_TOLERANCE_M_S:
-            yield Violation(
-                number, "delta-v", f"needs {leg.delta_v_m_s!r} m/s, but only {left!r} are left"
-            )
-        left = limits.delta_v_m_s if at_station else left - leg.delta_v_m_s
+        if end > limits.duration_s + SLACK_S:
+            yield Violation(number, "duration", f"ends at {end!r} s, after {limits.duration_s!r} s")
+        if delta_v > left + SLACK_M_S:
+            yield Violation(number, "delta-v", f"needs {delta_v!r} m/s, but only {left!r} are left")
+        left = limits.delta_v_m_s if at_station else left - delta_v
         if abs(leg.delta_v_left_m_s - left) > DELTA_V_TOLERANCE_M_S:
             yield Violation(
                 number,
@@ -143,15 +148,18 @@ def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
         serviced = 0 if at_station else serviced + 1
         if not at_station:
             visited.add(leg.destination)
-        # Go on from when the leg says it ends, so that one wrong time is reported once; but the
-        # ΔV left is counted here, so that no statement about it can hide an overdrawn budget.
-        where, free = leg.destination, leg.end_s
+        where, free = leg.destination, float(end)
 
 
 def _check_transfer(
-    instance: Instance, number: int, leg: Leg, i: int, j: int
-) -> Iterator[Violation]:
-    """The departure is the next event, and the leg is what the model flies from there."""
+    instance: Instance, number: int, leg: Leg, i: int, j: int, free: float
+) -> Generator[Violation, None, tuple[float, float]]:
+    """The departure is the next event, and the leg is what the model flies from there.
+
+    Returns when the chaser arrives and the ΔV, to go on from: recomputed, but as stated where the
+    plan is wrong about them, so that one mistake is reported once.
+    """
+    as_stated = leg.arrival_s, leg.delta_v_m_s
     elements = instance.orbits()
     rule = instance.transfer_rule()
     extra = float(instance.eccentricity_delta_v()[i, j])
@@ -168,31 +176,34 @@ def _check_transfer(
             f"departure_s = {leg.departure_s!r} is not a crossing of the line of nodes; "
             f"the nearest is at {departure!r}",
         )
-        return
-    if departure < leg.ready_s - TIME_TOLERANCE_S:
+        return as_stated
+    if departure < free - SLACK_S:
         yield Violation(number, "departure", "leaves before the chaser is ready")
-        return
+        return as_stated
     previous = departure - math.pi / pair.rate_i
-    if previous >= leg.ready_s + TIME_TOLERANCE_S:
+    if previous >= free - SLACK_S:
         yield Violation(
             number, "departure", f"does not leave at the next event, which is at {previous!r}"
         )
-        return
+        return as_stated
     lead = math.fmod(pair.phase_j + pair.rate_j * departure - math.pi * half_turns, 2.0 * math.pi)
     flown = transfer.best_sequence(pair, rule, departure, lead % (2.0 * math.pi))
     if not math.isfinite(flown.delta_v):
         yield Violation(number, "transfer", "there is no transfer at this departure")
-        return
+        return as_stated
     approach = rule.approach_revolutions * orbits.period(elements[j, orbits.RADIUS])
-    arrival = departure + flown.flight_time + approach
+    arrival = float(departure + flown.flight_time + approach)
+    delta_v = float(flown.delta_v)
     if abs(leg.arrival_s - arrival) > TIME_TOLERANCE_S:
         yield Violation(
             number, "arrival", f"arrival_s = {leg.arrival_s!r}, but it arrives at {arrival!r}"
         )
-    if abs(leg.delta_v_m_s - flown.delta_v) > DELTA_V_TOLERANCE_M_S:
+        arrival = leg.arrival_s
+    if abs(leg.delta_v_m_s - delta_v) > DELTA_V_TOLERANCE_M_S:
         yield Violation(
-            number, "cost", f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {flown.delta_v!r}"
+            number, "cost", f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {delta_v!r}"
         )
+        delta_v = leg.delta_v_m_s
     if leg.phasing_revolutions != flown.revolutions:
         yield Violation(
             number,
@@ -214,7 +225,7 @@ def _check_transfer(
         yield Violation(
             number, "burns", f"phases are {stated_phases}, but should be {expected_phases}"
         )
-        return
+        return arrival, delta_v
     for which, burn in enumerate(leg.burns):
         late = abs(burn.time_s - times[which])
         off = float(np.linalg.norm(np.array(burn.delta_v_m_s) - vectors[which]))
@@ -224,6 +235,7 @@ def _check_transfer(
                 "burns",
                 f"burn {which + 1} ({burn.phase}) is off by {late:.3g} s and {off:.3g} m/s",
             )
+    return arrival, delta_v
 
 
 def _check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
@@ -231,31 +243,36 @@ def _check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
     prize = {target.name: target.prize for target in instance.targets}
     visited = {leg.destination for leg in plan.legs} & set(prize)
     objective = sum(prize[name] for name in sorted(visited))
-    slack = OBJECTIVE_TOLERANCE * max(1.0, abs(objective))
-    if abs(plan.objective - objective) > slack:
+    if abs(plan.objective - objective) > OBJECTIVE_TOLERANCE * objective:
         yield Violation(
             None,
             "objective",
             f"objective = {plan.objective!r}, but the prizes sum to {objective!r}",
         )
+    least = sum(prize.values())
     if plan.upper_bound is not None:
-        if plan.objective > plan.upper_bound + slack:
+        least = min(least, plan.upper_bound)
+        if plan.objective > plan.upper_bound + OBJECTIVE_TOLERANCE * abs(plan.upper_bound):
             yield Violation(
                 None, "bound", f"objective {plan.objective!r} exceeds bound {plan.upper_bound!r}"
             )
-        gap = (plan.upper_bound - plan.objective) / plan.upper_bound if plan.upper_bound else 0.0
+        gap = 0.0
+        if plan.upper_bound > 0.0:
+            gap = (plan.upper_bound - plan.objective) / plan.upper_bound
         if plan.gap is None or abs(plan.gap - gap) > OBJECTIVE_TOLERANCE:
             yield Violation(None, "gap", f"gap = {plan.gap!r}, but it is {gap!r}")
     elif plan.gap is not None:
         yield Violation(None, "gap", "a gap is stated without an upper bound")
-    if plan.status == "optimal":
-        proven = min(
-            sum(prize.values()), math.inf if plan.upper_bound is None else plan.upper_bound
+    # Nothing can be worth more than all prizes, whether a bound is stated or not.
+    met = plan.objective >= least - OBJECTIVE_TOLERANCE * abs(least)
+    if plan.status == "optimal" and not met:
+        yield Violation(None, "status", f"optimal is stated, but the bound is {least!r}, not met")
+    elif plan.status == "feasible" and met:
+        yield Violation(
+            None, "status", f"feasible is stated, but the bound of {least!r} is met: it is optimal"
         )
-        if plan.objective < proven - slack:
-            yield Violation(
-                None, "status", f"optimal is stated, but the bound is {proven!r}, not met"
-            )
+    elif plan.status in ("infeasible", "unknown") and plan.legs:
+        yield Violation(None, "status", f"{plan.status} is stated, but the plan has legs")
     stated = [entry.target for entry in plan.unvisited]
     for name in sorted(set(prize) - visited - set(stated)):
         yield Violation(None, "unvisited", f"{name!r} is neither visited nor listed")

@@ -28,7 +28,7 @@ from pydantic import (
 
 from .errors import InputError
 from .files import read_model, sentence, to_text
-from .kernels.constants import EARTH_RADIUS_M, MU_M3_S2
+from .kernels.constants import EARTH_RADIUS_M, MU_M3_S2, SLACK_M, SLACK_S
 from .kernels.transfer import TransferRule
 
 FORMAT: Literal["adr-opt-instance/1"] = "adr-opt-instance/1"
@@ -286,15 +286,18 @@ class Instance(Record):
         return cost
 
     def transfer_rule(self) -> TransferRule:
-        """The transfer settings and zones as the kernels take them (radii, m/s per s)."""
+        """The transfer settings and zones as the kernels take them (radii, m/s per s).
+
+        Zones are closed, so the slack of the model is theirs: what touches one is in it.
+        """
         settings = self.transfer
         zones = np.array(
             [
                 (
-                    EARTH_RADIUS_M + zone.min_altitude_m,
-                    EARTH_RADIUS_M + zone.max_altitude_m,
-                    zone.start_s,
-                    zone.end_s,
+                    EARTH_RADIUS_M + zone.min_altitude_m - SLACK_M,
+                    EARTH_RADIUS_M + zone.max_altitude_m + SLACK_M,
+                    zone.start_s - SLACK_S,
+                    zone.end_s + SLACK_S,
                 )
                 for zone in self.keep_out_zones
             ],

@@ -13,10 +13,11 @@ from .errors import InputError
 from .instance import Instance
 from .kernels import orbits as orbit_kernels
 from .kernels import rules as kernels
-from .kernels.constants import STATION
+from .kernels.constants import SLACK_M_S, SLACK_S, STATION
 from .kernels.timetable import transfer_exists
 from .kernels.transfer import TransferRule
 from .timetable import Timetable
+from .tolerance import common_step
 
 Sequence = npt.NDArray[np.int64]
 
@@ -34,7 +35,8 @@ class Timing:
     delta_v : float
         Total ΔV of the moves made [m/s].
     ends, lefts : (made,) float64
-        End of service [s] and ΔV left [m/s] after each move.
+        End of service [s] and ΔV left [m/s] after each move, as the rules count it: with the slack
+        that a tank may be overdrawn by.
     """
 
     made: int
@@ -102,9 +104,12 @@ class Mission:
         service.setflags(write=False)
         prize.setflags(write=False)
         return kernels.Rules(
-            self.timetable.table, service, prize, limits.delta_v_m_s - self.reserve_m_s,
-            limits.duration_s,
-        )  # fmt: skip
+            self.timetable.table,
+            service,
+            prize,
+            limits.delta_v_m_s - self.reserve_m_s + SLACK_M_S,
+            limits.duration_s + SLACK_S,
+        )
 
     @property
     def reserve_m_s(self) -> float:
@@ -140,10 +145,10 @@ class Mission:
         """Sum of all prizes: the trivial upper bound."""
         return float(sum(target.prize for target in self.instance.targets))
 
-    @property
-    def has_whole_prizes(self) -> bool:
-        """Whether all prizes are integers, so that a bound may be rounded down."""
-        return all(target.prize.is_integer() for target in self.instance.targets)
+    @cached_property
+    def prize_step(self) -> float:
+        """All objectives are multiples of it, so that a bound may be rounded down; 0 for none."""
+        return common_step(target.prize for target in self.instance.targets)
 
     def numbers(self, sequence: Iterable[int | str]) -> Sequence:
         """The numbers of bodies that are given by number or by name.

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from .errors import InputError
 from .kernels import burns as burn_kernels
 from .kernels import timetable as table_kernels
-from .kernels.constants import STATION
+from .kernels.constants import SLACK_M_S, STATION
 from .mission import Mission
 from .plan import Burn, Leg, Reason, Unvisited
 
@@ -52,7 +52,7 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
                 arrival_s=float(arrival),
                 end_s=float(end),
                 delta_v_m_s=float(delta_v),
-                delta_v_left_m_s=float(left) + mission.reserve_m_s,
+                delta_v_left_m_s=float(left - SLACK_M_S) + mission.reserve_m_s,
                 phasing_revolutions=int(revolutions),
                 eccentricity_delta_v_m_s=float(extra[i, j]),
                 burns=tuple(

@@ -12,7 +12,7 @@ from typing import Any
 from .mission import Mission
 from .plan import InstanceReference, Plan, Status, relative_gap
 from .pricing import APPROXIMATE, legs, unvisited
-from .stop.proven import TOLERANCE
+from .tolerance import meets
 
 PACKAGES = ("adr-opt", "numpy", "numba", "ortools")
 
@@ -95,8 +95,7 @@ class Result:
 
 def status_of(mission: Mission, objective: float, upper_bound: float) -> Status:
     """What is proven of a plan; all prizes collected is a proof without any bound."""
-    least_bound = min(upper_bound, mission.total_prize)
-    met = objective >= least_bound - TOLERANCE * max(1.0, abs(least_bound))
+    met = meets(objective, min(upper_bound, mission.total_prize))
     return "optimal" if met else "feasible"
 
 

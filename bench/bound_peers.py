@@ -3,7 +3,7 @@
     python bench/bound_peers.py --family reduced-time --count 1 --time-limit 60
 
 Upper bounds on the real mission, one core each by default, clocks from a ready timetable and with
-the time to build the model. Prizes that are whole numbers round every bound down.
+the time to build the model. Prizes that are multiples of a step round every bound down.
 
 **HiGHS** solves the linear relaxation of the time-expanded network. A column is a leg at one
 departure event; a node is what a chaser that has just been serviced at a body can still take: all
@@ -34,6 +34,7 @@ from machine import heading
 import adr_opt
 from adr_opt.errors import InputError
 from adr_opt.kernels.constants import STATION
+from adr_opt.tolerance import rounded_down
 from solvers.network import build_network
 
 SOLVERS = ("ipm", "simplex", "pdlp")
@@ -239,7 +240,7 @@ def lagrangian_history(
 
 def rounded(mission: adr_opt.Mission, value: float) -> float:
     """The bound on whole prizes that a bound comes to; a millionth is left to rounding errors."""
-    return math.floor(value + 1e-6) if mission.has_whole_prizes else value
+    return rounded_down(value, mission.prize_step)
 
 
 def as_good_after(history: list[tuple[float, float]], value: float) -> float:

@@ -45,11 +45,10 @@ from adr_opt.plan import relative_gap
 from adr_opt.planner import PLANNERS
 from adr_opt.result import certify, versions
 from adr_opt.together import BOUND_NOTE, InvalidBound
+from adr_opt.tolerance import RELATIVE, meets, tolerance
 
 FOLDER = Path(__file__).resolve().parents[1] / "instances"
 WHO = "the adr-opt developers"
-TOLERANCE = 1e-6
-"""Relative difference of objectives and bounds, and of ΔV, that is no improvement."""
 
 
 class Refused(Exception):
@@ -183,11 +182,11 @@ def update(folder: Path, claim: Claim) -> str:
     plan = claim.plan
     if plan is not None:
         _refuse_illegal(claim.instance, plan)
-        slack = TOLERANCE * max(1.0, abs(plan.objective))
+        slack = tolerance(plan.objective)
         more = plan.objective > row.objective + slack
         cheaper = (
             abs(plan.objective - row.objective) <= slack
-            and plan.delta_v_m_s < row.delta_v_m_s * (1.0 - TOLERANCE)
+            and plan.delta_v_m_s < row.delta_v_m_s * (1.0 - RELATIVE)
         )  # fmt: skip
         if more or cheaper:
             said.append(f"plan {plan.objective:g} with {plan.delta_v_m_s:.1f} m/s by {plan.method}")
@@ -204,7 +203,7 @@ def update(folder: Path, claim: Claim) -> str:
     if math.isnan(claim.upper_bound):
         raise Refused(f"{name}: the bound is not a number")
     _refuse_contradiction(name, claim, improved)
-    if claim.upper_bound < row.upper_bound - TOLERANCE * max(1.0, abs(claim.upper_bound)):
+    if claim.upper_bound < row.upper_bound - tolerance(claim.upper_bound):
         said.append(f"bound {claim.upper_bound:g} by {claim.bound_method}")
         improved = replace(improved, upper_bound=claim.upper_bound, bound_method=claim.bound_method)
     if not said:
@@ -252,7 +251,7 @@ def _refuse_contradiction(name: str, claim: Claim, row: Row) -> None:
     """Refuse a bound below a legal plan: one of the two is wrong, and somebody has to look."""
     bounds = ((claim.upper_bound, claim.bound_method), (row.upper_bound, row.bound_method))
     for bound, method in bounds:
-        if bound < row.objective - TOLERANCE * max(1.0, abs(row.objective)):
+        if bound < row.objective - tolerance(row.objective):
             raise Refused(
                 f"{name}: ALARM: the bound {bound!r} by {method} is below the legal plan of "
                 f"objective {row.objective!r} by {row.planner_method}; one of them is wrong"
@@ -265,7 +264,7 @@ def _with_bound(instance: Instance, plan: Plan, row: Row) -> Plan:
     if not math.isfinite(row.upper_bound):
         return plan.replace(notes=tuple(notes), upper_bound=None, gap=None)
     least = min(row.upper_bound, sum(target.prize for target in instance.targets))
-    met = plan.objective >= least - TOLERANCE * max(1.0, abs(least))
+    met = meets(plan.objective, least)
     return plan.replace(
         upper_bound=row.upper_bound,
         gap=row.gap,

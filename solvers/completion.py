@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.timetable import earliest_taken
 from adr_opt.mission import Mission
 
 from .network import SLACK
@@ -93,7 +94,8 @@ def completion_value(table, body, time, left):
     """
     bucket = min(int(time * table.bucket_rate), table.bucket.shape[1] - 1)
     row = table.bucket[body, bucket]
-    while table.departure[row] < time:
+    earliest = earliest_taken(time)
+    while table.departure[row] < earliest:
         row += 1
     slots = min(int(left / table.slot + SLACK), table.top)
     return (table.packed[(row + 1) * table.width + slots] >> table.bits) * table.unit

@@ -29,8 +29,8 @@ def lagrangian(
     Rounds of :class:`solvers.proof.Proof`: multipliers, then searches for plans worth a little
     less than the bound. If the answer is a plan that meets the bound, it is optimal and is
     returned. Every value on the way is a valid bound and the least is kept; the trivial one is the
-    sum of all prizes. Where all prizes are whole numbers the bound is rounded down, because the
-    objective is whole.
+    sum of all prizes. Where all prizes are multiples of a step the bound is rounded down to one,
+    because the objective is.
 
     Deterministic but for the time limit. An iteration is one evaluation of the bound, one search,
     or :data:`solvers.ng_routes.EFFORT` labels of a search. Ends by itself when the bound is met,

@@ -117,7 +117,7 @@ def _link(rules, slot, start, departure, destination, end, delta_v, landing, cos
             if delta_v[r] <= rules.budget and end[r] <= rules.duration:
                 j = destination[r]
                 ahead = departure[start[j] : start[j + 1] - 1]
-                landing[r] = start[j] + np.searchsorted(ahead, end[r])
+                landing[r] = start[j] + np.searchsorted(ahead, timetables.earliest_taken(end[r]))
                 cost[r] = max(0, math.floor(delta_v[r] / slot - SLACK))
                 shortest = min(shortest, end[r] - departure[r])
         landing[start[i + 1] - 1] = -1

@@ -20,20 +20,17 @@ import numpy as np
 from adr_opt.errors import InputError
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
-from adr_opt.stop.proven import TOLERANCE
+from adr_opt.tolerance import meets, rounded_down, rounded_up, tolerance
 
 from .multipliers import Descent
 from .ng_routes import NgRoutes
 from .walks import WalkBound
 
-ROUNDING = 1e-6
-"""A bound this little below a whole number counts as that number."""
-
 MARGIN = 1e-3
-"""Plans worth a whole number are asked for from this much below; more than the rounding."""
+"""Plans worth a step more are asked for from this much below; more than the rounding [steps]."""
 
-STEP = 0.01
-"""Where prizes are not whole, ask for a plan worth so much less than the bound (relative)."""
+STRIDE = 0.01
+"""Ask for a plan worth so much less than the bound (relative)."""
 
 SMALL = 1e-3
 """Multipliers below this share of the largest prize are dropped rather than halved."""
@@ -94,10 +91,8 @@ class Certificate:
                 self._progress(*told)
 
     def lower(self, bound: float) -> None:
-        """A bound that was proven; whole prizes round it down."""
-        if self._mission.has_whole_prizes:
-            bound = math.floor(bound + ROUNDING)
-        bound = max(bound, self.incumbent)
+        """A bound that was proven, rounded down to the step of the prizes."""
+        bound = max(rounded_down(bound, self._mission.prize_step), self.incumbent)
         if bound < self.bound:
             self.bound = bound
             self.tell(self.incumbent, self.bound)
@@ -105,18 +100,16 @@ class Certificate:
     @property
     def proven(self) -> bool:
         """Whether the incumbent meets the bound."""
-        return self.incumbent >= self.bound - TOLERANCE * max(1.0, abs(self.bound))
+        return meets(self.incumbent, self.bound)
 
     @property
     def threshold(self) -> float:
         """What to ask for next: more than the incumbent, at most the bound."""
-        if self._mission.has_whole_prizes:
-            value = min(self.bound, math.ceil((1.0 - STEP) * self.bound - ROUNDING))
-            return max(value, self.incumbent + 1.0) - MARGIN
-        return max(
-            (1.0 - STEP) * self.bound,
-            self.incumbent + 0.5 * TOLERANCE * max(1.0, abs(self.bound)),
-        )
+        step = self._mission.prize_step
+        value = min(self.bound, rounded_up((1.0 - STRIDE) * self.bound, step))
+        if step:
+            return max(value, self.incumbent + step) - MARGIN * step
+        return max(value, self.incumbent + 0.5 * tolerance(self.bound))
 
 
 class Proof:
@@ -278,9 +271,8 @@ def affordable_slot(mission: Mission, slot: float) -> float:
 
 def bound_notes(mission: Mission) -> list[str]:
     """What a reader of a bound has to know."""
-    if mission.has_whole_prizes:
-        return ["the bound is rounded down: all prizes are whole"]
-    return []
+    step = mission.prize_step
+    return [f"the bound is rounded down: all objectives are multiples of {step:g}"] if step else []
 
 
 def check_options(method: str, delta_v_slot_m_s: float, jobs: int, most_labels: int) -> None:

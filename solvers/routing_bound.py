@@ -23,6 +23,7 @@ from .exact_models.answer import Hear
 from .exact_models.cp_sat_run import run
 from .exact_models.standing import Standing
 from .exact_models.steps import in_steps
+from .proof import bound_notes
 
 STEPS_PER_M_S = 1e3
 STEPS_PER_S = 1e1
@@ -215,11 +216,6 @@ def routing_bound(
         )
         standing.lower(bound)
         counters["branches"] = int(solver.num_branches)
-    notes = []
-    if standing.step:
-        notes.append(
-            f"the bound is rounded down: all objectives are multiples of {standing.step:g}"
-        )
     return certify(
         mission,
         "routing-bound",
@@ -228,5 +224,5 @@ def routing_bound(
         runtime_s=time.perf_counter() - began,
         upper_bound=standing.bound,
         counters=counters,
-        notes=notes,
+        notes=bound_notes(mission),
     )

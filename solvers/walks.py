@@ -31,6 +31,7 @@ import numpy as np
 
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.timetable import earliest_taken
 from adr_opt.mission import Mission
 
 from . import lanes
@@ -183,11 +184,12 @@ def _begin(network, values, width):
 
 @kernel
 def _sweep_until(network, values, code, bits, width, top, begun, first, step, time):
-    """Values of all rows that depart at or after a time, of every step-th body from first."""
+    """Values of all rows that are taken at a time or after, of every step-th body from first."""
+    earliest = earliest_taken(time)
     for i in range(first, network.start.size - 1, step):
         high = begun[i]
         low = high
-        while low > 0 and network.departure[network.start[i] + low - 1] >= time:
+        while low > 0 and network.departure[network.start[i] + low - 1] >= earliest:
             low -= 1
         _sweep_rows(network, values, code, bits, width, top, i, high, low)
         begun[i] = low
@@ -257,7 +259,7 @@ class WalkBound:
         self.width = (self.top // lanes.LANES + 1) * lanes.LANES
         self.network, self.delta_v, shortest = build_network(mission, self.slot)
         # Rows within one stage do not land in it, so their bodies are independent.
-        self._stage = shortest * (1.0 - 1e-9)
+        self._stage = earliest_taken(shortest) * (1.0 - 1e-9)
         self._stages = int(rules.duration / self._stage) + 1 if self._stage > 0.0 else 1
         self.bits = int(bodies).bit_length()
         self.most_legs = self._stages + 1

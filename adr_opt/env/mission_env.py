@@ -15,6 +15,7 @@ from ..episodes import Board, FieldPool, Observation, new_episodes, start
 from ..errors import InputError
 from ..instance import Instance
 from ..kernels import episodes as kernels
+from ..kernels.constants import SLACK_M_S
 from ..mission import Mission
 from .fields import PUBLISHED, Fields, check_kind
 from .rendering import picture, sentence
@@ -230,7 +231,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
             "serviced": int(episodes.serviced[0]),
             "refuelled": int(episodes.refuelled[0]),
             "time_s": float(episodes.time[0]),
-            "delta_v_left_m_s": float(episodes.left[0]),
+            "delta_v_left_m_s": float(episodes.left[0] - SLACK_M_S),
         }
 
     @property

@@ -1,4 +1,4 @@
-"""The constants of the model (MODEL, preamble): values as in EGM-96 and WGS-84."""
+"""The constants of the model: the Earth, as in EGM-96 and WGS-84, and the slack of all limits."""
 
 MU_M3_S2 = 3.986004418e14
 """Gravitational parameter of the Earth [m³/s²]."""
@@ -11,3 +11,16 @@ J2 = 1.08262668e-3
 
 STATION = 0
 """Index of the refuelling station among the bodies."""
+
+SLACK_S = 2.0**-20
+SLACK_M_S = 2.0**-20
+SLACK_M = 2.0**-10
+"""The slack of the model: what differs by less than this in time [s], ΔV [m/s] or radius [m] is
+equal.
+
+Far above what rounding does to the figures of a mission, far below what anybody can fly. A chaser
+that is ready a slack after a departure event still takes it; a tank and a mission may be overdrawn
+by a slack in all; of sequences whose costs are equal the first counts; phasing radii and zones are
+closed with a slack. Without it, rounding would decide wherever a chaser is ready exactly when an
+event is, and planners, proofs and `check` would be told different things. Powers of two, so that
+adding one and taking it away gives the same number again."""

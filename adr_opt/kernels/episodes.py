@@ -13,7 +13,7 @@ import numpy as np
 
 from . import rules as rule_kernels
 from .compile import inlined, kernel
-from .constants import STATION
+from .constants import SLACK_M_S, SLACK_S, STATION
 from .memory import borrowed
 from .outlook import Outlook
 from .rules import Rules
@@ -66,7 +66,7 @@ class Episodes(NamedTuple):
     body, since_refuel : (episodes,) int32
         Where the chaser is; targets serviced since it last refuelled.
     time, left : (episodes,) float64
-        Since when the chaser is free [s]; ΔV left [m/s].
+        Since when the chaser is free [s]; ΔV left with the slack of the model [m/s].
     visited : (episodes, bodies) bool
         Serviced targets; also True for bodies that the field does not have.
     serviced, refuelled : (episodes,) int32
@@ -146,8 +146,8 @@ def rules_of(pool, episodes, e):
         table_of(pool, slot),
         pool.service[slot],
         _NO_PRIZES,
-        episodes.budget[e],
-        episodes.duration[e],
+        episodes.budget[e] + SLACK_M_S,
+        episodes.duration[e] + SLACK_S,
     )
 
 
@@ -172,7 +172,7 @@ def begin(pool, episodes, e):
     episodes.body[e] = STATION
     episodes.since_refuel[e] = 0
     episodes.time[e] = 0.0
-    episodes.left[e] = episodes.budget[e]
+    episodes.left[e] = episodes.budget[e] + SLACK_M_S
     episodes.serviced[e] = 0
     episodes.refuelled[e] = 0
     episodes.delta_v[e] = 0.0

@@ -18,6 +18,7 @@ from .episodes import clip, lent, make_mask, outlook_of, rules_of, turned
 from .memory import borrowed, fetch
 from .orbits import ARGUMENT_OF_LATITUDE, INCLINATION, RAAN, RADIUS, mean_motion
 from .outlook import AHEAD, DELTA_V_UNIT_M_S, HOUR_UNIT, M_S_PER_HOUR, NEAR, NOBODY
+from .timetable import earliest_taken
 
 LIMIT = 5.0
 """Every number of an observation lies in [−LIMIT, LIMIT]."""
@@ -98,7 +99,7 @@ FAR = LIMIT
 @inlined
 def next_way_back(outlook, spacing, j, ready):
     """Event of the next departure for the station."""
-    return max(0, math.ceil((ready - outlook.home_first[j]) / spacing))
+    return max(0, math.ceil((earliest_taken(ready) - outlook.home_first[j]) / spacing))
 
 
 @inlined

@@ -6,6 +6,10 @@ only ``check`` states them a second time, on purpose.
 A chaser's state is (body, time, delta_v_left, since_refuel, visited): where it is and since when
 it is free, the ΔV left, how many targets it has serviced since the last refuelling, and which
 targets are done. Search methods keep ``visited`` in their own form and ask :func:`fits`.
+
+The slack of the model (:mod:`.constants`) is in the limits that :class:`Rules` holds and in the
+next event, and nowhere else: what is left of a tank includes it, so that it is granted once a tank
+and not once a leg, and every bound on moves under these rules holds with it.
 """
 
 from typing import NamedTuple
@@ -28,9 +32,9 @@ class Rules(NamedTuple):
     prize : (bodies,) float64
         Prize of each target; 0 for the station.
     budget : float
-        Full ΔV budget [m/s].
+        Full ΔV budget with the slack of the model, which is no limit to be met exactly [m/s].
     duration : float
-        End of the mission [s].
+        End of the mission, with the slack [s].
     """
 
     table: timetable.Table

@@ -2,7 +2,7 @@
 
 Between two departure events nothing depends on the time but the wait, so a table over events is
 exact. How events are spaced and where entries lie is known to this module alone: planners ask
-:func:`events`, :func:`departure_at`, :func:`entry_at` and :func:`lookup`.
+:func:`events`, :func:`departure_at`, :func:`entry_at`, :func:`next_event` and :func:`lookup`.
 """
 
 import math
@@ -12,6 +12,7 @@ import numpy as np
 
 from . import orbits, transfer
 from .compile import inlined, kernel
+from .constants import SLACK_S
 
 
 class Table(NamedTuple):
@@ -100,15 +101,22 @@ def entry_at(table, i, j, event):
 
 
 @inlined
-def next_event(table, i, j, time):
-    """The first event at or after a time; :func:`events` of the pair if there is none left."""
+def earliest_taken(ready):
+    """The earliest departure that a chaser takes who is ready at a time: a slack before it."""
+    return ready - SLACK_S
+
+
+@inlined
+def next_event(table, i, j, ready):
+    """The event that a chaser takes; :func:`events` of the pair if there is none left."""
+    earliest = earliest_taken(ready)
     spacing = table.spacing[i]
     first = table.first[i, j]
-    m = max(0, math.ceil((time - first) / spacing))
+    m = max(0, math.ceil((earliest - first) / spacing))
     # The quotient may be rounded across an integer; the event's own time decides.
-    if m > 0 and first + (m - 1) * spacing >= time:
+    if m > 0 and first + (m - 1) * spacing >= earliest:
         m -= 1
-    elif first + m * spacing < time:
+    elif first + m * spacing < earliest:
         m += 1
     return min(m, table.total[i, j])
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from . import orbits
 from .compile import kernel
-from .constants import MU_M3_S2
+from .constants import MU_M3_S2, SLACK_M_S, SLACK_S
 
 TWO_PI = 2.0 * math.pi
 SQRT_MU = math.sqrt(MU_M3_S2)
@@ -80,9 +80,9 @@ class Pair(NamedTuple):
     lap: float  # one phasing revolution and its derivatives, at the reference
     lap_1: float
     lap_2: float
-    shortest: float  # T without phasing at the least radius, and one revolution there
+    shortest: float  # T without phasing at the least radius less a slack, and one revolution there
     shortest_lap: float
-    longest: float  # the same at the greatest radius
+    longest: float  # the same at the greatest radius, and a slack more
     longest_lap: float
 
 
@@ -190,9 +190,9 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule):
         lap,
         lap_1,
         lap_2,
-        flight_time(ri, rj, f, rule.min_radius)[0],
+        flight_time(ri, rj, f, rule.min_radius)[0] - SLACK_S,
         lap_time(rule.min_radius)[0],
-        flight_time(ri, rj, f, rule.max_radius)[0],
+        flight_time(ri, rj, f, rule.max_radius)[0] + SLACK_S,
         lap_time(rule.max_radius)[0],
     )
 
@@ -204,13 +204,13 @@ def first_departure(pair):
     Returns
     -------
     time : float
-        [s], in [0, half a period of i).
+        [s], less than half a period of i, and before 0 by no more than the slack: a chaser that is
+        ready at 0 takes that event too.
     half_turns : int
         Angle of the chaser from N at that event, in half revolutions.
     """
-    half_turns = math.ceil(pair.phase_i / math.pi)
-    time = (half_turns * math.pi - pair.phase_i) / pair.rate_i
-    return max(time, 0.0), int(half_turns)
+    half_turns = math.ceil((pair.phase_i - SLACK_S * pair.rate_i) / math.pi)
+    return (half_turns * math.pi - pair.phase_i) / pair.rate_i, int(half_turns)
 
 
 @kernel
@@ -350,8 +350,8 @@ def best_sequence(pair, rule, departure, lead):
     Returns
     -------
     Sequence
-        Ties go to the shorter time, then to the smaller k; ``delta_v`` is +inf if every
-        sequence is out of limits or blocked.
+        Ties, up to the slack, go to the shorter time, then to the smaller k; ``delta_v`` is +inf
+        if every sequence is out of limits or blocked.
     """
     best_cost, best_delta_v, best_time, best_k, best_r = math.inf, math.inf, math.inf, -1, math.nan
     w = rule.time_value
@@ -371,7 +371,7 @@ def best_sequence(pair, rule, departure, lead):
             r = phasing_radius(pair, rule, k, time)
             delta_v = sequence_delta_v(pair, rule, k, r)
             cost = delta_v + w * time
-            if cost < best_cost and not (
+            if cost < best_cost - SLACK_M_S and not (
                 rule.zones.shape[0] > 0 and is_blocked(pair, rule, k, r, departure)
             ):
                 best_cost, best_delta_v, best_time, best_k, best_r = cost, delta_v, time, k, r

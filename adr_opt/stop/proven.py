@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-TOLERANCE = 1e-6
-"""Relative difference below which an incumbent meets its bound."""
+from ..tolerance import meets
 
 
 class Proven:
@@ -13,7 +12,7 @@ class Proven:
 
     def __call__(self, incumbent: float, bound: float) -> bool:
         """Whether it is enough."""
-        return incumbent >= bound - TOLERANCE * max(1.0, abs(bound))
+        return meets(incumbent, bound)
 
     def remaining_s(self) -> float:
         """Seconds that may still be used."""

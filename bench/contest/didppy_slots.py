@@ -105,7 +105,7 @@ def didppy_promise(
     arrive = np.where(possible, reached, late).astype(np.int64)
     cost = np.where(possible, spent, tank + 1).astype(np.int64)
 
-    whole = mission.has_whole_prizes
+    whole = all(float(prize).is_integer() for prize in rules.prize)
     prizes = [int(p) if whole else float(p) for p in rules.prize]
     model = dp.Model(maximize=True, float_cost=not whole)
     kind = model.add_object_type(number=bodies)

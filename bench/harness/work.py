@@ -22,7 +22,7 @@ from adr_opt.instance import Instance
 from adr_opt.mission import Mission
 from adr_opt.planner import BOUNDS
 from adr_opt.result import Result
-from adr_opt.stop import Proven
+from adr_opt.tolerance import meets, rounded_down
 
 from .environment import environment
 from .methods import Method
@@ -207,15 +207,12 @@ def _row(task: Task, method: Method, **facts: Any) -> dict[str, Any]:
 class _Met:
     """Enough once the bound proves that nothing beats the best plan known."""
 
-    def __init__(self, best: float, whole: bool) -> None:
+    def __init__(self, best: float, step: float) -> None:
         self._best = best
-        self._whole = whole
-        self._proven = Proven()
+        self._step = step
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        if self._whole and math.isfinite(bound):
-            bound = math.floor(bound + 1e-6)
-        return self._proven(self._best, bound)
+        return meets(self._best, rounded_down(bound, self._step))
 
     def remaining_s(self) -> float:
         return math.inf
@@ -230,7 +227,7 @@ def _bound(
     try:
         result = front.bound(
             mission, call.name, time_limit=call.limit_s, seed=seed,
-            stop=_Met(best, mission.has_whole_prizes), **options,
+            stop=_Met(best, mission.prize_step), **options,
         )  # fmt: skip
         row["upper_bound"] = result.upper_bound if math.isfinite(result.upper_bound) else None
         row["status"] = result.status

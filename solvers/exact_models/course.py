@@ -18,6 +18,7 @@ from adr_opt.stop import Stop
 
 from ..greedy import greedy_guarded
 from ..multipliers import Descent
+from ..proof import bound_notes
 from ..walks import WalkBound
 from .answer import Answer, Hear
 from .network import Network, keep, path_of, unroll
@@ -104,11 +105,6 @@ def prove(
     standing.offer(course.start)
     if not standing.enough():
         course.run(jobs, most_arcs, evaluations)
-    notes = list(course.notes)
-    if standing.step:
-        notes.append(
-            f"the bound is rounded down: all objectives are multiples of {standing.step:g}"
-        )
     return certify(
         mission,
         method,
@@ -117,7 +113,7 @@ def prove(
         runtime_s=time.perf_counter() - began,
         upper_bound=standing.bound,
         counters=course.counters,
-        notes=notes,
+        notes=[*course.notes, *bound_notes(mission)],
     )
 
 

@@ -120,5 +120,5 @@ def can_reach(through: np.ndarray, goal: float) -> np.ndarray:
         As :func:`best_through` gives it.
     goal : float
     """
-    reaches: np.ndarray = through >= goal - ROUNDING * max(1.0, abs(goal))
+    reaches: np.ndarray = through >= goal - ROUNDING * abs(goal)
     return reaches

@@ -5,21 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-import numpy as np
-
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
 from adr_opt.stop import Stop
-from adr_opt.stop.proven import TOLERANCE
-
-ROUNDING = 1e-6
-"""A bound this little below a multiple of the step counts as that multiple [steps]."""
+from adr_opt.tolerance import meets, rounded_down, rounded_up, tolerance
 
 STRIDE = 0.01
 """A goal is at most so much below the bound (relative)."""
-
-LARGEST_WHOLE = 2.0**53
-"""Up to here sums of whole prizes are exact."""
 
 
 class Standing:
@@ -36,8 +28,7 @@ class Standing:
         The best plan.
     incumbent, bound : float
     step : float
-        All objectives are multiples of it: the greatest common divisor of whole prizes; 0 where
-        prizes are not whole.
+        All objectives are multiples of it; 0 where there is none.
     """
 
     def __init__(self, mission: Mission, stop: Stop, progress: Progress) -> None:
@@ -48,7 +39,7 @@ class Standing:
         self.sequence: tuple[int, ...] | None = None
         self.incumbent = -math.inf
         self.bound = math.inf
-        self.step = _common_step(mission)
+        self.step = mission.prize_step
         self.lower(mission.total_prize)
 
     def offer(self, sequence: Iterable[int]) -> None:
@@ -61,9 +52,7 @@ class Standing:
 
     def lower(self, bound: float) -> None:
         """A bound that was proven, rounded down to a multiple of the step."""
-        if self.step and math.isfinite(bound):
-            bound = self.step * math.floor(bound / self.step + ROUNDING)
-        bound = max(bound, self.incumbent)
+        bound = max(rounded_down(bound, self.step), self.incumbent)
         if bound < self.bound:
             self.bound = bound
             self._progress(self.incumbent, self.bound)
@@ -71,7 +60,7 @@ class Standing:
     @property
     def proven(self) -> bool:
         """Whether the incumbent meets the bound."""
-        return self.incumbent >= self.bound - TOLERANCE * max(1.0, abs(self.bound))
+        return meets(self.incumbent, self.bound)
 
     def enough(self) -> bool:
         """Asks ``stop``, once per iteration."""
@@ -85,19 +74,11 @@ class Standing:
     @property
     def goal(self) -> float:
         """What to ask for next: more than the incumbent, at most the bound."""
-        aim = (1.0 - STRIDE) * self.bound
+        aim = rounded_up((1.0 - STRIDE) * self.bound, self.step)
         if self.step:
-            aim = self.step * math.ceil(aim / self.step - ROUNDING)
             return min(self.bound, max(aim, self.incumbent + self.step))
-        return max(aim, self.incumbent + 0.5 * TOLERANCE * max(1.0, abs(self.bound)))
+        return max(aim, self.incumbent + 0.5 * tolerance(self.bound))
 
     def under(self, goal: float) -> float:
         """The most that a plan can be worth which is worth less than a goal."""
         return goal - self.step
-
-
-def _common_step(mission: Mission) -> float:
-    if not mission.has_whole_prizes or mission.total_prize > LARGEST_WHOLE:
-        return 0.0
-    prizes = [int(prize) for prize in np.array(mission.rules.prize)]
-    return float(math.gcd(*prizes))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from adr_opt.tolerance import are_multiples
+
 MOST_STEPS = 2**40
 """Sum of all prizes in steps, about, where they are no multiples of the unit."""
 
@@ -23,7 +25,7 @@ def in_steps(prize: np.ndarray, unit: float) -> tuple[np.ndarray, float]:
         Prizes in steps, rounded up.
     step : float
     """
-    if not np.any(prize % unit) and prize.sum() / unit <= MOST_STEPS:
+    if are_multiples(prize.tolist(), unit) and prize.sum() / unit <= MOST_STEPS:
         return np.rint(prize / unit).astype(np.int64), unit
     step = float(prize.sum()) / MOST_STEPS
     # A quotient may be rounded down across an integer; one step more covers that.

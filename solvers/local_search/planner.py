@@ -76,7 +76,7 @@ class LocalSearch:
         others = sorted(set(range(1, len(self._mission.names))) - set(visited))
         order = np.array(visited + others, dtype=np.int64)
         rules = self._mission.rules
-        worth = max(self.prize, self._mean) / rules.duration if rules.duration > 0.0 else 1.0
+        worth = max(self.prize, self._mean) / rules.duration
         best, _, _, _ = anneal(
             rules, order, len(visited), self._labels, self._kept, worth, self._weights,
             hot * self._mean, cold * self._mean, iterations, self._rng,
@@ -145,7 +145,7 @@ def local_search(
     search = LocalSearch(mission, start, seed)
     progress(search.prize, math.inf)
     iterations = improved = 0
-    possible = mission.rules.duration > 0.0 and mission.total_prize > 0.0
+    possible = mission.instance.mission.duration_s > 0.0 and mission.total_prize > 0.0
     while possible and search.prize < mission.total_prize and not stop(search.prize, math.inf):
         before = search.prize
         improved += search.anneal(chunk, hot, cold)

@@ -90,11 +90,11 @@ def ppo(
     threads = jobs or os.cpu_count() or 1
     learned = load_policy(policy or SHIPPED, threads)
     learned.check_size(len(mission.names) - 1)
-    rules = mission.rules
+    limits = mission.instance.mission
     began = time.perf_counter()
     counters = {"plans": 0, "states": 0}
     found, kept = best_of(mission)
-    if mission.instance.targets and rules.budget > 0.0 and rules.duration > 0.0:
+    if mission.instance.targets and limits.delta_v_m_s > 0.0 and limits.duration_s > 0.0:
         field = Field(mission, learned, threads)
         play(field, 1, None, 1.0, found)
         counters["plans"] = 1
