@@ -88,6 +88,10 @@ class Constraints:
                 before = self._variables.used[origin]
                 self._block.add(before + self._cost[node] <= self._steps).only_enforce_if(made)
 
+    def forbid(self, arcs: list[int]) -> None:
+        """Keep a path from using all of some arcs."""
+        self._block.add_bool_or([self._variables.move[arc].negated() for arc in arcs])
+
     def _legs(self):
         """Nodes but the start, with the bodies that their legs leave and reach."""
         network = self._network

@@ -53,6 +53,10 @@ class Model:
         self._objective = Objective(self._block, self._variables, worth)
         self._variables.begin_from(self._block, network, start, cost)
 
+    def forbid(self, arcs: list[int]) -> None:
+        """Let no path use all of these arcs, from the next solve on."""
+        self._constraints.forbid(arcs)
+
     def solve(self, *, seed: int, hear: Hear) -> Answer:
         """Solve the model.
 

@@ -11,6 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from adr_opt.errors import InputError
+from adr_opt.kernels.constants import STATION
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress, silent
 from adr_opt.result import Result, certify
@@ -41,6 +42,10 @@ class Model(Protocol):
 
     def solve(self, *, seed: int, hear: Hear) -> Answer:
         """Solve it, or as much as the time allows."""
+        ...
+
+    def forbid(self, arcs: list[int]) -> None:
+        """Let no path use all of these arcs, from the next solve on."""
         ...
 
 
@@ -105,6 +110,11 @@ def prove(
     standing.offer(course.start)
     if not standing.enough():
         course.run(jobs, most_arcs, evaluations)
+        if not (standing.proven or course.notes or standing.remaining_s() <= 0.0):
+            course.notes.append(
+                f"the solver cannot tell the bound of {standing.bound:g} from the plan within its "
+                "tolerances: other proving methods may"
+            )
     return certify(
         mission,
         method,
@@ -136,6 +146,7 @@ class _Course:
             "solved_arcs": 0,
             "solves": 0,
             "solver_nodes": 0,
+            "forbidden": 0,
             "evaluations": 0,
         }
 
@@ -208,8 +219,23 @@ class _Course:
                 standing.lower(max(bound, rest))
                 return standing.remaining_s() <= 0.0
 
-            answer = model.solve(seed=self._seed, hear=Hear(hear, standing.remaining_s))
-            self.counters["solver_nodes"] += answer.nodes
+            while True:
+                answer = model.solve(seed=self._seed, hear=Hear(hear, standing.remaining_s))
+                self.counters["solver_nodes"] += answer.nodes
+                too_dear = self._too_dear(network, answer.sequence or ())
+                if not too_dear or standing.remaining_s() <= 0.0:
+                    break
+                # Within the solver's tolerances it fits the tank. There are few such paths.
+                model.forbid(too_dear)
+                self.counters["forbidden"] += 1
         if answer.sequence is not None:
             standing.offer(answer.sequence)
         standing.lower(max(answer.upper_bound, rest))
+
+    def _too_dear(self, network: Network, sequence: tuple[int, ...]) -> list[int]:
+        """The arcs of a path's first tank that does not reach; none if the path is a plan."""
+        made = self._mission.time(sequence).made
+        if made == len(sequence):
+            return []
+        full = max((place + 1 for place in range(made) if sequence[place] == STATION), default=0)
+        return path_of(network, sequence)[full : made + 1]

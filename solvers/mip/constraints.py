@@ -34,6 +34,7 @@ class Constraints:
         self._each_target_once()
         self._delta_v_adds_up()
         self._delta_v_fits()
+        self._block.forbidden = pyo.ConstraintList()
 
     def _one_path(self) -> None:
         """Leave the start at most once, and a node at most as often as it is entered."""
@@ -88,6 +89,10 @@ class Constraints:
                 self._variables.used[pair]
                 <= sum((1.0 + slack - self._part(arc)) * self._variables.move[arc] for arc in arcs)
             )
+
+    def forbid(self, arcs: list[int]) -> None:
+        """Keep a path from using all of some arcs."""
+        self._block.forbidden.add(sum(self._variables.move[arc] for arc in arcs) <= len(arcs) - 1)
 
     def _part(self, arc: int) -> float:
         """ΔV of an arc, as part of the budget."""

@@ -61,6 +61,10 @@ class Model:
         self._objective = Objective(self._block, network, self._variables, prize / unit)
         self._variables.begin_from(network, start, budget)
 
+    def forbid(self, arcs: list[int]) -> None:
+        """Let no path use all of these arcs, from the next solve on."""
+        self._constraints.forbid(arcs)
+
     def solve(self, *, seed: int, hear: Hear) -> Answer:
         """Solve the model.
 
