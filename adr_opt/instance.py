@@ -39,13 +39,33 @@ NonNegative = Annotated[float, Field(ge=0.0)]
 Positive = Annotated[float, Field(gt=0.0)]
 
 # Far beyond any use, and near enough for arithmetic to hold: two-body motion about the Earth ends
-# some 1.5 million km out, angles of many turns have lost their digits, and prizes are summed.
+# some 1.5 million km out, angles of many turns have lost their digits, prizes are summed and
+# divided, and solvers count ΔV in whole steps.
 LARGEST_LENGTH_M = 1e9
 LARGEST_ANGLE_DEG = 1e6
+LARGEST_DELTA_V_M_S = 1e9
 LARGEST_PRIZE = 1e12
+LEAST_PRIZE = 1e-12
 
 Length = Annotated[float, Field(gt=0.0, le=LARGEST_LENGTH_M)]
 Angle = Annotated[float, Field(ge=-LARGEST_ANGLE_DEG, le=LARGEST_ANGLE_DEG)]
+
+
+def _is_nothing_or_enough(prize: float) -> float:
+    if 0.0 < prize < LEAST_PRIZE:
+        raise ValueError(f"must be 0 or at least {LEAST_PRIZE:g}")
+    return prize
+
+
+Prize = Annotated[
+    float,
+    Field(
+        ge=0.0,
+        le=LARGEST_PRIZE,
+        json_schema_extra={"anyOf": [{"const": 0.0}, {"minimum": LEAST_PRIZE}]},
+    ),
+    AfterValidator(_is_nothing_or_enough),
+]
 
 
 class Record(BaseModel):
@@ -133,7 +153,7 @@ class Target(Record):
     """A debris object that may be visited, and what servicing it is worth."""
 
     name: Name
-    prize: Annotated[float, Field(ge=0.0, le=LARGEST_PRIZE)] = 1.0
+    prize: Prize = 1.0
     orbit: Orbit
 
 
@@ -141,7 +161,7 @@ class MissionLimits(Record):
     """Duration, ΔV budget and the time spent at a body (in its periods)."""
 
     duration_s: NonNegative
-    delta_v_m_s: NonNegative
+    delta_v_m_s: Annotated[float, Field(ge=0.0, le=LARGEST_DELTA_V_M_S)]
     service_revolutions: NonNegative = 1.0
     refuel_revolutions: NonNegative = 1.0
 

@@ -122,6 +122,70 @@ def test_totals(mission, plan):
     assert adr_opt.check(mission.instance, proven) == ()
 
 
+def test_certificates_that_contradict_themselves(mission, plan):
+    """A status that bound and gap do not bear out is reported, whatever the prizes are worth."""
+    for status, upper_bound, gap in (
+        ("optimal", 4.0, 0.25),
+        ("optimal", None, None),
+        ("feasible", 3.0, 0.0),
+        ("infeasible", 4.0, 0.25),
+        ("infeasible", None, None),
+        ("unknown", None, None),
+    ):
+        stated = plan.replace(status=status, upper_bound=upper_bound, gap=gap)
+        assert rules_broken(mission, stated) == {"status"}, stated.status
+    assert "gap" in rules_broken(mission, plan.replace(upper_bound=4.0, gap=None))
+    assert "bound" in rules_broken(mission, plan.replace(upper_bound=-1.0, gap=0.0))
+
+    worth = 1e-7
+    instance = mission.instance.replace(
+        targets=tuple(target.replace(prize=worth) for target in mission.instance.targets)
+    )
+    poor = plan.replace(
+        instance=plan.instance.replace(sha256=instance.sha256),
+        objective=3.0 * worth,
+        upper_bound=4.0 * worth,
+        gap=0.25,
+    )
+    assert adr_opt.check(instance, poor) == ()
+    for wrong, rule in (
+        (poor.replace(status="optimal"), "status"),
+        (poor.replace(objective=2.9 * worth, gap=0.275), "objective"),
+        (poor.replace(upper_bound=2.9 * worth, gap=1.0 - 3.0 / 2.9), "bound"),
+    ):
+        assert rule in {violation.rule for violation in adr_opt.check(instance, wrong)}
+
+
+def test_figures_in_the_plans_own_favour_gain_nothing(mission, plan):
+    """Legs whose times and ΔV are stated better than they are do not stretch the limits."""
+    legs = tuple(
+        leg.replace(
+            ready_s=leg.ready_s - 0.9e-3 * (number > 0),
+            arrival_s=leg.arrival_s - 0.9e-3,
+            end_s=leg.end_s - 0.9e-3,
+            delta_v_m_s=leg.delta_v_m_s - 0.9e-4,
+        )
+        for number, leg in enumerate(plan.legs)
+    )
+    spent = sum(leg.delta_v_m_s for leg in plan.legs[2:])
+    for changes in (
+        {"duration_s": plan.legs[-1].end_s - 1e-5},
+        {"delta_v_m_s": spent - 1e-5},
+    ):
+        instance = mission.instance.replace(mission=mission.instance.mission.replace(**changes))
+        budget = instance.mission.delta_v_m_s
+        lefts = [budget - plan.legs[0].delta_v_m_s, budget, budget - plan.legs[2].delta_v_m_s]
+        lefts.append(lefts[-1] - plan.legs[3].delta_v_m_s)
+        flattered = plan.replace(
+            instance=plan.instance.replace(sha256=instance.sha256),
+            legs=tuple(
+                leg.replace(delta_v_left_m_s=left) for leg, left in zip(legs, lefts, strict=True)
+            ),
+        )
+        found = {violation.rule for violation in adr_opt.check(instance, flattered)}
+        assert found == {"duration" if "duration_s" in changes else "delta-v"}
+
+
 def test_all_violations_are_listed(mission, plan):
     """Two independent mistakes give at least two violations, each with its leg."""
     wrong = change_leg(plan, 0, delta_v_m_s=1.0)

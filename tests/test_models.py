@@ -16,8 +16,10 @@ from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 
 import adr_opt
 from adr_opt.errors import InputError, MissingExtra
+from adr_opt.kernels.constants import SLACK_M_S
 from adr_opt.mission import Mission
 from adr_opt.planner import silent
+from adr_opt.result import certify
 from adr_opt.stop import Interrupted, MaxIterations, MaxRuntime
 from solvers.cpsat import cpsat
 from solvers.exact_models import course
@@ -253,6 +255,22 @@ def test_prizes_of_any_size(method, prizes):
     result = prove(method, mission)
     assert optimum * (1.0 - 1e-12) <= result.upper_bound <= optimum + 1e-6 * max(1.0, optimum)
     assert result.status == "optimal"
+
+
+@exact_methods
+def test_a_tank_that_is_just_too_small(method):
+    """Paths that exceed the tank by less than the solver can tell are ruled out, to a proof."""
+    mission = Mission(hand_made(), threads=1)
+    spent = 2.0 * (
+        300.0
+        - certify(mission, "x", OPTIMAL_PLAN, seed=0, runtime_s=0.0).plan.legs[0].delta_v_left_m_s
+    )
+    mission = Mission(hand_made(delta_v_m_s=spent - 1.05 * SLACK_M_S), threads=1)
+    optimum, _, _ = brute_force(mission)
+    result = prove(method, mission)
+    assert optimum < OPTIMUM
+    assert has_proven(result, mission, optimum)
+    assert result.counters["forbidden"] > 0
 
 
 @all_methods

@@ -99,7 +99,7 @@ def tight(seed: int) -> Instance:
         if leg.destination == "station":
             tanks.append(0.0)
     budget, duration = max(tanks), best.legs[-1].end_s
-    short = rng.choice([0.0, 1e-12, 1e-9, 3e-6, 5e-5])
+    short = rng.choice([0.0, 1e-12, 1e-9, 1.5e-6, 5e-5])
     return instance.replace(
         mission=limits.replace(
             delta_v_m_s=max(0.0, float(rng.choice([budget, _next(budget, rng), budget - short]))),

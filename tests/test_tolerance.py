@@ -1,0 +1,84 @@
+"""Prizes of any size are planned and proven alike."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from brute_force import brute_force
+from test_registry import varied
+
+from adr_opt.errors import MissingExtra
+from adr_opt.mission import Mission
+from adr_opt.planner import get, options, silent
+from adr_opt.stop import MaxRuntime
+from adr_opt.tolerance import common_step, meets, rounded_down, rounded_up
+
+SCALES = (1e-7, 1.0, 1e7)
+
+
+@pytest.mark.parametrize("prizes", [(1.0,), (3.0, 1.0, 2.0), (0.7, 2.3, 0.0, 1.1), (0.317, 1.618)])
+@pytest.mark.parametrize("method", ["auto", "exact", "mip", "cpsat"])
+def test_scaled_prizes_change_nothing(method: str, prizes: tuple[float, ...]) -> None:
+    """All prizes a ten-millionth, or ten million times: optimal plans and proofs of the same."""
+    function = get(method)
+    one_core = {"jobs": 1} if "jobs" in options(function) else {}
+    for seed in range(3):
+        for scale in SCALES:
+            scaled = tuple(scale * prize for prize in prizes)
+            mission = Mission(varied(seed, prizes=scaled, targets=6), threads=1)
+            best, _, _ = brute_force(mission)
+            try:
+                result = function(
+                    mission, seed=0, stop=MaxRuntime(30.0), progress=silent, **one_core
+                )
+            except MissingExtra as missing:
+                pytest.skip(str(missing))
+            assert result.status == "optimal"
+            assert result.objective == pytest.approx(best, rel=1e-9, abs=0.0)
+            assert best * (1.0 - 1e-9) <= result.upper_bound <= best * (1.0 + 1e-6)
+
+
+def test_an_incumbent_meets_a_bound_relative_to_it() -> None:
+    """A millionth of the bound is the tolerance, for any bound; none meets one that is not."""
+    for scale in (1e-12, 1.0, 1e12):
+        assert meets(3.0 * scale, 3.000001 * scale)
+        assert not meets(3.0 * scale, 3.00001 * scale)
+    assert meets(0.0, 0.0)
+    assert not meets(-math.inf, 0.0)
+    assert not meets(1.0, math.inf)
+
+
+def test_steps_are_those_of_all_prizes() -> None:
+    """The greatest common step is found at any scale, and none where prizes have none."""
+    for scale in (1e-10, 1e-7, 1.0, 1e7):
+        for prizes, step in (
+            ([1.0, 1.0], 1.0),
+            ([6.0, 0.0, 9.0], 3.0),
+            ([1.5, 1.0], 0.5),
+            ([0.7, 2.3, 1.1], 0.1),
+            ([0.491, 2.823, 2.633], 0.001),
+            ([1.0, 1e7], 0.0),
+            ([math.pi, 1.0], 0.0),
+            ([0.0], 0.0),
+            ([], 0.0),
+        ):
+            found = common_step([scale * prize for prize in prizes])
+            assert found == pytest.approx(scale * step, rel=1e-12, abs=0.0), prizes
+
+
+def test_bounds_are_rounded_to_steps_and_never_below_an_objective() -> None:
+    """Sums of prizes stay where they are in any order; from between them a bound goes down."""
+    rng = np.random.default_rng(0)
+    for _ in range(200):
+        prizes = 10.0 ** rng.uniform(-9, 9) * np.round(rng.uniform(0.0, 3.0, 30), 2)
+        step = common_step(prizes.tolist())
+        assert step > 0.0
+        objective = float(rng.permutation(prizes)[: int(rng.integers(1, 30))].sum())
+        for near in (objective, np.nextafter(objective, 0.0), np.nextafter(objective, np.inf)):
+            assert rounded_down(near, step) == pytest.approx(objective, rel=1e-12)
+            assert rounded_up(near, step) == pytest.approx(objective, rel=1e-12)
+        assert rounded_down(objective + 0.99 * step, step) == pytest.approx(objective, rel=1e-12)
+    assert rounded_down(math.inf, 1.0) == math.inf
+    assert rounded_down(0.3, 0.0) == rounded_up(0.3, 0.0) == 0.3
