@@ -20,6 +20,7 @@ from adr_opt import checking, instance, keep_out, plan, planner
 from adr_opt.cli.verbs import VERBS
 from adr_opt.cli.verbs import command as verbs
 from adr_opt.generator import FAMILIES, generate
+from adr_opt.kernels import constants
 from adr_opt.kernels.burns import PHASES
 from adr_opt.library import Library, load_library
 
@@ -142,6 +143,15 @@ def test_tolerances_are_those_of_the_code() -> None:
     assert "0.1 mm/s" in section
     assert "10⁻⁶" in section
     assert "1 m and 10 ms inside" in section
+
+
+def test_the_slack_is_that_of_the_code() -> None:
+    """docs/model.md states the slack in time, ΔV and radius."""
+    assert constants.SLACK_S == constants.SLACK_M_S == 2.0**-20
+    assert constants.SLACK_M == 2.0**-10
+    section = read("docs/model.md").partition("## The slack")[2].partition("\n## ")[0]
+    for value in ("| time | 2⁻²⁰ s", "| ΔV | 2⁻²⁰ m/s", "| radius | 2⁻¹⁰ m"):
+        assert value in section
 
 
 def test_families_are_those_of_the_generator() -> None:

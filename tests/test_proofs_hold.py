@@ -67,10 +67,10 @@ def resonant(seed: int) -> Instance:
         station=Station(name="station", orbit=orbit()),
         targets=tuple(
             Target(name=f"t{number}", prize=float(rng.choice([1.0, 1.0, 2.0, 0.7])), orbit=orbit())
-            for number in range(int(rng.integers(2, 4)))
+            for number in range(int(rng.integers(2, 5)))
         ),
         mission=MissionLimits(
-            duration_s=PERIOD_S * float(rng.choice([6.0, 6.5, 7.0, 9.0, 10.5, 13.0])),
+            duration_s=PERIOD_S * float(rng.choice([6.5, 9.0, 10.5, 13.0, 14.0])),
             delta_v_m_s=float(rng.uniform(100.0, 900.0)),
             service_revolutions=float(rng.choice([0.0, 0.5, 1.0])),
             refuel_revolutions=float(rng.choice([0.0, 0.5, 1.0])),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -11,7 +12,7 @@ from hand_made import hand_made
 import adr_opt
 from adr_opt.kernels import orbits, transfer
 from adr_opt.kernels import timetable as kernels
-from adr_opt.kernels.constants import SLACK_S
+from adr_opt.kernels.constants import SLACK_M_S, SLACK_S
 
 
 @pytest.fixture(scope="module")
@@ -80,6 +81,28 @@ def test_lookup_takes_the_next_event(table):
                 assert found == (math.inf, math.inf)
             else:
                 assert found == kernels.entry_at(table.table, i, j, expected)
+
+
+def test_the_clock_of_a_year_is_that_of_the_angles():
+    """After a year departures and arrivals are still those of the angles, to 1/50 of the slack."""
+    instance = adr_opt.generate("tiny", 3, targets=2)
+    year = instance.mission.replace(duration_s=365.0 * 86400.0)
+    table = adr_opt.Timetable(instance.replace(mission=year)).table
+    elements, rule = instance.orbits(), instance.transfer_rule()
+    for i, j in itertools.permutations(range(3), 2):
+        pair = transfer.prepare(elements[i], elements[j], 0.0, rule)
+        for m in range(0, kernels.events(table, i, j), 97):
+            departure = kernels.departure_at(table, i, j, m)
+            past = (pair.phase_i + pair.rate_i * departure) / math.pi
+            exact = departure + (round(past) - past) * math.pi / pair.rate_i
+            assert abs(departure - exact) < SLACK_S / 50.0
+            lead = (pair.phase_j + pair.rate_j * exact - math.pi * round(past)) % (2.0 * math.pi)
+            flown = transfer.best_sequence(pair, rule, exact, lead)
+            arrival = exact + flown.flight_time
+            arrival += rule.approach_revolutions * orbits.period(elements[j, orbits.RADIUS])
+            delta_v, stated = kernels.entry_at(table, i, j, m)
+            assert abs(stated - arrival) < SLACK_S / 50.0
+            assert abs(delta_v - flown.delta_v) < SLACK_M_S / 50.0
 
 
 def test_the_way_once_open_is_the_first_event_that_is_there(table):
