@@ -41,7 +41,7 @@ def start_sequence(
         moves = mission.numbers(start).tolist()
     timing = mission.time(moves)
     if timing.made < len(moves) and not repair:
-        # Next to impossible for a plan that was checked: only within the tolerances of the check.
+        # Next to impossible for a plan that was checked: rounding at the very edge of the slack.
         raise InputError(
             f"start plan: leg {timing.made + 1} {_why(mission, moves, timing.made)}; "
             "correct it, or repair: keep the legal beginning only"

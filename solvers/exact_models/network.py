@@ -22,7 +22,7 @@ from adr_opt.kernels import timetable as timetables
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import STATION
 
-SLACK_M_S = 1e-6
+GUARD_M_S = 1e-6
 """Guard of sums of ΔV, which may be rounded in another order: what exceeds the budget by less is
 kept. A plan that fits by the rules is never lost, and a path that does not fit is re-timed."""
 
@@ -107,7 +107,7 @@ def _arcs_from(rules, origin, body, time, used, number, successor):
         node = number[(body * most + m) * bodies + j]
         if node < 0:
             continue
-        if used + timetables.entry_at(table, body, j, m)[0] <= rules.budget + SLACK_M_S:
+        if used + timetables.entry_at(table, body, j, m)[0] <= rules.budget + GUARD_M_S:
             successor[count] = node
             count += 1
     return count

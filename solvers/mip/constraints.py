@@ -6,7 +6,7 @@ import pyomo.environ as pyo
 
 from adr_opt.kernels.constants import STATION
 
-from ..exact_models.network import SLACK_M_S, Network
+from ..exact_models.network import GUARD_M_S, Network
 from .variables import Variables
 
 
@@ -81,7 +81,7 @@ class Constraints:
 
     def _delta_v_fits(self) -> None:
         """Keep what is used before a move and on it within the budget."""
-        slack = SLACK_M_S / self._budget
+        slack = GUARD_M_S / self._budget
         self._block.fits = pyo.ConstraintList()
         for pair in self._variables.pairs:
             arcs = self._variables.arcs_of[pair].tolist()
