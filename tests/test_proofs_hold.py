@@ -32,7 +32,11 @@ from adr_opt.result import Result
 from adr_opt.stop import MaxRuntime
 
 PROVERS = ("auto", "exact", "mip", "cpsat")
-LIMIT_S = 30.0
+RARE = (63, 842, 883, 1005)
+"""Where a chaser is ready at 0 just after the first event, and where the costs of sequences tie."""
+
+LIMIT_S = 120.0
+"""Nothing takes a second, but for kernels that have to be compiled."""
 PERIOD_S = 2.0 * math.pi * math.sqrt((EARTH_RADIUS_M + 700e3) ** 3 / MU_M3_S2)
 
 
@@ -139,7 +143,7 @@ def assert_holds(instance: Instance) -> None:
             assert result.objective == pytest.approx(best, rel=1e-6), result.method
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", [*range(40), *RARE])
 def test_no_proof_is_beaten_by_a_plan_that_check_accepts(seed: int) -> None:
     """Where a chaser is ready exactly at events, bounds and optima are those of `check`."""
     assert_holds(resonant(seed))
@@ -154,6 +158,6 @@ def test_limits_that_a_plan_just_meets(seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("make", [resonant, tight])
 def test_many_more(make: Callable[[int], Instance]) -> None:
-    """The same for a thousand instances of both kinds."""
-    for seed in range(1000, 1500):
+    """The same for hundreds of instances of both kinds."""
+    for seed in range(1000, 1300):
         assert_holds(make(seed))

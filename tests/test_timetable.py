@@ -10,9 +10,10 @@ import pytest
 from hand_made import hand_made
 
 import adr_opt
+from adr_opt.instance import KeepOutZone
 from adr_opt.kernels import orbits, transfer
 from adr_opt.kernels import timetable as kernels
-from adr_opt.kernels.constants import SLACK_M_S, SLACK_S
+from adr_opt.kernels.constants import EARTH_RADIUS_M, SLACK_M_S, SLACK_S
 
 
 @pytest.fixture(scope="module")
@@ -81,6 +82,41 @@ def test_lookup_takes_the_next_event(table):
                 assert found == (math.inf, math.inf)
             else:
                 assert found == kernels.entry_at(table.table, i, j, expected)
+
+
+def test_what_lies_on_a_limit_is_not_left_to_rounding():
+    """A sequence exactly at the highest altitude is flown, and one at the edge of a zone is not.
+
+    At every event, whatever the last digits of its time are.
+    """
+    instance = hand_made()
+    level = instance.transfer.replace(
+        standoff_m=0.0, max_altitude_m=700e3, max_phasing_revolutions=0
+    )
+    table = adr_opt.Timetable(instance.replace(transfer=level)).table
+    for i, j in itertools.permutations(range(5), 2):
+        assert np.isfinite(table.entries[i, : kernels.events(table, i, j), j]).all()
+
+    behind = instance.targets[0].orbit.replace(true_anomaly_deg=340.0)
+    instance = instance.replace(targets=(instance.targets[0].replace(orbit=behind),))
+    elements, rule = instance.orbits(), instance.transfer_rule()
+    pair = transfer.prepare(elements[0], elements[1], 0.0, rule)
+    first, half_turns = transfer.first_departure(pair)
+    lead = transfer.target_lead(pair, first, half_turns)
+    radius = transfer.best_sequence(pair, rule, first, lead).phasing_radius
+    edge = KeepOutZone(
+        min_altitude_m=radius - EARTH_RADIUS_M,
+        max_altitude_m=radius - EARTH_RADIUS_M + 1e3,
+        start_s=0.0,
+        end_s=instance.mission.duration_s,
+    )
+    table = adr_opt.Timetable(instance.replace(keep_out_zones=(edge,))).table
+    open_table = adr_opt.Timetable(instance).table
+    legs = slice(0, 25)
+    assert radius > elements[0, 0] + 10e3
+    assert np.ptp(open_table.entries[0, legs, 1, 0]) < 1e-6
+    assert np.ptp(table.entries[0, legs, 1, 0]) < 1e-6
+    assert abs(table.entries[0, 0, 1, 0] - open_table.entries[0, 0, 1, 0]) > 1.0
 
 
 def test_the_clock_of_a_year_is_that_of_the_angles():
