@@ -6,8 +6,9 @@ import inspect
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
+from .candidates import candidates
 from .drift import drift_warning
 from .errors import InputError
 from .generator import LARGEST_SEED
@@ -16,8 +17,9 @@ from .mission import Mission
 from .plan import Plan
 from .planner import BOUNDS, PLANNERS, Planner, Progress, check_size, get, names, silent
 from .planner import options as options_of
-from .result import Result, status_of
-from .start import start_sequence
+from .pricing import APPROXIMATE
+from .result import Result, certify, status_of
+from .start import legal_beginning, start_destinations
 from .stop import AnyOf, MaxIterations, MaxRuntime, Stop
 from .together import together
 from .wording import counted
@@ -25,6 +27,12 @@ from .wording import counted
 DEFAULT_METHOD = "auto"
 DEFAULT_TIME_LIMIT_S = 10.0
 DEFAULT_BOUND_TIME_LIMIT_S = 60.0
+
+FALLBACK = "greedy-guarded"
+"""Takes a millisecond: the least that any planner returns when its time is over."""
+
+PUBLISHED = "greedy"
+"""A baseline that stays as it is."""
 
 Start = Plan | Iterable[int | str]
 
@@ -154,17 +162,48 @@ class Prepared:
         Seed, start and options.
     notes : tuple of str
         What a reader of the result has to know; added to it.
+    plans : bool
+        Whether a plan is what it is asked for.
     """
 
     method: str
     function: Planner
     arguments: Mapping[str, Any]
     notes: tuple[str, ...] = ()
+    plans: bool = True
 
     def __call__(self, mission: Mission, stop: Stop, progress: Progress = silent) -> Result:
         """Run the method."""
         result = self.function(mission, stop=stop, progress=progress, **self.arguments)
+        if self.plans and self.method != PUBLISHED and stop.remaining_s() <= 0.0:
+            result = self._at_least_the_fallback(mission, result, stop, progress)
         return _noted(result, self.notes)
+
+    def beginning_from(self, mission: Mission, destinations: tuple[str, ...], repair: bool) -> Self:
+        """The same from a start plan, or from as much of it as is legal."""
+        sequence = legal_beginning(mission, destinations, repair=repair)
+        notes = self.notes
+        if len(sequence) < len(destinations):
+            kept = f"only the first {len(sequence)}" if sequence else "none"
+            legs = counted(len(destinations), "leg")
+            notes = (*notes, f"{kept} of the start plan's {legs} could be kept")
+        return replace(self, arguments={**self.arguments, "start": sequence}, notes=notes)
+
+    def _at_least_the_fallback(
+        self, mission: Mission, result: Result, stop: Stop, progress: Progress
+    ) -> Result:
+        """What a method has that ran out of time, or the plan of :data:`FALLBACK` if better."""
+        quick = get(FALLBACK)(mission, seed=result.seed, stop=stop, progress=silent)
+        if quick.objective <= result.objective:
+            return result
+        progress(quick.objective, result.upper_bound)
+        said = [note for note in result.notes if note != APPROXIMATE]  # certify says it again
+        return certify(
+            mission, self.method, quick.sequence,
+            seed=result.seed, runtime_s=result.runtime_s, upper_bound=result.upper_bound,
+            counters=result.counters,
+            notes=[*said, f"{self.method} ran out of time: the plan is that of {FALLBACK}"],
+        )  # fmt: skip
 
 
 def run(
@@ -183,40 +222,54 @@ def run(
     bound: str | None = None,
     margin: float = 0.0,
     options: Mapping[str, Any] | None = None,
+    building: Callable[[float], None] = lambda share: None,
 ) -> Result:
     """Run a planner or a bound: what :func:`solve` and :func:`bound` have in common.
 
     ``group`` is ``planner.PLANNERS`` or ``planner.BOUNDS``; ``bound`` names a bound to run beside
-    the method; ``options`` may have any names, those of the parameters above included.
+    the method; ``options`` may have any names, those of the parameters above included;
+    ``building`` is told of the share of the timetable that is built.
     """
     criteria: list[Stop] = [MaxRuntime(time_limit)]
     if stop is not None:
         criteria.append(stop)
-    mission = instance if isinstance(instance, Mission) else Mission(instance)
+    whole = instance if isinstance(instance, Mission) else Mission(instance)
     if margin:
-        mission = mission.with_margin(margin)
+        whole = whole.with_margin(margin)
     # Each side counts its own iterations, or the work of one would depend on the other's speed.
     limits = [] if iterations is None else [MaxIterations(iterations) for _ in range(2)]
-    if bound is None:
-        prepared = prepare(
-            group, mission, method, seed=seed, start=start, repair=repair, jobs=jobs,
-            options=options,
-        )  # fmt: skip
-        progress(-math.inf, math.inf)
-        result = prepared(mission, AnyOf(*criteria, *limits[:1]), progress)
-        return _beyond_the_model(mission, result)
-
-    prover = method_of(bound, BOUNDS)
-    both_jobs = jobs if takes_jobs(prover) else None
+    prover = None if bound is None else method_of(bound, BOUNDS)
+    both_jobs = jobs if prover is not None and takes_jobs(prover) else None
+    only_prover = both_jobs is not None and not takes_jobs(method_of(method, group))
     prepared = prepare(
-        group, mission, method, seed=seed, start=start, repair=repair, options=options,
-        jobs=jobs if both_jobs is None or takes_jobs(method_of(method, group)) else None,
+        group, method, seed=seed, starts=start is not None, repair=repair, options=options,
+        jobs=None if only_prover else jobs,
     )  # fmt: skip
-    known = prepared.arguments.get("start") if takes_start(prover) else None
-    proving = prepare(BOUNDS, mission, bound, seed=seed, start=known, jobs=both_jobs)
+    destinations = start_destinations(whole, start or (), repair=repair)
+    chosen = candidates(
+        whole,
+        time_limit,
+        first=destinations if group == PLANNERS else None,
+        interrupted=lambda: stop is not None and stop.remaining_s() <= 0.0,
+        building=building,
+    )
     progress(-math.inf, math.inf)
+    # A bound of a part of the targets is none of all.
+    if chosen.none or (group == BOUNDS and not chosen.all):
+        return chosen.nothing(method, seed)
+    mission = chosen.mission
+    if start is not None:
+        prepared = prepared.beginning_from(mission, destinations, repair or not chosen.all)
+    if bound is None or prover is None or not chosen.all:
+        planned = prepared(mission, AnyOf(*criteria, *limits[:1]), progress)
+        return _beyond_the_model(whole, chosen.of_the_whole(planned))
+    proving = prepare(BOUNDS, bound, seed=seed, jobs=both_jobs)
+    if start is not None and takes_start(prover):
+        proving = replace(
+            proving, arguments={**proving.arguments, "start": prepared.arguments["start"]}
+        )
     result = together(mission, prepared, proving, AnyOf(*criteria), progress, limits)
-    return _beyond_the_model(mission, result)
+    return _beyond_the_model(whole, result)
 
 
 def _beyond_the_model(mission: Mission, result: Result) -> Result:
@@ -251,16 +304,15 @@ def _noted(result: Result, notes: Sequence[str]) -> Result:
 
 def prepare(
     group: str,
-    mission: Mission,
     method: str,
     *,
     seed: int = 0,
-    start: Start | None = None,
+    starts: bool = False,
     repair: bool = False,
     jobs: int | None = None,
     options: Mapping[str, Any] | None = None,
 ) -> Prepared:
-    """Find a method and check everything that it is to be called with.
+    """Find a method and check everything that it is to be called with but the start plan.
 
     Raises
     ------
@@ -291,21 +343,13 @@ def prepare(
         if "jobs" in chosen:
             raise InputError("jobs is given twice, also as an option of the method; give it once")
         chosen["jobs"] = jobs
-    if start is None:
-        if repair:
-            raise InputError("repair mends a start plan, but none is given; give one with start")
-        return Prepared(method, function, {"seed": seed, **chosen})
-    if not takes_start(function):
+    if repair and not starts:
+        raise InputError("repair mends a start plan, but none is given; give one with start")
+    if starts and not takes_start(function):
         raise InputError(
             f"method {method!r} takes no start plan; leave it out{_others(group, takes_start)}"
         )
-    sequence = start_sequence(mission, start, repair=repair)
-    notes: tuple[str, ...] = ()
-    if isinstance(start, Plan) and len(sequence) < len(start.legs):
-        kept = f"only the first {len(sequence)}" if sequence else "none"
-        legs = counted(len(start.legs), "leg")
-        notes = (f"{kept} of the start plan's {legs} could be kept",)
-    return Prepared(method, function, {"seed": seed, "start": sequence, **chosen}, notes)
+    return Prepared(method, function, {"seed": seed, **chosen}, plans=group == PLANNERS)
 
 
 def method_of(name: str, group: str = PLANNERS) -> Planner:

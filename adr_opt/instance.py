@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import math
 import os
+from collections.abc import Collection
 from datetime import UTC, datetime
 from typing import Annotated, Any, Literal, Self
 
@@ -28,7 +29,7 @@ from pydantic import (
 
 from .errors import InputError
 from .files import read_model, sentence, to_text
-from .kernels.constants import EARTH_RADIUS_M, MU_M3_S2, SLACK_M, SLACK_S
+from .kernels.constants import EARTH_RADIUS_M, MU_M3_S2, SLACK_M, SLACK_S, STATION
 from .kernels.transfer import TransferRule
 
 FORMAT: Literal["adr-opt-instance/1"] = "adr-opt-instance/1"
@@ -46,6 +47,7 @@ LARGEST_ANGLE_DEG = 1e6
 LARGEST_DELTA_V_M_S = 1e9
 LARGEST_PRIZE = 1e12
 LEAST_PRIZE = 1e-12
+LARGEST_DURATION_S = 100 * 365.25 * 86400.0
 
 Length = Annotated[float, Field(gt=0.0, le=LARGEST_LENGTH_M)]
 Angle = Annotated[float, Field(ge=-LARGEST_ANGLE_DEG, le=LARGEST_ANGLE_DEG)]
@@ -160,7 +162,7 @@ class Target(Record):
 class MissionLimits(Record):
     """Duration, ΔV budget and the time spent at a body (in its periods)."""
 
-    duration_s: NonNegative
+    duration_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)]
     delta_v_m_s: Annotated[float, Field(ge=0.0, le=LARGEST_DELTA_V_M_S)]
     service_revolutions: NonNegative = 1.0
     refuel_revolutions: NonNegative = 1.0
@@ -276,6 +278,11 @@ class Instance(Record):
     def is_approximate(self) -> bool:
         """Whether some orbit is not a circle, so that the model is an approximation of it."""
         return any(orbit.eccentricity > 0.0 for orbit in self.body_orbits)
+
+    def part(self, bodies: Collection[int]) -> Instance:
+        """The instance with only some of its bodies, in its own order; the station stays."""
+        targets = [self.targets[body - 1] for body in sorted(bodies) if body != STATION]
+        return self.replace(targets=targets)
 
     def to_json(self) -> str:
         """The instance file, the same bytes on every machine."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -90,6 +90,25 @@ class Mission:
     def timetable(self) -> Timetable:
         """The exact costs of every transfer at every time."""
         return Timetable(self.instance, self._threads)
+
+    @property
+    def has_timetable(self) -> bool:
+        """Whether the timetable is built."""
+        return "timetable" in self.__dict__
+
+    def build(self, order: list[int] | None, enough: Callable[[float], bool]) -> Mission:
+        """The mission once its timetable is built, or that of a part of its bodies.
+
+        Parameters
+        ----------
+        order, enough
+            As :class:`Timetable` takes them.
+        """
+        timetable = Timetable(self.instance, self._threads, order=order, enough=enough)
+        if timetable.instance is not self.instance:
+            return Mission(timetable.instance, timetable, margin=self.margin)
+        self.__dict__["timetable"] = timetable
+        return self
 
     @cached_property
     def rules(self) -> kernels.Rules:

@@ -13,7 +13,7 @@ from .instance import Name, Record
 FORMAT: Literal["adr-opt-plan/1"] = "adr-opt-plan/1"
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
-Reason = Literal["duration", "delta-v", "no-transfer", "not-worth-it"]
+Reason = Literal["duration", "delta-v", "no-transfer", "not-worth-it", "not-considered"]
 
 # Far beyond any use, and near enough for arithmetic to hold: squares and sums stay finite.
 LARGEST_TIME_S = 1e12
@@ -68,7 +68,8 @@ class Unvisited(Record):
     The reason is read off the end of the plan: ``no-transfer`` if no body of the mission has a
     sequence to the target at any departure event, else ``duration`` or ``delta-v`` if one more
     leg to it would break that limit (``duration`` first), else ``not-worth-it``: it could be
-    added, and the plan does not.
+    added, and the plan does not. ``not-considered`` is a target that was not planned with, because
+    the time or the memory did not allow it; a note of the plan says more.
     """
 
     target: Name

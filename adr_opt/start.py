@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from itertools import takewhile
 
 from .checking import check
 from .errors import InputError
@@ -33,12 +34,40 @@ def start_sequence(
         Without ``repair``: the plan belongs to another instance, or a leg is illegal; the sentence
         says which and why.
     """
-    if isinstance(start, Plan):
-        if not repair:
-            _refuse_violations(mission, start)
-        moves = _bodies(mission, start)
-    else:
-        moves = mission.numbers(start).tolist()
+    destinations = start_destinations(mission, start, repair=repair)
+    return legal_beginning(mission, destinations, repair=repair)
+
+
+def start_destinations(
+    mission: Mission, start: Plan | Iterable[int | str], *, repair: bool = False
+) -> tuple[str, ...]:
+    """Names of the bodies of a start plan, judged by what needs no timetable.
+
+    Raises
+    ------
+    InputError
+        A body is none of the mission; without ``repair``: :func:`adr_opt.check` is against the
+        plan.
+    """
+    if not isinstance(start, Plan):
+        return tuple(mission.names[j] for j in mission.numbers(start))
+    if not repair:
+        _refuse_violations(mission, start)
+    return start.destinations
+
+
+def legal_beginning(
+    mission: Mission, destinations: Iterable[str], *, repair: bool
+) -> tuple[int, ...]:
+    """The bodies of these names, up to the first that the mission does not know.
+
+    Raises
+    ------
+    InputError
+        Without ``repair``: a move is illegal; the sentence says which and why.
+    """
+    index = {name: number for number, name in enumerate(mission.names)}
+    moves = [index[name] for name in takewhile(index.__contains__, destinations)]
     timing = mission.time(moves)
     if timing.made < len(moves) and not repair:
         # Next to impossible for a plan that was checked: rounding at the very edge of the slack.
@@ -62,17 +91,6 @@ def _refuse_violations(mission: Mission, plan: Plan) -> None:
             f"start plan: {violations[0]}{more}; "
             "correct it, or repair: keep the legal beginning only"
         )
-
-
-def _bodies(mission: Mission, plan: Plan) -> list[int]:
-    """Indices of the destinations up to the first that the mission does not know."""
-    index = {name: number for number, name in enumerate(mission.names)}
-    moves = []
-    for name in plan.destinations:
-        if name not in index:
-            break
-        moves.append(index[name])
-    return moves
 
 
 def _why(mission: Mission, moves: list[int], made: int) -> str:

@@ -4,19 +4,67 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
+from .available_memory import available_bytes
 from .errors import InputError
 from .instance import Instance
 from .kernels import timetable as kernels
 from .kernels.constants import MU_M3_S2
 
 FloatArray = npt.NDArray[np.float64]
+
+SLICE_ENTRIES = 20_000
+"""Entries computed in one go: some 20 ms, after which a build can be broken off."""
+
+MEMORY_SHARE = 0.7
+"""Part of the free memory that building a timetable may take; planners need some too."""
+
+TEMPORARY_BYTES = 80
+"""Memory that working out the costs of eccentricity takes for each pair of bodies."""
+
+
+@dataclass(frozen=True)
+class Size:
+    """How large a timetable is going to be: arithmetic, nothing is built.
+
+    Attributes
+    ----------
+    bodies : int
+    events : int
+        Most departure events of a pair.
+    """
+
+    bodies: int
+    events: int
+
+    @property
+    def entries(self) -> int:
+        """Number of (pair, departure event) entries, at most."""
+        return self.bodies * (self.bodies - 1) * self.events
+
+    @property
+    def bytes(self) -> int:
+        """Memory that building it takes."""
+        return kernels.size_of(self.bodies, self.events) + TEMPORARY_BYTES * self.bodies**2
+
+    @property
+    def fits(self) -> bool:
+        """Whether there is memory for it now."""
+        return self.bytes <= MEMORY_SHARE * available_bytes()
+
+
+def estimate(instance: Instance) -> Size:
+    """How large the timetable of an instance is going to be."""
+    lowest = min(orbit.semi_major_axis_m for orbit in instance.body_orbits)
+    shortest = math.pi * math.sqrt(lowest**3 / MU_M3_S2)
+    return Size(len(instance.names), int(instance.mission.duration_s / shortest) + 2)
 
 
 @dataclass(frozen=True)
@@ -51,53 +99,67 @@ class Timetable:
     instance : Instance
     threads : int, optional
         Threads to build with; all cores by default. The table does not depend on it.
+    order : sequence of int, optional
+        All bodies, the station first. With it, a table that does not fit into memory is built for
+        as many bodies, from the first on, as do.
+    enough : callable, optional
+        Asked every few ten milliseconds with the share that is built. Once it says so, the table
+        is that of as many bodies of the order as are complete; the station alone may be.
 
     Attributes
     ----------
     instance : Instance
+        The instance given, or the part of it that has the bodies built.
     table : adr_opt.kernels.timetable.Table
         The read-only arrays, for kernels.
     names : tuple of str
         Bodies, the station first.
+
+    Raises
+    ------
+    InputError
+        Without an order: there is not enough memory.
     """
 
-    def __init__(self, instance: Instance, threads: int | None = None) -> None:
-        self.instance = instance
-        self.names = instance.names
-        bodies = instance.orbits()
-        size = len(bodies)
-        duration = instance.mission.duration_s
-        shortest = math.pi * math.sqrt(bodies[:, 0].min() ** 3 / MU_M3_S2)
-        most = int(duration / shortest) + 2
-        try:
-            table = kernels.Table(
-                first=np.zeros((size, size)),
-                spacing=np.zeros(size),
-                total=np.zeros((size, size), dtype=np.int32),
-                entries=np.full((size, most, size, 2), np.inf),
-                revolutions=np.full((size, most, size), -1, dtype=np.int8),
-            )
-        except (MemoryError, ValueError):
-            raise InputError(
-                f"the timetable of {size} bodies over {duration / 86400:.4g} days does not fit "
-                "into memory; take fewer targets or a shorter mission"
-            ) from None
-        extra = instance.eccentricity_delta_v()
-        rule = instance.transfer_rule()
-
-        def fill(origin: int) -> None:
-            kernels.fill_row(origin, bodies, extra, rule, duration, table)
-
-        workers = threads or os.cpu_count() or 1
-        fill(0)  # compiles once, before the threads
-        if workers == 1:
-            for origin in range(1, size):
-                fill(origin)
-        else:
-            with ThreadPoolExecutor(workers) as pool:
-                list(pool.map(fill, range(1, size)))
+    def __init__(
+        self,
+        instance: Instance,
+        threads: int | None = None,
+        *,
+        order: Sequence[int] | None = None,
+        enough: Callable[[float], bool] = lambda share: False,
+    ) -> None:
+        size = estimate(instance)
+        wanted = size.bodies**2
+        if order is None:
+            if not size.fits:
+                raise InputError(_too_large(instance, size))
+            order = range(size.bodies)
+        elif not size.fits:
+            while size.bodies > 1 and not size.fits:
+                size = replace(size, bodies=int(0.95 * size.bodies))
+            kept = sorted(order[: size.bodies])
+            instance = instance.part(kept)
+            order = [kept.index(body) for body in order[: size.bodies]]
+        turns = np.array(order, dtype=np.int64)
+        table = kernels.allocate(size.bodies, size.events)
+        given = instance.orbits(), instance.eccentricity_delta_v(), instance.transfer_rule()
+        end = instance.mission.duration_s
+        pairs = size.bodies**2
+        done = _in_slices(
+            lambda first, last: kernels.fill(first, last, turns, *given, end, table),
+            pairs,
+            max(1, SLICE_ENTRIES // size.events),
+            threads or os.cpu_count() or 1,
+            lambda filled: enough(filled / wanted),
+        )
+        if done < pairs:
+            whole = np.sort(turns[: max(1, math.isqrt(done))])
+            instance, table = instance.part(whole.tolist()), kernels.part(table, whole)
         for array in table:
             array.setflags(write=False)
+        self.instance = instance
+        self.names = instance.names
         self.table = table
 
     @property
@@ -149,3 +211,40 @@ class Timetable:
         duration = np.empty_like(delta_v)
         kernels.sample(self.table, times, delta_v, duration)
         return Matrices(times, self.names, delta_v, duration)
+
+
+def _too_large(instance: Instance, size: Size) -> str:
+    """Why there is no timetable."""
+    return (
+        f"the timetable of {size.bodies} bodies over {instance.mission.duration_s / 86400:.4g} "
+        f"days takes {size.bytes / 2**30:.3g} GiB, and {available_bytes() / 2**30:.3g} GiB of "
+        "memory are free; take fewer targets or a shorter mission"
+    )
+
+
+def _in_slices(
+    fill: Callable[[int, int], None],
+    pairs: int,
+    step: int,
+    threads: int,
+    enough: Callable[[int], bool],
+) -> int:
+    """Fill pairs slice by slice in threads; how many are filled, from the first on."""
+    fill(0, 1)  # compiles once, before the threads
+    begun = done = 1
+    running: deque[tuple[int, Future[None]]] = deque()
+    with ThreadPoolExecutor(threads) as pool:
+        while not enough(done):
+            while begun < pairs and len(running) <= threads:
+                last = min(begun + step, pairs)
+                running.append((last, pool.submit(fill, begun, last)))
+                begun = last
+            if not running:
+                break
+            last, slice_ = running.popleft()
+            slice_.result()
+            done = last
+        for last, slice_ in running:
+            slice_.result()
+            done = last
+    return done

@@ -15,13 +15,14 @@ def wanted(as_json: bool, quiet: bool) -> bool:
 
 
 @contextmanager
-def live_line(shown: bool) -> Iterator[Callable[[float, float], None]]:
+def live_line(shown: bool) -> Iterator[Callable[[float, float, float], None]]:
     """A line on standard error, gone at the end; yields what updates it.
 
-    The function takes incumbent and bound; without ``shown`` it does nothing.
+    The function takes incumbent, bound and the share of the timetable that is built; without
+    ``shown`` it does nothing.
     """
     if not shown:
-        yield lambda incumbent, bound: None
+        yield lambda incumbent, bound, built: None
         return
     from rich.console import Console
     from rich.live import Live
@@ -29,14 +30,17 @@ def live_line(shown: bool) -> Iterator[Callable[[float, float], None]]:
 
     begun = time.monotonic()
     with Live(console=Console(stderr=True), auto_refresh=False, transient=True) as live:
-        yield lambda incumbent, bound: live.update(
-            Text(describe(time.monotonic() - begun, incumbent, bound)), refresh=True
+        yield lambda incumbent, bound, built: live.update(
+            Text(describe(time.monotonic() - begun, incumbent, bound, built)), refresh=True
         )
 
 
-def describe(elapsed_s: float, incumbent: float, bound: float) -> str:
+def describe(elapsed_s: float, incumbent: float, bound: float, built: float = 1.0) -> str:
     """The text of the line."""
     from ..plan import relative_gap
+
+    if built < 1.0:
+        return f"{elapsed_s:.1f} s  timetable {100.0 * built:.0f} %"
 
     parts = [f"{elapsed_s:.1f} s"]
     parts.append(f"incumbent {incumbent:g}" if math.isfinite(incumbent) else "no plan yet")

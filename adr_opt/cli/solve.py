@@ -78,7 +78,7 @@ def command(
         lambda stop, progress: front.run(
             PLANNERS, instance, method, time_limit=time_limit, seed=seed, stop=stop,
             progress=progress, start=start, repair=repair, jobs=jobs, iterations=iterations,
-            bound=bound_name, margin=margin, options=options,
+            bound=bound_name, margin=margin, options=options, building=progress.building,
         ),
         live=wanted(as_json, quiet),
         quiet=quiet,

@@ -14,7 +14,6 @@ from .live import live_line
 from .output import say
 
 if TYPE_CHECKING:
-    from ..planner import Progress
     from ..result import Result
     from ..stop import Interrupted, Stop
 
@@ -40,14 +39,20 @@ class Watch:
     def __init__(self) -> None:
         self.incumbent = -math.inf
         self.bound = math.inf
+        self.built = 1.0
+
+    def building(self, share: float) -> None:
+        """Hear of the share of the timetable that is built."""
+        self.built = share
 
     def __call__(self, incumbent: float, bound: float) -> None:
-        """Hear of an incumbent and a bound."""
+        """Hear of an incumbent and a bound; the timetable is there, or as much as will be."""
+        self.built = 1.0
         self.incumbent = max(self.incumbent, incumbent)
         self.bound = min(self.bound, bound)
 
 
-def work(task: Callable[[Stop, Progress], Result], *, live: bool, quiet: bool) -> Result:
+def work(task: Callable[[Stop, Watch], Result], *, live: bool, quiet: bool) -> Result:
     """Run a method in a thread, so that signals and the live line do not wait for kernels.
 
     The first Ctrl-C (or SIGTERM) asks the method to return what it has; the second aborts.
@@ -55,7 +60,7 @@ def work(task: Callable[[Stop, Progress], Result], *, live: bool, quiet: bool) -
     Parameters
     ----------
     task : callable
-        Called with a stop and a progress.
+        Called with a stop and a progress that hears of the timetable, too.
     live : bool
         Show a live line on standard error.
     quiet : bool
@@ -84,7 +89,7 @@ def work(task: Callable[[Stop, Progress], Result], *, live: bool, quiet: bool) -
     with _signals_set(stop), live_line(live) as show:
         threading.Thread(target=run, name="method", daemon=True).start()
         while not done.wait(POLL_S):
-            show(watch.incumbent, watch.bound)
+            show(watch.incumbent, watch.bound, watch.built)
             if stop.is_set and not told and not quiet:
                 say("interrupted: waiting for the best result so far; once more to abort")
                 told = True

@@ -42,12 +42,17 @@ class Table(NamedTuple):
 
 
 @kernel
-def fill_row(origin, bodies, extra_delta_v, rule, duration, table):
-    """Fill all entries of one origin; rows are independent, so they may run in parallel.
+def fill(first, last, order, bodies, extra_delta_v, rule, duration, table):
+    """Fill the pairs from number ``first`` to before ``last``; all may be filled in parallel.
+
+    Pairs are numbered by shells: the first n² are those among the first n bodies of an order, so
+    that a table that is broken off is whole for the bodies that come first.
 
     Parameters
     ----------
-    origin : int
+    first, last : int
+    order : (bodies,) int64
+        The bodies, each once.
     bodies : (bodies, 4) float64
         Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
     extra_delta_v : (bodies, bodies) float64
@@ -56,30 +61,76 @@ def fill_row(origin, bodies, extra_delta_v, rule, duration, table):
     duration : float
         End of the mission: events after it are left out [s].
     table : Table
-        Written in place, row ``origin`` only.
+        Written in place, these pairs only.
     """
-    half_period = math.pi / orbits.mean_motion(bodies[origin, orbits.RADIUS])
-    table.spacing[origin] = half_period
     most = table.entries.shape[1]
-    for j in range(bodies.shape[0]):
-        if j == origin:
-            continue
-        pair = transfer.prepare(bodies[origin], bodies[j], extra_delta_v[origin, j], rule)
-        first, half_turns = transfer.first_departure(pair)
-        table.first[origin, j] = first
-        approach = rule.approach_revolutions * transfer.TWO_PI / pair.rate_j
+    for number in range(first, last):
+        shell = int(math.sqrt(number))
+        rest = number - shell * shell
+        i = order[rest] if rest < shell else order[shell]
+        j = order[shell] if rest < shell else order[rest - shell]
+        half_period = math.pi / orbits.mean_motion(bodies[i, orbits.RADIUS])
         m = 0
-        while m < most:
-            departure = first + m * half_period
-            if departure > duration:
-                break
-            lead = transfer.target_lead(pair, departure, half_turns + m)
-            best = transfer.best_sequence(pair, rule, departure, lead)
-            table.entries[origin, m, j, 0] = best.delta_v
-            table.entries[origin, m, j, 1] = departure + best.flight_time + approach
-            table.revolutions[origin, m, j] = best.revolutions
-            m += 1
-        table.total[origin, j] = m
+        if i == j:
+            table.spacing[i] = half_period
+            table.first[i, i] = 0.0
+        else:
+            pair = transfer.prepare(bodies[i], bodies[j], extra_delta_v[i, j], rule)
+            start, half_turns = transfer.first_departure(pair)
+            table.first[i, j] = start
+            approach = rule.approach_revolutions * transfer.TWO_PI / pair.rate_j
+            while m < most:
+                departure = start + m * half_period
+                if departure > duration:
+                    break
+                lead = transfer.target_lead(pair, departure, half_turns + m)
+                best = transfer.best_sequence(pair, rule, departure, lead)
+                table.entries[i, m, j, 0] = best.delta_v
+                table.entries[i, m, j, 1] = departure + best.flight_time + approach
+                table.revolutions[i, m, j] = best.revolutions
+                m += 1
+        table.total[i, j] = m
+        for event in range(m, most):
+            table.entries[i, event, j, 0] = math.inf
+            table.entries[i, event, j, 1] = math.inf
+            table.revolutions[i, event, j] = -1
+
+
+def allocate(bodies: int, most: int) -> Table:
+    """A table of so many bodies and at most so many events of each; nothing is in it yet."""
+    return Table(
+        first=np.empty((bodies, bodies)),
+        spacing=np.empty(bodies),
+        total=np.empty((bodies, bodies), dtype=np.int32),
+        entries=np.empty((bodies, most, bodies, 2)),
+        revolutions=np.empty((bodies, most, bodies), dtype=np.int8),
+    )
+
+
+def size_of(bodies: int, most: int) -> int:
+    """Bytes that such a table takes."""
+    return bodies**2 * (17 * most + 12)
+
+
+def part(table: Table, kept: np.ndarray) -> Table:
+    """The table of some bodies, in ascending order; it takes the memory of the whole one over."""
+
+    def packed(array: np.ndarray) -> np.ndarray:
+        # Every row moves towards the beginning, or stays, so that no row is overwritten unread.
+        shape = (len(kept), array.shape[1], len(kept), *array.shape[3:])
+        room = array.reshape(-1)[: math.prod(shape)].reshape(shape)
+        for row, body in enumerate(kept):
+            room[row] = array[body][:, kept]
+        return room
+
+    pairs = np.ix_(kept, kept)
+    return Table(
+        first=table.first[pairs],
+        spacing=table.spacing[kept],
+        total=table.total[pairs],
+        entries=packed(table.entries),
+        revolutions=packed(table.revolutions),
+    )
 
 
 @inlined

@@ -41,5 +41,6 @@ REASONS = {
     "duration": "one more leg to it would end after the mission does",
     "delta-v": "one more leg to it would need more ΔV than is left",
     "not-worth-it": "it could still be added at the end, and the plan does not",
+    "not-considered": "it was not planned with: the time or the memory did not allow it",
 }
 """What the reasons of a plan's unvisited targets mean."""

@@ -15,6 +15,7 @@ REASON_TITLES = {
     "duration": "duration",
     "delta-v": "ΔV",
     "not-worth-it": "not worth it",
+    "not-considered": "not considered",
 }
 
 

@@ -1,0 +1,64 @@
+"""How much memory this process may still take."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+
+
+def available_bytes() -> float:
+    """Memory that is free for new arrays, by the machine and by its control groups [bytes].
+
+    +inf where the system does not say.
+    """
+    return min(_of_the_machine(), _of_the_group())
+
+
+def _of_the_machine() -> float:
+    """What the system could hand out without swapping; all its memory where that is not known."""
+    try:
+        for line in Path("/proc/meminfo").read_text().splitlines():
+            if line.startswith("MemAvailable:"):
+                return 1024.0 * float(line.split()[1])
+    except OSError:
+        pass  # not Linux
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, ValueError, OSError):
+        return math.inf
+
+
+def _of_the_group(
+    groups: Path = Path("/sys/fs/cgroup"), membership: Path = Path("/proc/self/cgroup")
+) -> float:
+    """What the control groups of this process leave, as in a container; +inf without a limit."""
+    try:
+        lines = membership.read_text().splitlines()
+    except OSError:
+        return math.inf
+    least = math.inf
+    for line in lines:
+        _, controllers, path = line.split(":", 2)
+        if controllers == "":
+            root, names = groups, ("memory.max", "memory.current")
+        elif "memory" in controllers.split(","):
+            root = groups / "memory"
+            names = ("memory.limit_in_bytes", "memory.usage_in_bytes")
+        else:
+            continue
+        # In a container the own group may be mounted at the root, and its path is not there.
+        for folder in (Path(path), *Path(path).parents):
+            least = min(least, _left_in(root / folder.relative_to("/"), *names))
+    return least
+
+
+def _left_in(folder: Path, limit: str, usage: str) -> float:
+    """What one control group leaves: its limit less what it uses, without the cache of files."""
+    try:
+        most = float((folder / limit).read_text())
+        used = float((folder / usage).read_text())
+        facts = dict(line.split() for line in (folder / "memory.stat").read_text().splitlines())
+        return max(0.0, most - used + float(facts.get("inactive_file", 0.0)))
+    except (OSError, ValueError):
+        return math.inf  # no such group, or "max"

@@ -1,0 +1,180 @@
+"""Fewer targets, the nearest ones, where time or memory is short of the timetable of all."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from .instance import Instance
+from .kernels.constants import MU_M3_S2, STATION
+from .mission import Mission
+from .plan import InstanceReference, Status, Unvisited
+from .result import Result
+from .stop import Proven
+from .timetable import estimate
+
+SHARE = 1.0 / 3.0
+"""Part of a time limit that the timetable may take: what it holds has to be searched, too."""
+
+PATIENCE = 1.5
+"""It may take so many times as long if that is enough for all targets."""
+
+LEAST_S = 1.0
+"""It may take so long in any case, so that no short limit leaves out a target of a usual field."""
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """The mission that is planned: all of it, or the part with the nearest targets.
+
+    Attributes
+    ----------
+    whole : Mission
+    mission : Mission
+        With its timetable.
+    spent_s : float
+        What the timetable took [s].
+    whole_s : float
+        What it takes with all targets, by the pace so far [s].
+    """
+
+    whole: Mission
+    mission: Mission
+    spent_s: float
+    whole_s: float
+
+    @property
+    def all(self) -> bool:
+        """Whether nothing was left out."""
+        return self.mission is self.whole
+
+    @property
+    def none(self) -> bool:
+        """Whether every target was left out."""
+        return not self.all and not self.mission.instance.targets
+
+    @cached_property
+    def _cost(self) -> str:
+        """What the timetable of everything takes."""
+        size = estimate(self.whole.instance)
+        memory = "" if size.fits else f" and {size.bytes / 2**30:.3g} GiB of memory"
+        return f"the timetable of all targets takes about {self.whole_s:.2g} s{memory}"
+
+    @property
+    def note(self) -> str:
+        """What was left out, and why."""
+        count, total = len(self.mission.names) - 1, len(self.whole.names) - 1
+        return f"planned with the nearest {count} of {total} targets: {self._cost}"
+
+    def nothing(self, method: str, seed: int) -> Result:
+        """The result where the time was over before there was anything to work on."""
+        note = f"there was no time to begin: {self._cost}"
+        return Result(
+            method, None, None, -math.inf, self.whole.total_prize, "unknown", {}, seed,
+            self.spent_s, (note,),
+        )  # fmt: skip
+
+    def of_the_whole(self, result: Result) -> Result:
+        """What a result of the part says about the whole mission.
+
+        Its bound says nothing. A plan of the whole is no plan of the part once the targets left
+        out are dropped from it, because a chaser that skips one leaves earlier, at other costs, and
+        cannot wait; so not even the bound and the prizes left out bound the whole together.
+        """
+        if self.all:
+            return result
+        notes = (*result.notes, self.note)
+        if result.plan is None or result.sequence is None:
+            return replace(result, upper_bound=math.inf, status="unknown", notes=notes)
+        met = result.status == "optimal" and Proven()(result.objective, self.whole.total_prize)
+        status: Status = "optimal" if met else "feasible"
+        reasons = {entry.target: entry for entry in result.plan.unvisited}
+        known = set(self.mission.names)
+        unvisited = [
+            reasons.get(name) or Unvisited(target=name, reason="not-considered")
+            for name in self.whole.names
+            if name in reasons or name not in known
+        ]
+        plan = result.plan.replace(
+            instance=InstanceReference(name=self.whole.instance.name, sha256=self.whole.sha256),
+            status=status, upper_bound=None, gap=None, unvisited=unvisited,
+            notes=(*result.plan.notes, self.note),
+        )  # fmt: skip
+        number = {name: body for body, name in enumerate(self.whole.names)}
+        return replace(
+            result, sequence=tuple(number[name] for name in plan.destinations), plan=plan,
+            upper_bound=math.inf, status=status, notes=notes,
+        )  # fmt: skip
+
+
+def candidates(
+    whole: Mission,
+    limit_s: float,
+    *,
+    first: Sequence[str] | None,
+    interrupted: Callable[[], bool],
+    building: Callable[[float], None],
+) -> Candidates:
+    """Build the timetable of a mission, for as many targets as time and memory allow.
+
+    Parameters
+    ----------
+    whole : Mission
+        One that has its timetable is left as it is.
+    limit_s : float
+        The time limit of everything [s].
+    first : sequence of str or None
+        Bodies that are wanted before all others, which come in order of their distance. None for
+        those to whom a part is of no use: they may spend the whole limit, in any order.
+    interrupted : callable
+        Whether somebody wants to leave at once.
+    building : callable
+        Told of the share of the timetable that is built.
+    """
+    if whole.has_timetable:
+        return Candidates(whole, whole, 0.0, 0.0)
+    began = time.perf_counter()
+    allowed_s = max(LEAST_S, limit_s if first is None else SHARE * limit_s)
+    patience = 1.0 if first is None else PATIENCE
+    whole_s = 0.0
+
+    def enough(done: float) -> bool:
+        nonlocal whole_s
+        building(done)
+        spent_s = time.perf_counter() - began
+        whole_s = spent_s / done
+        late = spent_s > allowed_s and whole_s > patience * allowed_s
+        return late or interrupted()
+
+    order = None if first is None else nearest_first(whole.instance, first)
+    mission = whole.build(order, enough)
+    spent_s = time.perf_counter() - began
+    return Candidates(whole, mission, spent_s, whole_s)
+
+
+def nearest_first(instance: Instance, first: Sequence[str]) -> list[int]:
+    """All bodies: the station, those wanted first, then by the ΔV from the station's orbit.
+
+    ΔV is that of the change of plane, size and eccentricity alone; targets without a prize are
+    last.
+    """
+    orbits = instance.orbits()
+    radius, inclination, node = orbits[:, 0], orbits[:, 1], orbits[:, 2]
+    cosine = np.cos(inclination) * np.cos(inclination[STATION]) + np.sin(inclination) * np.sin(
+        inclination[STATION]
+    ) * np.cos(node - node[STATION])
+    speed = math.sqrt(MU_M3_S2 / radius[STATION])
+    turn = 2.0 * speed * np.sqrt(0.5 * np.maximum(0.0, 1.0 - cosine))
+    climb = speed * np.abs(radius - radius[STATION]) / (2.0 * radius[STATION])
+    vectors = np.array([orbit.eccentricity_vector() for orbit in instance.body_orbits])
+    shape = 0.5 * speed * np.linalg.norm(vectors - vectors[STATION], axis=1)
+    wanted = set(first)
+    unwanted = [name not in wanted for name in instance.names]
+    worthless = [False, *(target.prize == 0.0 for target in instance.targets)]
+    order = np.lexsort((turn + climb + shape, worthless, unwanted))
+    return [STATION, *(int(body) for body in order if body != STATION)]
