@@ -69,7 +69,8 @@ class Candidates:
     def note(self) -> str:
         """What was left out, and why."""
         count, total = len(self.mission.names) - 1, len(self.whole.names) - 1
-        return f"planned with the nearest {count} of {total} targets: {self._cost}"
+        planned = f"planned with the nearest {count} of {total} targets, so nothing is proven"
+        return f"{planned}: {self._cost}"
 
     def nothing(self, method: str, seed: int) -> Result:
         """The result where the time was over before there was anything to work on."""
@@ -141,14 +142,16 @@ def candidates(
     began = time.perf_counter()
     allowed_s = max(LEAST_S, limit_s if first is None else SHARE * limit_s)
     patience = 1.0 if first is None else PATIENCE
-    whole_s = 0.0
+    paced, whole_s = math.nan, 0.0
 
     def enough(done: float) -> bool:
-        nonlocal whole_s
+        nonlocal paced, whole_s
         building(done)
-        spent_s = time.perf_counter() - began
-        whole_s = spent_s / done
-        late = spent_s > allowed_s and whole_s > patience * allowed_s
+        now = time.perf_counter()
+        if math.isnan(paced):
+            paced = now  # kernels are loaded by now, which is no part of the pace
+        whole_s = (now - paced) / done
+        late = now - paced > allowed_s and whole_s > patience * allowed_s
         return late or interrupted()
 
     order = None if first is None else nearest_first(whole.instance, first)

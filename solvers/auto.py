@@ -15,12 +15,18 @@ from adr_opt.planner import Progress, get, silent
 from adr_opt.result import Result, certify
 from adr_opt.stop import MaxIterations, Stop
 
-from .beams import BeamSettings, beam_search
+from .beams import PILOT_WIDTH, Beams, BeamSettings
 from .proof import Certificate, Proof, bound_notes, check_options
 from .recreate import HOUR_WORTH, KILOMETRE_WORTH, mean_prize, recreate
 
-QUICK_WIDTHS = (100, 1000)
-"""Beams at the very beginning, before anything is proven."""
+USUAL_WIDTH = 8000
+"""Of the first beam, the one that the planner ``beam`` searches."""
+
+VARIED_WIDTH = 2000
+"""Of the first varied beam."""
+
+LEAST_UNGUARDED = 1000
+"""Narrower beams are guarded, because they strand themselves."""
 
 WIDEST = 30_000
 
@@ -42,7 +48,7 @@ class _Search:
         self._stop = stop
         self._certificate = certificate
         self._rng = np.random.default_rng(seed)
-        self._pace_s = 0.0  # of a beam, per unit of width
+        self._beams = Beams(mission, stop)
         self._mean = mean_prize(mission)
         self.counters = {"beams": 0, "recreations": 0}
 
@@ -56,14 +62,10 @@ class _Search:
             crowding = self._rng.uniform(1.2, 2.5)
             noise = self._rng.uniform(0.0, 0.4)
             seed = int(self._rng.integers(2**31))
-            if width >= QUICK_WIDTHS[-1]:
-                unguarded_s = math.inf  # wide beams do not strand themselves
-        remaining = self._stop.remaining_s()
-        if remaining <= 0.0:
+            if width >= LEAST_UNGUARDED:
+                unguarded_s = math.inf
+        if self._stop.remaining_s() <= 0.0:
             return
-        if self._pace_s * width > remaining:
-            width = max(1, int(remaining / self._pace_s))
-        began = time.perf_counter()
         settings = BeamSettings(
             width=width,
             time_weight=HOUR_WORTH * self._mean,
@@ -72,9 +74,7 @@ class _Search:
             noise=noise * self._mean,
             unguarded_s=unguarded_s,
         )
-        self._certificate.offer(beam_search(self._mission, settings, seed=seed)[0])
-        if width >= QUICK_WIDTHS[-1] // 10:
-            self._pace_s = (time.perf_counter() - began) / width
+        self._certificate.offer(self._beams.search(settings, seed=seed))
         self.counters["beams"] += 1
 
     def improve(self, recreations: int, width: int) -> None:
@@ -83,7 +83,9 @@ class _Search:
         for _ in range(recreations):
             if self._stop.remaining_s() <= 0.0:
                 break
-            found = recreate(self._mission, self._certificate.sequence or (), width, rng)
+            found = recreate(
+                self._mission, self._certificate.sequence or (), width, rng, self._stop
+            )
             self._certificate.offer(found)
             self.counters["recreations"] += 1
 
@@ -157,7 +159,8 @@ def auto(
 ) -> Result:
     """The best plan that the time allows, and a proof where one is found.
 
-    Begins with the guarded greedy plan and quick beams. Then rounds, each with more effort than
+    Begins with the guarded greedy plan and the searches of ``beam``, behind which it never falls
+    for that reason. Then rounds, each with more effort than
     the one before: a round of proof (:class:`solvers.proof.Proof`: it bounds the objective, and
     its searches for plans worth more than the incumbent are exhaustive, so they find what beams
     miss) side by side with wider beams and with ruin-and-recreate. Ends when the incumbent meets
@@ -203,11 +206,9 @@ def auto(
         return max(10, int(scale * width))
 
     rounds = 0
-    for width in QUICK_WIDTHS:
-        if is_over():
-            break
-        search.beam(scaled(width), vary=False)
-    width, recreations = 2 * QUICK_WIDTHS[-1], 20
+    if not is_over():
+        search.beam(PILOT_WIDTH, vary=False)
+    width, recreations = VARIED_WIDTH, 20
     with ThreadPoolExecutor(1) as pool:
         while not is_over():
             rounds += 1
@@ -218,7 +219,10 @@ def auto(
                     advancing = pool.submit(prover.advance)
                 else:
                     prover.advance()
-            search.beam(scaled(width), vary=False)
+            if rounds == 1:
+                search.beam(USUAL_WIDTH, vary=False)
+            elif scaled(width) > USUAL_WIDTH:
+                search.beam(scaled(width), vary=False)
             search.beam(scaled(width), vary=True)
             search.improve(recreations, scaled(width // 20))
             if advancing is not None:

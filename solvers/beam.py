@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time
+from dataclasses import replace
 
 from adr_opt.errors import InputError
 from adr_opt.mission import Mission
@@ -12,7 +13,7 @@ from adr_opt.planner import Progress, at_most
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
-from .beams import BeamSettings, beam_search
+from .beams import PILOT_WIDTH, Beams, BeamSettings
 from .completion import guide as make_guide
 from .learned import load_policy
 from .learned.decoding import Field, best_of, without_last_refuelling
@@ -39,7 +40,8 @@ def beam(
 ) -> Result:
     """Level by level over visits, keeping the best partial plans of each level.
 
-    Deterministic. Ends by itself: it asks ``stop`` only before it begins.
+    Deterministic as long as the time allows the whole width. A narrow search first tells how much
+    it does allow; one that is late all the same is hurried to its end.
 
     Parameters
     ----------
@@ -96,9 +98,14 @@ def beam(
         )
     elif not stop(-math.inf, math.inf):
         guide = make_guide(mission) if guided and mission.instance.targets else None
-        found, value, _, states = beam_search(mission, settings, guide=guide, seed=seed)
-        sequence = [int(j) for j in found]
-        progress(value, math.inf)
+        beams, best = Beams(mission, stop), (-math.inf, 0.0)
+        for each in sorted({min(PILOT_WIDTH, width), width}):
+            found = beams.search(replace(settings, width=each), guide=guide, seed=seed)
+            timing = mission.time(found)
+            if (timing.objective, -timing.delta_v) > best:
+                best, sequence = (timing.objective, -timing.delta_v), found.tolist()
+                progress(timing.objective, math.inf)
+        states = beams.states
     return certify(
         mission,
         "beam",

@@ -19,7 +19,11 @@ known about the targets still to come; without a table it is the prizes collecte
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +33,7 @@ from adr_opt.kernels import timetable
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import STATION
 from adr_opt.mission import Mission
+from adr_opt.stop import Stop
 
 from .completion import CompletionTable, completion_value
 
@@ -37,6 +42,18 @@ CANDIDATES = 8
 
 LEAST_CANDIDATES = 1024
 """Looked at by narrow beams too: at the end of a tank the best of them are all stranded."""
+
+HURRIED = 20
+"""States kept on the levels that are left when the time is over: some ten milliseconds."""
+
+POLL_S = 0.02
+"""How often a search under way asks whether the time is over."""
+
+PILOT_WIDTH = 100
+"""Of a search that tells how long a wide one takes."""
+
+PUNCTUAL = 0.9
+"""Part of the time left that a search may be planned to take."""
 
 
 @dataclass(frozen=True)
@@ -127,6 +144,7 @@ def beam_kernel(
     noise,
     guard_until,
     seed,
+    halt,
 ):
     """Beam search from the state that a prefix leads to.
 
@@ -148,6 +166,9 @@ def beam_kernel(
     guard_until : float
         Absolute time up to which a state is stranded if it cannot afford the way back [s].
     seed : int
+    halt : (1,) bool
+        Once another thread sets it, only the best states of each level are gone on with, so that
+        the search ends soon, with a plan to the end of the mission.
 
     Returns
     -------
@@ -216,11 +237,14 @@ def beam_kernel(
     if crowding < remaining:
         share = max(1, math.ceil(crowding * width / remaining))
     held = np.empty(bodies, np.int64)
+    room_left = width
 
     size, level, priced = 1, 0, 0
     while level < remaining and size > 0:
         count, limit = 0, np.inf
         for s in range(size):
+            if halt[0] and s >= HURRIED:
+                break
             refuels = False
             back, back_end = 0.0, 0.0
             if body[s] != STATION and (level > 0 or earned):
@@ -281,8 +305,11 @@ def beam_kernel(
         held[:] = 0
         size = 0
         stranded = 0
+        if halt[0]:
+            room_left = min(width, HURRIED)
+            share = min(share, max(1, math.ceil(crowding * room_left / remaining)))
         for turn in range(2 * count):
-            if size == width or turn == count + stranded:
+            if size == room_left or turn == count + stranded:
                 break
             c = order[turn] if turn < count else waiting[turn - count]
             s = parents[c]
@@ -376,19 +403,79 @@ def beam_search(
     guide: CompletionTable | None = None,
     prefix: npt.NDArray[np.int64] | None = None,
     seed: int = 0,
+    stop: Stop | None = None,
 ) -> tuple[npt.NDArray[np.int64], float, float, int]:
-    """Search once; see :func:`beam_kernel` for what it takes and returns."""
+    """Search once; see :func:`beam_kernel` for what it takes and returns.
+
+    When ``stop`` has no time left, the search is hurried to its end.
+    """
     rules = mission.rules
-    return beam_kernel(  # type: ignore[no-any-return]
-        rules,
-        np.empty(0, dtype=np.int64) if prefix is None else prefix,
-        no_guide() if guide is None else guide,
-        guide is not None,
-        settings.width,
-        settings.time_weight / 3600.0,
-        settings.delta_v_weight / 1000.0,
-        settings.crowding,
-        settings.noise,
-        -np.inf if guide is not None else rules.duration - settings.unguarded_s,
-        seed,
-    )
+    with _halted_by(stop) as halt:
+        return beam_kernel(  # type: ignore[no-any-return]
+            rules,
+            np.empty(0, dtype=np.int64) if prefix is None else prefix,
+            no_guide() if guide is None else guide,
+            guide is not None,
+            settings.width,
+            settings.time_weight / 3600.0,
+            settings.delta_v_weight / 1000.0,
+            settings.crowding,
+            settings.noise,
+            -np.inf if guide is not None else rules.duration - settings.unguarded_s,
+            seed,
+            halt,
+        )
+
+
+@contextmanager
+def _halted_by(stop: Stop | None) -> Iterator[npt.NDArray[np.bool_]]:
+    """A flag that is set, from a thread beside the kernel, when ``stop`` has no time left."""
+    flag = np.zeros(1, dtype=np.bool_)
+    if stop is None:
+        yield flag
+        return
+    done = threading.Event()
+
+    def watch() -> None:
+        while not flag[0] and not done.wait(POLL_S):
+            flag[0] = stop.remaining_s() <= 0.0
+
+    thread = threading.Thread(target=watch, daemon=True)
+    thread.start()
+    try:
+        yield flag
+    finally:
+        done.set()
+        thread.join()
+
+
+class Beams:
+    """Searches of one mission that end in time: too wide ones are narrowed by the pace so far.
+
+    Parameters
+    ----------
+    mission : Mission
+    stop : Stop
+    """
+
+    def __init__(self, mission: Mission, stop: Stop) -> None:
+        self._mission = mission
+        self._stop = stop
+        self._pace_s = 0.0  # per state of width
+        self.states = 0
+
+    def search(
+        self, settings: BeamSettings, *, guide: CompletionTable | None = None, seed: int = 0
+    ) -> npt.NDArray[np.int64]:
+        """The best plan of one search."""
+        affordable = PUNCTUAL * max(0.0, self._stop.remaining_s())
+        if self._pace_s * settings.width > affordable:
+            settings = replace(settings, width=max(1, int(affordable / self._pace_s)))
+        began = time.perf_counter()
+        found, _, _, states = beam_search(
+            self._mission, settings, guide=guide, seed=seed, stop=self._stop
+        )
+        self.states += states
+        if settings.width >= PILOT_WIDTH:
+            self._pace_s = (time.perf_counter() - began) / settings.width
+        return found

@@ -15,7 +15,7 @@ from collections.abc import Iterable
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress, get, silent
 from adr_opt.result import Result, certify
-from adr_opt.stop import MaxIterations, Stop
+from adr_opt.stop import Clock, Stop
 
 from .proof import Certificate, bound_notes, check_options, prove
 
@@ -63,7 +63,7 @@ def exact(
 
     for name, options in (("greedy-guarded", {}), ("beam", {"width": START_WIDTH})):
         if not certificate.proven and not enough():
-            found = get(name)(mission, seed=seed, stop=MaxIterations(1), progress=silent, **options)
+            found = get(name)(mission, seed=seed, stop=Clock(stop), progress=silent, **options)
             certificate.offer(found.sequence or ())
     counters = prove(
         mission, certificate, enough,

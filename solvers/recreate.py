@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.mission import Mission
+from adr_opt.stop import Stop
 
 from .beams import BeamSettings, beam_search
 
@@ -22,7 +23,11 @@ def mean_prize(mission: Mission) -> float:
 
 
 def recreate(
-    mission: Mission, sequence: Sequence[int], width: int, rng: np.random.Generator
+    mission: Mission,
+    sequence: Sequence[int],
+    width: int,
+    rng: np.random.Generator,
+    stop: Stop | None = None,
 ) -> npt.NDArray[np.int64]:
     """Cut a plan at a random move and build a new end by a narrow noisy beam.
 
@@ -35,6 +40,8 @@ def recreate(
         Of the beam.
     rng : numpy.random.Generator
         Draws the cut and the settings of the beam.
+    stop : Stop, optional
+        Hurries the beam when no time is left.
 
     Returns
     -------
@@ -51,4 +58,5 @@ def recreate(
         noise=rng.uniform(0.0, 0.5) * prize,
     )
     prefix = np.array(sequence[:keep], dtype=np.int64)
-    return beam_search(mission, settings, prefix=prefix, seed=int(rng.integers(2**31)))[0]
+    seed = int(rng.integers(2**31))
+    return beam_search(mission, settings, prefix=prefix, seed=seed, stop=stop)[0]

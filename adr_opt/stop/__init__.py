@@ -1,6 +1,7 @@
 """Stopping criteria: small objects that a planner asks "enough?" with its incumbent and bound."""
 
 from .any_of import AnyOf
+from .clock import Clock
 from .criterion import Stop
 from .interrupted import Interrupted
 from .max_iterations import MaxIterations
@@ -10,6 +11,7 @@ from .proven import Proven
 
 __all__ = [
     "AnyOf",
+    "Clock",
     "Interrupted",
     "MaxIterations",
     "MaxRuntime",

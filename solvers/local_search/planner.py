@@ -83,9 +83,9 @@ class LocalSearch:
         )  # fmt: skip
         return self.offer(best)
 
-    def recreate(self, width: int) -> bool:
+    def recreate(self, width: int, stop: Stop) -> bool:
         """Keep a random beginning of the best plan and build a new end; whether it got better."""
-        return self.offer(recreate(self._mission, self.sequence, width, self._rng))
+        return self.offer(recreate(self._mission, self.sequence, width, self._rng, stop))
 
 
 @at_most(chunk=10_000_000, width=1_000_000)
@@ -152,7 +152,7 @@ def local_search(
         for _ in range(recreations):
             if stop.remaining_s() <= 0.0:
                 break
-            improved += search.recreate(width)
+            improved += search.recreate(width, stop)
         iterations += 1
         if search.prize > before:
             progress(search.prize, math.inf)
