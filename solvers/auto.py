@@ -25,6 +25,9 @@ USUAL_WIDTH = 8000
 VARIED_WIDTH = 2000
 """Of the first varied beam."""
 
+UNHURRIED = 0.25
+"""Share of the time left that the first beam may take beside a proof."""
+
 LEAST_UNGUARDED = 1000
 """Narrower beams are guarded, because they strand themselves."""
 
@@ -49,8 +52,19 @@ class _Search:
         self._certificate = certificate
         self._rng = np.random.default_rng(seed)
         self._beams = Beams(mission, stop)
+        self._widest = 0
         self._mean = mean_prize(mission)
         self.counters = {"beams": 0, "recreations": 0}
+
+    def needed_s(self, width: int) -> float:
+        """Seconds that a beam takes."""
+        return self._beams.needed_s(width)
+
+    def usual(self, width: int) -> None:
+        """Search one beam with the usual settings, unless as wide a one was searched before."""
+        if width > self._widest:
+            self._widest = width
+            self.beam(width, vary=False)
 
     def beam(self, width: int, vary: bool) -> None:
         """Search one beam, with the usual settings or with others near them, unguarded if wide."""
@@ -124,7 +138,7 @@ class _Prover:
         if self._proof is None:
             if self._stop.remaining_s() < LEAST_PROOF_S:
                 return
-            self._proof = Proof(self._mission, self._own, **self._options)  # type: ignore[arg-type]
+            self._proof = Proof(self._mission, self._own, self._stop, **self._options)  # type: ignore[arg-type]
         self._proof.advance(lambda: self._stop.remaining_s() <= 0.0)
 
     def fetch(self) -> None:
@@ -207,7 +221,10 @@ def auto(
 
     rounds = 0
     if not is_over():
-        search.beam(PILOT_WIDTH, vary=False)
+        search.usual(PILOT_WIDTH)
+    # Beside a proof a beam is slower, so where time is short it comes before.
+    if search.needed_s(USUAL_WIDTH) > UNHURRIED * stop.remaining_s() and not certificate.proven:
+        search.usual(USUAL_WIDTH)
     width, recreations = VARIED_WIDTH, 20
     with ThreadPoolExecutor(1) as pool:
         while not is_over():
@@ -219,10 +236,7 @@ def auto(
                     advancing = pool.submit(prover.advance)
                 else:
                     prover.advance()
-            if rounds == 1:
-                search.beam(USUAL_WIDTH, vary=False)
-            elif scaled(width) > USUAL_WIDTH:
-                search.beam(scaled(width), vary=False)
+            search.usual(max(USUAL_WIDTH, scaled(width)))
             search.beam(scaled(width), vary=True)
             search.improve(recreations, scaled(width // 20))
             if advancing is not None:

@@ -464,12 +464,16 @@ class Beams:
         self._pace_s = 0.0  # per state of width
         self.states = 0
 
+    def needed_s(self, width: int) -> float:
+        """Seconds that a search of a width takes, by the last one of some width; 0 before."""
+        return self._pace_s * width
+
     def search(
         self, settings: BeamSettings, *, guide: CompletionTable | None = None, seed: int = 0
     ) -> npt.NDArray[np.int64]:
         """The best plan of one search."""
         affordable = PUNCTUAL * max(0.0, self._stop.remaining_s())
-        if self._pace_s * settings.width > affordable:
+        if self.needed_s(settings.width) > affordable:
             settings = replace(settings, width=max(1, int(affordable / self._pace_s)))
         began = time.perf_counter()
         found, _, _, states = beam_search(

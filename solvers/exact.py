@@ -66,7 +66,7 @@ def exact(
             found = get(name)(mission, seed=seed, stop=Clock(stop), progress=silent, **options)
             certificate.offer(found.sequence or ())
     counters = prove(
-        mission, certificate, enough,
+        mission, certificate, stop, enough,
         jobs=jobs, delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
     )  # fmt: skip
     return certify(

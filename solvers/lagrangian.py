@@ -66,7 +66,7 @@ def lagrangian(
         return stop(certificate.incumbent, certificate.bound)
 
     counters = prove(
-        mission, certificate, enough,
+        mission, certificate, stop, enough,
         jobs=jobs, delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
     )  # fmt: skip
     return certify(

@@ -14,17 +14,19 @@ import math
 import os
 import threading
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 
 import numpy as np
 
 from adr_opt.errors import InputError
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
+from adr_opt.stop import Stop
 from adr_opt.tolerance import meets, rounded_down, rounded_up, tolerance
 
 from .multipliers import Descent
 from .ng_routes import NgRoutes
-from .walks import WalkBound
+from .walks import TimeIsOver, WalkBound
 
 MARGIN = 1e-3
 """Plans worth a step more are asked for from this much below; more than the rounding [steps]."""
@@ -120,6 +122,8 @@ class Proof:
     mission : Mission
     certificate : Certificate
         Told of every bound and plan; asked for the incumbent.
+    stop : Stop
+        Its time alone counts here: a round is broken off when none is left.
     jobs : int
         Threads of an evaluation of the bound. The result does not depend on it.
     delta_v_slot_m_s : float
@@ -137,6 +141,7 @@ class Proof:
         self,
         mission: Mission,
         certificate: Certificate,
+        stop: Stop,
         *,
         jobs: int,
         delta_v_slot_m_s: float,
@@ -144,7 +149,7 @@ class Proof:
     ) -> None:
         self._certificate = certificate
         self._slot = affordable_slot(mission, delta_v_slot_m_s)
-        self._bound = WalkBound(mission, self._slot, jobs)
+        self._bound = WalkBound(mission, self._slot, jobs, lambda: stop.remaining_s() <= 0.0)
         self._descent, self._routes = Descent(self._bound), NgRoutes(self._bound)
         self._most_labels = most_labels
         self._evaluations = FIRST_EVALUATIONS
@@ -159,6 +164,10 @@ class Proof:
         enough : callable
             Asked at every evaluation and every few labels; the round is left when it says so.
         """
+        with suppress(TimeIsOver):
+            self._round(enough)
+
+    def _round(self, enough: Callable[[], bool]) -> None:
         certificate, descent = self._certificate, self._descent
         for _ in range(self._evaluations):
             if descent.done or certificate.proven or enough():
@@ -228,6 +237,7 @@ class Proof:
 def prove(
     mission: Mission,
     certificate: Certificate,
+    stop: Stop,
     enough: Callable[[], bool],
     *,
     jobs: int,
@@ -238,7 +248,7 @@ def prove(
 
     Parameters
     ----------
-    mission, certificate, delta_v_slot_m_s, most_labels
+    mission, certificate, stop, delta_v_slot_m_s, most_labels
         As :class:`Proof` takes them.
     enough : callable
         Asked once per iteration.
@@ -250,6 +260,7 @@ def prove(
     proof = Proof(
         mission,
         certificate,
+        stop,
         jobs=jobs or os.cpu_count() or 1,
         delta_v_slot_m_s=delta_v_slot_m_s,
         most_labels=most_labels,

@@ -24,6 +24,7 @@ What is exact and what is relaxed:
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
@@ -196,12 +197,6 @@ def _sweep_until(network, values, code, bits, width, top, begun, first, step, ti
 
 
 @kernel
-def _sweep(network, values, code, bits, width, top, begun, stage, stages):
-    for number in range(stages - 1, -1, -1):
-        _sweep_until(network, values, code, bits, width, top, begun, 0, 1, number * stage)
-
-
-@kernel
 def _trace(network, values, bits, width, top, row, body, left, walk):
     """Follow the best walk from a state; returns its length."""
     mask = (1 << bits) - 1
@@ -224,6 +219,10 @@ def _trace(network, values, bits, width, top, row, body, left, walk):
         body = j
 
 
+class TimeIsOver(Exception):
+    """An evaluation was broken off."""
+
+
 class WalkBound:
     """Best walks of a mission for given multipliers, again and again.
 
@@ -234,6 +233,8 @@ class WalkBound:
         Slot of the ΔV axis [m/s].
     jobs : int
         Threads.
+    over : callable
+        Asked now and then whether the time is over.
 
     Attributes
     ----------
@@ -250,8 +251,15 @@ class WalkBound:
         Best walk of the last evaluation: bodies in order.
     """
 
-    def __init__(self, mission: Mission, delta_v_slot_m_s: float, jobs: int = 1) -> None:
+    def __init__(
+        self,
+        mission: Mission,
+        delta_v_slot_m_s: float,
+        jobs: int = 1,
+        over: Callable[[], bool] = lambda: False,
+    ) -> None:
         rules = mission.rules
+        self._over = over
         self.prize = np.array(rules.prize)
         bodies = self.prize.size
         self.slot = delta_v_slot_m_s
@@ -305,6 +313,11 @@ class WalkBound:
             No plan has a larger objective.
         multipliers : (bodies,) float64
             Those for which the bound holds.
+
+        Raises
+        ------
+        TimeIsOver
+            It was broken off.
         """
         whole = np.floor(self.prize / self.unit)
         least = np.rint(-self.greatest_prize / self.unit)
@@ -324,11 +337,13 @@ class WalkBound:
         _begin(network, self.values, width)
         self._begun[:] = np.diff(network.start) - 1
         common = (network, self.values, code, self.bits, width, self.top, self._begun)
-        if self._pool is None:
-            _sweep(*common, self._stage, self._stages)
-        else:
-            for number in range(self._stages - 1, -1, -1):
-                time = number * self._stage
+        for number in range(self._stages - 1, -1, -1):
+            if self._over():
+                raise TimeIsOver
+            time = number * self._stage
+            if self._pool is None:
+                _sweep_until(*common, 0, 1, time)
+            else:
                 parts = [
                     self._pool.submit(_sweep_until, *common, first, self._jobs, time)
                     for first in range(self._jobs)
