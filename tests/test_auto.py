@@ -18,6 +18,7 @@ from adr_opt.planner import silent
 from adr_opt.result import Result
 from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
 from solvers.auto import auto
+from solvers.beam import beam
 
 TINY = sorted((Path(__file__).parents[1] / "instances" / "tiny").glob("*.json"))
 
@@ -80,6 +81,25 @@ def test_cores_do_not_change_the_plan(field: Mission) -> None:
     assert one.sequence == two.sequence
     assert one.upper_bound == two.upper_bound
     assert one.counters == two.counters
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_never_behind_beam(seed: int) -> None:
+    """A single round is at least as good as the planner beam, with zones and without."""
+    instance = adr_opt.generate("nominal", seed, zones=6 * (seed % 2))
+    mission = Mission(instance, threads=1)
+    alone = beam(mission, seed=0, stop=MaxIterations(1), progress=silent)
+    assert plan(mission, 2, prove=False).objective >= alone.objective
+
+
+def test_short_of_time_the_beam_comes_before_the_proof(field: Mission) -> None:
+    """With a second, the beam is searched whole before a proof can slow it down."""
+    heard: list[float] = []
+    auto(
+        field, seed=0, stop=MaxRuntime(0.6), jobs=2,
+        progress=lambda incumbent, bound: heard.append(bound),
+    )  # fmt: skip
+    assert set(heard) <= {math.inf, field.total_prize}
 
 
 def test_what_is_told_never_gets_worse(field: Mission) -> None:

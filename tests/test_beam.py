@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import time
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from adr_opt.kernels.constants import STATION
 from adr_opt.mission import Mission
 from adr_opt.planner import silent
 from adr_opt.result import Result
-from adr_opt.stop import Interrupted, MaxIterations
+from adr_opt.stop import Interrupted, MaxIterations, MaxRuntime
 from solvers.beam import beam
 from solvers.beams import BeamSettings, beam_search
 from solvers.completion import completion_value, guide
@@ -92,6 +93,41 @@ def test_nothing_is_left_to_chance(nominal: Mission) -> None:
     ]
     assert noisy[0] == noisy[1]
     assert len(set(noisy)) > 1
+
+
+@pytest.fixture(scope="module")
+def large() -> Mission:
+    """A field whose widest beams take many seconds."""
+    made = Mission(adr_opt.generate("nominal", 0, targets=120))
+    assert made.rules.prize.size == 121
+    return made
+
+
+def test_a_search_under_way_is_hurried_to_its_end(large: Mission) -> None:
+    """A search that is out of time ends soon all the same, with a plan to the mission's end."""
+    plan(large, width=10)
+    began = time.perf_counter()
+    found, value, _, _ = beam_search(large, BeamSettings(40_000, 0.17, 0.38), stop=MaxRuntime(0.3))
+    assert time.perf_counter() - began < 2.0
+    assert value >= adr_opt.solve(large, "greedy-guarded").objective
+    assert large.time(found).made == found.size
+
+
+def test_a_beam_ends_in_time(large: Mission) -> None:
+    """However wide a beam is asked for, it is as wide as the time allows; 1 s on 120 targets."""
+    plan(large, width=10)
+    began = time.perf_counter()
+    result = adr_opt.solve(large, "beam", time_limit=1.0, width=1_000_000)
+    assert time.perf_counter() - began < 2.5
+    assert result.objective > adr_opt.solve(large, "greedy-guarded").objective
+    assert result.notes == ()
+
+
+def test_time_enough_changes_nothing(nominal: Mission) -> None:
+    """A limit that is far away gives the plan that no limit gives."""
+    limited = beam(nominal, seed=0, stop=MaxRuntime(1000.0), progress=silent, width=300)
+    assert limited.sequence == plan(nominal, width=300).sequence
+    assert limited.counters == plan(nominal, width=300).counters
 
 
 @pytest.mark.parametrize("path", TINY, ids=lambda path: path.stem)

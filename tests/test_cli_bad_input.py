@@ -101,6 +101,10 @@ VERBS_OF_PLANS = {
         (put("targets", 2, "name", "debris-001"), "field targets[2].name = 'debris-001': another"),
         (put("station", "name", "debris-002"), "field targets[1].name = 'debris-002': another"),
         (put("mission", "duration_s", -1.0), "field mission.duration_s = -1.0: must be greater"),
+        (
+            put("mission", "duration_s", 8.86e9),
+            "field mission.duration_s = 8860000000.0: must be l",
+        ),
         (put("transfer", "max_phasing_revolutions", 1.5), "max_phasing_revolutions = 1.5: must be"),
         (put("transfer", "max_altitude_m", 2e5), "max_altitude_m = 200000.0 must be greater than"),
     ],

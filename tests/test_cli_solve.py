@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import signal
@@ -465,6 +466,11 @@ def test_live_line_tells_what_is_known(incumbent: float, bound: float, expected:
     assert describe(2.5, incumbent, bound) == expected
 
 
+def test_live_line_tells_how_much_of_the_timetable_is_built() -> None:
+    """Before there is anything to plan with, the line says how far that is."""
+    assert describe(2.5, -math.inf, math.inf, 0.374) == "2.5 s  timetable 37 %"
+
+
 # Children of a script in the background inherit an ignored SIGINT; a user's shell does not do that.
 CHILD = (
     "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
@@ -581,3 +587,34 @@ def test_no_live_line_without_a_terminal(tiny_file: Path) -> None:
     _, err = process.communicate(timeout=30.0)
     assert all(line.startswith("adr-opt: ") for line in err.splitlines())
     assert "incumbent" not in err
+
+
+@posix
+def test_interrupted_while_the_timetable_is_built(tmp_path: Path) -> None:
+    """A build of minutes is shown, and Ctrl-C ends it soon: a plan or a sentence, no traceback."""
+    path = tmp_path / "large.json"
+    instance = adr_opt.generate("nominal", 0, targets=150)
+    limits = instance.mission.replace(duration_s=200 * 86400.0)
+    path.write_text(instance.replace(mission=limits).to_json())
+    ours, theirs = os.openpty()
+    process = subprocess.Popen(
+        [sys.executable, "-c", CHILD, "solve", str(path), "--time-limit", "900"],
+        stdout=subprocess.PIPE, stderr=theirs, env={**os.environ, "TERM": "xterm"}, text=True,
+    )  # fmt: skip
+    os.close(theirs)
+    said = b""
+    sent = math.inf
+    try:
+        while part := os.read(ours, 4096):
+            said += part
+            if b"timetable" in said and sent == math.inf:
+                process.send_signal(signal.SIGINT)
+                sent = time.monotonic()
+    except OSError:  # Linux says EIO when the other end is closed
+        pass
+    os.close(ours)
+    process.communicate(timeout=30.0)
+    assert time.monotonic() - sent < 10.0
+    assert process.returncode in (0, 1)
+    assert b"Traceback" not in said
+    assert b"of 150 targets" in said or b"no time to begin" in said

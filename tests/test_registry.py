@@ -394,6 +394,44 @@ def test_planner_interrupted_at_once(method: str, name: str) -> None:
     assert_sound(result, name)
 
 
+@pytest.mark.parametrize("name", [*SMALL, "nominal"])
+@pytest.mark.parametrize("method", sorted(set(names(PLANNERS)) - {"greedy"}))
+def test_out_of_time_a_planner_is_as_good_as_guarded_greedy(method: str, name: str) -> None:
+    """Through the front door, no time at all still gives the guarded greedy plan, and at once.
+
+    The published greedy stays as it is.
+    """
+    ran(PLANNERS, method, name)
+    least = call(PLANNERS, "greedy-guarded", name, MaxIterations(1))
+    heard = Heard()
+    began = time.perf_counter()
+    result = adr_opt.solve(mission(name), method, time_limit=1e-9, progress=heard)
+    assert time.perf_counter() - began < ON_TIME_S
+    assert result.method == method
+    assert result.objective >= least.objective
+    assert heard.incumbents[-1] == pytest.approx(result.objective)
+    assert_sound(result, name)
+
+
+def test_the_published_greedy_stays_as_it_is() -> None:
+    """Out of time it returns its own plan, although guarded greedy has a better one."""
+    result = adr_opt.solve(mission("nominal"), "greedy", time_limit=1e-9)
+    own = call(PLANNERS, "greedy", "nominal", MaxIterations(1))
+    assert result.sequence == own.sequence
+    assert own.objective < call(PLANNERS, "greedy-guarded", "nominal", MaxIterations(1)).objective
+
+
+def test_a_plan_that_is_not_the_planners_own_says_so() -> None:
+    """Out of time, the note names the planner whose plan it is; in time there is no such note."""
+    late = adr_opt.solve(mission("nominal"), "mcts", time_limit=1e-9)
+    assert "mcts ran out of time: the plan is that of greedy-guarded" in late.notes
+    assert late.plan is not None
+    assert late.plan.notes == late.notes
+    played = adr_opt.solve(mission("nominal"), "mcts", time_limit=60.0)
+    assert played.notes == ()
+    assert played.objective < late.objective
+
+
 @pytest.mark.parametrize("name", ["fractional", "nominal"])
 @bounds
 def test_bound_interrupted_at_once(method: str, name: str) -> None:
