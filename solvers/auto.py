@@ -16,7 +16,7 @@ from adr_opt.result import Result, certify
 from adr_opt.stop import MaxIterations, Stop
 
 from .beams import PILOT_WIDTH, Beams, BeamSettings
-from .proof import Certificate, Proof, bound_notes, check_options
+from .proof import Certificate, Proof, bound_notes, check_options, set_up_s
 from .recreate import HOUR_WORTH, KILOMETRE_WORTH, mean_prize, recreate
 
 USUAL_WIDTH = 8000
@@ -39,8 +39,8 @@ USUAL_TARGETS = 50
 MOST_EVENTS = 5_000_000
 """Missions with more timetable entries are not proven anything: memory."""
 
-LEAST_PROOF_S = 1.0
-"""With less time left, a proof is not begun."""
+LEAST_PROOF_S, LEAST_SET_UPS = 1.0, 4.0
+"""With less time left, or less than so many times what setting it up takes, no proof is begun."""
 
 
 class _Search:
@@ -136,7 +136,8 @@ class _Prover:
     def advance(self) -> None:
         """One round."""
         if self._proof is None:
-            if self._stop.remaining_s() < LEAST_PROOF_S:
+            least_s = max(LEAST_PROOF_S, LEAST_SET_UPS * set_up_s(self._mission))
+            if self._stop.remaining_s() < least_s:
                 return
             self._proof = Proof(self._mission, self._own, self._stop, **self._options)  # type: ignore[arg-type]
         self._proof.advance(lambda: self._stop.remaining_s() <= 0.0)

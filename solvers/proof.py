@@ -43,6 +43,9 @@ FIRST_EVALUATIONS, FIRST_LABELS = 3, 200_000
 GROWTH = 4
 """Each round of searches may make so many times the labels of the one before."""
 
+SET_UP_S_PER_EVENT = 5e-7
+"""Time that setting up a proof takes, which cannot be broken off, for each timetable entry."""
+
 ROOM_BYTES = 1.5e9
 """Memory that the values of all states may take; ΔV slots are widened to fit."""
 
@@ -255,7 +258,7 @@ def prove(
     jobs : int
         Threads, 0 for all cores.
     """
-    if certificate.proven or enough():
+    if certificate.proven or enough() or stop.remaining_s() < set_up_s(mission):
         return {"evaluations": 0, "searches": 0, "labels": 0}
     proof = Proof(
         mission,
@@ -269,6 +272,11 @@ def prove(
         proof.advance(enough)
     proof.close()
     return proof.counters
+
+
+def set_up_s(mission: Mission) -> float:
+    """About how long setting up a proof takes [s]."""
+    return SET_UP_S_PER_EVENT * mission.timetable.entries
 
 
 def affordable_slot(mission: Mission, slot: float) -> float:
