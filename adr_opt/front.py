@@ -63,6 +63,8 @@ def solve(
         Name of an installed planner.
     time_limit : float
         Wall time from this call, the timetable included [s]. Quick planners end by themselves.
+        Where it is short of the timetable, the nearest targets are planned with, and a note says
+        so; see :mod:`adr_opt.candidates`.
     seed : int
     stop : Stop, optional
         A further criterion; planning ends at whichever comes first.
@@ -245,7 +247,8 @@ def run(
         group, method, seed=seed, starts=start is not None, repair=repair, options=options,
         jobs=None if only_prover else jobs,
     )  # fmt: skip
-    destinations = start_destinations(whole, start or (), repair=repair)
+    given = () if start is None else start
+    destinations = start_destinations(whole, given, repair=repair)
     chosen = candidates(
         whole,
         time_limit,
