@@ -104,16 +104,6 @@ def test_never_behind_beam(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     assert of_beam <= set(searched)
 
 
-def test_short_of_time_the_beam_comes_before_the_proof(field: Mission) -> None:
-    """With a second, the beam is searched whole before a proof can slow it down."""
-    heard: list[float] = []
-    auto(
-        field, seed=0, stop=MaxRuntime(0.6), jobs=2,
-        progress=lambda incumbent, bound: heard.append(bound),
-    )  # fmt: skip
-    assert set(heard) <= {math.inf, field.total_prize}
-
-
 def test_what_is_told_never_gets_worse(field: Mission) -> None:
     """On two cores, too, incumbents rise, bounds fall, and both end at the result."""
     heard: list[tuple[float, float]] = []
