@@ -13,9 +13,8 @@ import numpy as np
 from .instance import Instance
 from .kernels.constants import MU_M3_S2, STATION
 from .mission import Mission
-from .plan import InstanceReference, Status, Unvisited
-from .result import Result
-from .stop import Proven
+from .plan import InstanceReference, Unvisited
+from .result import Result, status_of
 from .timetable import estimate
 
 SHARE = 1.0 / 3.0
@@ -92,8 +91,7 @@ class Candidates:
         notes = (*result.notes, self.note)
         if result.plan is None or result.sequence is None:
             return replace(result, upper_bound=math.inf, status="unknown", notes=notes)
-        met = result.status == "optimal" and Proven()(result.objective, self.whole.total_prize)
-        status: Status = "optimal" if met else "feasible"
+        status = status_of(self.whole, result.objective, math.inf)
         reasons = {entry.target: entry for entry in result.plan.unvisited}
         known = set(self.mission.names)
         unvisited = [
