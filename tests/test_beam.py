@@ -131,7 +131,7 @@ def test_a_beam_is_as_wide_as_the_time_allows(
     assert widths[0] == beams.PILOT_WIDTH
     assert 1 <= widths[1] < 100_000
     assert result.objective > adr_opt.solve(large, "greedy-guarded").objective
-    assert result.notes == ()
+    assert not any("ran out of time" in note for note in result.notes)
 
 
 def test_time_enough_changes_nothing(nominal: Mission) -> None:

@@ -428,7 +428,7 @@ def test_a_plan_that_is_not_the_planners_own_says_so() -> None:
     assert late.plan is not None
     assert late.plan.notes == late.notes
     played = adr_opt.solve(mission("nominal"), "mcts", time_limit=60.0)
-    assert played.notes == ()
+    assert not any("ran out of time" in note for note in played.notes)
     assert played.objective < late.objective
 
 
