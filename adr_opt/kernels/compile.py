@@ -1,12 +1,86 @@
 """How every kernel is compiled: one place, so that all of them behave alike."""
 
-from numba import njit
+import time
+from collections.abc import Callable
+from typing import Any
 
-# ``nogil``: kernels run in threads, one per core, without fork and without a threading layer.
-# ``error_model="numpy"``: a division by zero gives inf, as in NumPy, and saves a branch.
-# No ``fastmath``: tables hold +inf for "no transfer", and two machines must agree.
-kernel = njit(cache=True, nogil=True, error_model="numpy")
+from numba import njit, types
+from numba.core import event
+
+from .cache import KernelCache
+
+Function = Callable[..., Any]
+
+
+def _compiled(**options: Any) -> Callable[[Function], Function]:
+    # ``nogil``: kernels run in threads, one per core, without fork and without a threading layer.
+    # ``error_model="numpy"``: a division by zero gives inf, as in NumPy, and saves a branch.
+    # No ``fastmath``: tables hold +inf for "no transfer", and two machines must agree.
+    # No ``cache``: Numba would write beside the sources and overlook changes of other files.
+    decorate = njit(nogil=True, error_model="numpy", **options)
+
+    def decorator(function: Function) -> Function:
+        dispatcher: Any = decorate(function)
+        if dispatcher is not function:  # it is where NUMBA_DISABLE_JIT is set
+            dispatcher._cache = KernelCache(dispatcher)
+            template = dispatcher.get_call_template
+
+            def plain(args: Any, kws: Any) -> Any:
+                named = {name: _plain(kind) for name, kind in kws.items()}
+                return template(tuple(_plain(kind) for kind in args), named)
+
+            dispatcher.get_call_template = plain
+        return dispatcher  # type: ignore[no-any-return]
+
+    return decorator
+
+
+def _plain(kind: Any) -> Any:
+    """The type of argument that a kernel takes from another one.
+
+    Numba would compile it anew for each width of an integer and for each one written out in a call.
+    """
+    kind = types.unliteral(kind)
+    narrow = getattr(kind, "signed", False) and kind.bitwidth < 64
+    return types.int64 if narrow else kind
+
+
+kernel = _compiled()
 
 # For the few small kernels that planners call millions of times. A call costs about 100 ns, nearly
 # all of it for counting references to the arrays of a table; inlined, they are counted once.
-inlined = njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+inlined = _compiled(forceinline=True)
+
+
+class _Clock(event.Listener):
+    """Hears of every compilation; those of what a kernel calls lie within its own."""
+
+    def __init__(self) -> None:
+        self._depth = 0
+        self._since = 0.0
+        self._total = 0.0
+
+    def on_start(self, event: Any) -> None:
+        """Hear of a beginning."""
+        if self._depth == 0:
+            self._since = time.perf_counter()
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:
+        """Hear of an end."""
+        self._depth -= 1
+        if self._depth == 0:
+            self._total += time.perf_counter() - self._since
+
+    def seconds(self) -> float:
+        """Time spent so far [s]."""
+        return self._total + (time.perf_counter() - self._since if self._depth else 0.0)
+
+
+_clock = _Clock()
+event.register("numba:compile", _clock)
+
+
+def compiling_s() -> float:
+    """Seconds that this process has spent compiling; 0 if it found all kernels compiled."""
+    return _clock.seconds()

@@ -1,0 +1,276 @@
+"""Where compiled kernels are kept: in one folder of the user, and never beside the sources.
+
+A file holds one kernel compiled for one signature. Its name is a digest of everything that the
+machine code depends on: the versions of what compiles, the processor, the types of the arguments,
+and the bytecode and constants of the kernel and of all that it can reach. So nothing in the folder
+is ever out of date, two checkouts do not disturb each other, and a file that is being written is
+not seen: it appears under its name at once or not at all.
+
+No file is needed. One that cannot be read is compiled anew, one that cannot be written is done
+without, and :func:`trouble` says why. Those that were not used for longest go first.
+"""
+
+import hashlib
+import os
+import pickle
+import stat
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import suppress
+from enum import Enum
+from pathlib import Path
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
+from uuid import uuid4
+
+import llvmlite
+import numba
+import numpy as np
+from numba.core.caching import _Cache
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
+from numba.misc.appdirs import AppDirs
+
+VARIABLE = "ADR_OPT_CACHE_DIR"
+"""Environment variable that names another folder."""
+
+MOST_BYTES = 256 * 2**20
+"""Beyond this the folder is halved: a full set of kernels takes about a tenth."""
+
+_LIBRARIES = sys.stdlib_module_names | {"numpy", "numba", "llvmlite"}
+"""What comes from here is known by its version."""
+
+_PLAIN = (bool, int, float, complex, str, bytes, type(None), np.generic, np.dtype, numba.types.Type)
+
+_troubles: list[str] = []
+_is_pruned = False
+
+
+def trouble() -> str | None:
+    """Why compiled kernels could not be kept, if they could not."""
+    return _troubles[0] if _troubles else None
+
+
+def folders() -> list[Path]:
+    """Folders to look in and to write to, the best one first; they need not exist."""
+    named = os.environ.get(VARIABLE)
+    if named:
+        return [Path(named)]
+    # Without a home directory the name of the folder would be relative.
+    usual = Path(AppDirs("adr-opt", appauthor=False).user_cache_dir)
+    return [*([usual] if usual.is_absolute() else []), *_temporary()]
+
+
+def _temporary() -> list[Path]:
+    """A folder for those who may not write to their home; no other user may write to it."""
+    with suppress(OSError, AttributeError):  # AttributeError: Windows, where homes are writable
+        path = Path(tempfile.gettempdir()) / f"adr-opt-{os.getuid()}"
+        path.mkdir(mode=0o700, exist_ok=True)
+        status = path.lstat()
+        if stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid():
+            if not status.st_mode & 0o022:
+                return [path]
+    return []
+
+
+class KernelCache(_Cache):
+    """The cache of one kernel, for Numba.
+
+    Parameters
+    ----------
+    dispatcher : numba.core.dispatcher.Dispatcher
+    """
+
+    def __init__(self, dispatcher: Any) -> None:
+        self._dispatcher = dispatcher
+        self._enabled = True
+
+    @property
+    def cache_path(self) -> str:
+        """The folder that is asked first."""
+        return str(next(iter(folders()), ""))
+
+    def enable(self) -> None:
+        """Use files."""
+        self._enabled = True
+
+    def disable(self) -> None:
+        """Use no files."""
+        self._enabled = False
+
+    def flush(self) -> None:
+        """Nothing to do: no file is out of date."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """The compiled kernel of a signature; None if it has to be compiled."""
+        target_context.refresh()
+        if self._enabled:
+            name = self._name(sig, target_context.codegen())
+            for folder in folders():
+                payload = _read(folder / name)
+                if payload is None:
+                    continue
+                # Its checksum is right, so this is a file of ours; whatever may be wrong with it
+                # all the same, compiling is the answer.
+                with suppress(Exception):
+                    return CompileResult._rebuild(target_context, *pickle.loads(payload))
+        return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep a compiled kernel."""
+        if not self._enabled or data.lifted or data.library.has_dynamic_globals:
+            return
+        _write(self._name(sig, data.codegen), dumps(data._reduce()))
+
+    def _name(self, sig: Any, codegen: Any) -> str:
+        versions = numba.__version__, llvmlite.__version__, np.__version__, sys.version
+        depends = (*versions, *codegen.magic_tuple(), _type(sig), sources(self._dispatcher))
+        key = hashlib.sha256("\n".join(depends).encode()).hexdigest()[:32]
+        function = self._dispatcher.py_func
+        named = f"{function.__module__}.{function.__qualname__}".replace("<", "").replace(">", "")
+        return f"{named}-{key}.kernel"
+
+
+def _read(path: Path) -> bytes | None:
+    """What a file holds; None if there is none or if it is damaged."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return None
+    checksum, payload = content[:32], content[32:]
+    if hashlib.sha256(payload).digest() != checksum:
+        return None
+    with suppress(OSError):
+        os.utime(path)  # used just now
+    return payload
+
+
+def _write(name: str, payload: bytes) -> None:
+    for folder in folders():
+        unfinished = folder / f".{uuid4().hex}"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            unfinished.write_bytes(hashlib.sha256(payload).digest() + payload)
+            unfinished.replace(folder / name)
+        except OSError as error:
+            with suppress(OSError):
+                unfinished.unlink()
+            _troubles.append(f"{folder}: {error.strerror or error}")
+            continue
+        _prune(folder)
+        return
+
+
+def _prune(folder: Path) -> None:
+    """Remove the files that were not used for longest, once in a process, if there are too many."""
+    global _is_pruned
+    if _is_pruned:
+        return
+    _is_pruned = True
+    with suppress(OSError):  # another process prunes too
+        found = [(entry.stat(), entry.path) for entry in os.scandir(folder) if entry.is_file()]
+        total = sum(status.st_size for status, _ in found)
+        if total <= MOST_BYTES:
+            return
+        for status, path in sorted(found, key=lambda item: item[0].st_mtime):
+            os.unlink(path)
+            total -= status.st_size
+            if total <= MOST_BYTES / 2:
+                return
+
+
+def sources(dispatcher: Any) -> str:
+    """A digest of a kernel and of all that it can reach: code, constants, options of compiling.
+
+    Global names are followed, attributes of modules by their names alone: what else has such a
+    name is taken along, which at worst compiles once too often.
+    """
+    reached: dict[int, str] = {}
+    waiting = [dispatcher]
+    while waiting:
+        item = waiting.pop()
+        if id(item) not in reached:
+            reached[id(item)] = "; ".join(_describe(item, waiting))
+    return hashlib.sha256("\n".join(sorted(reached.values())).encode()).hexdigest()
+
+
+def _describe(item: Any, waiting: list[Any]) -> Iterator[str]:
+    """A kernel or function; the others that it names are put on the list."""
+    function = _function(item)
+    yield f"{function.__module__}.{function.__qualname__}"
+    yield repr(sorted(getattr(item, "targetoptions", {}).items(), key=lambda pair: pair[0]))
+    yield _value(function.__defaults__, waiting)
+    names: dict[str, None] = {}
+    yield from _code(function.__code__, function.__doc__, names, waiting)
+    spaces = [function.__globals__]
+    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+    spaces.append({name: cell.cell_contents for name, cell in cells})
+    names |= dict.fromkeys(function.__code__.co_freevars)
+    seen = set()
+    for space in spaces:  # grows
+        for name in names:
+            if name in space:
+                value = space[name]
+                if isinstance(value, ModuleType):
+                    if value.__name__ not in seen and not _of_library(value.__name__):
+                        spaces.append(vars(value))
+                    seen.add(value.__name__)
+                yield f"{name} = {_value(value, waiting)}"
+
+
+def _code(code: CodeType, doc: str | None, names: dict[str, None], waiting: list[Any]) -> Any:
+    """Bytecode and constants, without what does not matter: file, lines and description."""
+    names |= dict.fromkeys(code.co_names)
+    yield code.co_code.hex()
+    yield repr((code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars))
+    for index, constant in enumerate(code.co_consts):
+        if isinstance(constant, CodeType):
+            yield from _code(constant, None, names, waiting)
+        elif index > 0 or constant != doc:
+            yield _value(constant, waiting)
+
+
+def _value(value: Any, waiting: list[Any]) -> str:
+    """A constant, or the name of what is described by itself."""
+    if isinstance(value, _PLAIN):
+        return f"{type(value).__name__} {value!r}"
+    if isinstance(value, (tuple, frozenset)):
+        parts = [_value(part, waiting) for part in value]
+        ordered = parts if isinstance(value, tuple) else sorted(parts)
+        return f"{type(value).__name__}({', '.join(ordered)})"
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype} {value.shape} {hashlib.sha256(value.tobytes()).hexdigest()}"
+    if isinstance(value, type):
+        members = list(value) if issubclass(value, Enum) else getattr(value, "_fields", ())
+        return f"{value.__module__}.{value.__qualname__} {members!r}"
+    function = _function(value)
+    if function is not None and not _of_library(function.__module__):
+        waiting.append(value)
+        return f"{function.__module__}.{function.__qualname__}"
+    return type(value).__name__
+
+
+def _function(value: Any) -> Any:
+    """The Python function of a kernel, of an intrinsic or of itself; None of anything else."""
+    for name in ("py_func", "_defn"):
+        if isinstance(getattr(value, name, None), FunctionType):
+            return getattr(value, name)
+    return value if isinstance(value, FunctionType) else None
+
+
+def _of_library(module: str | None) -> bool:
+    return (module or "").partition(".")[0] in _LIBRARIES
+
+
+def _type(kind: Any) -> str:
+    """A type of arguments; of named tuples with their fields, which the name of one leaves out."""
+    if hasattr(kind, "instance_class"):
+        owner = kind.instance_class
+        fields = zip(kind.fields, kind.types, strict=True)
+        inner = ", ".join(f"{name}: {_type(field)}" for name, field in fields)
+        return f"{owner.__module__}.{owner.__qualname__}({inner})"
+    if isinstance(kind, (tuple, numba.types.Tuple, numba.types.UniTuple)):
+        parts: Any = kind
+        return f"({', '.join(_type(part) for part in parts)})"
+    return str(kind)
