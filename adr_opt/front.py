@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
+import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
@@ -17,6 +18,7 @@ from .mission import Mission
 from .plan import Plan
 from .planner import BOUNDS, PLANNERS, Planner, Progress, check_size, get, names, silent
 from .planner import options as options_of
+from .practice import Practice, habits, practice_mission
 from .pricing import APPROXIMATE
 from .result import Result, certify, status_of
 from .start import legal_beginning, start_destinations
@@ -62,9 +64,10 @@ def solve(
     method : str
         Name of an installed planner.
     time_limit : float
-        Wall time from this call, the timetable included [s]. Quick planners end by themselves.
-        Where it is short of the timetable, the nearest targets are planned with, and a note says
-        so; see :mod:`adr_opt.candidates`.
+        Wall time, the timetable included [s]. Quick planners end by themselves. Where it is short
+        of the timetable, the nearest targets are planned with, and a note says so; see
+        :mod:`adr_opt.candidates`. What has to be compiled, once on a machine, is compiled before:
+        see :func:`warm_up`.
     seed : int
     stop : Stop, optional
         A further criterion; planning ends at whichever comes first.
@@ -232,9 +235,7 @@ def run(
     the method; ``options`` may have any names, those of the parameters above included;
     ``building`` is told of the share of the timetable that is built.
     """
-    criteria: list[Stop] = [MaxRuntime(time_limit)]
-    if stop is not None:
-        criteria.append(stop)
+    MaxRuntime(time_limit)  # a wrong one is refused before anything is compiled
     whole = instance if isinstance(instance, Mission) else Mission(instance)
     if margin:
         whole = whole.with_margin(margin)
@@ -249,6 +250,11 @@ def run(
     )  # fmt: skip
     given = () if start is None else start
     destinations = start_destinations(whole, given, repair=repair)
+    others = () if stop is None else (stop,)
+    warm_up(group, method, *others, starts=start is not None, options=options)
+    if bound is not None:
+        warm_up(BOUNDS, bound, *others, starts=start is not None)
+    criteria: list[Stop] = [MaxRuntime(time_limit), *others]
     chosen = candidates(
         whole,
         time_limit,
@@ -303,6 +309,64 @@ def _noted(result: Result, notes: Sequence[str]) -> Result:
     if plan is not None:
         plan = plan.replace(notes=(*plan.notes, *notes))
     return replace(result, notes=(*result.notes, *notes), plan=plan)
+
+
+_warm: set[tuple[object, ...]] = set()
+_warming = threading.RLock()
+
+
+def warm_up(
+    group: str,
+    method: str,
+    *stops: Stop,
+    starts: bool = False,
+    options: Mapping[str, Any] | None = None,
+) -> Exception | None:
+    """Let a method compile its kernels, by a run on a small mission; once in a process is enough.
+
+    Parameters
+    ----------
+    group, method, options
+        As in :func:`run`.
+    *stops : Stop
+        They end the practice too.
+    starts : bool
+        Whether there will be a plan to begin from.
+
+    Returns
+    -------
+    Exception or None
+        Why the method could not practise. On a mission of its own it will say so, or do better.
+
+    Raises
+    ------
+    InputError
+        There is no such method or option.
+    """
+    mission = practice_mission()
+    prepared = prepare(group, method, options=options)
+    # Numbers say how much is done, texts and switches what is done.
+    chosen: dict[str, Any] = {
+        name: value
+        for name, value in prepared.arguments.items()
+        if isinstance(value, (str, bool))
+    }
+    if starts and takes_start(prepared.function):
+        chosen["start"] = (1,)
+    key = (group, method, *sorted(chosen.items()))
+    habit = habits(prepared.function)
+    with _warming:
+        if key in _warm:
+            return None
+        _warm.add(key)
+        try:
+            prepared.function(
+                mission, seed=0, stop=Practice(habit.rounds, *stops), progress=silent,
+                **{**habit.options, **chosen},
+            )  # fmt: skip
+        except Exception as error:
+            return error
+    return None
 
 
 def prepare(

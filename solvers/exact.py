@@ -14,6 +14,7 @@ from collections.abc import Iterable
 
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress, get, silent
+from adr_opt.practice import practises
 from adr_opt.result import Result, certify
 from adr_opt.stop import Clock, Stop
 
@@ -23,6 +24,7 @@ START_WIDTH = 3000
 """Of the beam that it starts from; the proof finds what this misses."""
 
 
+@practises(rounds=12)
 def exact(
     mission: Mission,
     *,

@@ -7,12 +7,14 @@ from collections.abc import Iterable
 
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
+from adr_opt.practice import practises
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
 from .proof import Certificate, bound_notes, check_options, prove
 
 
+@practises(rounds=12)
 def lagrangian(
     mission: Mission,
     *,

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
+from adr_opt.practice import practises
 from adr_opt.result import Result
 from adr_opt.stop import Stop
 
@@ -15,6 +16,7 @@ from .model import Model
 __all__ = ["cpsat"]
 
 
+@practises(rounds=6, evaluations=4)
 def cpsat(
     mission: Mission,
     *,

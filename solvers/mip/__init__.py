@@ -11,6 +11,7 @@ from ortools.sat.python import cp_model  # noqa: F401 — loaded before highspy,
 from adr_opt.errors import InputError, MissingExtra
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
+from adr_opt.practice import practises
 from adr_opt.result import Result
 from adr_opt.stop import Stop
 
@@ -38,6 +39,7 @@ def _model() -> MakeModel:
     return Model
 
 
+@practises(rounds=6, evaluations=4)
 def mip(
     mission: Mission,
     *,

@@ -1,0 +1,101 @@
+"""A mission to practise on: a method that has run on it has compiled the kernels that it needs."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping
+from functools import cache
+from itertools import cycle
+from typing import Any, NamedTuple, TypeVar
+
+from .generator import generate
+from .kernels.compile import compiling_s
+from .mission import Mission
+from .stop import Stop
+
+Method = TypeVar("Method", bound=Callable[..., object])
+
+TARGETS = 16
+
+_ATTRIBUTE = "practice_rounds"
+
+LONGEST_S = 3.0
+"""For methods that do not count iterations. Compiling is not counted."""
+
+
+@cache
+def practice_mission() -> Mission:
+    """A small field on which no method is done at once, and which has everything that one can."""
+    field = generate("reduced-time", 0, targets=TARGETS, zones=2)
+    prizes = cycle((1.0, 1.1, 1.2))
+    return Mission(
+        field.replace(
+            targets=tuple(
+                target.replace(prize=prize)
+                for target, prize in zip(field.targets, prizes, strict=False)
+            )
+        )
+    )
+
+
+class Habits(NamedTuple):
+    """How a method practises.
+
+    Attributes
+    ----------
+    rounds : int
+        How often it may ask whether it is enough.
+    options : mapping
+        What it is called with.
+    """
+
+    rounds: int = 3
+    options: Mapping[str, Any] = {}
+
+
+def practises(rounds: int = Habits().rounds, **options: Any) -> Callable[[Method], Method]:
+    """Decorate a method that does not come by all of its kernels in the usual way."""
+
+    def decorate(method: Method) -> Method:
+        setattr(method, _ATTRIBUTE, Habits(rounds, options))
+        return method
+
+    return decorate
+
+
+def habits(method: Callable[..., object]) -> Habits:
+    """How a method practises."""
+    found: Habits = getattr(method, _ATTRIBUTE, Habits())
+    return found
+
+
+class Practice:
+    """The stop of a practice run: after some rounds, or when somebody else says enough.
+
+    Parameters
+    ----------
+    rounds : int
+        Of :class:`Habits`.
+    others : sequence of Stop
+        They end the practice too, but are only asked for the time: they may count questions.
+    """
+
+    def __init__(self, rounds: int, *others: Stop) -> None:
+        self._others = others
+        self._left = rounds
+        self._end = self._now() + LONGEST_S
+
+    @staticmethod
+    def _now() -> float:
+        return time.perf_counter() - compiling_s()
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
+        self._left -= 1
+        return self._left < 0 or self.remaining_s() <= 0.0
+
+    def remaining_s(self) -> float:
+        """Seconds that may still be used."""
+        others = min((stop.remaining_s() for stop in self._others), default=math.inf)
+        return min(self._end - self._now(), others)
