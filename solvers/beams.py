@@ -32,6 +32,7 @@ from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels import timetable
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.memory import write
 from adr_opt.mission import Mission
 from adr_opt.stop import Stop
 
@@ -106,8 +107,33 @@ def _key_of(number, seed):
 
 @kernel
 def _threshold(scores, count, wanted):
-    """The score of the candidate number ``wanted``."""
-    return np.partition(scores[:count], wanted - 1)[wanted - 1]
+    """The score of the candidate number ``wanted``, by Hoare's selection.
+
+    ``np.partition`` is as quick and takes a quarter of the beam's time to compile.
+    """
+    kept = scores[:count].copy()
+    low, high, place = 0, count - 1, wanted - 1
+    while low < high:
+        middle = kept[(low + high) // 2]
+        first, last = min(kept[low], kept[high]), max(kept[low], kept[high])
+        pivot = max(first, min(middle, last))
+        i, j = low, high
+        while i <= j:
+            while kept[i] < pivot:
+                i += 1
+            while kept[j] > pivot:
+                j -= 1
+            if i <= j:
+                kept[i], kept[j] = kept[j], kept[i]
+                i += 1
+                j -= 1
+        if place <= j:
+            high = j
+        elif place >= i:
+            low = i
+        else:
+            break
+    return kept[place]
 
 
 @kernel
@@ -347,7 +373,7 @@ def beam_kernel(
             next_prize[size] = prize[s] + rules.prize[j]
             if guided:
                 next_ahead[size] = ahead[s] - guide.multipliers[j]
-            next_visited[size] = visited[s]
+            write(next_visited[size], visited[s])
             next_visited[size, j >> 6] |= one << np.uint64(j & 63)
             chain[size] = head[slot]
             head[slot] = size
@@ -380,7 +406,7 @@ def beam_kernel(
         best_at = parent_of[best_level, best_at]
         best_level -= 1
     sequence = np.empty(prefix.size + length, np.int64)
-    sequence[: prefix.size] = prefix
+    write(sequence, prefix)
     for m in range(length):
         sequence[prefix.size + m] = backwards[length - 1 - m]
     return sequence, best_prize, best_spent, priced

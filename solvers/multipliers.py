@@ -15,6 +15,7 @@ import numpy as np
 
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.memory import write
 
 from .walks import WalkBound
 
@@ -54,7 +55,7 @@ def nearest_below(slopes, offsets, weights, centre, tolerance, radius, point):
     """
     planes, n = slopes.shape
     floor_weights = np.zeros(n)
-    point[:] = centre
+    write(point, centre)
     for k in range(planes):
         for j in range(n):
             point[j] -= weights[k] * slopes[k, j]

@@ -20,6 +20,13 @@ def half_ellipse_speeds(r1, r2):
 
 
 @kernel
+def combine(vector, a, u, b, v):
+    """Write a u + b v: in a loop, because array expressions take long to compile."""
+    for axis in range(3):
+        vector[axis] = a * u[axis] + b * v[axis]
+
+
+@kernel
 def burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r):
     """The burns of one sequence in time order.
 
@@ -62,37 +69,48 @@ def burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r):
     # after it in plane j, square to the same line of nodes.
     _, _, normal_j = orbits.frame(orbit_j[orbits.INCLINATION], orbit_j[orbits.RAAN])
     position, velocity = orbits.state(orbit_i, departure)
-    outward = position / ri
-    ahead_i = velocity / pair.speed_i
-    ahead_j = np.cross(normal_j, outward)
-    ahead_j /= math.sqrt(np.sum(ahead_j**2))
+    outward, ahead_i, ahead_j = position, velocity, np.empty(3)
+    for axis in range(3):
+        outward[axis] /= ri
+        ahead_i[axis] /= pair.speed_i
+    for axis in range(3):
+        second, third = (axis + 1) % 3, (axis + 2) % 3
+        ahead_j[axis] = normal_j[second] * outward[third] - normal_j[third] * outward[second]
+    length = math.sqrt(ahead_j[0] ** 2 + ahead_j[1] ** 2 + ahead_j[2] ** 2)
+    for axis in range(3):
+        ahead_j[axis] /= length
 
     clock = math.pi / transfer.SQRT_MU
     a1, a2, a3 = 0.5 * (ri + r), 0.5 * (r + rc), 0.5 * (rc + rj)
     now = departure
-    times[0], vectors[0], phases[0] = now, (v1 - pair.speed_i) * ahead_i, HOHMANN_1
+    times[0], phases[0] = now, HOHMANN_1
+    combine(vectors[0], v1 - pair.speed_i, ahead_i, 0.0, ahead_j)
     now += clock * a1 * math.sqrt(a1)
-    times[1], vectors[1] = now, v1_end * ahead_i - circle * ahead_j
-    phases[1] = CO_ELLIPTIC
+    times[1], phases[1] = now, CO_ELLIPTIC
+    combine(vectors[1], v1_end, ahead_i, -circle, ahead_j)
     b = 2
     if revolutions > 0:
         phases[1] = PHASING
         now += revolutions * transfer.lap_time(r)[0]
-        times[2], vectors[2], phases[2] = now, (circle - v2) * ahead_j, CO_ELLIPTIC
+        times[2], phases[2] = now, CO_ELLIPTIC
+        combine(vectors[2], 0.0, ahead_i, circle - v2, ahead_j)
         b = 3
     now += clock * a2 * math.sqrt(a2)
-    times[b], vectors[b], phases[b] = now, (v3 - v2_end) * ahead_j, TERMINAL
+    times[b], phases[b] = now, TERMINAL
+    combine(vectors[b], 0.0, ahead_i, v3 - v2_end, ahead_j)
     now += clock * a3 * math.sqrt(a3)
-    times[b + 1], vectors[b + 1] = now, (v3_end - pair.speed_j) * ahead_j
-    phases[b + 1] = TERMINAL
+    times[b + 1], phases[b + 1] = now, TERMINAL
+    combine(vectors[b + 1], 0.0, ahead_i, v3_end - pair.speed_j, ahead_j)
 
     # Half of a 2:1 relative ellipse: a radial impulse n L/4 towards the Earth at its beginning
     # and the same at its end (Clohessy–Wiltshire).
     impulse = 0.25 * pair.rate_j * rule.standoff
-    times[b + 2], vectors[b + 2], phases[b + 2] = now, impulse * outward, APPROACH
+    times[b + 2], phases[b + 2] = now, APPROACH
+    combine(vectors[b + 2], impulse, outward, 0.0, ahead_j)
     now += rule.approach_revolutions * transfer.TWO_PI / pair.rate_j
     at_target, _ = orbits.state(orbit_j, now)
-    times[b + 3], vectors[b + 3], phases[b + 3] = now, -impulse / rj * at_target, APPROACH
+    times[b + 3], phases[b + 3] = now, APPROACH
+    combine(vectors[b + 3], -impulse / rj, at_target, 0.0, ahead_j)
     return times, vectors, phases
 
 

@@ -1,4 +1,4 @@
-"""Two things about memory that Numba cannot say in Python.
+"""Three things about memory that Numba cannot say in Python, or not briefly.
 
 Kernels that step hundreds of missions read a cache line here and there from tables of gigabytes.
 What they wait for is memory, not arithmetic, and two threads that count references to the same
@@ -11,6 +11,8 @@ from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
+
+from .compile import inlined
 
 
 def _borrowed(_, array):
@@ -60,3 +62,14 @@ def _fetch(_, array, indices):
 
 borrowed: Any = intrinsic(_borrowed)
 fetch: Any = intrinsic(_fetch)
+
+
+@inlined
+def write(target, source):
+    """Write an array into the beginning of another one, both with one axis.
+
+    An assignment to a slice says the same, but brings code along that puts two shapes into a
+    sentence, and compiling that takes longer than most kernels do.
+    """
+    for i in range(source.size):
+        target[i] = source[i]

@@ -116,6 +116,9 @@ def state(orbit, time):
     n = mean_motion(orbit[RADIUS])
     u = orbit[ARGUMENT_OF_LATITUDE] + n * time
     ascending, ahead, _ = frame(orbit[INCLINATION], orbit[RAAN])
-    outward = math.cos(u) * ascending + math.sin(u) * ahead
-    along = math.cos(u) * ahead - math.sin(u) * ascending
-    return orbit[RADIUS] * outward, orbit[RADIUS] * n * along
+    position, velocity = np.empty(3), np.empty(3)
+    for axis in range(3):
+        outward = math.cos(u) * ascending[axis] + math.sin(u) * ahead[axis]
+        along = math.cos(u) * ahead[axis] - math.sin(u) * ascending[axis]
+        position[axis], velocity[axis] = orbit[RADIUS] * outward, orbit[RADIUS] * n * along
+    return position, velocity

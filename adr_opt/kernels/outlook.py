@@ -13,6 +13,7 @@ import numpy as np
 from . import orbits, timetable
 from .compile import kernel
 from .constants import STATION
+from .memory import write
 
 NEAR = 6
 """Nearest planes kept for each body."""
@@ -117,8 +118,8 @@ def fill(bodies, table, service, outlook):
             if j != i and j != STATION:
                 kept = _insert(outlook.angle[i, j], j, costs, items, kept)
         outlook.near[i] = -1
-        outlook.near[i, :kept] = items[:kept]
-        outlook.near_angle[i, :kept] = costs[:kept]
+        write(outlook.near[i], items[:kept])
+        write(outlook.near_angle[i], costs[:kept])
         outlook.home_first[i] = 0.0
         outlook.home_total[i] = 0
         if i != STATION:

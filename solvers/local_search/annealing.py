@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.memory import write
 
 from ..orders import Labels, time_order, with_refuelling
 from . import moves
@@ -19,10 +20,10 @@ PATIENCE_S = 4000.0
 def _copy_labels(source, destination, first, last):
     for position in range(first, last + 1):
         destination.size[position] = source.size[position]
-        destination.end[position] = source.end[position]
-        destination.left[position] = source.left[position]
-        destination.parent[position] = source.parent[position]
-        destination.refuels[position] = source.refuels[position]
+        write(destination.end[position], source.end[position])
+        write(destination.left[position], source.left[position])
+        write(destination.parent[position], source.parent[position])
+        write(destination.refuels[position], source.refuels[position])
 
 
 @kernel
@@ -62,7 +63,7 @@ def anneal(rules, order, length, labels, kept, worth, weights, hot, cold, iterat
     if length == 0:
         end = 0.0
     _copy_labels(labels, kept, 0, length)
-    reference[: length + 1] = labels.end[: length + 1, 0]
+    write(reference, labels.end[: length + 1, 0])
     prize = 0.0
     for p in range(length):
         prize += rules.prize[order[p]]
@@ -100,15 +101,15 @@ def anneal(rules, order, length, labels, kept, worth, weights, hot, cold, iterat
             )
         if new_end <= latest:
             accepted += 1
-            order[:] = trial
+            write(order, trial)
             length, prize, end = new_length, new_prize, new_end
             _copy_labels(labels, kept, first + 1, length)
-            reference[: length + 1] = kept.end[: length + 1, 0]
+            write(reference, kept.end[: length + 1, 0])
             if prize > best_prize or (prize == best_prize and end < best_end):
                 best_prize, best_end = prize, end
                 best = with_refuelling(order, length, labels)
         else:
-            trial[:] = order
+            write(trial, order)
             _copy_labels(kept, labels, first + 1, length)
     return best, best_prize, length, accepted
 

@@ -8,6 +8,7 @@ import numpy as np
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.memory import write
 
 from . import policy as policies
 
@@ -271,7 +272,7 @@ def step(rules, policy, search, rng, tree, used, root, played, collected, visite
         used, root = copy_root(tree, root), 0
     path = scratch.path
     for _ in range(search.simulations):
-        scratch.visited[:] = visited
+        write(scratch.visited, visited)
         node, depth, moves, prizes = root, 0, played, collected
         path[0] = root
         while True:
@@ -308,7 +309,7 @@ def step(rules, policy, search, rng, tree, used, root, played, collected, visite
         record.returns[1] = max(record.returns[1], prizes)
         if prizes > record.best[1] or (prizes == record.best[1] and spent < record.best[2]):
             record.best[0], record.best[1], record.best[2] = moves, prizes, spent
-            record.sequence[:moves] = scratch.sequence[:moves]
+            write(record.sequence, scratch.sequence[:moves])
     chosen = move_to_play(search, tree, root)
     if chosen == NONE:
         return NONE, root, used

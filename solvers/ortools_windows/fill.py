@@ -7,6 +7,7 @@ import numpy as np
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.memory import write
 
 
 @kernel
@@ -36,7 +37,7 @@ def append(rules, sequence, time_value):
         rules, sequence, 0, STATION, 0.0, rules.budget, 0, visited, ends, lefts
     )
     longer = np.empty(made + 2 * bodies, dtype=np.int64)
-    longer[:made] = sequence[:made]
+    write(longer, sequence[:made])
     body, now, left, since_refuel = STATION, 0.0, rules.budget, 0
     if made > 0:
         body, now, left = sequence[made - 1], ends[made - 1], lefts[made - 1]
@@ -107,9 +108,9 @@ def insert(rules, sequence):
             for j in range(1, bodies):
                 if given[j] or rules.prize[j] <= 0.0 or rules.prize[j] < best_prize:
                     continue
-                trial[:place] = sequence[:place]
+                write(trial, sequence[:place])
                 trial[place] = j
-                trial[place + 1 :] = sequence[place:]
+                write(trial[place + 1 :], sequence[place:])
                 visited[:] = False
                 made, _ = rule_kernels.replay(
                     rules, trial, 0, STATION, 0.0, rules.budget, 0, visited, ends, lefts

@@ -16,6 +16,7 @@ from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels import timetable as table_kernels
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.memory import write
 
 
 class Worth(NamedTuple):
@@ -306,7 +307,8 @@ def _slots(table, window):
     """
     targets = window.open_targets
     members = np.empty(targets.size + 2, dtype=np.int64)
-    members[0], members[1], members[2:] = STATION, window.body, targets
+    members[0], members[1] = STATION, window.body
+    write(members[2:], targets)
     local = np.full(table.spacing.size, -1, dtype=np.int64)
     for place in range(members.size):
         local[members[place]] = place
