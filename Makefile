@@ -15,6 +15,7 @@ PLAN := plan-$(notdir $(INSTANCE))
 DEFINITION := pyproject.toml constraints.txt
 BASE := $(VENV)/.installed
 DEVELOPMENT := $(VENV)/.installed-development
+DOCUMENTATION := $(VENV)/.installed-documentation
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -40,7 +41,7 @@ format: $(DEVELOPMENT) ## Format the code and sort the imports
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-docs: $(DEVELOPMENT) ## Build the documentation in site/ (make test builds it too, elsewhere)
+docs: $(DOCUMENTATION) ## Build the documentation in site/ (make test builds it too, elsewhere)
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "open site/index.html"
 
@@ -48,7 +49,7 @@ bench: $(DEVELOPMENT) ## Measure the timetable and the planners (docs/benchmarks
 	$(BIN)/python bench/precompute.py
 	$(BIN)/python bench/planners.py nominal greedy greedy-guarded mcts beam auto@10
 
-clean: ## Remove the virtual environment, caches and written plans
+clean: ## Remove the virtual environment, caches of tools and written plans
 	rm -rf $(VENV) site build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	rm -rf .import_linter_cache $(PLAN)
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
@@ -60,9 +61,14 @@ $(BIN)/python:
 
 $(BASE): $(DEFINITION) | $(BIN)/python
 	$(PIP) install --constraint constraints.txt --editable .
+	$(BIN)/python -m adr_opt warm-up $(METHOD)
 	@touch $@
 
-# The development install holds the base, so it renews both stamps.
+$(DOCUMENTATION): $(DEFINITION) | $(BIN)/python
+	$(PIP) install --constraint constraints.txt --editable '.[docs]'
+	@touch $@
+
+# The development install holds the others, so it renews all stamps.
 $(DEVELOPMENT): $(DEFINITION) | $(BIN)/python
 	$(PIP) install --constraint constraints.txt --editable '.[test,dev,docs]'
-	@touch $(BASE) $@
+	@touch $(BASE) $(DOCUMENTATION) $@

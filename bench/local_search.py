@@ -95,7 +95,7 @@ def main() -> None:
         from alns.select import RouletteWheel
         from alns.stop import MaxRuntime
     except ImportError:
-        sys.exit("this comparison needs the package alns: pip install 'adr-opt[peers]'")
+        sys.exit("this comparison needs the package alns: pip install -e '.[peers]'")
     print(heading())
     print("| field | guarded greedy | local-search | alns |\n|---|---|---|---|")
     warm = adr_opt.Mission(adr_opt.generate("tiny", 0))

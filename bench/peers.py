@@ -6,7 +6,7 @@
 Same instances, time limit, seed and cores. Every clock starts with a ready timetable; building a
 peer's model from it is not charged to the peer and is listed as "build". What a peer *promises* is
 the number of targets that its own model visits; what it *keeps* is left of that when the plan is
-timed exactly on the timetable and passes ``check``. Needs ``pip install 'adr-opt[peers]'``.
+timed exactly on the timetable and passes ``check``. Needs ``pip install -e '.[peers]'``.
 
 How each peer is used is said in ``contest/pyvrp_static.py`` (``--static``) and
 ``contest/didppy_slots.py``.

@@ -33,11 +33,11 @@ def test_help_lists_every_verb(cli: Cli) -> None:
 
 def test_verbs_are_listed_as_a_mission_goes(cli: Cli) -> None:
     """`--help` lists them in the order of `VERBS`: make an instance, plan, look at it, the rest."""
-    listed = re.findall(r"(?m)^  ([a-z]+) ", cli("--help").out.partition("Commands:")[2])
+    listed = re.findall(r"(?m)^  ([a-z-]+) ", cli("--help").out.partition("Commands:")[2])
     assert tuple(listed) == VERBS
     assert set(VERBS) == {
         "generate", "import", "solve", "bound", "check", "fly", "matrix", "export", "report",
-        "train", "methods", "schema",
+        "train", "methods", "warm-up", "schema",
     }  # fmt: skip
 
 
@@ -292,7 +292,7 @@ def test_fly_without_its_extra_names_it(
     monkeypatch.setitem(sys.modules, "boinor.bodies", None)
     outcome = cli("fly", tiny_file, "plan.json")
     assert outcome.status == 2
-    assert "pip install 'adr-opt[astro]'" in outcome.err
+    assert "pip install -e '.[astro]'" in outcome.err
     assert "plan.json" not in outcome.err
 
 

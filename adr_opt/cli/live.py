@@ -15,24 +15,33 @@ def wanted(as_json: bool, quiet: bool) -> bool:
 
 
 @contextmanager
-def live_line(shown: bool) -> Iterator[Callable[[float, float, float], None]]:
+def live_line(shown: bool) -> Iterator[Callable[[float, float, float, bool], None]]:
     """A line on standard error, gone at the end; yields what updates it.
 
-    The function takes incumbent, bound and the share of the timetable that is built; without
-    ``shown`` it does nothing.
+    The function takes incumbent, bound, the share of the timetable that is built, and whether
+    kernels are still being compiled: the clock starts after that. Without ``shown`` it does
+    nothing.
     """
     if not shown:
-        yield lambda incumbent, bound, built: None
+        yield lambda incumbent, bound, built, compiling: None
         return
     from rich.console import Console
     from rich.live import Live
     from rich.text import Text
 
-    begun = time.monotonic()
+    started = begun = time.monotonic()
     with Live(console=Console(stderr=True), auto_refresh=False, transient=True) as live:
-        yield lambda incumbent, bound, built: live.update(
-            Text(describe(time.monotonic() - begun, incumbent, bound, built)), refresh=True
-        )
+
+        def show(incumbent: float, bound: float, built: float, compiling: bool) -> None:
+            nonlocal begun
+            now = time.monotonic()
+            if compiling:
+                begun, text = now, f"{now - started:.1f} s  compiling, once"
+            else:
+                text = describe(now - begun, incumbent, bound, built)
+            live.update(Text(text), refresh=True)
+
+        yield show
 
 
 def describe(elapsed_s: float, incumbent: float, bound: float, built: float = 1.0) -> str:

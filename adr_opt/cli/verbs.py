@@ -12,7 +12,7 @@ from ..errors import InputError
 
 VERBS = (
     "generate", "import", "solve", "bound", "check", "fly", "matrix", "export", "report", "train",
-    "methods", "schema",
+    "methods", "warm-up", "schema",
 )  # fmt: skip
 
 
@@ -28,7 +28,7 @@ class Verbs(click.Group):
         if cmd_name not in VERBS:
             return None
         # A keyword of the language cannot name a module that others may import.
-        module = f"{cmd_name}_" if iskeyword(cmd_name) else cmd_name
+        module = f"{cmd_name}_" if iskeyword(cmd_name) else cmd_name.replace("-", "_")
         command: click.Command = import_module(f"{__package__}.{module}").command
         return command
 

@@ -40,13 +40,16 @@ class Watch:
         self.incumbent = -math.inf
         self.bound = math.inf
         self.built = 1.0
+        self.begun = False
 
     def building(self, share: float) -> None:
-        """Hear of the share of the timetable that is built."""
+        """Hear of the share of the timetable that is built; the clock has started."""
+        self.begun = True
         self.built = share
 
     def __call__(self, incumbent: float, bound: float) -> None:
         """Hear of an incumbent and a bound; the timetable is there, or as much as will be."""
+        self.begun = True
         self.built = 1.0
         self.incumbent = max(self.incumbent, incumbent)
         self.bound = min(self.bound, bound)
@@ -71,6 +74,8 @@ def work(task: Callable[[Stop, Watch], Result], *, live: bool, quiet: bool) -> R
     Aborted
         On the second signal. The thread is still running then.
     """
+    from ..kernels.cache import trouble
+    from ..kernels.compile import compiling_s
     from ..stop import Interrupted
 
     stop, watch, done = Interrupted(), Watch(), threading.Event()
@@ -85,14 +90,20 @@ def work(task: Callable[[Stop, Watch], Result], *, live: bool, quiet: bool) -> R
         finally:
             done.set()
 
-    told = False
+    told = warned = False
     with _signals_set(stop), live_line(live) as show:
         threading.Thread(target=run, name="method", daemon=True).start()
         while not done.wait(POLL_S):
-            show(watch.incumbent, watch.bound, watch.built)
+            compiling = not watch.begun and compiling_s() > 0.0
+            show(watch.incumbent, watch.bound, watch.built, compiling)
+            if compiling and not warned and not live and not quiet:
+                say("compiling, once; the time limit begins afterwards")
+                warned = True
             if stop.is_set and not told and not quiet:
                 say("interrupted: waiting for the best result so far; once more to abort")
                 told = True
+    if trouble() is not None and not quiet:
+        say(f"compiled kernels cannot be kept: {trouble()}")
     if errors:
         raise errors[0]
     if stop.is_set and not quiet:

@@ -147,6 +147,7 @@ def _read(path: Path) -> bytes | None:
 
 
 def _write(name: str, payload: bytes) -> None:
+    failures = []
     for folder in folders():
         unfinished = folder / f".{uuid4().hex}"
         try:
@@ -154,12 +155,13 @@ def _write(name: str, payload: bytes) -> None:
             unfinished.write_bytes(hashlib.sha256(payload).digest() + payload)
             unfinished.replace(folder / name)
         except OSError as error:
+            failures.append(f"{folder}: {error.strerror or error}")
             with suppress(OSError):
                 unfinished.unlink()
-            _troubles.append(f"{folder}: {error.strerror or error}")
-            continue
-        _prune(folder)
-        return
+        else:
+            _prune(folder)
+            return
+    _troubles.append(failures[0] if failures else "there is no folder to keep them in")
 
 
 def _prune(folder: Path) -> None:
