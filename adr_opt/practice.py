@@ -16,9 +16,7 @@ from .stop import Stop
 
 Method = TypeVar("Method", bound=Callable[..., object])
 
-TARGETS = 16
-
-_ATTRIBUTE = "practice_rounds"
+_ATTRIBUTE = "practice_habits"
 
 LONGEST_S = 10.0
 """For methods that ask for the time alone. Compiling is not counted."""
@@ -27,7 +25,7 @@ LONGEST_S = 10.0
 @cache
 def practice_mission() -> Mission:
     """A small field on which no method is done at once, and which has everything that one can."""
-    field = generate("reduced-time", 0, targets=TARGETS, zones=2)
+    field = generate("reduced-time", 0, targets=16, zones=2)
     prizes = cycle((1.0, 1.1, 1.2))
     return Mission(
         field.replace(

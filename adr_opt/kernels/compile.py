@@ -18,7 +18,8 @@ def _compiled(**options: Any) -> Callable[[Function], Function]:
     # No ``fastmath``: tables hold +inf for "no transfer", and two machines must agree.
     # No ``cache``: Numba would write beside the sources and overlook changes of other files.
     # ``no_cfunc_wrapper``: nobody calls kernels from C, and it is an eighth of the compiling.
-    decorate = njit(nogil=True, error_model="numpy", no_cfunc_wrapper=True, **options)
+    options |= {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+    decorate = njit(**options)
 
     def decorator(function: Function) -> Function:
         dispatcher: Any = decorate(function)
