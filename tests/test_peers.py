@@ -157,5 +157,5 @@ def test_mending_refuels_and_leaves_out(peers):
 
 def test_missing_package_is_one_sentence(peers):
     """A peer that is not installed is named with the extra that brings it."""
-    with pytest.raises(adr_opt.errors.MissingExtra, match=r"adr-opt\[peers\]"):
+    with pytest.raises(adr_opt.errors.MissingExtra, match=r"\[peers\]"):
         peers.need("no_such_package")
