@@ -347,9 +347,7 @@ def warm_up(
     prepared = prepare(group, method, options=options)
     # Numbers say how much is done, texts and switches what is done.
     chosen: dict[str, Any] = {
-        name: value
-        for name, value in prepared.arguments.items()
-        if isinstance(value, (str, bool))
+        name: value for name, value in prepared.arguments.items() if isinstance(value, (str, bool))
     }
     if starts and takes_start(prepared.function):
         chosen["start"] = (1,)
