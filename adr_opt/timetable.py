@@ -8,11 +8,20 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from .available_memory import available_bytes
+from .connections import (
+    CHOICES,
+    DELTA_V_RESOLUTION_M_S,
+    Choice,
+    Connecting,
+    Connections,
+    weights_of,
+)
 from .errors import InputError
 from .instance import Instance
 from .kernels import timetable as kernels
@@ -82,6 +91,9 @@ class Matrices:
     duration : (departures, bodies, bodies) float64
         From ready to arrival: wait for the node, transfer, approach; without service [s].
 
+    choice : str
+        Which transfer they are of, in words.
+
     Both are +inf where there is no transfer and 0 on the diagonal.
     """
 
@@ -89,6 +101,7 @@ class Matrices:
     names: tuple[str, ...]
     delta_v: FloatArray
     duration: FloatArray
+    choice: str = "of the next departure event"
 
 
 class Timetable:
@@ -190,18 +203,64 @@ class Timetable:
         delta_v, arrival = kernels.lookup(self.table, i, j, float(time_s))
         return float(delta_v), float(arrival)
 
-    def matrices(self, departures: Sequence[float] | FloatArray) -> Matrices:
+    def connections(
+        self,
+        origin: int | str,
+        destination: int | str,
+        after: float = 0.0,
+        *,
+        resolution_m_s: float = DELTA_V_RESOLUTION_M_S,
+    ) -> Connections:
+        """Every transfer of a pair that a chaser may want, who is free to wait.
+
+        Other than :meth:`lookup`, which flies at the next event what the instance's time value
+        picks, these are *all* sequences of all departure events but those that another one
+        dominates: it departs no earlier, arrives no later and costs no more
+        (:mod:`adr_opt.kernels.connections`). Worked out for this pair on every call.
+
+        Parameters
+        ----------
+        origin, destination : int or str
+            Bodies by index or name.
+        after : float
+            Only departures at or after this time since the epoch [s].
+        resolution_m_s : float
+            A connection that saves no more than this counts as dominated [m/s].
+
+        Raises
+        ------
+        InputError
+            An unknown body, or a number that is negative or not finite.
+        """
+        for name, value in (("after", after), ("resolution_m_s", resolution_m_s)):
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InputError(f"{name} = {value!r}: must be a finite number ≥ 0")
+        i, j = self.index(origin), self.index(destination)
+        return self._connecting.of_pair(i, j, float(resolution_m_s)).after(after)
+
+    @cached_property
+    def _connecting(self) -> Connecting:
+        return Connecting(self.instance)
+
+    def matrices(
+        self, departures: Sequence[float] | FloatArray, choose: Choice | None = None
+    ) -> Matrices:
         """Sample ΔV and duration at ready times.
 
         Parameters
         ----------
         departures : sequence of float
             Times since the epoch at which the chaser is ready [s].
+        choose : {"earliest", "cheapest"} or float, optional
+            Choose one of all :meth:`connections` that depart at the ready time or later: the one
+            that arrives first, the one that costs least, or the one with the least ΔV plus so many
+            m/s per hour until arrival. Waiting counts to the duration. By default the transfer of
+            the next departure event, as plans fly it.
 
         Raises
         ------
         InputError
-            A time is negative or not finite.
+            A time is negative or not finite, or there is no such choice.
         """
         times = np.atleast_1d(np.asarray(departures, dtype=float))
         if times.ndim != 1 or not np.all(np.isfinite(times) & (times >= 0.0)):
@@ -209,8 +268,13 @@ class Timetable:
         size = len(self.names)
         delta_v = np.empty((times.size, size, size))
         duration = np.empty_like(delta_v)
-        kernels.sample(self.table, times, delta_v, duration)
-        return Matrices(times, self.names, delta_v, duration)
+        if choose is None:
+            kernels.sample(self.table, times, delta_v, duration)
+            return Matrices(times, self.names, delta_v, duration)
+        weights = weights_of(choose)
+        self._connecting.choose(times, *weights, delta_v, duration)
+        words = choose if choose in CHOICES else f"least ΔV + {float(choose):g} m/s per hour"
+        return Matrices(times, self.names, delta_v, duration, f"{words}, waiting allowed")
 
 
 def _too_large(instance: Instance, size: Size) -> str:

@@ -56,6 +56,7 @@ def test_npz_holds_the_matrices_exactly(mission: Mission, tmp_path: Path) -> Non
             "service_s",
             "instance",
             "sha256",
+            "transfers",
         }
         np.testing.assert_array_equal(read["departures_s"], DEPARTURES)
         np.testing.assert_array_equal(read["delta_v_m_s"], expected.delta_v)

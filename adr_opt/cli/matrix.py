@@ -34,6 +34,12 @@ MOST_BYTES = 2**34
     help="Weights of .tsp, .vrp and .oplib; the others hold both.",
 )
 @click.option(
+    "--choose",
+    metavar="HOW",
+    help="At ready times, of all transfers that a chaser may wait for: 'earliest', 'cheapest', or "
+    "m/s that an hour is worth. By default that of the next departure event.",
+)
+@click.option(
     "--scale", type=float, help="Weight of one m/s or one second in .tsp, .vrp and .oplib."
 )
 @click.option(
@@ -50,6 +56,7 @@ def command(
     every_s: float | None,
     at_s: tuple[float, ...],
     quantity: str,
+    choose: str | None,
     scale: float | None,
     out: str,
     as_json: bool,
@@ -64,10 +71,13 @@ def command(
         if not (time_s >= 0.0 and math.isfinite(time_s)):
             raise InputError(f"--at = {time_s:g}: must be a time from 0 on, in seconds")
 
+    from ..connections import weights_of
     from ..export import write_matrix, write_timetable
     from ..export.write import suffix_of, whole_suffixes
     from ..instance import load
 
+    if choose is not None:
+        weights_of(choose)
     suffix = suffix_of(out)
     is_whole = suffix in whole_suffixes()
     has_times = every_s is not None or bool(at_s)
@@ -75,6 +85,8 @@ def command(
         raise InputError(
             f"{out}: a {suffix} file holds every departure event; leave out --every and --at"
         )
+    if is_whole and choose is not None:
+        raise InputError(f"{out}: a {suffix} file holds every departure event; leave out --choose")
     if not is_whole and not has_times:
         raise InputError("give the ready times either with --every S or with --at S")
 
@@ -86,8 +98,8 @@ def command(
         what = "every departure event"
     else:
         departures = _departures(instance, every_s, at_s)
-        write_matrix(instance, out, departures, quantity=quantity, scale=scale)
-        written |= {"quantity": quantity, "departures_s": departures.tolist()}
+        write_matrix(instance, out, departures, quantity=quantity, scale=scale, choose=choose)
+        written |= {"quantity": quantity, "choose": choose, "departures_s": departures.tolist()}
         what = counted(departures.size, "ready time")
     if as_json:
         emit_json(written | {"bodies": list(instance.names)})

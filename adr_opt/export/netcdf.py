@@ -66,7 +66,7 @@ def dataset(mission: Mission, matrices: Matrices) -> xarray.Dataset:
             "origin": ("origin", names, {"long_name": "body that the chaser leaves"}),
             "destination": ("destination", names, {"long_name": "body that it goes to"}),
         },
-        attrs=attributes(mission.instance),
+        attrs=attributes(mission.instance) | {"transfers": matrices.choice},
     )
 
 

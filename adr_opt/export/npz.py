@@ -15,8 +15,9 @@ def write(path: Path, mission: Mission, matrices: Matrices) -> None:
 
     ``departures_s`` (departures,) [s], ``names`` (bodies,) with the station first,
     ``delta_v_m_s`` and ``duration_s`` (departures, bodies, bodies) [m/s], [s], ``service_s``
-    (bodies,) [s], and the scalars ``instance`` (its name) and ``sha256``. +inf stands where there
-    is no transfer; durations are from ready to arrival, without service.
+    (bodies,) [s], and the scalars ``instance`` (its name), ``sha256`` and ``transfers`` (which
+    ones, in words). +inf stands where there is no transfer; durations are from ready to arrival,
+    without service.
     """
     # A file and not a name: NumPy would append .npz to a name that ends in .NPZ.
     with path.open("wb") as file:
@@ -29,4 +30,5 @@ def write(path: Path, mission: Mission, matrices: Matrices) -> None:
             service_s=mission.rules.service,
             instance=np.array(mission.instance.name, dtype=np.str_),
             sha256=np.array(mission.instance.sha256, dtype=np.str_),
+            transfers=np.array(matrices.choice, dtype=np.str_),
         )

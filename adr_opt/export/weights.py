@@ -37,6 +37,8 @@ class Weights:
         Weight where there is no transfer: more than any tour of the other weights.
     departure : float
         Ready time since the epoch [s].
+    choice : str
+        Which transfers they are of, in words of ASCII.
     has_service : bool
         Whether durations contain the service at the destination.
     """
@@ -46,6 +48,7 @@ class Weights:
     scale: float
     no_transfer: int
     departure: float
+    choice: str
     has_service: bool = False
 
 
@@ -112,6 +115,7 @@ def whole_weights(
         scale,
         no_transfer(scale),
         float(matrices.departures[0]),
+        matrices.choice.replace("ΔV", "delta-v"),
         service is not None,
     )
 
@@ -133,7 +137,8 @@ def comment(instance: Instance, weights: Weights) -> str:
             contents = "from ready to the end of service, at the station to arrival; "
     return (
         f"{weights.quantity} in {UNITS[weights.quantity]} times {weights.scale:g}, rounded, "
-        f"ready at {weights.departure!r} s after {instance.model_dump(mode='json')['epoch']}; "
+        f"transfers {weights.choice}, ready at {weights.departure!r} s after "
+        f"{instance.model_dump(mode='json')['epoch']}; "
         f"{weights.no_transfer} = no transfer; {contents}"
         f"node 1 is the station, then the targets in order; instance sha256 {instance.sha256}"
     )

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..connections import Choice
 from ..errors import InputError
 from ..files import check_writable, write_whole
 from ..instance import Instance
@@ -50,6 +51,7 @@ def write_matrix(
     *,
     quantity: str = "delta_v",
     scale: float | None = None,
+    choose: Choice | None = None,
 ) -> Matrices:
     """Sample the timetable at ready times and write it, whole or not at all.
 
@@ -67,6 +69,8 @@ def write_matrix(
     scale : float, optional
         Weight of one m/s or one second in the last three; by default the largest power of ten up
         to 1000 for which every weight fits into 31 bits.
+    choose : {"earliest", "cheapest"} or float, optional
+        As in :meth:`adr_opt.Timetable.matrices`.
 
     Returns
     -------
@@ -103,7 +107,7 @@ def write_matrix(
     check_writable(path)
 
     mission = _mission(instance_or_mission)
-    matrices = mission.timetable.matrices(times)
+    matrices = mission.timetable.matrices(times, choose)
 
     def write(temporary: Path) -> None:
         if suffix == ".npz":

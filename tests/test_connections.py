@@ -1,0 +1,170 @@
+"""Connections: all transfers of a pair that a chaser who may wait could want, and no others."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import adr_opt
+from adr_opt.errors import InputError
+from adr_opt.kernels import connections, transfer
+from adr_opt.kernels.constants import EARTH_RADIUS_M
+from adr_opt.kernels.transfer import TWO_PI
+from adr_opt.timetable import Timetable
+
+DAY_S = 86400.0
+
+
+def every_sequence(origin, destination, extra, rule, duration):
+    """All sequences (k, m) of all departure events as rows (departure, arrival, ΔV, k)."""
+    pair = transfer.prepare(origin, destination, extra, rule)
+    approach = rule.approach_revolutions * TWO_PI / pair.rate_j
+    first, half_turns = transfer.first_departure(pair)
+    found = []
+    number = 0
+    while (departure := first + number * math.pi / pair.rate_i) <= duration:
+        lead = transfer.target_lead(pair, departure, half_turns + number)
+        phase = 3.0 * math.pi - lead + rule.standoff / pair.radius_j
+        longest = pair.longest + rule.max_phasing_revolutions * pair.longest_lap
+        s = math.ceil((pair.shortest * pair.rate_j - phase) / TWO_PI)
+        while (time := (phase + TWO_PI * s) / pair.rate_j) <= longest:
+            s += 1
+            arrival = departure + time + approach
+            for k in range(rule.max_phasing_revolutions + 1):
+                low = pair.shortest + k * pair.shortest_lap
+                high = pair.longest + k * pair.longest_lap
+                if not low <= time <= high or arrival > duration:
+                    continue
+                r = transfer.phasing_radius(pair, rule, k, time)
+                if not transfer.is_blocked(pair, rule, k, r, departure):
+                    cost = transfer.sequence_delta_v(pair, rule, k, r)
+                    found.append((departure, arrival, cost, k))
+        number += 1
+    return np.array(found).reshape(-1, 4)
+
+
+def sifted(rows, resolution):
+    """What is left when each is compared with all that were kept, best first."""
+    order = np.lexsort((rows[:, 2], np.round(rows[:, 1], 3), -rows[:, 0]))
+    kept: list[np.ndarray] = []
+    for row in rows[order]:
+        better = (
+            other[0] >= row[0] and other[1] <= row[1] + 1e-6 and other[2] <= row[2] + resolution
+            for other in kept
+        )
+        if not any(better):
+            kept.append(row)
+    return np.array(sorted(kept, key=lambda row: (row[0], row[1]))).reshape(-1, 4)
+
+
+def random_cases(count):
+    """Pairs of random fields with random settings, zones and other planes."""
+    rng = np.random.default_rng(0)
+    fields = [adr_opt.generate("tiny", seed, zones=zones) for seed in range(4) for zones in (0, 3)]
+    for number in range(count):
+        instance = fields[number % len(fields)]
+        orbits = instance.orbits()
+        i, j = rng.choice(len(orbits), 2, replace=False)
+        origin, destination = orbits[i].copy(), orbits[j].copy()
+        if rng.random() < 0.3:
+            destination[0] += rng.uniform(-2e5, 8e5)
+        if rng.random() < 0.3:
+            destination[2] += rng.uniform(-1.0, 1.0)
+        rule = instance.transfer_rule()._replace(
+            first_leg_fraction=float(rng.choice([0.0, 0.5, 0.75, 1.0])),
+            standoff=float(rng.choice([0.0, 1e3, 5e4])),
+            max_phasing_revolutions=int(rng.choice([0, 1, 5, 12])),
+            min_radius=EARTH_RADIUS_M + float(rng.choice([200e3, 500e3])),
+            max_radius=EARTH_RADIUS_M + float(rng.choice([900e3, 2000e3, 9000e3])),
+        )
+        yield origin, destination, rule, float(rng.choice([0.0, 0.1, 5.0]))
+
+
+def test_connections_are_what_is_left_of_all_sequences():
+    """The quick sifting keeps exactly those that comparing every sequence with every other does."""
+    kept = 0
+    for origin, destination, rule, resolution in random_cases(120):
+        expected = sifted(every_sequence(origin, destination, 3.0, rule, 0.7 * DAY_S), resolution)
+        found = np.column_stack(
+            connections.of_pair(origin, destination, 3.0, rule, 0.7 * DAY_S, resolution)
+        )
+        case = (origin, destination, rule, resolution)
+        assert found.shape == expected.shape, case
+        np.testing.assert_allclose(found, expected, atol=1e-6, err_msg=str(case))
+        kept += len(found)
+    assert kept > 1500
+
+
+@pytest.fixture(scope="module")
+def timetable() -> Timetable:
+    return Timetable(adr_opt.generate("tiny", 2, zones=2))
+
+
+def test_waiting_never_does_worse_than_the_next_event(timetable):
+    """At any ready time some connection arrives no later and costs no more than what plans fly."""
+    rng = np.random.default_rng(1)
+    bodies = len(timetable.names)
+    flown = 0
+    for time in rng.uniform(0.0, DAY_S, 60):
+        i, j = rng.choice(bodies, 2, replace=False)
+        delta_v, arrival = timetable.lookup(i, j, time)
+        if arrival > timetable.instance.mission.duration_s:
+            continue
+        found = timetable.connections(i, j, time, resolution_m_s=0.0)
+        assert (found.departure >= time).all()
+        assert ((found.arrival <= arrival + 1e-6) & (found.delta_v <= delta_v + 1e-6)).any()
+        flown += 1
+    assert flown > 30
+
+
+def test_a_later_start_leaves_the_later_connections(timetable):
+    """Connections after a time are those of the whole mission that depart then or later."""
+    whole = timetable.connections("station", timetable.names[1])
+    later = timetable.connections("station", timetable.names[1], after=float(whole.departure[5]))
+    first = int(np.searchsorted(whole.departure, whole.departure[5]))
+    np.testing.assert_array_equal(later.delta_v, whole.delta_v[first:])
+    assert timetable.connections(1, 1).departure.size == 0
+
+
+@pytest.mark.parametrize(
+    ("choose", "key"),
+    [
+        ("earliest", lambda dv, duration: (duration, dv)),
+        ("cheapest", lambda dv, duration: (dv, duration)),
+        (75.0, lambda dv, duration: (dv + 75.0 * duration / 3600.0, duration)),
+        ("20", lambda dv, duration: (dv + 20.0 * duration / 3600.0, duration)),
+    ],
+)
+def test_matrices_hold_the_chosen_connection(timetable, choose, key):
+    """Each cell is the least of all connections from the ready time on, by the choice made."""
+    times = [0.0, 5000.0, 60000.0, 1.4 * DAY_S]
+    matrices = timetable.matrices(times, choose)
+    bodies = len(timetable.names)
+    for t, time in enumerate(times):
+        for i in range(bodies):
+            for j in range(bodies):
+                cell = (matrices.delta_v[t, i, j], matrices.duration[t, i, j])
+                if i == j:
+                    assert cell == (0.0, 0.0)
+                    continue
+                found = timetable.connections(i, j, time)
+                pairs = zip(found.delta_v, found.arrival - time, strict=True)
+                least = min((key(*pair) for pair in pairs), default=(math.inf, math.inf))
+                assert key(*cell) == pytest.approx(least)
+    assert np.isinf(matrices.delta_v[3]).any()
+
+
+@pytest.mark.parametrize("choose", ["quickest", -1.0, math.nan, "1e400"])
+def test_other_choices_are_refused(timetable, choose):
+    """A choice that there is not is refused in one sentence."""
+    with pytest.raises(InputError, match="choose = "):
+        timetable.matrices([0.0], choose)
+
+
+@pytest.mark.parametrize(("after", "resolution"), [(-1.0, 0.1), (math.inf, 0.1), (0.0, -0.1)])
+def test_times_and_resolutions_that_make_no_sense_are_refused(timetable, after, resolution):
+    """A negative or infinite number is refused."""
+    with pytest.raises(InputError, match="must be a finite number"):
+        timetable.connections(0, 1, after, resolution_m_s=resolution)
