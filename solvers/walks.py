@@ -265,7 +265,8 @@ class WalkBound:
         self.slot = delta_v_slot_m_s
         self.top = math.floor(rules.budget / self.slot + SLACK)
         self.width = (self.top // lanes.LANES + 1) * lanes.LANES
-        self.network, self.delta_v, shortest = build_network(mission, self.slot)
+        self._jobs = jobs
+        shortest = self._build(mission)
         # Rows within one stage do not land in it, so their bodies are independent.
         self._stage = earliest_taken(shortest) * (1.0 - 1e-9)
         self._stages = int(rules.duration / self._stage) + 1 if self._stage > 0.0 else 1
@@ -276,6 +277,15 @@ class WalkBound:
         room = LARGEST / (1 << self.bits) / self.most_legs / self.greatest_prize
         # A power of two, so that units are exact numbers.
         self.unit = 2.0 ** -math.floor(math.log2(room))
+        self._begun = np.empty(bodies, dtype=np.int64)
+        self._walk = np.empty(self.most_legs + 1, dtype=np.int64)
+        self.walk = self._walk[:0]
+        self._pool = ThreadPoolExecutor(jobs) if jobs > 1 else None
+
+    def _build(self, mission: Mission) -> float:
+        """Build the network and room for values; the shortest time of a leg and its service [s]."""
+        self.network, self.delta_v, shortest = build_network(mission, self.slot)
+        bodies = self.prize.size
         rows = int(self.network.start[-1])
         block = int(self.network.block.max())
         size = (rows + 1) * self.width
@@ -285,11 +295,7 @@ class WalkBound:
             *(np.empty(desk, dtype=np.int32) for _ in range(3)),
             *(np.empty(bodies * self.width, dtype=np.int32) for _ in range(2)),
         )
-        self._begun = np.empty(bodies, dtype=np.int64)
-        self._walk = np.empty(self.most_legs + 1, dtype=np.int64)
-        self.walk = self._walk[:0]
-        self._pool = ThreadPoolExecutor(jobs) if jobs > 1 else None
-        self._jobs = jobs
+        return shortest
 
     def close(self) -> None:
         """End the threads."""
@@ -333,6 +339,10 @@ class WalkBound:
         code = (gain.astype(np.int64) << self.bits) + np.arange(gain.size)
         code = code.astype(np.int32)
         code[STATION] = 0
+        return self._longest(code) * self.unit + float(rounded[1:].sum()), rounded
+
+    def _longest(self, code: np.ndarray) -> int:
+        """Value of the best walk in units; ``code`` holds what each service is worth, packed."""
         network, width = self.network, self.width
         _begin(network, self.values, width)
         self._begun[:] = np.diff(network.start) - 1
@@ -355,5 +365,4 @@ class WalkBound:
             network, self.values, self.bits, width, self.top, row, STATION, self.top, self._walk
         )
         self.walk = self._walk[:length].copy()
-        value = int(self.values.best[(row + 1) * width + self.top]) >> self.bits
-        return value * self.unit + float(rounded[1:].sum()), rounded
+        return int(self.values.best[(row + 1) * width + self.top]) >> self.bits

@@ -1,0 +1,220 @@
+"""The time-expanded network with waiting arcs: every connection once, at its own departure.
+
+A chaser at a body waits from one departure event to the next one. So a *row* stands for a body at
+a departure event: its moves are the connections that leave there and then, all to one destination,
+and to wait for the next row. Times are exact. ΔV is exact for labels, and in slots, rounded down,
+for walks; there many connections become superfluous, because they cost no less in slots and land
+no earlier than another one that leaves no earlier.
+"""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import numpy as np
+
+from adr_opt.kernels import connections
+from adr_opt.kernels.compile import kernel
+from adr_opt.mission import Mission
+
+SLACK = 1e-9
+"""Guard of roundings to slots, always in the optimistic direction [slots]."""
+
+
+class WaitingNetwork(NamedTuple):
+    """Rows, body after body, each body's in order of departure, and their legs.
+
+    One row more closes each body: nothing leaves any more.
+
+    Attributes
+    ----------
+    start : (bodies + 1,) int64
+        First row of each body.
+    departure : (rows,) float64
+        [s]; +inf in closing rows.
+    destination : (rows,) int32
+        Of all legs of the row.
+    first : (rows + 1,) int64
+        First leg of each row; the legs of a row in order of arrival.
+    landing : (legs,) int32
+        Row of the destination at the end of service.
+    delta_v : (legs,) float64
+        [m/s].
+    first_kept : (rows + 1,) int64
+    landing_kept, cost : (legs kept,) int32
+        The legs that count when ΔV is in slots, and their slots.
+    shortest : float
+        Least time from departure to the end of service of any leg [s].
+    """
+
+    start: np.ndarray
+    departure: np.ndarray
+    destination: np.ndarray
+    first: np.ndarray
+    landing: np.ndarray
+    delta_v: np.ndarray
+    first_kept: np.ndarray
+    landing_kept: np.ndarray
+    cost: np.ndarray
+    shortest: float
+
+
+@kernel
+def _from_body(i, bodies, extra_delta_v, rule, service, budget, duration, resolution):
+    """Rows and legs of one body: departure, destination, first leg, end of service, ΔV."""
+    departures = [np.empty(0)]
+    ends = [np.empty(0)]
+    costs = [np.empty(0)]
+    for j in range(bodies.shape[0]):
+        if j == i:
+            departures.append(np.empty(0))
+            ends.append(np.empty(0))
+            costs.append(np.empty(0))
+            continue
+        departure, arrival, delta_v, _ = connections.of_pair(
+            bodies[i], bodies[j], extra_delta_v[i, j], rule, duration - service[j], resolution
+        )
+        possible = delta_v <= budget
+        departures.append(departure[possible])
+        ends.append(arrival[possible] + service[j])
+        costs.append(delta_v[possible])
+    rows, legs = 0, 0
+    for j in range(bodies.shape[0]):
+        departure = departures[j + 1]
+        legs += departure.size
+        for c in range(departure.size):
+            rows += c == 0 or departure[c] != departure[c - 1]
+    time = np.empty(rows)
+    body = np.empty(rows, np.int32)
+    begin = np.empty(rows, np.int64)
+    row = 0
+    for j in range(bodies.shape[0]):
+        departure = departures[j + 1]
+        for c in range(departure.size):
+            if c == 0 or departure[c] != departure[c - 1]:
+                time[row], body[row], begin[row] = departure[c], j, c
+                row += 1
+    order = np.argsort(time, kind="mergesort")
+    first = np.empty(rows + 1, np.int64)
+    end, delta_v = np.empty(legs), np.empty(legs)
+    leg = 0
+    for r in range(rows):
+        q = order[r]
+        j = body[q]
+        departure = departures[j + 1]
+        first[r] = leg
+        c = begin[q]
+        while c < departure.size and departure[c] == time[q]:
+            end[leg], delta_v[leg] = ends[j + 1][c], costs[j + 1][c]
+            leg += 1
+            c += 1
+    first[rows] = leg
+    return time[order], body[order], first, end, delta_v
+
+
+@kernel
+def _land(departure, start, time, body, first, end, delta_v, slot, slots, landing):
+    """Landing rows of a body's legs, and which of them count in slots.
+
+    Returns
+    -------
+    first_kept : (rows + 1,) int64
+    landing_kept, cost : (legs kept,) int32
+    """
+    bodies = start.size - 1
+    legs = end.size
+    # Earliest landing row of the later legs to a body that cost no more than so many slots.
+    earliest = np.full((bodies, slots), np.int32(2**31 - 1), np.int32)
+    kept = np.zeros(legs, np.bool_)
+    price = np.empty(legs, np.int32)
+    size = 0
+    for r in range(time.size - 1, -1, -1):
+        j = body[r]
+        ahead = departure[start[j] : start[j + 1] - 1]
+        for leg in range(first[r], first[r + 1]):
+            landing[leg] = start[j] + np.searchsorted(ahead, end[leg])
+            price[leg] = max(0, math.floor(delta_v[leg] / slot - SLACK))
+            if earliest[j, price[leg]] <= landing[leg]:
+                continue
+            kept[leg] = True
+            size += 1
+            for c in range(price[leg], slots):
+                if earliest[j, c] <= landing[leg]:
+                    break
+                earliest[j, c] = landing[leg]
+    first_kept = np.empty(time.size + 1, np.int64)
+    landing_kept, cost = np.empty(size, np.int32), np.empty(size, np.int32)
+    at = 0
+    for r in range(time.size):
+        first_kept[r] = at
+        for leg in range(first[r], first[r + 1]):
+            if kept[leg]:
+                landing_kept[at], cost[at] = landing[leg], price[leg]
+                at += 1
+    first_kept[time.size] = at
+    return first_kept, landing_kept, cost
+
+
+def build(mission: Mission, slot_m_s: float, *, resolution_m_s: float, jobs: int) -> WaitingNetwork:
+    """The network of a mission.
+
+    Parameters
+    ----------
+    mission : Mission
+    slot_m_s : float
+        Slot of the ΔV axis of walks [m/s].
+    resolution_m_s : float
+        Connections that save no more than this are left out [m/s].
+    jobs : int
+        Threads. The network does not depend on it.
+    """
+    orbits, extra, rule = mission.transfer_inputs
+    service, budget, duration = mission.rules.service, mission.rules.budget, mission.rules.duration
+    bodies = len(orbits)
+    slots = math.floor(budget / slot_m_s + SLACK) + 1
+    with ThreadPoolExecutor(jobs) as pool:
+        found = list(
+            pool.map(
+                lambda i: _from_body(
+                    i, orbits, extra, rule, service, budget, duration, resolution_m_s
+                ),
+                range(bodies),
+            )
+        )
+        start = np.zeros(bodies + 1, dtype=np.int64)
+        start[1:] = np.cumsum([time.size + 1 for time, *_ in found])
+        departure = np.full(int(start[-1]), math.inf)
+        for i, (time, *_) in enumerate(found):
+            departure[start[i] : start[i + 1] - 1] = time
+        landings = [np.empty(end.size, dtype=np.int32) for *_, end, _ in found]
+        kept = list(
+            pool.map(
+                lambda i: _land(departure, start, *found[i], slot_m_s, slots, landings[i]),
+                range(bodies),
+            )
+        )
+    shortest = duration
+    for time, _, first, end, _ in found:
+        if end.size:
+            shortest = min(shortest, float((end - np.repeat(time, np.diff(first))).min()))
+    return WaitingNetwork(
+        start,
+        departure,
+        np.concatenate([np.append(body, np.int32(i)) for i, (_, body, *_) in enumerate(found)]),
+        _joined([first for _, _, first, _, _ in found]),
+        np.concatenate(landings),
+        np.concatenate([delta_v for *_, delta_v in found]),
+        _joined([first for first, _, _ in kept]),
+        np.concatenate([landing for _, landing, _ in kept]),
+        np.concatenate([cost for _, _, cost in kept]),
+        shortest,
+    )
+
+
+def _joined(firsts: list[np.ndarray]) -> np.ndarray:
+    """One list of first legs out of those of all bodies; closing rows have none."""
+    before = np.cumsum([0, *(int(first[-1]) for first in firsts)])
+    parts = [first + legs for first, legs in zip(firsts, before[:-1], strict=True)]
+    return np.append(np.concatenate(parts), before[-1])
