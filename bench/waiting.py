@@ -84,7 +84,9 @@ def main() -> None:
         print(line(str(seed), row), flush=True)
     print(line("median", [statistics.median(column) for column in zip(*rows, strict=True)]))
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
-    print(f"\nMean bound {statistics.mean(row[5] for row in rows):.3f}; peak memory {peak:.2f} GiB.")
+    print(
+        f"\nMean bound {statistics.mean(row[5] for row in rows):.3f}; peak memory {peak:.2f} GiB."
+    )
 
 
 def line(name: str, row: list[float]) -> str:

@@ -26,6 +26,7 @@ from adr_opt.tolerance import meets, rounded_down, rounded_up, tolerance
 
 from .multipliers import Descent
 from .ng_routes import NgRoutes
+from .relaxation import WaitingBound, WaitingRoutes
 from .walks import TimeIsOver, WalkBound
 
 MARGIN = 1e-3
@@ -133,6 +134,10 @@ class Proof:
         Slot of ΔV of the bound, widened where its values would not fit into memory [m/s].
     most_labels : int
         Most labels of a search.
+    waiting : bool
+        Prove it of the mission in which chasers may wait and choose (:mod:`solvers.relaxation`).
+        The plans found are those of that mission; the certificate takes them as far as they are
+        legal in this one.
 
     Attributes
     ----------
@@ -149,11 +154,20 @@ class Proof:
         jobs: int,
         delta_v_slot_m_s: float,
         most_labels: int,
+        waiting: bool = False,
     ) -> None:
         self._certificate = certificate
         self._slot = affordable_slot(mission, delta_v_slot_m_s)
-        self._bound = WalkBound(mission, self._slot, jobs, lambda: stop.remaining_s() <= 0.0)
-        self._descent, self._routes = Descent(self._bound), NgRoutes(self._bound)
+        self._bound: WalkBound
+        self._routes: NgRoutes | WaitingRoutes
+        common = mission, self._slot, jobs, lambda: stop.remaining_s() <= 0.0
+        if waiting:
+            relaxed = WaitingBound(*common)
+            self._bound, self._routes = relaxed, WaitingRoutes(relaxed)
+        else:
+            self._bound = WalkBound(*common)
+            self._routes = NgRoutes(self._bound)
+        self._descent = Descent(self._bound)
         self._most_labels = most_labels
         self._evaluations = FIRST_EVALUATIONS
         self._labels = min(FIRST_LABELS, most_labels)
@@ -246,12 +260,13 @@ def prove(
     jobs: int,
     delta_v_slot_m_s: float,
     most_labels: int,
+    waiting: bool = False,
 ) -> dict[str, float]:
     """Rounds of proof until nothing is left to do or it is enough; returns the counters.
 
     Parameters
     ----------
-    mission, certificate, stop, delta_v_slot_m_s, most_labels
+    mission, certificate, stop, delta_v_slot_m_s, most_labels, waiting
         As :class:`Proof` takes them.
     enough : callable
         Asked once per iteration.
@@ -267,6 +282,7 @@ def prove(
         jobs=jobs or os.cpu_count() or 1,
         delta_v_slot_m_s=delta_v_slot_m_s,
         most_labels=most_labels,
+        waiting=waiting,
     )
     while not proof.done and not enough():
         proof.advance(enough)

@@ -26,7 +26,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -281,6 +281,9 @@ class WalkBound:
         self._walk = np.empty(self.most_legs + 1, dtype=np.int64)
         self.walk = self._walk[:0]
         self._pool = ThreadPoolExecutor(jobs) if jobs > 1 else None
+
+    network: Any
+    values: Any
 
     def _build(self, mission: Mission) -> float:
         """Build the network and room for values; the shortest time of a leg and its service [s]."""

@@ -10,6 +10,9 @@ of an event by flight time, so all that could dominate a sequence is known befor
 of (arrival, ΔV), where later means cheaper. Most sequences cost far more than the stair at their
 arrival. That is seen without solving for their phasing radius: a quadratic inversion finds it to
 some kilometres, and a table over the radius holds what a sequence costs there at least.
+
+All arrivals of a pair lie where the target crosses the line of nodes, so different departures meet
+in the same one; the slack of the model keeps rounding from telling them apart.
 """
 
 import math
@@ -18,6 +21,7 @@ import numpy as np
 
 from . import transfer
 from .compile import kernel
+from .constants import SLACK_S
 from .transfer import TWO_PI
 
 CELLS = 256
@@ -26,10 +30,6 @@ CELLS = 256
 WIDE = 0.25
 """Where an altitude limit is farther than this from the mean radius (relative), the quadratic
 inversion is worth nothing, and every sequence is solved for."""
-
-SAME_TIME_S = 1e-6
-"""Arrivals this close are one: all of a pair lie where the target crosses the line of nodes, so
-different departures meet in the same one, and rounding should not tell them apart."""
 
 
 @kernel
@@ -141,7 +141,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
             if time > latest:
                 break
             arrival = departure + time + approach
-            while stair < size and step_arrival[stair] <= arrival + SAME_TIME_S:
+            while stair < size and step_arrival[stair] <= arrival + SLACK_S:
                 cheapest = min(cheapest, step_cost[stair])
                 stair += 1
             while pair.longest + fewest * pair.longest_lap < time:
@@ -169,7 +169,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
         # Into the staircase: each new connection hides the stairs that are later and no cheaper.
         for c in range(begin, count):
             low = 0
-            while low < size and step_arrival[low] < arrivals[c] - SAME_TIME_S:
+            while low < size and step_arrival[low] < arrivals[c] - SLACK_S:
                 low += 1
             high = low
             while high < size and step_cost[high] >= costs[c]:

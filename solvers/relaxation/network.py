@@ -17,6 +17,7 @@ import numpy as np
 
 from adr_opt.kernels import connections
 from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.timetable import earliest_taken
 from adr_opt.mission import Mission
 
 SLACK = 1e-9
@@ -61,9 +62,31 @@ class WaitingNetwork(NamedTuple):
     shortest: float
 
 
+class Outgoing(NamedTuple):
+    """Rows and legs of one body, counted within it.
+
+    Attributes
+    ----------
+    departure : (rows,) float64
+        [s].
+    destination : (rows,) int32
+    first : (rows + 1,) int64
+    end : (legs,) float64
+        End of service [s].
+    delta_v : (legs,) float64
+        [m/s].
+    """
+
+    departure: np.ndarray
+    destination: np.ndarray
+    first: np.ndarray
+    end: np.ndarray
+    delta_v: np.ndarray
+
+
 @kernel
 def _from_body(i, bodies, extra_delta_v, rule, service, budget, duration, resolution):
-    """Rows and legs of one body: departure, destination, first leg, end of service, ΔV."""
+    """All legs of a body that fit into the mission: an :class:`Outgoing`."""
     departures = [np.empty(0)]
     ends = [np.empty(0)]
     costs = [np.empty(0)]
@@ -111,11 +134,11 @@ def _from_body(i, bodies, extra_delta_v, rule, service, budget, duration, resolu
             leg += 1
             c += 1
     first[rows] = leg
-    return time[order], body[order], first, end, delta_v
+    return Outgoing(time[order], body[order], first, end, delta_v)
 
 
 @kernel
-def _land(departure, start, time, body, first, end, delta_v, slot, slots, landing):
+def _land(departure, start, outgoing, slot, slots, landing):
     """Landing rows of a body's legs, and which of them count in slots.
 
     Returns
@@ -124,6 +147,7 @@ def _land(departure, start, time, body, first, end, delta_v, slot, slots, landin
     landing_kept, cost : (legs kept,) int32
     """
     bodies = start.size - 1
+    time, body, first, end, delta_v = outgoing
     legs = end.size
     # Earliest landing row of the later legs to a body that cost no more than so many slots.
     earliest = np.full((bodies, slots), np.int32(2**31 - 1), np.int32)
@@ -134,7 +158,7 @@ def _land(departure, start, time, body, first, end, delta_v, slot, slots, landin
         j = body[r]
         ahead = departure[start[j] : start[j + 1] - 1]
         for leg in range(first[r], first[r + 1]):
-            landing[leg] = start[j] + np.searchsorted(ahead, end[leg])
+            landing[leg] = start[j] + np.searchsorted(ahead, earliest_taken(end[leg]))
             price[leg] = max(0, math.floor(delta_v[leg] / slot - SLACK))
             if earliest[j, price[leg]] <= landing[leg]:
                 continue
@@ -184,28 +208,31 @@ def build(mission: Mission, slot_m_s: float, *, resolution_m_s: float, jobs: int
             )
         )
         start = np.zeros(bodies + 1, dtype=np.int64)
-        start[1:] = np.cumsum([time.size + 1 for time, *_ in found])
+        start[1:] = np.cumsum([outgoing.departure.size + 1 for outgoing in found])
         departure = np.full(int(start[-1]), math.inf)
-        for i, (time, *_) in enumerate(found):
-            departure[start[i] : start[i + 1] - 1] = time
-        landings = [np.empty(end.size, dtype=np.int32) for *_, end, _ in found]
+        for i, outgoing in enumerate(found):
+            departure[start[i] : start[i + 1] - 1] = outgoing.departure
+        landings = [np.empty(outgoing.end.size, dtype=np.int32) for outgoing in found]
         kept = list(
             pool.map(
-                lambda i: _land(departure, start, *found[i], slot_m_s, slots, landings[i]),
+                lambda i: _land(departure, start, found[i], slot_m_s, slots, landings[i]),
                 range(bodies),
             )
         )
     shortest = duration
-    for time, _, first, end, _ in found:
-        if end.size:
-            shortest = min(shortest, float((end - np.repeat(time, np.diff(first))).min()))
+    for outgoing in found:
+        if outgoing.end.size:
+            left = np.repeat(outgoing.departure, np.diff(outgoing.first))
+            shortest = min(shortest, float((outgoing.end - left).min()))
     return WaitingNetwork(
         start,
         departure,
-        np.concatenate([np.append(body, np.int32(i)) for i, (_, body, *_) in enumerate(found)]),
-        _joined([first for _, _, first, _, _ in found]),
+        np.concatenate(
+            [np.append(outgoing.destination, np.int32(i)) for i, outgoing in enumerate(found)]
+        ),
+        _joined([outgoing.first for outgoing in found]),
         np.concatenate(landings),
-        np.concatenate([delta_v for *_, delta_v in found]),
+        np.concatenate([outgoing.delta_v for outgoing in found]),
         _joined([first for first, _, _ in kept]),
         np.concatenate([landing for _, landing, _ in kept]),
         np.concatenate([cost for _, _, cost in kept]),

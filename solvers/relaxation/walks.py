@@ -16,6 +16,7 @@ import numpy as np
 
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.timetable import earliest_taken
 from adr_opt.mission import Mission
 
 from .. import lanes
@@ -82,11 +83,12 @@ def _begin(network, best, second, width, begun):
 
 @kernel
 def _sweep_until(network, best, second, code, bits, width, top, begun, begin, step, time):
-    """Values of all rows that depart at or after a time, of every step-th body from ``begin``."""
+    """Values of all rows taken at a time or after, of every step-th body from ``begin``."""
+    earliest = earliest_taken(time)
     for i in range(begin, network.start.size - 1, step):
         high = begun[i]
         low = high
-        while low > 0 and network.departure[network.start[i] + low - 1] >= time:
+        while low > 0 and network.departure[network.start[i] + low - 1] >= earliest:
             low -= 1
         _sweep_rows(network, best, second, code, bits, width, top, i, high, low)
         begun[i] = low
@@ -146,7 +148,7 @@ class WaitingBound(WalkBound):
         self.network = build(mission, self.slot, resolution_m_s=0.0, jobs=self._jobs)
         size = (int(self.network.start[-1]) + 1) * self.width
         self.values = Values(np.empty(size, dtype=np.int32), np.empty(size, dtype=np.int32))
-        return self.network.shortest
+        return float(self.network.shortest)
 
     def _longest(self, code: np.ndarray) -> int:
         network, (best, second) = self.network, self.values
