@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from adr_opt.errors import InputError
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
+from adr_opt.practice import practises
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
@@ -17,6 +18,7 @@ MOST_EVENTS = 5_000_000
 """Missions with more departure events have too many connections: some ten for each."""
 
 
+@practises(rounds=12)
 def waiting(
     mission: Mission,
     *,
@@ -73,7 +75,7 @@ def waiting(
         return stop(certificate.incumbent, certificate.bound)
 
     counters = prove(
-        mission, certificate, enough,
+        mission, certificate, stop, enough,
         jobs=jobs, delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels, waiting=True,
     )  # fmt: skip
     return certify(

@@ -282,7 +282,7 @@ class WalkBound:
         self.walk = self._walk[:0]
         self._pool = ThreadPoolExecutor(jobs) if jobs > 1 else None
 
-    network: Any
+    network: Any  # of another kind where chasers may wait
     values: Any
 
     def _build(self, mission: Mission) -> float:
@@ -299,6 +299,22 @@ class WalkBound:
             *(np.empty(bodies * self.width, dtype=np.int32) for _ in range(2)),
         )
         return shortest
+
+    def _sweep(self, sweep_until: Callable[..., None], *common: object) -> None:
+        """Go backwards in time stage by stage, the bodies shared among the threads."""
+        for number in range(self._stages - 1, -1, -1):
+            if self._over():
+                raise TimeIsOver
+            time = number * self._stage
+            if self._pool is None:
+                sweep_until(*common, 0, 1, time)
+                continue
+            parts = [
+                self._pool.submit(sweep_until, *common, first, self._jobs, time)
+                for first in range(self._jobs)
+            ]
+            for part in parts:
+                part.result()
 
     def close(self) -> None:
         """End the threads."""
@@ -349,20 +365,9 @@ class WalkBound:
         network, width = self.network, self.width
         _begin(network, self.values, width)
         self._begun[:] = np.diff(network.start) - 1
-        common = (network, self.values, code, self.bits, width, self.top, self._begun)
-        for number in range(self._stages - 1, -1, -1):
-            if self._over():
-                raise TimeIsOver
-            time = number * self._stage
-            if self._pool is None:
-                _sweep_until(*common, 0, 1, time)
-            else:
-                parts = [
-                    self._pool.submit(_sweep_until, *common, first, self._jobs, time)
-                    for first in range(self._jobs)
-                ]
-                for part in parts:
-                    part.result()
+        self._sweep(
+            _sweep_until, network, self.values, code, self.bits, width, self.top, self._begun
+        )
         row = int(network.start[STATION])
         length = _trace(
             network, self.values, self.bits, width, self.top, row, STATION, self.top, self._walk

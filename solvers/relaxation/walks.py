@@ -9,7 +9,6 @@ destination that lies ahead.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -154,21 +153,8 @@ class WaitingBound(WalkBound):
         network, (best, second) = self.network, self.values
         _begin(network, best, second, self.width, self._begun)
         common = (network, best, second, code, self.bits, self.width, self.top)
-        for number in range(self._stages - 1, -1, -1):
-            self._each(_sweep_until, *common, self._begun, time=number * self._stage)
+        self._sweep(_sweep_until, *common, self._begun)
         row = int(network.start[STATION])
         length = _trace(*common, row, STATION, self.top, self._walk)
         self.walk = self._walk[:length].copy()
         return int(best[(row + 1) * self.width + self.top]) >> self.bits
-
-    def _each(self, kernel: Callable[..., None], *arguments: object, time: float) -> None:
-        """Call a kernel for every share of the bodies, in threads if there are any."""
-        if self._pool is None:
-            kernel(*arguments, 0, 1, time)
-            return
-        parts = [
-            self._pool.submit(kernel, *arguments, share, self._jobs, time)
-            for share in range(self._jobs)
-        ]
-        for part in parts:
-            part.result()
