@@ -23,6 +23,9 @@ SHARE = 1.0 / 3.0
 PATIENCE = 1.5
 """It may take so many times as long if that is enough for all targets."""
 
+MOMENT_S = 0.5
+"""Who interrupts a build waits for it if it will be done that soon [s]."""
+
 LEAST_S = 1.0
 """It may take so long in any case, so that no short limit leaves out a target of a usual field."""
 
@@ -150,7 +153,8 @@ def candidates(
             paced = now  # kernels are loaded by now, which is no part of the pace
         whole_s = (now - paced) / done
         late = now - paced > allowed_s and whole_s > patience * allowed_s
-        return late or interrupted()
+        # A quick one is worth the moment: without it there is no plan at all.
+        return late or (interrupted() and paced + whole_s - now > MOMENT_S)
 
     order = None if first is None else nearest_first(whole.instance, first)
     mission = whole.build(order, enough)

@@ -23,6 +23,8 @@ class Outcome:
 
 Cli = Callable[..., Outcome]
 
+GIVE_BACK = pytest.StashKey[Callable[[], None]]()
+
 
 @pytest.fixture
 def cli(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Cli:
@@ -39,12 +41,25 @@ def cli(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.
 
 
 @pytest.fixture
-def full_disk() -> Iterator[Callable[[], None]]:
+def full_disk(request: pytest.FixtureRequest) -> Callable[[], None]:
     """To be called: from then on no file can have more than 1000 bytes, as on a full disk."""
     resource = pytest.importorskip("resource")
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    yield lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+    def give_back() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+    request.node.stash[GIVE_BACK] = give_back
+    return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
+    """Give back the disk before the result is said, which may go into a file."""
+    try:
+        return (yield)
+    finally:
+        item.stash.get(GIVE_BACK, lambda: None)()
 
 
 @pytest.fixture

@@ -147,7 +147,7 @@ def test_kernels_of_the_rules_follow_the_orbits() -> None:
     from adr_opt.kernels import orbits, rules, timetable
 
     def digests() -> tuple[str, str]:
-        return kernel_cache.sources(timetable.fill_row), kernel_cache.sources(rules.replay)
+        return kernel_cache.sources(timetable.fill), kernel_cache.sources(rules.replay)
 
     before = digests()
     given = orbits.COPLANAR_RAD
