@@ -24,7 +24,13 @@ LATE_S = 3.0
 
 
 @pytest.fixture
-def in_small_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Builds are broken off even if they are nearly done."""
+    monkeypatch.setattr(candidates, "MOMENT_S", -math.inf)
+
+
+@pytest.fixture
+def in_small_steps(impatient: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """Tables are built pair by pair, so that little of a small one can be broken off."""
     monkeypatch.setattr(timetable, "SLICE_ENTRIES", 1)
 
@@ -172,6 +178,13 @@ def test_a_bound_of_a_part_is_no_bound():
     assert both.upper_bound == math.inf
 
 
+def test_who_interrupts_a_quick_build_still_gets_a_plan():
+    """What is done in a moment is waited for: somebody who is early is not left with nothing."""
+    result = broken_off(adr_opt.generate("nominal", 0, targets=20), 0.0)
+    assert result.objective > 5.0
+
+
+@pytest.mark.usefixtures("impatient")
 @pytest.mark.parametrize("method", ["beam", "auto", "greedy"])
 def test_interrupted_before_anything_there_is_no_plan(method):
     """Nothing built is no plan, said in one sentence, and no failure."""
