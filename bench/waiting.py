@@ -3,8 +3,8 @@
     python bench/waiting.py nominal --seeds 20
 
 For each field: all connections of all pairs, on one core; the network of walks, on all cores; one
-sweep on one core, median of several; and the bound `waiting` with its time after the timetable.
-Times are wall times in one process after a warm-up.
+sweep on one core, median of several; and the bound `waiting` with the time, after the timetable,
+when it got there. Times are wall times in one process after a warm-up.
 """
 
 from __future__ import annotations
@@ -51,12 +51,17 @@ def measure(mission: Mission, slot: float, runs: int, time_limit: float) -> list
     nothing = np.zeros(len(mission.names))
     sweeping, _ = timed(lambda: single.evaluate(nothing), runs)
     bound.close()
-    proving, result = timed(
-        lambda: adr_opt.bound(mission, "waiting", time_limit=time_limit, seed=0)
-    )
+    lowest, reached, began = np.inf, 0.0, time.perf_counter()
+
+    def hear(incumbent: float, upper_bound: float) -> None:
+        nonlocal lowest, reached
+        if upper_bound < lowest:
+            lowest, reached = upper_bound, time.perf_counter() - began
+
+    adr_opt.bound(mission, "waiting", time_limit=time_limit, seed=0, progress=hear)
     return [
         float(count), connecting, bound.network.cost.size, building, sweeping,
-        result.upper_bound, proving,
+        lowest, reached,
     ]  # fmt: skip
 
 
@@ -74,7 +79,7 @@ def main() -> None:
     print(heading())
     print(
         "| field | connections | s, one core | ns each | legs in slots | network, s "
-        "| sweep, one core, s | bound | in s |\n|---|---|---|---|---|---|---|---|---|"
+        "| sweep, one core, s | bound | after, s |\n|---|---|---|---|---|---|---|---|---|"
     )
     rows = []
     for seed in range(arguments.seeds):
@@ -91,10 +96,10 @@ def main() -> None:
 
 def line(name: str, row: list[float]) -> str:
     """One row of the table."""
-    count, connecting, legs, building, sweeping, bound, proving = row
+    count, connecting, legs, building, sweeping, bound, reached = row
     return (
         f"| {name} | {count:.0f} | {connecting:.2f} | {1e9 * connecting / count:.0f} | {legs:.0f} "
-        f"| {building:.2f} | {sweeping:.3f} | {bound:g} | {proving:.1f} |"
+        f"| {building:.2f} | {sweeping:.3f} | {bound:g} | {reached:.1f} |"
     )
 
 
