@@ -223,8 +223,10 @@ def auto(
     rounds = 0
     if not is_over():
         search.usual(PILOT_WIDTH)
-    # Beside a proof a beam is slower, so where time is short it comes before.
-    if search.needed_s(USUAL_WIDTH) > UNHURRIED * stop.remaining_s() and not certificate.proven:
+    # Beside a proof a beam is slower, so where time is short it comes before; on one core the proof
+    # would come before it, and take what there is.
+    hurried = cores == 1 or search.needed_s(USUAL_WIDTH) > UNHURRIED * stop.remaining_s()
+    if hurried and not certificate.proven:
         search.usual(USUAL_WIDTH)
     width, recreations = VARIED_WIDTH, 20
     with ThreadPoolExecutor(1) as pool:

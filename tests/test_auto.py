@@ -17,6 +17,7 @@ from adr_opt.mission import Mission
 from adr_opt.planner import silent
 from adr_opt.result import Result
 from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
+from solvers import auto as auto_module
 from solvers import beams
 from solvers.auto import auto
 from solvers.beam import beam
@@ -212,3 +213,24 @@ def test_bad_options_are_refused(option: dict[str, Any]) -> None:
     """An option out of range is refused, and the sentence names it."""
     with pytest.raises(InputError, match=f"option {next(iter(option))} = .* of method 'auto'"):
         plan(Mission(hand_made(), threads=1), **option)
+
+
+def test_on_one_core_the_beam_comes_before_the_proof(monkeypatch):
+    """A proof that takes all the time there is cannot keep auto from the beam of `beam`."""
+    done = []
+    usual, advance = auto_module._Search.usual, auto_module._Prover.advance
+
+    def searching(self, width):
+        done.append(width)
+        usual(self, width)
+
+    def proving(self):
+        done.append("proof")
+        advance(self)
+
+    monkeypatch.setattr(auto_module._Search, "usual", searching)
+    monkeypatch.setattr(auto_module._Prover, "advance", proving)
+    mission = Mission(adr_opt.generate("nominal", 0, targets=30))
+    adr_opt.solve(mission, "auto", jobs=1, iterations=8, time_limit=60.0)
+    assert "proof" in done
+    assert done.index(auto_module.USUAL_WIDTH) < done.index("proof")
