@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable
 
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
 from adr_opt.practice import practises
-from adr_opt.result import Result, certify
+from adr_opt.result import Result
 from adr_opt.stop import Stop
 
-from .proof import Certificate, bound_notes, check_options, prove
+from .proof import bounded
 
 
 @practises(rounds=12)
@@ -58,26 +57,7 @@ def lagrangian(
     InputError
         An option is out of range.
     """
-    check_options("lagrangian", delta_v_slot_m_s, jobs, most_labels)
-    began = time.perf_counter()
-    certificate = Certificate(mission, progress)
-    if start is not None:
-        certificate.offer(start)
-
-    def enough() -> bool:
-        return stop(certificate.incumbent, certificate.bound)
-
-    counters = prove(
-        mission, certificate, stop, enough,
-        jobs=jobs, delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
+    return bounded(
+        "lagrangian", mission, stop, progress, seed=seed, start=start, jobs=jobs,
+        delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
     )  # fmt: skip
-    return certify(
-        mission,
-        "lagrangian",
-        certificate.sequence,
-        seed=seed,
-        runtime_s=time.perf_counter() - began,
-        upper_bound=certificate.bound,
-        counters=counters,
-        notes=bound_notes(mission),
-    )

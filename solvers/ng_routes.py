@@ -69,7 +69,7 @@ class Labels(NamedTuple):
 
 
 @kernel
-def _remembers_no_more(memory, k, remembered):
+def remembers_no_more(memory, k, remembered):
     """Whether label k remembers nothing beyond the given memory."""
     beyond = 0
     for w in range(remembered.size):
@@ -170,7 +170,7 @@ def extend(
                     if (
                         labels.value[other] >= value
                         and labels.left[other] >= left
-                        and _remembers_no_more(labels.memory, other, remembered)
+                        and remembers_no_more(labels.memory, other, remembered)
                     ):
                         dominated = True
                         break
@@ -297,7 +297,7 @@ class NgRoutes:
         self.searches = 0
         self._body = np.repeat(np.arange(bodies, dtype=np.int32), np.diff(network.start))
         self._order = np.argsort(network.departure, kind="stable")
-        self._first = np.empty(network.departure.size, dtype=np.int64)
+        self._first = np.empty(network.departure.size, dtype=np.int64)  # label of each row
         self._labels = self._room(1 << 16)
         self._gain = np.zeros(bodies, dtype=np.int64)
         self._total = 0.0
@@ -324,6 +324,20 @@ class NgRoutes:
         self._gain = np.ceil((bound.prize - kept) / self._unit).astype(np.int64)
         self._gain[STATION] = 0
         self._total = float(kept[1:].sum())
+
+    def _extension(self, need: int) -> Callable[[Labels, np.ndarray], int]:
+        """What extends labels for a while, for one search: takes them and the cursor."""
+        bound = self._bound
+
+        def extend_labels(labels: Labels, cursor: np.ndarray) -> int:
+            return extend(  # type: ignore[no-any-return]
+                bound.network, bound.delta_v, self._body, self._order, bound.values.best,
+                bound.values.second, bound.bits, bound.width, bound.top, bound.slot, SLACK,
+                self._gain, need, self.neighbourhood, bound.budget, labels, self._first,
+                cursor, EFFORT,
+            )  # fmt: skip
+
+        return extend_labels
 
     def search(
         self, threshold: float, most_labels: int, enough: Callable[[], bool]
@@ -356,6 +370,7 @@ class NgRoutes:
         self._first[:] = -1
         root = int(bound.network.start[STATION])
         self._first[root] = 0
+        extend_labels = self._extension(need)
         labels = self._labels
         labels.row[0], labels.parent[0], labels.following[0] = root, -1, -1
         labels.value[0], labels.left[0], labels.memory[0] = 0, bound.budget, 0
@@ -363,12 +378,7 @@ class NgRoutes:
         self.searches += 1
         while True:
             labels = self._labels
-            state = extend(
-                bound.network, bound.delta_v, self._body, self._order, bound.values.best,
-                bound.values.second, bound.bits, bound.width, bound.top, bound.slot, SLACK,
-                self._gain, need, self.neighbourhood, bound.budget, labels, self._first,
-                cursor, EFFORT,
-            )  # fmt: skip
+            state = extend_labels(labels, cursor)
             if state == EXHAUSTED:
                 break
             if enough() or cursor[1] >= most_labels:

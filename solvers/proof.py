@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import os
 import threading
+import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 
@@ -21,6 +22,7 @@ import numpy as np
 from adr_opt.errors import InputError
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
+from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 from adr_opt.tolerance import meets, rounded_down, rounded_up, tolerance
 
@@ -293,6 +295,51 @@ def prove(
 def set_up_s(mission: Mission) -> float:
     """About how long setting up a proof takes [s]."""
     return SET_UP_S_PER_EVENT * mission.timetable.entries
+
+
+def bounded(
+    method: str,
+    mission: Mission,
+    stop: Stop,
+    progress: Progress,
+    *,
+    seed: int,
+    start: Iterable[int] | None,
+    jobs: int,
+    delta_v_slot_m_s: float,
+    most_labels: int,
+    waiting: bool = False,
+) -> Result:
+    """The result of a bound that is nothing but rounds of proof, from a start plan if there is one.
+
+    Raises
+    ------
+    InputError
+        An option is out of range.
+    """
+    check_options(method, delta_v_slot_m_s, jobs, most_labels)
+    began = time.perf_counter()
+    certificate = Certificate(mission, progress)
+    if start is not None:
+        certificate.offer(start)
+
+    def enough() -> bool:
+        return stop(certificate.incumbent, certificate.bound)
+
+    counters = prove(
+        mission, certificate, stop, enough, jobs=jobs, delta_v_slot_m_s=delta_v_slot_m_s,
+        most_labels=most_labels, waiting=waiting,
+    )  # fmt: skip
+    return certify(
+        mission,
+        method,
+        certificate.sequence,
+        seed=seed,
+        runtime_s=time.perf_counter() - began,
+        upper_bound=certificate.bound,
+        counters=counters,
+        notes=bound_notes(mission),
+    )
 
 
 def affordable_slot(mission: Mission, slot: float) -> float:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable
 
 from adr_opt.errors import InputError
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
 from adr_opt.practice import practises
-from adr_opt.result import Result, certify
+from adr_opt.result import Result
 from adr_opt.stop import Stop
 
-from .proof import Certificate, bound_notes, check_options, prove
+from .proof import bounded
 
 MOST_EVENTS = 5_000_000
 """Missions with more departure events have too many connections: some ten for each."""
@@ -60,31 +59,12 @@ def waiting(
     InputError
         An option is out of range, or the mission is too large.
     """
-    check_options("waiting", delta_v_slot_m_s, jobs, most_labels)
     if mission.timetable.entries > MOST_EVENTS:
         raise InputError(
             f"method 'waiting' takes up to {MOST_EVENTS} departure events, and this mission has "
             f"{mission.timetable.entries}; take fewer targets or a shorter mission"
         )
-    began = time.perf_counter()
-    certificate = Certificate(mission, progress)
-    if start is not None:
-        certificate.offer(start)
-
-    def enough() -> bool:
-        return stop(certificate.incumbent, certificate.bound)
-
-    counters = prove(
-        mission, certificate, stop, enough,
-        jobs=jobs, delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels, waiting=True,
+    return bounded(
+        "waiting", mission, stop, progress, seed=seed, start=start, jobs=jobs,
+        delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels, waiting=True,
     )  # fmt: skip
-    return certify(
-        mission,
-        "waiting",
-        certificate.sequence,
-        seed=seed,
-        runtime_s=time.perf_counter() - began,
-        upper_bound=certificate.bound,
-        counters=counters,
-        notes=bound_notes(mission),
-    )

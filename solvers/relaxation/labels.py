@@ -9,7 +9,6 @@ stays in the list, waiting, until its completion value says that it is too late.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -18,33 +17,18 @@ import numpy as np
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import STATION
 
-from ..ng_routes import CHUNK_DONE, EFFORT, EXHAUSTED, FINE, FULL, WALKS, WORD, learn, path_of
+from ..ng_routes import (
+    CHUNK_DONE,
+    EFFORT,
+    EXHAUSTED,
+    FINE,
+    FULL,
+    WORD,
+    Labels,
+    NgRoutes,
+    remembers_no_more,
+)
 from .network import SLACK
-from .walks import WaitingBound
-
-
-class Labels(NamedTuple):
-    """Partial walks, in lists chained by ``following``.
-
-    Attributes
-    ----------
-    row : (labels,) int64
-        Body, for :func:`solvers.ng_routes.path_of`; ``parent`` is −1 for the first label.
-    parent, following : (labels,) int64
-    value : (labels,) int64
-        [fine units].
-    left : (labels,) float64
-        [m/s].
-    memory : (labels, words) int64
-        Bit j % 63 of word j // 63: may not go to target j.
-    """
-
-    row: np.ndarray
-    parent: np.ndarray
-    following: np.ndarray
-    value: np.ndarray
-    left: np.ndarray
-    memory: np.ndarray
 
 
 class Search(NamedTuple):
@@ -92,10 +76,7 @@ def _dominates(labels, one, value, left, remembered):
     """Whether label ``one`` is worth as much, has as much left and remembers nothing more."""
     if labels.value[one] < value or labels.left[one] < left:
         return False
-    beyond = 0
-    for w in range(remembered.size):
-        beyond |= labels.memory[one, w] & ~remembered[w]
-    return beyond == 0
+    return remembers_no_more(labels.memory, one, remembered)
 
 
 @kernel
@@ -157,7 +138,7 @@ def extend(network, body, order, search, labels, pending, ready, cursor, effort)
         while label >= 0:
             following = labels.following[label]
             parent = labels.parent[label]
-            came_from = labels.row[parent] if parent >= 0 else STATION
+            came_from = body[labels.row[parent]] if parent >= 0 else STATION
             left, value = labels.left[label], labels.value[label]
             if value + _completion(search, row, left, came_from) < search.need:
                 # Too late, now and at every later row.
@@ -197,7 +178,7 @@ def extend(network, body, order, search, labels, pending, ready, cursor, effort)
                 if count == labels.row.size:
                     # The row is begun again later; what it has made already dominates its doubles.
                     return FULL
-                labels.row[count], labels.parent[count] = j, here
+                labels.row[count], labels.parent[count] = landing, here
                 labels.value[count], labels.left[count] = worth, rest
                 for w in range(words):
                     labels.memory[count, w] = remembered[w]
@@ -210,99 +191,21 @@ def extend(network, body, order, search, labels, pending, ready, cursor, effort)
     return EXHAUSTED if cursor[0] >= order.size else CHUNK_DONE
 
 
-class WaitingRoutes:
-    """Searches with the completion values of a bound, and the memory that grows meanwhile.
+class WaitingRoutes(NgRoutes):
+    """As :class:`solvers.ng_routes.NgRoutes`, where chasers may wait."""
 
-    Parameters
-    ----------
-    bound : WaitingBound
-        Its network and values are used, and its values overwritten.
-
-    Attributes
-    ----------
-    neighbourhood : (bodies, words) int64
-        What walks remember at each body; kept from search to search.
-    greatest_prize : float
-    labels_made, searches : int
-    """
-
-    def __init__(self, bound: WaitingBound) -> None:
-        self._bound = bound
-        self.greatest_prize = bound.greatest_prize
-        network = bound.network
-        bodies = bound.prize.size
-        self.neighbourhood = np.zeros((bodies, (bodies - 1) // WORD + 1), dtype=np.int64)
-        self.labels_made = 0
-        self.searches = 0
-        self._body = np.repeat(np.arange(bodies, dtype=np.int32), np.diff(network.start))
-        self._order = np.argsort(network.departure, kind="stable")
-        self._labels = self._room(1 << 16)
-        self._gain = np.zeros(bodies, dtype=np.int64)
-        self._total = 0.0
-        self._unit = bound.unit * 2.0**-FINE
-
-    def _room(self, size: int) -> Labels:
-        words = self.neighbourhood.shape[1]
-        row, parent, following, value = (np.empty(size, dtype=np.int64) for _ in range(4))
-        memory = np.empty((size, words), dtype=np.int64)
-        return Labels(row, parent, following, value, np.empty(size), memory)
-
-    def use(self, multipliers: np.ndarray) -> None:
-        """Work out the completion values of some multipliers, for the searches to come."""
+    def _extension(self, need: int) -> Callable[[Labels, np.ndarray], int]:
         bound = self._bound
-        # What is left of rounding to units would count for every target that is left out.
-        kept = np.where(multipliers < bound.unit, 0.0, multipliers)
-        bound.evaluate(kept, keep=True)
-        self._gain = np.ceil((bound.prize - kept) / self._unit).astype(np.int64)
-        self._gain[STATION] = 0
-        self._total = float(kept[1:].sum())
-
-    def search(
-        self, threshold: float, most_labels: int, enough: Callable[[], bool]
-    ) -> tuple[bool, float, np.ndarray | None, int]:
-        """One search for walks worth at least ``threshold``, and what was learnt from them.
-
-        Parameters and returns are those of :meth:`solvers.ng_routes.NgRoutes.search`.
-        """
-        bound = self._bound
-        network = bound.network
-        # A little lower, so that no rounding of the sum of multipliers counts.
-        need = math.ceil((threshold - self._total) / self._unit - 1e-3)
         search = Search(
             bound.values.best, bound.values.second, bound.bits, bound.width, bound.top, bound.slot,
             self._gain, need, self.neighbourhood, bound.budget,
         )  # fmt: skip
-        pending = np.full(network.departure.size, -1, dtype=np.int64)
         ready = np.full(bound.prize.size, -1, dtype=np.int64)
-        pending[network.start[STATION]] = 0
-        labels = self._labels
-        labels.row[0], labels.parent[0], labels.following[0] = STATION, -1, -1
-        labels.value[0], labels.left[0], labels.memory[0] = 0, bound.budget, 0
-        cursor = np.array([0, 1, 0], dtype=np.int64)
-        self.searches += 1
-        while True:
-            labels = self._labels
-            state = extend(
-                network, self._body, self._order, search, labels, pending, ready, cursor, EFFORT
-            )
-            if state == EXHAUSTED:
-                break
-            if enough() or cursor[1] >= most_labels:
-                self.labels_made += int(cursor[1])
-                return False, math.inf, None, 0
-            if state == FULL:
-                self._labels = self._room(2 * labels.row.size)
-                for new, old in zip(self._labels, labels, strict=True):
-                    new[: cursor[1]] = old[: cursor[1]]
-        count = int(cursor[1])
-        self.labels_made += count
-        best = int(labels.value[:count].max())
-        if best < need:
-            return True, -math.inf, None, 0
-        bodies = np.arange(bound.prize.size, dtype=np.int32)
-        path = np.empty(bound.most_legs + 1, dtype=np.int64)
-        plan, grown = learn(labels, bodies, count, need, WALKS, self.neighbourhood, path)
-        sequence = None
-        if plan >= 0:
-            sequence = path[: path_of(labels, bodies, plan, path)].copy()
-        return True, best * self._unit + self._total, sequence, int(grown)
+
+        def extend_labels(labels: Labels, cursor: np.ndarray) -> int:
+            return extend(  # type: ignore[no-any-return]
+                bound.network, self._body, self._order, search, labels, self._first, ready,
+                cursor, EFFORT,
+            )  # fmt: skip
+
+        return extend_labels
