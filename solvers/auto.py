@@ -15,9 +15,10 @@ from adr_opt.planner import Progress, get, silent
 from adr_opt.result import Result, certify
 from adr_opt.stop import MaxIterations, Stop
 
-from .beams import PILOT_WIDTH, Beams, BeamSettings
+from .beams import BeamSettings
 from .proof import Certificate, Proof, bound_notes, check_options, set_up_s
 from .recreate import HOUR_WORTH, KILOMETRE_WORTH, mean_prize, recreate
+from .timely_beams import PILOT_WIDTH, Beams
 
 USUAL_WIDTH = 8000
 """Of the first beam, the one that the planner ``beam`` searches."""

@@ -13,13 +13,14 @@ from adr_opt.planner import Progress, at_most
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
-from .beams import PILOT_WIDTH, Beams, BeamSettings
+from .beams import BeamSettings
 from .completion import guide as make_guide
 from .learned import load_policy
 from .learned.decoding import Field, best_of, without_last_refuelling
 from .learned.policy_beam import BeamSettings as PolicyBeam
 from .learned.policy_beam import beam as beam_by_policy
 from .recreate import HOUR_WORTH, KILOMETRE_WORTH, mean_prize
+from .timely_beams import PILOT_WIDTH, Beams
 
 
 @at_most(width=1_000_000)

@@ -19,11 +19,7 @@ known about the targets still to come; without a table it is the prizes collecte
 from __future__ import annotations
 
 import math
-import threading
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -37,6 +33,7 @@ from adr_opt.mission import Mission
 from adr_opt.stop import Stop
 
 from .completion import CompletionTable, completion_value
+from .halting import halted_by
 
 CANDIDATES = 8
 """Candidates looked at for each state kept: some are dominated, stranded, or at a full body."""
@@ -46,15 +43,6 @@ LEAST_CANDIDATES = 1024
 
 HURRIED = 20
 """States kept on the levels that are left when the time is over: some ten milliseconds."""
-
-POLL_S = 0.02
-"""How often a search under way asks whether the time is over."""
-
-PILOT_WIDTH = 100
-"""Of a search that tells how long a wide one takes."""
-
-PUNCTUAL = 0.9
-"""Part of the time left that a search may be planned to take."""
 
 
 @dataclass(frozen=True)
@@ -436,7 +424,7 @@ def beam_search(
     When ``stop`` has no time left, the search is hurried to its end.
     """
     rules = mission.rules
-    with _halted_by(stop) as halt:
+    with halted_by(stop) as halt:
         return beam_kernel(  # type: ignore[no-any-return]
             rules,
             np.empty(0, dtype=np.int64) if prefix is None else prefix,
@@ -451,61 +439,3 @@ def beam_search(
             seed,
             halt,
         )
-
-
-@contextmanager
-def _halted_by(stop: Stop | None) -> Iterator[npt.NDArray[np.bool_]]:
-    """A flag that is set, from a thread beside the kernel, when ``stop`` has no time left."""
-    flag = np.zeros(1, dtype=np.bool_)
-    if stop is None:
-        yield flag
-        return
-    done = threading.Event()
-
-    def watch() -> None:
-        while not flag[0] and not done.wait(POLL_S):
-            flag[0] = stop.remaining_s() <= 0.0
-
-    thread = threading.Thread(target=watch, daemon=True)
-    thread.start()
-    try:
-        yield flag
-    finally:
-        done.set()
-        thread.join()
-
-
-class Beams:
-    """Searches of one mission that end in time: too wide ones are narrowed by the pace so far.
-
-    Parameters
-    ----------
-    mission : Mission
-    stop : Stop
-    """
-
-    def __init__(self, mission: Mission, stop: Stop) -> None:
-        self._mission = mission
-        self._stop = stop
-        self._pace_s = 0.0  # per state of width
-        self.states = 0
-
-    def needed_s(self, width: int) -> float:
-        """Seconds that a search of a width takes, by the last one of some width; 0 before."""
-        return self._pace_s * width
-
-    def search(
-        self, settings: BeamSettings, *, guide: CompletionTable | None = None, seed: int = 0
-    ) -> npt.NDArray[np.int64]:
-        """The best plan of one search."""
-        affordable = PUNCTUAL * max(0.0, self._stop.remaining_s())
-        if self.needed_s(settings.width) > affordable:
-            settings = replace(settings, width=max(1, int(affordable / self._pace_s)))
-        began = time.perf_counter()
-        found, _, _, states = beam_search(
-            self._mission, settings, guide=guide, seed=seed, stop=self._stop
-        )
-        self.states += states
-        if settings.width >= PILOT_WIDTH:
-            self._pace_s = (time.perf_counter() - began) / settings.width
-        return found

@@ -18,7 +18,7 @@ from adr_opt.planner import silent
 from adr_opt.result import Result
 from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
 from solvers import auto as auto_module
-from solvers import beams
+from solvers import timely_beams
 from solvers.auto import auto
 from solvers.beam import beam
 
@@ -88,14 +88,14 @@ def test_cores_do_not_change_the_plan(field: Mission) -> None:
 @pytest.mark.parametrize("seed", range(2))
 def test_never_behind_beam(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """A single round does every search of the planner beam, and keeps what is best."""
-    searched: list[beams.BeamSettings] = []
-    search = beams.beam_search
+    searched: list[timely_beams.BeamSettings] = []
+    search = timely_beams.beam_search
 
-    def spied(mission: Mission, settings: beams.BeamSettings, **more: Any) -> Any:
+    def spied(mission: Mission, settings: timely_beams.BeamSettings, **more: Any) -> Any:
         searched.append(settings)
         return search(mission, settings, **more)
 
-    monkeypatch.setattr(beams, "beam_search", spied)
+    monkeypatch.setattr(timely_beams, "beam_search", spied)
     mission = Mission(adr_opt.generate("nominal", seed, zones=6 * seed), threads=1)
     alone = beam(mission, seed=0, stop=MaxIterations(1), progress=silent)
     of_beam = set(searched)

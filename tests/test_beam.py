@@ -21,7 +21,7 @@ from adr_opt.mission import Mission
 from adr_opt.planner import silent
 from adr_opt.result import Result
 from adr_opt.stop import Interrupted, MaxIterations, MaxRuntime
-from solvers import beams
+from solvers import timely_beams
 from solvers.beam import beam
 from solvers.beams import BeamSettings, beam_search
 from solvers.completion import completion_value, guide
@@ -124,11 +124,11 @@ def test_a_beam_is_as_wide_as_the_time_allows(
         widths.append(settings.width)
         return beam_search(mission, settings, **more)
 
-    monkeypatch.setattr(beams, "beam_search", spied)
+    monkeypatch.setattr(timely_beams, "beam_search", spied)
     began = time.perf_counter()
     result = adr_opt.solve(large, "beam", time_limit=1.0, width=1_000_000)
     assert time.perf_counter() - began < 3.0
-    assert widths[0] == beams.PILOT_WIDTH
+    assert widths[0] == timely_beams.PILOT_WIDTH
     assert 1 <= widths[1] < 100_000
     assert result.objective > adr_opt.solve(large, "greedy-guarded").objective
     assert not any("ran out of time" in note for note in result.notes)
