@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from .instance import Instance
-from .kernels.constants import MU_M3_S2, STATION
+from .kernels.constants import MU_M3_S2
 from .mission import Mission
 from .plan import InstanceReference, Unvisited
 from .result import Result, status_of
@@ -70,7 +70,7 @@ class Candidates:
     @property
     def note(self) -> str:
         """What was left out, and why."""
-        count, total = len(self.mission.names) - 1, len(self.whole.names) - 1
+        count, total = len(self.mission.instance.targets), len(self.whole.instance.targets)
         planned = f"planned with the nearest {count} of {total} targets, so nothing is proven"
         return f"{planned}: {self._cost}"
 
@@ -104,7 +104,8 @@ class Candidates:
         ]
         plan = result.plan.replace(
             instance=InstanceReference(name=self.whole.instance.name, sha256=self.whole.sha256),
-            status=status, upper_bound=None, gap=None, unvisited=unvisited,
+            status=status, upper_bound=None, gap=None, cost_bound=None, cost_gap=None,
+            cost_status=None, unvisited=unvisited,
             notes=(*result.plan.notes, self.note),
         )  # fmt: skip
         number = {name: body for body, name in enumerate(self.whole.names)}
@@ -163,23 +164,24 @@ def candidates(
 
 
 def nearest_first(instance: Instance, first: Sequence[str]) -> list[int]:
-    """All bodies: the station, those wanted first, then by the ΔV from the station's orbit.
+    """All bodies: stations, targets wanted first, then by the ΔV from where the chaser starts.
 
     ΔV is that of the change of plane, size and eccentricity alone; targets without a prize are
     last.
     """
-    orbits = instance.orbits()
+    orbits, home = instance.orbits(), instance.start
     radius, inclination, node = orbits[:, 0], orbits[:, 1], orbits[:, 2]
-    cosine = np.cos(inclination) * np.cos(inclination[STATION]) + np.sin(inclination) * np.sin(
-        inclination[STATION]
-    ) * np.cos(node - node[STATION])
-    speed = math.sqrt(MU_M3_S2 / radius[STATION])
+    cosine = np.cos(inclination) * np.cos(inclination[home]) + np.sin(inclination) * np.sin(
+        inclination[home]
+    ) * np.cos(node - node[home])
+    speed = math.sqrt(MU_M3_S2 / radius[home])
     turn = 2.0 * speed * np.sqrt(0.5 * np.maximum(0.0, 1.0 - cosine))
-    climb = speed * np.abs(radius - radius[STATION]) / (2.0 * radius[STATION])
+    climb = speed * np.abs(radius - radius[home]) / (2.0 * radius[home])
     vectors = np.array([orbit.eccentricity_vector() for orbit in instance.body_orbits])
-    shape = 0.5 * speed * np.linalg.norm(vectors - vectors[STATION], axis=1)
+    shape = 0.5 * speed * np.linalg.norm(vectors - vectors[home], axis=1)
     wanted = set(first)
     unwanted = [name not in wanted for name in instance.names]
-    worthless = [False, *(target.prize == 0.0 for target in instance.targets)]
+    fixed = range(instance.first_target)
+    worthless = [*(False for _ in fixed), *(target.prize == 0.0 for target in instance.targets)]
     order = np.lexsort((turn + climb + shape, worthless, unwanted))
-    return [STATION, *(int(body) for body in order if body != STATION)]
+    return [*fixed, *(int(body) for body in order if body not in fixed)]

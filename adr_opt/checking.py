@@ -21,12 +21,14 @@ from typing import Any
 import numpy as np
 
 from .errors import InputError
+from .formats_1 import is_of
 from .instance import Instance
 from .keep_out import crossed
 from .kernels import burns as burn_kernels
 from .kernels import orbits, transfer
 from .kernels.constants import SLACK_M_S, SLACK_S
 from .plan import Leg, Plan
+from .support import refuse_unsupported
 
 TIME_TOLERANCE_S = 1e-3
 DELTA_V_TOLERANCE_M_S = 1e-4
@@ -74,15 +76,31 @@ def check(instance: Instance, plan: Plan) -> tuple[Violation, ...]:
     Raises
     ------
     InputError
-        The plan belongs to another instance.
+        The plan belongs to another instance, or nothing can plan this one yet.
     """
-    if plan.instance.name != instance.name or plan.instance.sha256 != instance.sha256:
+    if not is_of(plan.instance, instance):
         raise InputError(
             f"the plan belongs to the instance {plan.instance.name!r} "
             f"(sha256 {plan.instance.sha256[:12]}…), not to {instance.name!r} "
             f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
         )
-    return (*_check_legs(instance, plan), *_check_totals(instance, plan))
+    refuse_unsupported(instance)
+    return (
+        *_check_routes(instance, plan),
+        *_check_legs(instance, plan),
+        *_check_totals(instance, plan),
+        *_check_cost(instance, plan),
+    )
+
+
+def _check_routes(instance: Instance, plan: Plan) -> Iterator[Violation]:
+    """Each route is that of a chaser of the instance, and each chaser has one at most."""
+    known = [chaser.name for chaser in instance.chasers]
+    stated = [route.chaser for route in plan.routes]
+    for name in sorted(set(stated) - set(known)):
+        yield Violation(None, "chaser", f"{name!r} is not a chaser of the instance")
+    for name in sorted({name for name in stated if stated.count(name) > 1}):
+        yield Violation(None, "chaser", f"{name!r} has more than one route")
 
 
 def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
@@ -90,7 +108,8 @@ def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
     index = {name: number for number, name in enumerate(instance.names)}
     elements = instance.orbits()
     limits = instance.mission
-    where, free, left = instance.station.name, 0.0, limits.delta_v_m_s
+    station, budget = instance.stations[0].name, instance.chasers[0].tank.delta_v_m_s
+    where, free, left = station, 0.0, budget
     visited: set[str] = set()
     serviced = 0
     for number, leg in enumerate(plan.legs, start=1):
@@ -106,7 +125,7 @@ def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
         if leg.destination == leg.origin:
             yield Violation(number, "order", f"goes from {leg.origin!r} to itself")
             return
-        if leg.destination == instance.station.name:
+        if leg.destination == station:
             if serviced == 0:
                 yield Violation(
                     number, "refuelling", "no target was visited since the last refuelling"
@@ -129,8 +148,9 @@ def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
                 f"to {zone.end_s:.0f} s",
             )
 
-        at_station = leg.destination == instance.station.name
+        at_station = leg.destination == station
         revolutions = limits.refuel_revolutions if at_station else limits.service_revolutions
+        assert revolutions is not None  # refused above
         end = arrival + revolutions * orbits.period(elements[j, orbits.RADIUS])
         if abs(leg.end_s - end) > TIME_TOLERANCE_S:
             yield Violation(number, "service", f"end_s = {leg.end_s!r}, but it ends at {end!r}")
@@ -138,7 +158,7 @@ def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
             yield Violation(number, "duration", f"ends at {end!r} s, after {limits.duration_s!r} s")
         if delta_v > left + SLACK_M_S:
             yield Violation(number, "delta-v", f"needs {delta_v!r} m/s, but only {left!r} are left")
-        left = limits.delta_v_m_s if at_station else left - delta_v
+        left = budget if at_station else left - delta_v
         if abs(leg.delta_v_left_m_s - left) > DELTA_V_TOLERANCE_M_S:
             yield Violation(
                 number,
@@ -282,3 +302,42 @@ def _check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
         yield Violation(None, "unvisited", f"{name!r} is listed, but the plan visits it")
     for name in sorted(set(stated) - set(prize)):
         yield Violation(None, "unvisited", f"{name!r} is not a target of the instance")
+
+
+def _check_cost(instance: Instance, plan: Plan) -> Iterator[Violation]:
+    """The cost, as the instance counts it, and what is said to be proven of it."""
+    if instance.objective.cost == "duration":
+        cost, slack = max([0.0, *(leg.end_s for leg in plan.legs)]), TIME_TOLERANCE_S
+    else:
+        cost = sum(leg.delta_v_m_s for leg in plan.legs)
+        slack = DELTA_V_TOLERANCE_M_S * len(plan.legs)
+    if abs(plan.cost - cost) > slack:
+        yield Violation(None, "cost", f"cost = {plan.cost!r}, but it is {cost!r}")
+    bound = plan.cost_bound
+    if bound is not None:
+        if plan.cost < bound - OBJECTIVE_TOLERANCE * abs(bound):
+            yield Violation(
+                None, "cost-bound", f"cost {plan.cost!r} is less than the bound {bound!r}"
+            )
+        gap = (plan.cost - bound) / plan.cost if plan.cost > 0.0 else 0.0
+        if plan.cost_gap is None or abs(plan.cost_gap - gap) > OBJECTIVE_TOLERANCE:
+            yield Violation(None, "cost-gap", f"cost_gap = {plan.cost_gap!r}, but it is {gap!r}")
+        if plan.cost_status is None:
+            yield Violation(None, "cost-status", "a bound of the cost is stated without a status")
+    elif plan.cost_gap is not None:
+        yield Violation(None, "cost-gap", "a gap of the cost is stated without a bound")
+    # Nothing costs less than nothing, whether a bound is stated or not.
+    most = max(0.0, bound or 0.0)
+    met = plan.cost <= most + OBJECTIVE_TOLERANCE * most
+    if plan.cost_status == "optimal" and not met:
+        yield Violation(
+            None, "cost-status", f"optimal is stated, but the bound is {most!r}, not met"
+        )
+    elif plan.cost_status == "feasible" and met:
+        yield Violation(
+            None,
+            "cost-status",
+            f"feasible is stated, but the bound of {most!r} is met: it is optimal",
+        )
+    elif plan.cost_status in ("infeasible", "unknown") and plan.legs:
+        yield Violation(None, "cost-status", f"{plan.cost_status} is stated, but the plan has legs")

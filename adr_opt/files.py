@@ -12,16 +12,29 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Protocol, Self, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
 from .errors import InputError
 
-Model = TypeVar("Model", bound=BaseModel)
+
+class Readable(Protocol):
+    """What can be read from a JSON file."""
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """Of a text; raises :class:`pydantic.ValidationError`."""
+        ...
+
+
+Model = TypeVar("Model", bound=Readable)
 
 LEFT_OVER_S = 86400.0
 """A temporary file that is older was left by a writer that was killed [s]."""
+
+KINDS = {"(station)", "(orbit)", "(word)"}
+"""Which of several kinds a value was taken for: part of where an error is, but no key of a file."""
 
 LONGEST_VALUE = 60
 """Longer values are cut in error messages."""
@@ -35,6 +48,7 @@ PLAINER = (
     (r"^must be a integer", "must be an integer"),
     (r"^Input should ", "must "),
     (r"^String should have at least 1 character$", "must not be empty"),
+    (r"^Tuple should have at least 1 item .*", "must not be empty"),
     (r"^String should match pattern .*x00.*", "must not contain a NUL"),
     (r"^String should match pattern ", "must match "),
 )
@@ -74,7 +88,7 @@ def read_model(path: str | os.PathLike[str], model: type[Model]) -> Model:
 def parse_model(text: str, model: type[Model], source: str) -> Model:
     """Validate JSON text; ``source`` names it in errors."""
     try:
-        return model.model_validate_json(text)
+        return model.from_json(text)
     except ValidationError as error:
         raise InputError(f"{source}: {sentence(error)}") from None
 
@@ -87,6 +101,8 @@ def sentence(error: ValidationError) -> str:
         return f"not JSON: {first['ctx']['error']}; give a JSON file"
     field = ""
     for part in first["loc"]:
+        if part in KINDS:
+            continue
         field += f"[{part}]" if isinstance(part, int) else f".{part}" if field else str(part)
     said = first["msg"].removeprefix("Value error, ")
     for pattern, plain in PLAINER:
@@ -118,18 +134,32 @@ def _as_in_json(value: Any) -> str:
 
 
 def to_text(content: dict[str, Any]) -> str:
-    """A JSON object as text with one item of each list to a line.
+    """A JSON object as text with one item of each list to a line, and of lists in such items.
 
     The same content gives the same bytes on every machine: Python's shortest float repr.
     """
     lines = []
     for key, value in content.items():
         if isinstance(value, list) and value:
-            items = ",\n".join("  " + json.dumps(item, ensure_ascii=False) for item in value)
+            items = ",\n".join("  " + _item(item) for item in value)
             lines.append(f" {json.dumps(key)}: [\n{items}\n ]")
         else:
             lines.append(f" {json.dumps(key)}: {json.dumps(value, ensure_ascii=False)}")
     return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def _item(item: Any) -> str:
+    """An item of a list as text: on one line, but for lists of objects in it."""
+    if not isinstance(item, dict):
+        return json.dumps(item, ensure_ascii=False)
+    parts = []
+    for key, value in item.items():
+        text = json.dumps(value, ensure_ascii=False)
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            lines = ",\n".join("   " + json.dumps(inner, ensure_ascii=False) for inner in value)
+            text = f"[\n{lines}\n  ]"
+        parts.append(f"{json.dumps(key)}: {text}")
+    return "{" + ", ".join(parts) + "}"
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:

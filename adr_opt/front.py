@@ -294,7 +294,10 @@ def _beyond_the_model(mission: Mission, result: Result) -> Result:
         if plan is not None:
             # A plan file is read together with its instance, whose tanks may be used to the end.
             status = status_of(mission, plan.objective, math.inf)
-            plan = plan.replace(upper_bound=None, gap=None, status=status)
+            plan = plan.replace(
+                upper_bound=None, gap=None, status=status,
+                cost_bound=None, cost_gap=None, cost_status=None,
+            )  # fmt: skip
     drift = None if plan is None else drift_warning(mission.instance, plan)
     if drift is not None:
         notes.append(drift)

@@ -1,13 +1,13 @@
-"""The instance: one chaser's mission over a field of debris, as data and as a file.
+"""The instance: a mission over a field of debris, as data and as a file.
 
-The pydantic models below are the format ``adr-opt-instance/1``: the published JSON Schema is made
-from them (:func:`json_schema`). All are frozen; :meth:`Record.replace` makes variants.
+The pydantic models of the format ``adr-opt-instance/2`` stand here and in :mod:`.orbit`,
+:mod:`.bodies`, :mod:`.chasers` and :mod:`.settings`: the published JSON Schema is made from them
+(:func:`json_schema`). All are frozen; :meth:`Record.replace` makes variants.
 """
 
 from __future__ import annotations
 
 import hashlib
-import math
 import os
 from collections.abc import Collection
 from datetime import UTC, datetime
@@ -18,62 +18,125 @@ import numpy.typing as npt
 from pydantic import (
     AfterValidator,
     AwareDatetime,
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
-    ValidationError,
+    PrivateAttr,
     field_serializer,
+    field_validator,
     model_validator,
 )
 
-from .errors import InputError
-from .files import read_model, sentence, to_text
-from .kernels.constants import EARTH_RADIUS_M, MU_M3_S2, SLACK_M, SLACK_S, STATION
+from .bodies import Station, Target
+from .chasers import AtStation, Chaser, InOrbit
+from .files import read_model, to_text
+from .kernels.constants import EARTH_RADIUS_M, MU_M3_S2, SLACK_M, SLACK_S
 from .kernels.transfer import TransferRule
+from .orbit import Orbit
+from .records import Name, Record, not_yet
+from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings
 
-FORMAT: Literal["adr-opt-instance/1"] = "adr-opt-instance/1"
+FORMAT: Literal["adr-opt-instance/2"] = "adr-opt-instance/2"
 
-# A name ends up in formats of other programs, which end texts at a NUL.
-Name = Annotated[str, Field(min_length=1, pattern=r"^[^\x00]*$")]
-NonNegative = Annotated[float, Field(ge=0.0)]
-Positive = Annotated[float, Field(gt=0.0)]
-
-# Far beyond any use, and near enough for arithmetic to hold: two-body motion about the Earth ends
-# some 1.5 million km out, angles of many turns have lost their digits, prizes are summed and
-# divided, and solvers count ΔV in whole steps.
-LARGEST_LENGTH_M = 1e9
-LARGEST_ANGLE_DEG = 1e6
-LARGEST_DELTA_V_M_S = 1e9
-LARGEST_PRIZE = 1e12
-LEAST_PRIZE = 1e-12
-LARGEST_DURATION_S = 100 * 365.25 * 86400.0
-
-Length = Annotated[float, Field(gt=0.0, le=LARGEST_LENGTH_M)]
-Angle = Annotated[float, Field(ge=-LARGEST_ANGLE_DEG, le=LARGEST_ANGLE_DEG)]
+TIME_VALUE_M_S_PER_H = 75.0
+"""What an hour is worth to whoever chooses one transfer without looking ahead, if nobody says."""
 
 
-def _is_nothing_or_enough(prize: float) -> float:
-    if 0.0 < prize < LEAST_PRIZE:
-        raise ValueError(f"must be 0 or at least {LEAST_PRIZE:g}")
-    return prize
+def is_calendar_time(value: Any) -> Any:
+    """Refuse what pydantic would take for seconds since 1970."""
+    if isinstance(value, datetime) or (isinstance(value, str) and value[4:5] == "-"):
+        return value
+    raise ValueError("must be a time like 2026-01-01T00:00:00Z")
 
 
-Prize = Annotated[
-    float,
-    Field(
-        ge=0.0,
-        le=LARGEST_PRIZE,
-        json_schema_extra={"anyOf": [{"const": 0.0}, {"minimum": LEAST_PRIZE}]},
-    ),
-    AfterValidator(_is_nothing_or_enough),
-]
+def has_utc(epoch: datetime) -> datetime:
+    """Refuse what is out of the calendar in UTC."""
+    try:
+        epoch.astimezone(UTC)
+    except OverflowError:
+        raise ValueError("must lie in the years 1 to 9999 in UTC") from None
+    return epoch
 
 
-class Record(BaseModel):
-    """Base of all data: frozen, strict about types, no unknown keys, no NaN or infinity."""
+class Instance(Record):
+    """A mission to plan.
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    Bodies are numbered: the stations in order, then the orbit of its own where the chaser starts,
+    if it has one, then the targets in order.
+    """
+
+    format: Literal["adr-opt-instance/2"] = FORMAT
+    name: Name
+    epoch: Annotated[
+        AwareDatetime,
+        Field(strict=False),
+        BeforeValidator(is_calendar_time),
+        AfterValidator(has_utc),
+    ]
+    dynamics: Annotated[
+        Literal["two-body"], not_yet(lambda word: word == "j2", 'write "two-body"')
+    ] = "two-body"
+    stations: Annotated[tuple[Station, ...], Field(strict=False)]
+    targets: Annotated[tuple[Target, ...], Field(strict=False)]
+    chasers: Annotated[tuple[Chaser, ...], Field(strict=False, min_length=1)]
+    mission: MissionSettings
+    transfer: TransferSettings = TransferSettings()
+    objective: Objective = Objective()
+    keep_out_zones: Annotated[tuple[KeepOutZone, ...], Field(strict=False)] = ()
+
+    _time_value_m_s_per_h: float = PrivateAttr(default=TIME_VALUE_M_S_PER_H)
+
+    @field_validator("chasers", mode="after")
+    @classmethod
+    def _one_chaser(cls, chasers: tuple[Chaser, ...]) -> tuple[Chaser, ...]:
+        if len(chasers) > 1:
+            raise ValueError(f"{len(chasers)} chasers are not supported yet; give one")
+        return chasers
+
+    @model_validator(mode="after")
+    def _names_differ(self) -> Self:
+        seen = set()
+        for field in ("stations", "targets", "chasers"):
+            for number, one in enumerate(getattr(self, field)):
+                if one.name in seen:
+                    raise ValueError(
+                        f"field {field}[{number}].name = {one.name!r}: another body has this name; "
+                        "give each its own"
+                    )
+                seen.add(one.name)
+        return self
+
+    @model_validator(mode="after")
+    def _stations_exist(self) -> Self:
+        known = self.station_names
+        for number, chaser in enumerate(self.chasers):
+            for field in ("start", "end"):
+                place = getattr(chaser, field)
+                if isinstance(place, AtStation) and place.station not in known:
+                    listed = ", ".join(map(repr, known)) or "there is none"
+                    raise ValueError(
+                        f"field chasers[{number}].{field}.station = {place.station!r}: unknown "
+                        f"station; name one of the stations: {listed}"
+                    )
+        return self
+
+    def __eq__(self, other: object) -> bool:
+        """Whether it is the same mission; what an hour is worth is no part of it."""
+        if not isinstance(other, Instance):
+            return NotImplemented
+        return all(
+            getattr(self, field) == getattr(other, field) for field in type(self).model_fields
+        )
+
+    def __hash__(self) -> int:
+        return hash(tuple(getattr(self, field) for field in type(self).model_fields))
+
+    @classmethod
+    def from_json(cls, text: str) -> Instance:
+        """The instance that a JSON text holds, in this format or in a former one."""
+        from . import formats_1
+
+        former = formats_1.instance_of(text)
+        return super().from_json(text) if former is None else former
 
     def replace(self, **changes: Any) -> Self:
         """A validated copy with some fields changed.
@@ -83,206 +146,105 @@ class Record(BaseModel):
         InputError
             A change is not valid.
         """
-        values = {name: getattr(self, name) for name in type(self).model_fields}
-        try:
-            return type(self)(**(values | changes))
-        except ValidationError as error:
-            raise InputError(sentence(error)) from None
+        return super().replace(**changes).with_time_value(self._time_value_m_s_per_h)
 
+    def with_time_value(self, time_value_m_s_per_h: float) -> Self:
+        """The same instance for those who value an hour so, see :attr:`time_value_m_s_per_h`."""
+        made = self.model_copy()
+        made._time_value_m_s_per_h = time_value_m_s_per_h
+        return made
 
-class Orbit(Record):
-    """Keplerian elements in the inertial frame at the epoch of the instance."""
+    @property
+    def time_value_m_s_per_h(self) -> float:
+        """What an hour is worth to whoever chooses one transfer without looking ahead [m/s per h].
 
-    semi_major_axis_m: Length
-    eccentricity: Annotated[float, Field(ge=0.0, lt=1.0)]
-    inclination_deg: Annotated[float, Field(ge=0.0, le=180.0)]
-    raan_deg: Angle
-    argument_of_perigee_deg: Angle
-    true_anomaly_deg: Angle
-
-    @model_validator(mode="after")
-    def _above_the_ground(self) -> Self:
-        perigee = self.semi_major_axis_m * (1.0 - self.eccentricity)
-        if perigee <= EARTH_RADIUS_M:
-            raise ValueError(
-                f"the perigee radius of {perigee:.0f} m is under the ground "
-                f"({EARTH_RADIUS_M:.0f} m); raise semi_major_axis_m or lower eccentricity"
-            )
-        return self
-
-    def circular_elements(self) -> tuple[float, float, float, float]:
-        """The circle that is planned with: radius, inclination, RAAN, argument of latitude.
-
-        r = a and u = argument of perigee + mean anomaly (MODEL section 1) [m, rad].
+        No part of the file, of equality and of :attr:`sha256`: a default for methods, and that of
+        a file of the format ``adr-opt-instance/1`` is what the file says.
         """
-        e = self.eccentricity
-        true = math.radians(self.true_anomaly_deg)
-        eccentric = true - 2.0 * math.atan2(
-            # atan(β sin ν / (1 + β cos ν)) form of E: no loss of digits, no branch at ν = π
-            (e / (1.0 + math.sqrt(1.0 - e * e))) * math.sin(true),
-            1.0 + (e / (1.0 + math.sqrt(1.0 - e * e))) * math.cos(true),
-        )
-        mean = eccentric - e * math.sin(eccentric)
-        latitude = math.radians(self.argument_of_perigee_deg) + mean
-        return (
-            self.semi_major_axis_m,
-            math.radians(self.inclination_deg),
-            math.radians(self.raan_deg),
-            latitude,
-        )
+        return self._time_value_m_s_per_h
 
-    def eccentricity_vector(self) -> npt.NDArray[np.float64]:
-        """Inertial eccentricity vector, shape (3,)."""
-        i, o, w = (
-            math.radians(x)
-            for x in (self.inclination_deg, self.raan_deg, self.argument_of_perigee_deg)
-        )
-        node = np.array([math.cos(o), math.sin(o), 0.0])
-        ahead = np.array(
-            [-math.sin(o) * math.cos(i), math.cos(o) * math.cos(i), math.sin(i)], dtype=float
-        )
-        return self.eccentricity * (math.cos(w) * node + math.sin(w) * ahead)
+    def with_limits(
+        self, duration_s: float | None = None, delta_v_m_s: float | None = None
+    ) -> Self:
+        """The same field for a mission of another duration or with other tanks.
 
-
-class Station(Record):
-    """Where the chaser starts and refuels."""
-
-    name: Name
-    orbit: Orbit
-
-
-class Target(Record):
-    """A debris object that may be visited, and what servicing it is worth."""
-
-    name: Name
-    prize: Prize = 1.0
-    orbit: Orbit
-
-
-class MissionLimits(Record):
-    """Duration, ΔV budget and the time spent at a body (in its periods)."""
-
-    duration_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)]
-    delta_v_m_s: Annotated[float, Field(ge=0.0, le=LARGEST_DELTA_V_M_S)]
-    service_revolutions: NonNegative = 1.0
-    refuel_revolutions: NonNegative = 1.0
-
-
-class TransferSettings(Record):
-    """Parameters of the co-elliptic sequence (MODEL section 2)."""
-
-    first_leg_fraction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.75
-    standoff_m: NonNegative = 1000.0
-    safety_ellipse_revolutions: Positive = 0.5
-    max_phasing_revolutions: Annotated[int, Field(ge=0, le=100)] = 12
-    min_altitude_m: Length = 300e3
-    max_altitude_m: Length = 2000e3
-    time_value_m_s_per_h: NonNegative = 75.0
-
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        if self.max_altitude_m <= self.min_altitude_m:
-            raise ValueError(
-                f"max_altitude_m = {self.max_altitude_m!r} must be greater than "
-                f"min_altitude_m = {self.min_altitude_m!r}"
+        Raises
+        ------
+        InputError
+            A limit is not valid.
+        """
+        changes: dict[str, Any] = {}
+        if duration_s is not None:
+            changes["mission"] = self.mission.replace(duration_s=duration_s)
+        if delta_v_m_s is not None:
+            changes["chasers"] = tuple(
+                chaser.replace(tank=chaser.tank.replace(delta_v_m_s=delta_v_m_s))
+                for chaser in self.chasers
             )
-        if self.safety_ellipse_revolutions % 1.0 != 0.5:
-            raise ValueError(
-                f"safety_ellipse_revolutions = {self.safety_ellipse_revolutions!r} must be 0.5 "
-                "plus whole inspection laps (0.5, 1.5, …)"
-            )
-        return self
-
-
-class KeepOutZone(Record):
-    """A closed altitude band that is forbidden during a closed time window (MODEL section 5)."""
-
-    min_altitude_m: NonNegative
-    max_altitude_m: NonNegative
-    start_s: float
-    end_s: float
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        if self.max_altitude_m < self.min_altitude_m:
-            raise ValueError(
-                f"max_altitude_m = {self.max_altitude_m!r} must not be less than "
-                f"min_altitude_m = {self.min_altitude_m!r}"
-            )
-        if self.end_s < self.start_s:
-            raise ValueError(
-                f"end_s = {self.end_s!r} must not be before start_s = {self.start_s!r}"
-            )
-        return self
-
-
-def _is_calendar_time(value: Any) -> Any:
-    """Refuse what pydantic would take for seconds since 1970."""
-    if isinstance(value, datetime) or (isinstance(value, str) and value[4:5] == "-"):
-        return value
-    raise ValueError("must be a time like 2026-01-01T00:00:00Z")
-
-
-def _has_utc(epoch: datetime) -> datetime:
-    try:
-        epoch.astimezone(UTC)
-    except OverflowError:
-        raise ValueError("must lie in the years 1 to 9999 in UTC") from None
-    return epoch
-
-
-class Instance(Record):
-    """A mission to plan. Bodies are numbered with the station first, then the targets in order."""
-
-    format: Literal["adr-opt-instance/1"] = FORMAT
-    name: Name
-    epoch: Annotated[
-        AwareDatetime,
-        Field(strict=False),
-        BeforeValidator(_is_calendar_time),
-        AfterValidator(_has_utc),
-    ]
-    station: Station
-    targets: Annotated[tuple[Target, ...], Field(strict=False)]
-    mission: MissionLimits
-    transfer: TransferSettings = TransferSettings()
-    keep_out_zones: Annotated[tuple[KeepOutZone, ...], Field(strict=False)] = ()
-
-    @model_validator(mode="after")
-    def _names_differ(self) -> Self:
-        seen = {self.station.name}
-        for number, target in enumerate(self.targets):
-            if target.name in seen:
-                raise ValueError(
-                    f"field targets[{number}].name = {target.name!r}: another body has this name; "
-                    "give each its own"
-                )
-            seen.add(target.name)
-        return self
+        return self.replace(**changes)
 
     @field_serializer("epoch")
     def _epoch_text(self, epoch: datetime) -> str:
         return epoch.astimezone(UTC).isoformat().replace("+00:00", "Z")
 
     @property
+    def chaser(self) -> Chaser:
+        """The chaser, of which there is one."""
+        return self.chasers[0]
+
+    @property
+    def station_names(self) -> tuple[str, ...]:
+        """Names of the stations."""
+        return tuple(station.name for station in self.stations)
+
+    @property
+    def start_bodies(self) -> dict[str, Orbit]:
+        """Orbits of their own where chasers start, by the name of the chaser."""
+        return {
+            chaser.name: chaser.start.orbit
+            for chaser in self.chasers
+            if isinstance(chaser.start, InOrbit)
+        }
+
+    @property
+    def start(self) -> int:
+        """Number of the body where the chaser starts."""
+        return self.names.index(self.chaser.start_name)
+
+    @property
+    def first_target(self) -> int:
+        """Number of the first target; those before it are stations and where chasers start."""
+        return len(self.stations) + len(self.start_bodies)
+
+    @property
     def names(self) -> tuple[str, ...]:
-        """Names of the bodies, the station first."""
-        return (self.station.name, *(target.name for target in self.targets))
+        """Names of the bodies, in the order of their numbers."""
+        return (
+            *self.station_names,
+            *self.start_bodies,
+            *(target.name for target in self.targets),
+        )
 
     @property
     def body_orbits(self) -> tuple[Orbit, ...]:
-        """Orbits of the bodies, the station first."""
-        return (self.station.orbit, *(target.orbit for target in self.targets))
+        """Orbits of the bodies, in the order of their numbers."""
+        return (
+            *(station.orbit for station in self.stations),
+            *self.start_bodies.values(),
+            *(target.orbit for target in self.targets),
+        )
 
     @property
     def is_approximate(self) -> bool:
         """Whether some orbit is not a circle, so that the model is an approximation of it."""
         return any(orbit.eccentricity > 0.0 for orbit in self.body_orbits)
 
-    def part(self, bodies: Collection[int]) -> Instance:
-        """The instance with only some of its bodies, in its own order; the station stays."""
-        targets = [self.targets[body - 1] for body in sorted(bodies) if body != STATION]
-        return self.replace(targets=targets)
+    def part(self, bodies: Collection[int]) -> Self:
+        """The instance with only some of its targets, in its own order; other bodies stay."""
+        first = self.first_target
+        return self.replace(
+            targets=tuple(self.targets[body - first] for body in sorted(bodies) if body >= first)
+        )
 
     def to_json(self) -> str:
         """The instance file, the same bytes on every machine."""
@@ -312,12 +274,21 @@ class Instance(Record):
         cost: npt.NDArray[np.float64] = 0.5 * difference * speeds[None, :]
         return cost
 
-    def transfer_rule(self) -> TransferRule:
+    def transfer_rule(self, time_value_m_s_per_h: float | None = None) -> TransferRule:
         """The transfer settings and zones as the kernels take them (radii, m/s per s).
 
+        Parameters
+        ----------
+        time_value_m_s_per_h : float, optional
+            What an hour is worth when one of several sequences is chosen; by default
+            :attr:`time_value_m_s_per_h`.
+
+        Notes
+        -----
         Zones are closed, so the slack of the model is theirs: what touches one is in it.
         """
         settings = self.transfer
+        worth = self.time_value_m_s_per_h if time_value_m_s_per_h is None else time_value_m_s_per_h
         zones = np.array(
             [
                 (
@@ -337,7 +308,7 @@ class Instance(Record):
             settings.max_phasing_revolutions,
             EARTH_RADIUS_M + settings.min_altitude_m,
             EARTH_RADIUS_M + settings.max_altitude_m,
-            settings.time_value_m_s_per_h / 3600.0,
+            worth / 3600.0,
             zones,
         )
 

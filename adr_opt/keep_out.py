@@ -13,9 +13,11 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from .instance import Instance, KeepOutZone, Orbit
+from .instance import Instance
 from .kernels.constants import EARTH_RADIUS_M, MU_M3_S2
+from .orbit import Orbit
 from .plan import Leg
+from .settings import KeepOutZone
 
 MARGIN_M, MARGIN_S = 1.0, 1e-2
 """How far inside a zone a leg must be to be reported: beyond what `check` tolerates in burns."""

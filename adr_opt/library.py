@@ -15,7 +15,8 @@ from pydantic import Field, model_validator
 from .errors import InputError
 from .files import read_model, to_text
 from .generator import by_name
-from .instance import Instance, Name, Record
+from .instance import Instance
+from .records import Name, Record
 
 FORMAT: Literal["adr-opt-library/1"] = "adr-opt-library/1"
 

@@ -16,6 +16,7 @@ from .kernels import rules as kernels
 from .kernels.constants import SLACK_M_S, SLACK_S, STATION
 from .kernels.timetable import transfer_exists
 from .kernels.transfer import TransferRule
+from .support import refuse_unsupported
 from .timetable import Timetable
 from .tolerance import common_step
 
@@ -77,12 +78,14 @@ class Mission:
     ) -> None:
         if not 0.0 <= margin < 1.0:
             raise InputError(f"margin = {margin!r}: must be a share of the tank, from 0 to below 1")
+        refuse_unsupported(instance)
         self.instance = instance
         self.margin = margin
         self.names = instance.names
         self._threads = threads
         if timetable is not None:
-            if timetable.instance != instance:
+            same = timetable.instance == instance
+            if not same or timetable.instance.time_value_m_s_per_h != instance.time_value_m_s_per_h:
                 raise InputError("the timetable belongs to another instance")
             self.__dict__["timetable"] = timetable
 
@@ -114,6 +117,7 @@ class Mission:
     def rules(self) -> kernels.Rules:
         """The mission as the kernels take it; its arrays are read-only."""
         limits = self.instance.mission
+        assert limits.service_revolutions is not None  # refused above
         periods = np.array(
             [orbit_kernels.period(radius) for radius in self.instance.orbits()[:, 0]]
         )
@@ -126,14 +130,14 @@ class Mission:
             self.timetable.table,
             service,
             prize,
-            limits.delta_v_m_s - self.reserve_m_s + SLACK_M_S,
+            self.instance.chaser.tank.delta_v_m_s - self.reserve_m_s + SLACK_M_S,
             limits.duration_s + SLACK_S,
         )
 
     @property
     def reserve_m_s(self) -> float:
         """What is kept back of each tank [m/s]."""
-        return self.margin * self.instance.mission.delta_v_m_s
+        return self.margin * self.instance.chaser.tank.delta_v_m_s
 
     def with_margin(self, margin: float) -> Mission:
         """The same mission, timetable included, with another share of each tank kept back."""

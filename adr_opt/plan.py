@@ -1,26 +1,22 @@
-"""The plan file ``adr-opt-plan/1``: what is flown, when, at what cost, and how good it is."""
+"""The plan file ``adr-opt-plan/2``: what is flown, when, at what cost, and how good it is."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from .files import read_model, to_text, write_text
-from .instance import Name, Record
+from .records import DeltaV, Name, Record, Time
+from .settings import Objective
 
-FORMAT: Literal["adr-opt-plan/1"] = "adr-opt-plan/1"
+FORMAT: Literal["adr-opt-plan/2"] = "adr-opt-plan/2"
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
 Reason = Literal["duration", "delta-v", "no-transfer", "not-worth-it", "not-considered"]
 
-# Far beyond any use, and near enough for arithmetic to hold: squares and sums stay finite.
-LARGEST_TIME_S = 1e12
-LARGEST_DELTA_V_M_S = 1e9
-
-Time = Annotated[float, Field(ge=-LARGEST_TIME_S, le=LARGEST_TIME_S)]
-DeltaV = Annotated[float, Field(ge=-LARGEST_DELTA_V_M_S, le=LARGEST_DELTA_V_M_S)]
 Vector = tuple[DeltaV, DeltaV, DeltaV]
 
 
@@ -46,9 +42,11 @@ class Leg(Record):
     ``arrival_s`` the end of the approach, ``end_s`` the end of service (refuelling, at the
     station); ``delta_v_left_m_s`` is what is left then: the full budget after refuelling.
     ``eccentricity_delta_v_m_s`` is the part of ``delta_v_m_s`` that matches eccentricity vectors;
-    it has no burn, because the burns fly between circles (MODEL section 1).
+    it has no burn, because the burns fly between circles (MODEL section 1). ``kind`` is that of the
+    transfer: ``short`` is the co-elliptic sequence.
     """
 
+    kind: Literal["short"] = "short"
     origin: Name
     destination: Name
     ready_s: Time
@@ -60,6 +58,13 @@ class Leg(Record):
     phasing_revolutions: int
     eccentricity_delta_v_m_s: DeltaV = 0.0
     burns: Annotated[tuple[Burn, ...], Field(strict=False)]
+
+
+class Route(Record):
+    """What one chaser flies, in order."""
+
+    chaser: Name
+    legs: Annotated[tuple[Leg, ...], Field(strict=False)]
 
 
 class Unvisited(Record):
@@ -77,9 +82,14 @@ class Unvisited(Record):
 
 
 class Plan(Record):
-    """A mission plan with its certificate."""
+    """A mission plan with its certificate.
 
-    format: Literal["adr-opt-plan/1"] = FORMAT
+    ``status`` speaks of ``objective``, the prize: ``upper_bound`` is what no plan exceeds.
+    ``cost_status`` speaks of ``cost`` at that prize: ``cost_bound`` is what no plan costs less than
+    that collects as much; the three are null where nobody asked for them.
+    """
+
+    format: Literal["adr-opt-plan/2"] = FORMAT
     instance: InstanceReference
     method: Name
     seed: Annotated[int, Field(ge=0)]
@@ -87,11 +97,28 @@ class Plan(Record):
     objective: float
     upper_bound: float | None = None
     gap: float | None = None
+    cost: float
+    cost_bound: float | None = None
+    cost_gap: float | None = None
+    cost_status: Status | None = None
     runtime_s: Annotated[float, Field(ge=0.0)]
     versions: dict[str, str] = Field(default_factory=dict)
     notes: Annotated[tuple[str, ...], Field(strict=False)] = ()
-    legs: Annotated[tuple[Leg, ...], Field(strict=False)] = ()
+    routes: Annotated[tuple[Route, ...], Field(strict=False)] = ()
     unvisited: Annotated[tuple[Unvisited, ...], Field(strict=False)] = ()
+
+    @classmethod
+    def from_json(cls, text: str) -> Plan:
+        """The plan that a JSON text holds, in this format or in a former one."""
+        from . import formats_1
+
+        former = formats_1.plan_of(text)
+        return super().from_json(text) if former is None else former
+
+    @property
+    def legs(self) -> tuple[Leg, ...]:
+        """The legs of all routes, one route after the other."""
+        return tuple(leg for route in self.routes for leg in route.legs)
 
     @property
     def destinations(self) -> tuple[str, ...]:
@@ -132,6 +159,13 @@ def json_schema() -> dict[str, Any]:
     """The JSON Schema of the plan file."""
     schema = Plan.model_json_schema()
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+def cost_of(objective: Objective, legs: Iterable[Leg]) -> float:
+    """What legs cost as an instance counts it: total ΔV [m/s], or when the last one ends [s]."""
+    if objective.cost == "duration":
+        return max((leg.end_s for leg in legs), default=0.0)
+    return float(sum(leg.delta_v_m_s for leg in legs))
 
 
 def relative_gap(objective: float, upper_bound: float) -> float:

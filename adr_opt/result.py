@@ -10,7 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from .mission import Mission
-from .plan import InstanceReference, Plan, Status, relative_gap
+from .plan import InstanceReference, Plan, Route, Status, cost_of, relative_gap
 from .pricing import APPROXIMATE, legs, unvisited
 from .tolerance import meets
 
@@ -151,10 +151,11 @@ def certify(
         objective=objective,
         upper_bound=upper_bound if bounded else None,
         gap=relative_gap(objective, upper_bound) if bounded else None,
+        cost=cost_of(mission.instance.objective, priced),
         runtime_s=runtime_s,
         versions=versions(),
         notes=said,
-        legs=priced,
+        routes=(Route(chaser=mission.instance.chaser.name, legs=priced),),
         unvisited=unvisited(mission, moves),
     )
     return Result(

@@ -75,9 +75,10 @@ def single_rate(env: MissionEnv, steps: int) -> float:
 
 def lookup_rate(mission: adr_opt.Mission, steps: int) -> float:
     """Masks alone, worked out in Python from ``Timetable.lookup`` of every move."""
-    limits, service = mission.instance.mission, mission.rules.service
+    duration, budget = mission.instance.mission.duration_s, mission.instance.chaser.tank.delta_v_m_s
+    service = mission.rules.service
     visited: set[int] = set()
-    body, now, left, since = 0, 0.0, limits.delta_v_m_s, 0
+    body, now, left, since = 0, 0.0, budget, 0
     spent = 0.0
     for _ in range(steps):
         began = time.perf_counter()
@@ -86,15 +87,15 @@ def lookup_rate(mission: adr_opt.Mission, steps: int) -> float:
             if j == body or j in visited or (j == 0 and since == 0):
                 continue
             delta_v, arrival = mission.timetable.lookup(body, j, now)
-            if delta_v <= left and arrival + service[j] <= limits.duration_s:
+            if delta_v <= left and arrival + service[j] <= duration:
                 legal[j] = (arrival + service[j], delta_v)
         spent += time.perf_counter() - began
         if not legal:
-            visited, body, now, left, since = set(), 0, 0.0, limits.delta_v_m_s, 0
+            visited, body, now, left, since = set(), 0, 0.0, budget, 0
             continue
         j = min(legal, key=lambda j: legal[j][0] / 3600.0 + legal[j][1] / 450.0)
         now, delta_v = legal[j]
-        left = limits.delta_v_m_s if j == 0 else left - delta_v
+        left = budget if j == 0 else left - delta_v
         since = 0 if j == 0 else since + 1
         visited |= {j} - {0}
         body = j

@@ -126,8 +126,8 @@ def main() -> None:
             continue
         instance = adr_opt.generate(arguments.family, seed, targets=arguments.targets)
         if arguments.days is not None:
-            limits = instance.mission.replace(duration_s=86400.0 * arguments.days)
-            instance = instance.replace(name=f"{family}-{seed:03d}", mission=limits)
+            instance = instance.with_limits(duration_s=86400.0 * arguments.days)
+            instance = instance.replace(name=f"{family}-{seed:03d}")
         mission = adr_opt.Mission(instance)
         mission.rules  # noqa: B018  builds the timetable
         for spec in missing:

@@ -19,8 +19,8 @@ from scipy.optimize import brentq
 
 from adr_opt.errors import InputError
 from adr_opt.instance import Instance
-from adr_opt.instance import Orbit as Elements
 from adr_opt.kernels.constants import EARTH_RADIUS_M
+from adr_opt.orbit import Orbit as Elements
 
 MU = Earth.k.to_value(u.m**3 / u.s**2)
 COPLANAR_RAD = 1e-9
@@ -53,8 +53,7 @@ def reference_leg(
     if instance.is_approximate or instance.keep_out_zones:
         raise InputError("the reference leg knows neither eccentric orbits nor keep-out zones")
     rule = instance.transfer
-    elements = {target.name: target.orbit for target in instance.targets}
-    elements[instance.station.name] = instance.station.orbit
+    elements = dict(zip(instance.names, instance.body_orbits, strict=True))
     chaser = _orbit(elements[origin]).propagate(ready_s * u.s)
     target = _orbit(elements[destination]).propagate(ready_s * u.s)
 
@@ -87,7 +86,7 @@ def reference_leg(
         while (time := (phase + 2.0 * math.pi * m) / rate) <= longest:
             r = brentq(lambda r, k=k, time=time: flight_time(r, k) - time, low, high, xtol=1e-9)
             delta_v = _delta_v(chaser, target, theta, k, r, f)
-            key = (delta_v + rule.time_value_m_s_per_h / 3600.0 * time, time, k)
+            key = (delta_v + instance.time_value_m_s_per_h / 3600.0 * time, time, k)
             if key < best:
                 best, best_delta_v = key, delta_v
             m += 1

@@ -38,10 +38,10 @@ import adr_opt
 from adr_opt import Instance, Plan, front
 from adr_opt.errors import InputError
 from adr_opt.files import check_writable, parse_model, read_text, write_text
+from adr_opt.formats_1 import is_of
 from adr_opt.library import Library, load_library
 from adr_opt.mission import Mission
-from adr_opt.plan import FORMAT as PLAN_FORMAT
-from adr_opt.plan import relative_gap
+from adr_opt.plan import InstanceReference, relative_gap
 from adr_opt.planner import PLANNERS
 from adr_opt.result import certify, versions
 from adr_opt.together import BOUND_NOTE, InvalidBound
@@ -49,6 +49,8 @@ from adr_opt.tolerance import RELATIVE, meets, tolerance
 
 FOLDER = Path(__file__).resolve().parents[1] / "instances"
 WHO = "the adr-opt developers"
+PLAN_FORMATS = "adr-opt-plan/"
+"""Begins the format of plan files, of this one and of former ones."""
 
 
 class Refused(Exception):
@@ -318,7 +320,7 @@ def committed(folder: Path, name: str, sha256: str) -> Instance:
         There is none, or its content is another.
     """
     instance = known_instance(folder, name)
-    if instance.sha256 != sha256:
+    if not is_of(InstanceReference(name=name, sha256=sha256), instance):
         where = file_of(folder, name) or "the library"
         raise InputError(
             f"instance {name!r}: sha256 {sha256[:12]}… is not that of {where} "
@@ -344,11 +346,13 @@ def claim_of(given: str, arguments: argparse.Namespace) -> Claim:
         kind = str(content.get("format", ""))
     except (ValueError, AttributeError):
         raise InputError(f"{path}: not a JSON object; give a JSON file") from None
-    if kind == PLAN_FORMAT:
+    if kind.startswith(PLAN_FORMATS):
         plan = parse_model(text, Plan, str(path))
         instance = committed(arguments.folder, plan.instance.name, plan.instance.sha256)
         by = [note.removeprefix(BOUND_NOTE) for note in plan.notes if note.startswith(BOUND_NOTE)]
         bound = math.inf if plan.upper_bound is None else plan.upper_bound
+        # A plan of a former format names the file that its instance was then.
+        plan = plan.replace(instance=plan.instance.replace(sha256=instance.sha256))
         return Claim(instance, plan, bound, by[0] if by else plan.method, plan.versions)
     if not kind and {"upper_bound", "instance", "method"} <= set(content):
         try:

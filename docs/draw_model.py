@@ -20,10 +20,10 @@ import numpy as np
 
 import adr_opt
 from adr_opt import plot
-from adr_opt.instance import KeepOutZone
 from adr_opt.kernels.constants import EARTH_RADIUS_M, STATION
 from adr_opt.plan import Leg
 from adr_opt.result import certify
+from adr_opt.settings import KeepOutZone
 
 FOLDER = Path(__file__).with_name("pictures")
 WIDTH_IN = 6.2

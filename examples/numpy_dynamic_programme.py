@@ -34,5 +34,5 @@ def solve(matrix: str, budget_m_s: float, duration_s: float, most: int = 12) -> 
 
 if __name__ == "__main__":
     mission = adr_opt.Mission(adr_opt.load(sys.argv[1]))
-    limits = mission.instance.mission
-    come_back("DP", mission, solve(sys.argv[2], limits.delta_v_m_s, limits.duration_s))
+    budget, duration = mission.instance.chaser.tank.delta_v_m_s, mission.instance.mission.duration_s
+    come_back("DP", mission, solve(sys.argv[2], budget, duration))

@@ -35,9 +35,13 @@ from __future__ import annotations
 
 import math
 
+from adr_opt.bodies import Station, Target
+from adr_opt.chasers import AtStation, Chaser, Tank
 from adr_opt.generator import EPOCH
-from adr_opt.instance import Instance, MissionLimits, Orbit, Station, Target
+from adr_opt.instance import Instance
 from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
+from adr_opt.orbit import Orbit
+from adr_opt.settings import MissionSettings
 
 RADIUS_M = EARTH_RADIUS_M + 700e3
 PERIOD_S = 2.0 * math.pi * math.sqrt(RADIUS_M**3 / MU_M3_S2)
@@ -63,12 +67,19 @@ def hand_made(*, periods: float = 14.0, delta_v_m_s: float = 300.0) -> Instance:
     return Instance(
         name="hand-made",
         epoch=EPOCH,
-        station=Station(name="station", orbit=_orbit(96.0)),
+        stations=(Station(name="station", orbit=_orbit(96.0)),),
         targets=(
             Target(name="north", orbit=_orbit(97.0)),
             Target(name="beyond", orbit=_orbit(98.0)),
             Target(name="south", orbit=_orbit(95.0)),
             Target(name="far", orbit=_orbit(36.0)),
         ),
-        mission=MissionLimits(duration_s=float(round(periods * PERIOD_S)), delta_v_m_s=delta_v_m_s),
+        chasers=(
+            Chaser(
+                name="chaser",
+                start=AtStation(station="station"),
+                tank=Tank(delta_v_m_s=delta_v_m_s),
+            ),
+        ),
+        mission=MissionSettings(duration_s=float(round(periods * PERIOD_S))),
     )

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import adr_opt
 from adr_opt.instance import Instance
 from adr_opt.kernels import burns, orbits, transfer
-from adr_opt.plan import Burn, InstanceReference, Leg, Plan, Unvisited
+from adr_opt.plan import Burn, InstanceReference, Leg, Plan, Route, Unvisited
 
 NEAR_S = 2e-3
 """A departure is tried from so long before the chaser is ready: beyond what `check` tolerates."""
@@ -32,7 +32,7 @@ class State(NamedTuple):
 
 def accepted(instance: Instance) -> Plan:
     """A plan that collects the most of all to which `check` has no objection."""
-    start = State(0, 0.0, instance.mission.delta_v_m_s)
+    start = State(0, 0.0, instance.chaser.tank.delta_v_m_s)
     found = [plan for favour in (0.0, 1.0) for plan in _plans(instance, favour, (), start)]
     return max(found, key=lambda plan: plan.objective)
 
@@ -73,7 +73,7 @@ def _legs(instance: Instance, favour: float, state: State, j: int) -> Iterator[t
         period = orbits.period(elements[j, orbits.RADIUS])
         arrival = departure + flown.flight_time + rule.approach_revolutions * period
         end = arrival + (limits.service_revolutions if j else limits.refuel_revolutions) * period
-        rest = left - flown.delta_v if j else limits.delta_v_m_s
+        rest = left - flown.delta_v if j else instance.chaser.tank.delta_v_m_s
         leg = Leg(
             origin=instance.names[i],
             destination=instance.names[j],
@@ -108,8 +108,9 @@ def _plan(instance: Instance, legs: tuple[Leg, ...]) -> Plan:
         seed=0,
         status="optimal" if math.isclose(collected, total) else "feasible",
         objective=collected,
+        cost=sum(leg.delta_v_m_s for leg in legs),
         runtime_s=0.0,
-        legs=legs,
+        routes=(Route(chaser=instance.chaser.name, legs=legs),),
         unvisited=tuple(
             Unvisited(target=target.name, reason="not-worth-it")
             for target in instance.targets

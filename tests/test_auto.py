@@ -35,8 +35,7 @@ def plan(mission: Mission, iterations: int = 50, seed: int = 0, **options: Any) 
 def field() -> Mission:
     """A field that is not proven within a round."""
     instance = adr_opt.generate("nominal", 1, targets=30)
-    limits = instance.mission.replace(duration_s=3.0 * 86400.0, delta_v_m_s=1500.0)
-    return Mission(instance.replace(mission=limits), threads=1)
+    return Mission(instance.with_limits(duration_s=3.0 * 86400.0, delta_v_m_s=1500.0), threads=1)
 
 
 @pytest.mark.parametrize("path", TINY, ids=lambda path: path.stem)
@@ -191,8 +190,7 @@ def test_proof_and_search_help_each_other(field: Mission) -> None:
 def test_a_large_field_ends_on_time() -> None:
     """120 targets over two days: a legal plan within the time limit of three seconds."""
     instance = adr_opt.generate("nominal", 0, targets=120)
-    limits = instance.mission.replace(duration_s=2.0 * 86400.0)
-    mission = Mission(instance.replace(mission=limits))
+    mission = Mission(instance.with_limits(duration_s=2.0 * 86400.0))
     assert mission.rules.prize.size == 121
     began = time.perf_counter()
     result = adr_opt.solve(mission, "auto", time_limit=3.0)

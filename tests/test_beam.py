@@ -44,11 +44,10 @@ def variant(seed: int) -> Instance:
         targets=tuple(
             target.replace(prize=float(prize))
             for target, prize in zip(instance.targets, prizes, strict=True)
-        ),
-        mission=instance.mission.replace(
-            duration_s=86400.0 * float(rng.uniform(0.6, 2.0)),
-            delta_v_m_s=float(rng.uniform(300.0, 2500.0)),
-        ),
+        )
+    ).with_limits(
+        duration_s=86400.0 * float(rng.uniform(0.6, 2.0)),
+        delta_v_m_s=float(rng.uniform(300.0, 2500.0)),
     )
 
 
@@ -256,9 +255,7 @@ def test_prefix_of_everything() -> None:
 def test_more_than_64_targets() -> None:
     """Sets of visited targets may take more than one machine word."""
     instance = adr_opt.generate("nominal", 0, targets=70)
-    mission = Mission(
-        instance.replace(mission=instance.mission.replace(duration_s=2.0 * 86400.0)), threads=1
-    )
+    mission = Mission(instance.with_limits(duration_s=2.0 * 86400.0), threads=1)
     result = plan(mission, width=200)
     assert result.plan is not None
     assert adr_opt.check(mission.instance, result.plan) == ()

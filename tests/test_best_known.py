@@ -12,6 +12,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+from plans import with_legs
 
 import adr_opt
 from adr_opt import planner
@@ -84,7 +85,8 @@ def flown(instance: Instance, order: tuple[int, ...]) -> tuple[float, float]:
     """
     bodies, extra = instance.orbits(), instance.eccentricity_delta_v()
     rule, limits = instance.transfer_rule(), instance.mission
-    i, now, left, spent, since_refuelling = 0, 0.0, limits.delta_v_m_s, 0.0, 0
+    budget = instance.chaser.tank.delta_v_m_s
+    i, now, left, spent, since_refuelling = 0, 0.0, budget, 0.0, 0
     assert len([j for j in order if j]) == len({j for j in order if j})
     for j in order:
         assert j != i
@@ -102,7 +104,7 @@ def flown(instance: Instance, order: tuple[int, ...]) -> tuple[float, float]:
         spent += leg.delta_v
         assert left >= -1e-6
         assert now <= limits.duration_s + 1e-3
-        left = left if j else limits.delta_v_m_s
+        left = left if j else budget
         since_refuelling = since_refuelling + 1 if j else 0
         i = j
     return float(sum(instance.targets[j - 1].prize for j in order if j)), float(spent)
@@ -211,7 +213,7 @@ def test_an_illegal_plan_is_refused(
     """All violations are listed, exit 1, and nothing is written."""
     plan = certified(mission, (1,))
     leg = plan.legs[0]
-    lie = plan.replace(legs=(leg.replace(delta_v_m_s=leg.delta_v_m_s - 1.0),), objective=9.0)
+    lie = with_legs(plan, (leg.replace(delta_v_m_s=leg.delta_v_m_s - 1.0),), objective=9.0)
     assert script.main(["--folder", str(folder), str(saved(folder, lie))]) == 1
     said = capsys.readouterr().err
     assert "leg 1: cost" in said
@@ -247,7 +249,7 @@ def test_other_instances_and_files_are_wrong(
         assert script.main(["--folder", str(folder), str(path)]) == 2
         assert named in capsys.readouterr().err
 
-    changed = mission.instance.replace(mission=mission.instance.mission.replace(delta_v_m_s=2000.0))
+    changed = mission.instance.with_limits(delta_v_m_s=2000.0)
     wrong(saved(folder, certified(Mission(changed), (1,))), "is not that of")
     other = Mission(adr_opt.generate("tiny", 77))
     wrong(saved(folder, certified(other, (1,))), "commit it there first")

@@ -54,7 +54,7 @@ def broken_off(
 def large(targets: int = 143, days: float = 365.0) -> Instance:
     """A mission whose timetable takes minutes."""
     instance = adr_opt.generate("nominal", 0, targets=targets)
-    return instance.replace(mission=instance.mission.replace(duration_s=86400.0 * days))
+    return instance.with_limits(duration_s=86400.0 * days)
 
 
 @pytest.mark.usefixtures("in_small_steps")

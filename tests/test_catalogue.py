@@ -354,7 +354,7 @@ def test_max_targets_are_the_nearest_planes() -> None:
     records = field(100)
     made = to_instance(records, station="750,86.4,120", max_targets=10)
     everything = to_instance(records, station="750,86.4,120").instance
-    home = everything.station.orbit
+    home = everything.stations[0].orbit
     assert (home.inclination_deg, home.raan_deg, home.true_anomaly_deg) == (86.4, 120.0, 0.0)
     station = adr_opt.kernels.orbits.frame(*np.radians([86.4, 120.0]))[2]
 
@@ -374,9 +374,9 @@ def test_a_station_at_an_object() -> None:
     records = field(5)
     for told in ("10002", "object 2 deb", records[2].object_id):
         instance = to_instance(records, station=told).instance
-        assert instance.station.name == "OBJECT 2 DEB 10002"
+        assert instance.stations[0].name == "OBJECT 2 DEB 10002"
         assert len(instance.targets) == 4
-        assert instance.station.orbit == to_instance(records).instance.targets[2].orbit
+        assert instance.stations[0].orbit == to_instance(records).instance.targets[2].orbit
 
 
 def test_names_of_targets_are_unique() -> None:

@@ -14,6 +14,7 @@ import jsonschema
 import numpy as np
 import pytest
 from conftest import Cli
+from plans import with_legs
 
 import adr_opt
 from adr_opt import generator, planner
@@ -240,7 +241,7 @@ def test_check_lists_the_violations(cli: Cli, tiny_file: Path, tmp_path: Path) -
     cli("solve", tiny_file, "--method", "greedy", "--out", "plan.json")
     plan = load_plan(tmp_path / "plan.json")
     legs = (plan.legs[0].replace(arrival_s=plan.legs[0].arrival_s + 5.0), *plan.legs[1:])
-    plan.replace(legs=legs, objective=99.0).save(tmp_path / "plan.json")
+    with_legs(plan, legs, objective=99.0).save(tmp_path / "plan.json")
     outcome = cli("check", tiny_file, "plan.json", "--json")
     assert outcome.status == 1
     found = {(entry["leg"], entry["rule"]) for entry in json.loads(outcome.out)["violations"]}

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from plans import with_legs
 
 import adr_opt
 
@@ -63,12 +64,12 @@ def test_wrong_calls_end_in_one_sentence(cli, tiny_file, plan_file, tmp_path) ->
     other = tmp_path / "other.json"
     other.write_text(adr_opt.generate("tiny", 1).to_json(), encoding="utf-8")
     empty = tmp_path / "empty.json"
-    adr_opt.load_plan(plan_file).replace(legs=()).save(empty)
+    with_legs(adr_opt.load_plan(plan_file), ()).save(empty)
     legs = adr_opt.load_plan(plan_file).legs
     swapped, early = tmp_path / "swapped.json", tmp_path / "early.json"
-    adr_opt.load_plan(plan_file).replace(legs=(legs[1], legs[0], *legs[2:])).save(swapped)
+    with_legs(adr_opt.load_plan(plan_file), (legs[1], legs[0], *legs[2:])).save(swapped)
     hasty = legs[1].replace(ready_s=legs[0].ready_s)
-    adr_opt.load_plan(plan_file).replace(legs=(legs[0], hasty, *legs[2:])).save(early)
+    with_legs(adr_opt.load_plan(plan_file), (legs[0], hasty, *legs[2:])).save(early)
     before = sorted(tmp_path.iterdir())
     for arguments, said in (
         ((other, plan_file, "--out", "a.oem"), "plan.json: the plan belongs to the instance"),

@@ -60,7 +60,7 @@ def test_every_spelling_is_imported(cli: Cli, spelling: str) -> None:
     assert instance.name == "catalogue-n12"
     assert instance.epoch == max(record.epoch for record in RECORDS)
     assert instance.mission.duration_s == 7 * 86400.0
-    assert instance.mission.delta_v_m_s == 3000.0
+    assert instance.chaser.tank.delta_v_m_s == 3000.0
 
 
 def test_options_reach_the_instance(cli: Cli) -> None:
@@ -77,9 +77,9 @@ def test_options_reach_the_instance(cli: Cli) -> None:
     instance = adr_opt.load("out.json")
     assert told["epoch"] == "2025-03-05T12:00:00Z" == json.loads(instance.to_json())["epoch"]
     assert instance.mission.duration_s == 3 * 86400.0
-    assert instance.mission.delta_v_m_s == 1500.0
-    assert instance.station.orbit.semi_major_axis_m == 6378137.0 + 750e3
-    assert instance.station.orbit.true_anomaly_deg == 20.0
+    assert instance.chaser.tank.delta_v_m_s == 1500.0
+    assert instance.stations[0].orbit.semi_major_axis_m == 6378137.0 + 750e3
+    assert instance.stations[0].orbit.true_anomaly_deg == 20.0
     assert told["targets"] == len(instance.targets) == 9
     assert told["read"] == 200
     counts = told["dropped_counts"]

@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 from conftest import Cli
+from plans import with_legs
 
 import adr_opt
 from adr_opt import front
@@ -109,7 +110,7 @@ def test_json_is_the_plan_file_and_nothing_else(cli: Cli, tiny_file: Path) -> No
     assert outcome.status == 0
     assert outcome.out == Path("plan.json").read_text(encoding="utf-8")
     assert outcome.err == ""
-    assert json.loads(outcome.out)["format"] == "adr-opt-plan/1"
+    assert json.loads(outcome.out)["format"] == "adr-opt-plan/2"
 
 
 def test_solve_without_out_writes_no_file(cli: Cli, tiny_file: Path) -> None:
@@ -244,7 +245,7 @@ def test_a_margin_is_left_in_every_tank(cli: Cli, tiny_file: Path) -> None:
     assert "bound none, gap unknown" in solved.out
     instance, plan = adr_opt.load(tiny_file), load_plan("plan.json")
     assert plan.upper_bound is None
-    budget = instance.mission.delta_v_m_s
+    budget = instance.chaser.tank.delta_v_m_s
     assert min(leg.delta_v_left_m_s for leg in plan.legs) >= 0.2 * budget
     assert cli("check", tiny_file, "plan.json").status == 0
     said = f"no plan that keeps back 20 % of each tank ({0.2 * budget:g} m/s) collects more than"
@@ -269,7 +270,7 @@ def test_same_seed_same_plan_on_the_command_line(cli: Cli, tiny_file: Path) -> N
     outcome = cli("solve", tiny_file, "--method", "greedy", "--option", "beta=0.01", "--json")
     expected = adr_opt.solve(adr_opt.load(tiny_file), "greedy", beta=0.01).plan
     assert expected is not None
-    assert json.loads(outcome.out)["legs"] == expected.to_dict()["legs"]
+    assert json.loads(outcome.out)["routes"] == expected.to_dict()["routes"]
 
 
 @pytest.mark.usefixtures("methods")
@@ -316,7 +317,7 @@ def test_an_illegal_start_plan_is_refused_or_repaired(cli: Cli, tiny_file: Path)
     assert len(plan.legs) >= 3
     first, second = plan.legs[:2]
     legs = (first, second.replace(destination=first.destination), *plan.legs[2:])
-    plan.replace(legs=legs).save("bad.json")
+    with_legs(plan, legs).save("bad.json")
     call = ("solve", tiny_file, "--method", "starter", "--start", "bad.json")
     refused = cli(*call, "--out", "new.json")
     assert refused.status == 2
@@ -375,8 +376,7 @@ def test_repair_without_start_is_refused(cli: Cli, tiny_file: Path) -> None:
 def test_a_start_sequence_is_judged_by_the_rules(sequence: tuple[int, ...], named: str) -> None:
     """In Python a start may be a sequence of bodies; the first illegal move is named."""
     instance = adr_opt.generate("tiny", 0)
-    roomy = instance.mission.replace(duration_s=1e6, delta_v_m_s=1e4)
-    mission = Mission(instance.replace(mission=roomy))
+    mission = Mission(instance.with_limits(duration_s=1e6, delta_v_m_s=1e4))
     with pytest.raises(adr_opt.InputError, match=named):
         front.solve(mission, "starter", start=sequence)
 
@@ -390,7 +390,7 @@ def test_a_start_sequence_that_breaks_a_limit_says_which() -> None:
         ({"duration_s": 9000.0}, "ends at .* s, after the mission's 9000 s"),
         ({"duration_s": 10.0}, "to which there is no transfer then"),
     ):
-        changed = instance.replace(mission=instance.mission.replace(**limits))
+        changed = instance.with_limits(**limits)
         with pytest.raises(adr_opt.InputError, match=named):
             front.solve(changed, "starter", start=(1,))
         assert front.solve(changed, "starter", start=(1,), repair=True).sequence == ()
@@ -596,8 +596,7 @@ def test_interrupted_while_the_timetable_is_built(tmp_path: Path) -> None:
     """A build of minutes is shown, and Ctrl-C ends it soon: a plan or a sentence, no traceback."""
     path = tmp_path / "large.json"
     instance = adr_opt.generate("nominal", 0, targets=150)
-    limits = instance.mission.replace(duration_s=200 * 86400.0)
-    path.write_text(instance.replace(mission=limits).to_json())
+    path.write_text(instance.with_limits(duration_s=200 * 86400.0).to_json())
     ours, theirs = os.openpty()
     process = subprocess.Popen(
         [sys.executable, "-c", CHILD, "solve", str(path), "--time-limit", "900"],

@@ -16,7 +16,7 @@ import pytest
 from conftest import Cli
 
 import adr_opt
-from adr_opt import checking, instance, keep_out, plan, planner
+from adr_opt import bodies, chasers, checking, instance, keep_out, orbit, plan, planner, settings
 from adr_opt.cli.verbs import VERBS
 from adr_opt.cli.verbs import command as verbs
 from adr_opt.generator import FAMILIES, generate
@@ -75,10 +75,13 @@ def described(caption: str) -> dict[str, str]:
     ("caption", "model"),
     [
         ("Fields with a default may be left out", instance.Instance),
-        ("**Orbit**", instance.Orbit),
-        ("**`mission`**", instance.MissionLimits),
-        ("**`transfer`**", instance.TransferSettings),
-        ("**`keep_out_zones[]`**", instance.KeepOutZone),
+        ("**Orbit**", orbit.Orbit),
+        ("**`targets[]`**", bodies.Target),
+        ("**`chasers[]`**", chasers.Chaser),
+        ("**`mission`**", settings.MissionSettings),
+        ("**`transfer`**", settings.TransferSettings),
+        ("**`objective`**", settings.Objective),
+        ("**`keep_out_zones[]`**", settings.KeepOutZone),
         ("Defined in `adr_opt/plan.py`", plan.Plan),
         ("**`legs[]`**", plan.Leg),
         ("**`burns[]`**", plan.Burn),
@@ -92,7 +95,9 @@ def test_the_tables_of_the_formats_are_the_schemas(caption: str, model: Any) -> 
     assert list(stated) == list(schema["properties"])
     for name, default in stated.items():
         known = schema["properties"][name].get("default")
-        if isinstance(known, int | float):
+        if isinstance(known, bool):
+            assert default == json.dumps(known), name
+        elif isinstance(known, int | float):
             assert float(default or known) == known, name
             assert default or caption == "**`legs[]`**", name
         elif name in schema.get("required", ()):
@@ -102,7 +107,13 @@ def test_the_tables_of_the_formats_are_the_schemas(caption: str, model: Any) -> 
 def test_small_parts_of_the_formats_are_described() -> None:
     """The parts without a table of their own are written out, field by field."""
     text = read("docs/files.md")
-    for model in (instance.Station, instance.Target, plan.InstanceReference, plan.Unvisited):
+    for model in (
+        bodies.Station,
+        chasers.Tank,
+        plan.InstanceReference,
+        plan.Route,
+        plan.Unvisited,
+    ):
         assert f"{{{', '.join(model.model_json_schema()['properties'])}}}" in text
 
 

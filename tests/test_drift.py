@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from conftest import Cli
 from hand_made import PERIOD_S, RADIUS_M, hand_made
+from plans import with_legs
 
 import adr_opt
 from adr_opt import catalogue
@@ -28,7 +29,7 @@ def numbers(sentence: str | None) -> list[float]:
 
 def alike(instance: Instance) -> Instance:
     """The instance with all bodies at one altitude and inclination: their nodes drift together."""
-    orbit = instance.station.orbit
+    orbit = instance.stations[0].orbit
     kept = {name: getattr(orbit, name) for name in ("semi_major_axis_m", "inclination_deg")}
     return instance.replace(
         targets=tuple(
@@ -52,9 +53,9 @@ def test_rates_are_those_of_sgp4() -> None:
 def test_a_sun_synchronous_orbit_keeps_up_with_the_sun() -> None:
     """At 800 km and 98.6° the node goes around once a year, eastwards; prograde ones go west."""
     instance = hand_made()
-    orbit = instance.station.orbit.replace(semi_major_axis_m=7178137.0, inclination_deg=98.603)
-    station = instance.station.replace(orbit=orbit)
-    rates = node_rates(instance.replace(station=station))
+    orbit = instance.stations[0].orbit.replace(semi_major_axis_m=7178137.0, inclination_deg=98.603)
+    station = instance.stations[0].replace(orbit=orbit)
+    rates = node_rates(instance.replace(stations=(station,)))
     assert rates[0] * 365.2422 * 86400.0 == pytest.approx(2.0 * math.pi, rel=1e-3)
     assert rates[4] < 0.0  # far, at 36°
 
@@ -96,14 +97,14 @@ def test_what_does_not_matter_is_not_warned_of() -> None:
     """Planes that drift together, hours instead of days, and a plan without legs."""
     instance = adr_opt.generate("nominal", 0)
     assert drift_warning(alike(instance)) is None
-    short = instance.replace(mission=instance.mission.replace(duration_s=3600.0))
+    short = instance.with_limits(duration_s=3600.0)
     assert drift_warning(short) is None
     assert drift_warning(instance.replace(targets=())) is None
     plan = adr_opt.solve(alike(instance), "greedy").plan
     assert plan is not None
     assert drift_warning(alike(instance), plan) is None
     assert all("drift" not in note for note in plan.notes)
-    assert drift_warning(instance, plan.replace(legs=())) is None
+    assert drift_warning(instance, with_legs(plan, ())) is None
 
 
 def test_many_bodies_are_as_quick_as_few() -> None:

@@ -39,7 +39,7 @@ SMALL = Fields(
 
 def tiny(seed: int = 0, **limits: float) -> Instance:
     instance = adr_opt.generate("tiny", seed)
-    return instance.replace(mission=instance.mission.replace(**limits))
+    return instance.with_limits(**limits)
 
 
 def play(env: MissionEnv, rng: np.random.Generator) -> tuple[float, list[Any]]:
@@ -321,10 +321,10 @@ def test_options_change_the_fields_of_one_reset() -> None:
     assert len(env.mission.instance.keep_out_zones) == 2
     limits = {"delta_v_m_s": (900.0, 900.0), "duration_s": (90e3, 90e3), "share_of_limits": 0.0}
     env.reset(options=limits)
-    assert env.mission.instance.mission.delta_v_m_s == 900.0
+    assert env.mission.instance.chaser.tank.delta_v_m_s == 900.0
     assert env.mission.instance.mission.duration_s == 90e3
     env.reset(options={"share_of_limits": 1.0})
-    assert env.mission.instance.mission.delta_v_m_s == 2000.0
+    assert env.mission.instance.chaser.tank.delta_v_m_s == 2000.0
 
 
 WRONG: dict[str, Callable[[], Any]] = {

@@ -40,11 +40,10 @@ def variant(seed: int) -> Instance:
         targets=tuple(
             target.replace(prize=float(prize))
             for target, prize in zip(instance.targets, prizes, strict=True)
-        ),
-        mission=instance.mission.replace(
-            duration_s=86400.0 * float(rng.uniform(0.6, 2.0)),
-            delta_v_m_s=float(rng.uniform(300.0, 2500.0)),
-        ),
+        )
+    ).with_limits(
+        duration_s=86400.0 * float(rng.uniform(0.6, 2.0)),
+        delta_v_m_s=float(rng.uniform(300.0, 2500.0)),
     )
 
 

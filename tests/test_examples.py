@@ -103,7 +103,7 @@ def test_ortools_finds_the_best_cycle(tmp_path: Path) -> None:
     """On a tiny field OR-Tools visits as many targets as any cycle within the limit can."""
     module, vrplib = example("ortools_orienteering"), pytest.importorskip("vrplib")
     instance = adr_opt.generate("tiny", 3, targets=6)
-    instance = instance.replace(mission=instance.mission.replace(delta_v_m_s=600.0))
+    instance = instance.with_limits(delta_v_m_s=600.0)
     write_matrix(instance, tmp_path / "costs.oplib", 0.0)
     read = vrplib.read_instance(tmp_path / "costs.oplib")
     weights, limit = read["edge_weight"], read["cost_limit"]

@@ -34,16 +34,21 @@ def odd_missions() -> list[Mission]:
             target.replace(prize=float(prize))
             for target, prize in zip(instance.targets, prizes, strict=False)
         )
-        limits = instance.mission.replace(delta_v_m_s=float(rng.uniform(300.0, 1500.0)))
-        found.append(Mission(instance.replace(targets=targets, mission=limits), threads=1))
+        found.append(
+            Mission(
+                instance.replace(targets=targets).with_limits(
+                    delta_v_m_s=float(rng.uniform(300.0, 1500.0))
+                ),
+                threads=1,
+            )
+        )
     return found
 
 
 def crowded_mission() -> Mission:
     """Make a mission in which several ways lead to the same leg, so that the rows of ΔV decide."""
     instance = adr_opt.generate("nominal", 9, targets=7)
-    limits = instance.mission.replace(delta_v_m_s=800.0, duration_s=2.0 * 86400.0)
-    return Mission(instance.replace(mission=limits), threads=1)
+    return Mission(instance.with_limits(delta_v_m_s=800.0, duration_s=2.0 * 86400.0), threads=1)
 
 
 def solved(path: Path) -> tuple[float, tuple[int, ...]]:
@@ -130,7 +135,7 @@ def test_models_that_cannot_be_written(
     path = tmp_path / f"model{suffix}"
     path.write_text("old")
     instance = adr_opt.generate("tiny", 0)
-    nowhere = instance.replace(mission=instance.mission.replace(delta_v_m_s=0.0))
+    nowhere = instance.with_limits(delta_v_m_s=0.0)
     with pytest.raises(adr_opt.InputError, match="has no legal move"):
         write_timetable(nowhere, path)
     with monkeypatch.context() as patch:
@@ -252,7 +257,7 @@ def test_parquet_states_units_and_settings(mission: Mission, tmp_path: Path) -> 
     stated = {key.decode(): value.decode() for key, value in schema.metadata.items()}
     assert stated["sha256"] == mission.instance.sha256
     assert stated["epoch"] == "2026-01-01T00:00:00Z"
-    assert float(stated["mission_delta_v_m_s"]) == mission.instance.mission.delta_v_m_s
+    assert float(stated["mission_delta_v_m_s"]) == mission.instance.chaser.tank.delta_v_m_s
     assert [body["name"] for body in json.loads(stated["bodies_json"])] == list(mission.names)
     told = mission.instance.model_dump(mode="json")
     assert json.loads(stated["keep_out_zones_json"]) == told["keep_out_zones"]

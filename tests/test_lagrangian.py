@@ -43,11 +43,8 @@ def tiny_mission(seed, *, refuelling=False):
         instance.replace(
             targets=tuple(
                 t.replace(prize=float(p)) for t, p in zip(instance.targets, prizes, strict=True)
-            ),
-            mission=instance.mission.replace(
-                duration_s=86400.0 * float(days), delta_v_m_s=float(budget)
-            ),
-        ),
+            )
+        ).with_limits(duration_s=86400.0 * float(days), delta_v_m_s=float(budget)),
         threads=1,
     )
 
@@ -205,8 +202,7 @@ def test_without_time_the_bound_is_trivial(nominal):
 def test_more_targets_than_bits():
     """More targets than one integer remembers: the search still finds the plan it bounds."""
     instance = adr_opt.generate("nominal", 3, targets=70)
-    limits = instance.mission.replace(duration_s=1.2 * 86400.0, delta_v_m_s=1500.0)
-    mission = Mission(instance.replace(mission=limits))
+    mission = Mission(instance.with_limits(duration_s=1.2 * 86400.0, delta_v_m_s=1500.0))
     result = lagrangian(mission, seed=0, stop=MaxRuntime(60.0), progress=silent)
     assert result.status == "optimal"
     assert result.objective == result.upper_bound
@@ -216,11 +212,10 @@ def test_more_targets_than_bits():
 def test_degenerate_missions_are_bounded():
     """No targets, no time, no ΔV, no prizes: the bound is 0 and the empty plan meets it."""
     instance = adr_opt.generate("tiny", 0)
-    limits = instance.mission
     for variant in (
         instance.replace(targets=()),
-        instance.replace(mission=limits.replace(duration_s=0.0)),
-        instance.replace(mission=limits.replace(delta_v_m_s=0.0)),
+        instance.with_limits(duration_s=0.0),
+        instance.with_limits(delta_v_m_s=0.0),
         instance.replace(targets=tuple(t.replace(prize=0.0) for t in instance.targets)),
     ):
         result = lagrangian(Mission(variant), seed=0, stop=MaxRuntime(20.0), progress=silent)
@@ -232,8 +227,7 @@ def test_descent_beats_its_start_and_ends():
     """With unequal prizes the multipliers bring the bound well under its start."""
     mission = tiny_mission(1)
     instance = adr_opt.generate("nominal", 1, targets=12)
-    limits = instance.mission.replace(duration_s=3.0 * 86400.0)
-    mission = Mission(instance.replace(mission=limits))
+    mission = Mission(instance.with_limits(duration_s=3.0 * 86400.0))
     descent = Descent(WalkBound(mission, 50.0))
     first = descent.step()
     while not descent.done:

@@ -131,7 +131,7 @@ def test_no_targets(options):
 def test_nothing_reachable(tiny, options):
     """Where no move is legal the plan is empty and the search still ends when told to."""
     instance = tiny.instance
-    minute = instance.replace(mission=instance.mission.replace(duration_s=60.0))
+    minute = instance.with_limits(duration_s=60.0)
     assert plan(Mission(minute), 5, **options).sequence == ()
 
 

@@ -56,23 +56,22 @@ def random_mission(seed, *, zones=True):
     rng = np.random.default_rng(seed)
     targets = int(rng.integers(2, 7))
     instance = adr_opt.generate("tiny", seed, targets=targets, zones=3 * (zones and seed % 3 == 0))
+    limits = {
+        "duration_s": DAY_S * float(rng.uniform(0.5, 2.0 if targets < 5 else 1.5)),
+        "delta_v_m_s": float(rng.uniform(300.0, 1500.0)),
+    }
     prizes = [
         np.ones(targets),
         rng.integers(0, 6, targets) * 2.0,
         np.round(rng.uniform(0.0, 3.0, targets), 3),
     ][seed % 4 % 3]
-    limits = instance.mission.replace(
-        duration_s=DAY_S * float(rng.uniform(0.5, 2.0 if targets < 5 else 1.5)),
-        delta_v_m_s=float(rng.uniform(300.0, 1500.0)),
-    )
     return Mission(
         instance.replace(
             targets=tuple(
                 target.replace(prize=float(prize))
                 for target, prize in zip(instance.targets, prizes, strict=True)
             ),
-            mission=limits,
-        ),
+        ).with_limits(**limits),
         threads=1,
     )
 
@@ -228,7 +227,7 @@ def test_no_targets(method):
 def test_nothing_can_be_reached(method, change):
     """Without ΔV or without time the bound is 0."""
     instance = adr_opt.generate("tiny", 1)
-    mission = Mission(instance.replace(mission=instance.mission.replace(**change)))
+    mission = Mission(instance.with_limits(**change))
     result = prove(method, mission)
     assert result.upper_bound == 0.0
     assert result.objective <= 0.0
@@ -292,8 +291,7 @@ def test_an_interruption_ends_the_solver(method, monkeypatch):
     """Someone who says enough from outside, without a time limit, does not wait for the proof."""
     monkeypatch.setattr(course, "WHOLE_ARCS", 10**9)
     instance = adr_opt.generate("reduced-time", 0, targets=14)
-    limits = instance.mission.replace(duration_s=2.0 * DAY_S)
-    mission = Mission(instance.replace(mission=limits))
+    mission = Mission(instance.with_limits(duration_s=2.0 * DAY_S))
     stop = Interrupted()
     timer = threading.Timer(1.5, stop.interrupt)
     timer.start()

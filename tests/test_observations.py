@@ -32,7 +32,8 @@ class Slow:
     def __init__(self, mission: Mission, sequence: list[int]) -> None:
         self.mission = mission
         limits = mission.instance.mission
-        self.budget, self.duration = limits.delta_v_m_s, limits.duration_s
+        self.budget = mission.instance.chaser.tank.delta_v_m_s
+        self.duration = limits.duration_s
         orbits = [orbit.circular_elements() for orbit in mission.instance.body_orbits]
         self.radius, self.inclination, self.raan, self.latitude = zip(*orbits, strict=True)
         self.rate = [math.sqrt(MU / r**3) for r in self.radius]
@@ -264,7 +265,7 @@ def random_states(
     found = []
     for number in range(count):
         episodes = new_episodes(1, targets + 1)
-        start(pool, episodes, 0, 0, instance.mission.delta_v_m_s, instance.mission.duration_s)
+        start(pool, episodes, 0, 0, instance.chaser.tank.delta_v_m_s, instance.mission.duration_s)
         board, rewards = Board("transfer", 1, targets), np.zeros(1, dtype=np.float32)
         sequence: list[int] = []
         for _ in range(number):
@@ -282,12 +283,8 @@ def random_states(
 FIELDS = {
     "fourteen": generate("reduced-time", 41, targets=14),
     "zones": generate("reduced-time", 44, targets=13, zones=12),
-    "tight": generate("tiny", 3).replace(
-        mission=generate("tiny", 3).mission.replace(delta_v_m_s=700.0)
-    ),
-    "cloud": generate("cloud", 5, targets=12).replace(
-        mission=generate("cloud", 5).mission.replace(duration_s=2.5 * 86400.0)
-    ),
+    "tight": generate("tiny", 3).with_limits(delta_v_m_s=700.0),
+    "cloud": generate("cloud", 5, targets=12).with_limits(duration_s=2.5 * 86400.0),
 }
 
 

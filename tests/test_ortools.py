@@ -128,7 +128,7 @@ def test_nothing_to_gain(changes):
     if "prize" in changes:
         changes = {"targets": tuple(t.replace(prize=0.0) for t in instance.targets)}
     if "duration_s" in changes:
-        changes = {"mission": instance.mission.replace(**changes)}
+        instance, changes = instance.with_limits(**changes), {}
     mission = Mission(instance.replace(**changes))
     result = ortools(mission, seed=0, stop=Interrupted(), progress=silent)
     assert adr_opt.check(mission.instance, result.plan) == ()

@@ -8,15 +8,17 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from plans import with_legs
 
 import adr_opt
 from adr_opt import plot
-from adr_opt.instance import Instance, KeepOutZone
+from adr_opt.instance import Instance
 from adr_opt.kernels.constants import EARTH_RADIUS_M
 from adr_opt.plan import Plan
 from adr_opt.plot.budget import budget
 from adr_opt.plot.fields import raan_deg
 from adr_opt.plot.tracks import tracks
+from adr_opt.settings import KeepOutZone
 
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("Agg")
@@ -32,7 +34,7 @@ def flown() -> tuple[Instance, Plan]:
     instance = instance.replace(keep_out_zones=(ZONE,))
     result = adr_opt.solve(instance, "greedy-guarded")
     assert result.plan is not None
-    assert instance.station.name in result.plan.destinations
+    assert instance.stations[0].name in result.plan.destinations
     return instance, result.plan
 
 
@@ -72,7 +74,7 @@ def test_labels_of_the_caller_stay(flown, ax) -> None:
 def test_a_plan_without_legs_can_be_drawn(flown, ax, name: str) -> None:
     """A plan that stays at the station gives a picture, not an error."""
     instance, plan = flown
-    assert getattr(plot, name)(ax, instance, plan.replace(legs=())) is ax
+    assert getattr(plot, name)(ax, instance, with_legs(plan, ())) is ax
 
 
 def test_segments_fill_the_mission_without_gaps(flown) -> None:
@@ -148,7 +150,9 @@ def test_planes_near_0_and_near_360_degrees_are_neighbours() -> None:
         for target, raan in zip(instance.targets, (359.0, 2.0, -361.0, 720.5), strict=False)
     ]
     instance = instance.replace(
-        station=instance.station.replace(orbit=instance.station.orbit.replace(raan_deg=360.0)),
+        stations=(
+            instance.stations[0].replace(orbit=instance.stations[0].orbit.replace(raan_deg=360.0)),
+        ),
         targets=tuple(turned),
     )
     np.testing.assert_allclose(raan_deg(instance), [0.0, -1.0, 2.0, -1.0, 0.5][: 1 + len(turned)])

@@ -14,21 +14,17 @@ import pytest
 from judge import accepted
 
 import adr_opt
+from adr_opt.bodies import Station, Target
+from adr_opt.chasers import AtStation, Chaser, Tank
 from adr_opt.errors import MissingExtra
 from adr_opt.generator import EPOCH
-from adr_opt.instance import (
-    Instance,
-    KeepOutZone,
-    MissionLimits,
-    Orbit,
-    Station,
-    Target,
-    TransferSettings,
-)
+from adr_opt.instance import Instance
 from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
 from adr_opt.mission import Mission
+from adr_opt.orbit import Orbit
 from adr_opt.planner import BOUNDS, PLANNERS, get, names, options, silent
 from adr_opt.result import Result
+from adr_opt.settings import KeepOutZone, MissionSettings, TransferSettings
 from adr_opt.stop import MaxRuntime
 
 PROVERS = ("auto", "exact", "mip", "cpsat")
@@ -65,28 +61,35 @@ def resonant(seed: int) -> Instance:
         start_s=float(rng.choice([0.0, 2.0 * PERIOD_S])),
         end_s=float(rng.choice([2.0, 3.5, 4.0])) * PERIOD_S,
     )
-    return Instance(
+    station = Station(name="station", orbit=orbit())
+    targets = tuple(
+        Target(name=f"t{number}", prize=float(rng.choice([1.0, 1.0, 2.0, 0.7])), orbit=orbit())
+        for number in range(int(rng.integers(2, 5)))
+    )
+    duration_s = PERIOD_S * float(rng.choice([6.5, 9.0, 10.5, 13.0, 14.0]))
+    tank = Tank(delta_v_m_s=float(rng.uniform(100.0, 900.0)))
+    service, refuelling = (float(rng.choice([0.0, 0.5, 1.0])) for _ in range(2))
+    standoff_m = float(rng.choice([0.0, 0.0, 1e-6, 1e-4, 9e-4]))
+    time_value_m_s_per_h = float(rng.choice([0.0, 75.0]))
+    instance = Instance(
         name=f"resonant-{seed}",
         epoch=EPOCH,
-        station=Station(name="station", orbit=orbit()),
-        targets=tuple(
-            Target(name=f"t{number}", prize=float(rng.choice([1.0, 1.0, 2.0, 0.7])), orbit=orbit())
-            for number in range(int(rng.integers(2, 5)))
-        ),
-        mission=MissionLimits(
-            duration_s=PERIOD_S * float(rng.choice([6.5, 9.0, 10.5, 13.0, 14.0])),
-            delta_v_m_s=float(rng.uniform(100.0, 900.0)),
-            service_revolutions=float(rng.choice([0.0, 0.5, 1.0])),
-            refuel_revolutions=float(rng.choice([0.0, 0.5, 1.0])),
+        stations=(station,),
+        targets=targets,
+        chasers=(Chaser(name="chaser", start=AtStation(station="station"), tank=tank),),
+        mission=MissionSettings(
+            duration_s=duration_s,
+            service_revolutions=service,
+            refuel_revolutions=refuelling,
         ),
         transfer=TransferSettings(
-            standoff_m=float(rng.choice([0.0, 0.0, 1e-6, 1e-4, 9e-4])),
-            time_value_m_s_per_h=float(rng.choice([0.0, 75.0])),
+            standoff_m=standoff_m,
             max_altitude_m=float(rng.choice([700e3, 2000e3])),
             max_phasing_revolutions=3,
         ),
         keep_out_zones=(zone,) if seed % 4 == 0 else (),
     )
+    return instance.with_time_value(time_value_m_s_per_h)
 
 
 def tight(seed: int) -> Instance:
@@ -94,7 +97,6 @@ def tight(seed: int) -> Instance:
     rng = np.random.default_rng(seed)
     instance = resonant(seed)
     best = accepted(instance)
-    limits = instance.mission
     if not best.legs:
         return instance
     tanks = [0.0]
@@ -104,11 +106,9 @@ def tight(seed: int) -> Instance:
             tanks.append(0.0)
     budget, duration = max(tanks), best.legs[-1].end_s
     short = rng.choice([0.0, 1e-12, 1e-9, 1.5e-6, 5e-5])
-    return instance.replace(
-        mission=limits.replace(
-            delta_v_m_s=max(0.0, float(rng.choice([budget, _next(budget, rng), budget - short]))),
-            duration_s=float(rng.choice([duration, _next(duration, rng), duration - short])),
-        )
+    return instance.with_limits(
+        delta_v_m_s=max(0.0, float(rng.choice([budget, _next(budget, rng), budget - short]))),
+        duration_s=float(rng.choice([duration, _next(duration, rng), duration - short])),
     )
 
 

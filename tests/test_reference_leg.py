@@ -74,13 +74,18 @@ def test_special_geometries(reference: ModuleType, orbit: dict[str, float]) -> N
     assert_agree(reference, instance, target.name, "station", 40000.0)
 
 
+def test_what_an_hour_is_worth(reference: ModuleType) -> None:
+    """Who does not value time gets the cheapest sequence from both."""
+    instance = adr_opt.generate("tiny", 6).with_time_value(0.0)
+    assert_agree(reference, instance, "station", "debris-002", 30000.0)
+
+
 @pytest.mark.parametrize(
     "settings",
     [
         {"max_phasing_revolutions": 0},
         {"first_leg_fraction": 0.0, "max_phasing_revolutions": 3},
         {"first_leg_fraction": 1.0, "max_phasing_revolutions": 3},
-        {"time_value_m_s_per_h": 0.0},
         {"standoff_m": 5000.0, "safety_ellipse_revolutions": 1.5, "max_phasing_revolutions": 3},
         {"min_altitude_m": 650e3, "max_altitude_m": 900e3},
     ],

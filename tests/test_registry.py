@@ -50,9 +50,8 @@ def varied(
         targets=tuple(
             target.replace(prize=prizes[number % len(prizes)])
             for number, target in enumerate(instance.targets)
-        ),
-        mission=instance.mission.replace(duration_s=86400.0 * days, delta_v_m_s=delta_v_m_s),
-    )
+        )
+    ).with_limits(duration_s=86400.0 * days, delta_v_m_s=delta_v_m_s)
 
 
 SMALL: dict[str, Callable[[], Instance]] = {
@@ -305,9 +304,8 @@ MARGIN = 0.25
 def with_less(name: str) -> float:
     """The best objective of a small instance whose tank is smaller by the margin."""
     instance = INSTANCES[name]()
-    less = (1.0 - MARGIN) * instance.mission.delta_v_m_s
-    limits = instance.mission.replace(delta_v_m_s=less)
-    return brute_force(Mission(instance.replace(mission=limits), threads=1))[0]
+    less = (1.0 - MARGIN) * instance.chaser.tank.delta_v_m_s
+    return brute_force(Mission(instance.with_limits(delta_v_m_s=less), threads=1))[0]
 
 
 def kept_back(group: str, method: str, name: str) -> Result:
@@ -328,11 +326,11 @@ def assert_kept_back(result: Result, name: str) -> None:
     assert result.plan is not None
     assert_legal(result, name)
     instance = mission(name).instance
-    budget = instance.mission.delta_v_m_s
+    budget = instance.chaser.tank.delta_v_m_s
     lowest = min((leg.delta_v_left_m_s for leg in result.plan.legs), default=budget)
     assert lowest >= MARGIN * budget - 1e-6
     for leg in result.plan.legs:
-        if leg.destination == instance.station.name:
+        if leg.destination in instance.station_names:
             assert leg.delta_v_left_m_s == pytest.approx(budget)
     assert result.plan.upper_bound is None
     assert result.plan.gap is None

@@ -58,9 +58,12 @@ def test_single_missions_keep_in_lock_step(observation: str) -> None:
         slot = env.episodes.slot[index]
         instance = env.pool.instances[slot]
         assert instance is not None
-        limits = instance.mission.replace(delta_v_m_s=float(env.episodes.budget[index]))
         single = MissionEnv(fields=SMALL, observation=observation)
-        single.reset(options={"instance": instance.replace(mission=limits)})
+        single.reset(
+            options={
+                "instance": instance.with_limits(delta_v_m_s=float(env.episodes.budget[index]))
+            }
+        )
         return single
 
     singles = [alone(index) for index in range(env.num_envs)]

@@ -33,13 +33,13 @@ def random_instance(seed: int) -> Instance:
     if rng.random() < 0.3:
         orbit = targets[2].orbit.replace(inclination_deg=targets[0].orbit.inclination_deg)
         targets[2] = targets[2].replace(orbit=orbit.replace(raan_deg=targets[0].orbit.raan_deg))
-    return instance.replace(
+    limited = instance.with_limits(
+        duration_s=DAY_S * float(rng.uniform(0.3, 0.9)),
+        delta_v_m_s=float(rng.choice([150.0, 300.0, 500.0, 900.0])),
+    )
+    return limited.replace(
         targets=tuple(targets),
-        mission=instance.mission.replace(
-            duration_s=DAY_S * float(rng.uniform(0.3, 0.9)),
-            delta_v_m_s=float(rng.choice([150.0, 300.0, 500.0, 900.0])),
-            service_revolutions=float(rng.choice([0.0, 0.5, 1.0])),
-        ),
+        mission=limited.mission.replace(service_revolutions=float(rng.choice([0.0, 0.5, 1.0]))),
     )
 
 

@@ -15,12 +15,14 @@ from hand_made import OPTIMAL_PLAN, PERIOD_S, hand_made
 import adr_opt
 from adr_opt.errors import MissingExtra
 from adr_opt.generator import by_name
-from adr_opt.instance import Instance, KeepOutZone, Orbit
+from adr_opt.instance import Instance
 from adr_opt.kernels import burns as burn_kernels
 from adr_opt.kernels.burns import PHASES
 from adr_opt.mission import Mission
+from adr_opt.orbit import Orbit
 from adr_opt.plan import InstanceReference, Leg
 from adr_opt.planner import BOUNDS, PLANNERS, names
+from adr_opt.settings import KeepOutZone
 
 MARGIN_M, MARGIN_S = 1.0, 0.01
 """Rounding, far below what a zone measures."""

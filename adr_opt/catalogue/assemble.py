@@ -13,11 +13,15 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from ..bodies import Station, Target
+from ..chasers import AtStation, Chaser, Tank, free_name
 from ..drift import drift_warning
 from ..errors import InputError
 from ..files import sentence
-from ..instance import Instance, MissionLimits, Orbit, Station, Target, TransferSettings
+from ..instance import Instance
 from ..kernels.constants import EARTH_RADIUS_M
+from ..orbit import Orbit
+from ..settings import MissionSettings, TransferSettings
 from ..wording import counted
 from .filters import Filters
 from .propagation import FLOAT, mean_elements, true_anomaly
@@ -78,9 +82,9 @@ class Imported:
             "read": self.read,
             "targets": len(self.instance.targets),
             "station": {
-                "name": self.instance.station.name,
+                "name": self.instance.stations[0].name,
                 "from": self.station,
-                "orbit": self.instance.station.orbit.model_dump(mode="json"),
+                "orbit": self.instance.stations[0].orbit.model_dump(mode="json"),
             },
             "dropped_counts": self.counts,
             "dropped": [drop.to_dict() for drop in self.dropped],
@@ -238,11 +242,18 @@ def _instance(
         return Instance(
             name=name,
             epoch=epoch.astimezone(UTC),
-            station=Station(name=station_name, orbit=home),
+            stations=(Station(name=station_name, orbit=home),),
             targets=tuple(
                 Target(name=label, orbit=orbit) for label, orbit in zip(names, orbits, strict=True)
             ),
-            mission=MissionLimits(duration_s=float(duration_s), delta_v_m_s=float(delta_v_m_s)),
+            chasers=(
+                Chaser(
+                    name=free_name([station_name, *names]),
+                    start=AtStation(station=station_name),
+                    tank=Tank(delta_v_m_s=float(delta_v_m_s)),
+                ),
+            ),
+            mission=MissionSettings(duration_s=float(duration_s)),
         )
     except ValidationError as error:
         raise InputError(sentence(error)) from None

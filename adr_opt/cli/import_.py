@@ -147,7 +147,7 @@ def _tell(made: Imported, out: str) -> None:
     )
     from ..kernels.constants import EARTH_RADIUS_M
 
-    orbit = instance.station.orbit
+    orbit = instance.stations[0].orbit
     altitude_km = (orbit.semi_major_axis_m - EARTH_RADIUS_M) / 1e3
     say(
         f"station {made.station}: altitude {altitude_km:.1f} km, inclination "

@@ -32,7 +32,7 @@ def timeline(instance: Instance, plan: Plan, width: int | None = None) -> Table:
     """The legs of a plan as a table of at most ``width`` columns, if names can be cut to that."""
     rows = []
     for number, leg in enumerate(plan.legs, start=1):
-        refuels = leg.destination == instance.station.name
+        refuels = leg.destination in instance.station_names
         texts = (
             clock(leg.departure_s),
             span(leg.departure_s - leg.ready_s),
@@ -50,7 +50,7 @@ def timeline(instance: Instance, plan: Plan, width: int | None = None) -> Table:
 
 def summary(instance: Instance, plan: Plan) -> str:
     """What a plan comes to, in one line."""
-    refuellings = plan.destinations.count(instance.station.name)
+    refuellings = sum(name in instance.station_names for name in plan.destinations)
     used = plan.legs[-1].end_s if plan.legs else 0.0
     bound = "none" if plan.upper_bound is None else f"{plan.upper_bound:.6g}"
     gap = "unknown" if plan.gap is None else f"{plan.gap:.1%}"

@@ -165,7 +165,7 @@ class Fields:
             targets = int(rng.integers(self.targets[0], self.targets[1] + 1))
         zones = int(rng.integers(self.zones[0], self.zones[1] + 1))
         field = generate(self.family, seed, targets=targets, zones=zones)
-        return field.replace(mission=field.mission.replace(duration_s=self.longest_s))
+        return field.with_limits(duration_s=self.longest_s)
 
     def draw_limits(self, rng: np.random.Generator) -> Limits:
         """ΔV budget and duration of one mission."""

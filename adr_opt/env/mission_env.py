@@ -151,11 +151,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
             if instance is None:
                 limits = fields.draw_limits(self.np_random)
                 field = fields.draw_field(self.np_random)
-                instance = field.replace(
-                    mission=field.mission.replace(
-                        duration_s=limits.duration_s, delta_v_m_s=limits.delta_v_m_s
-                    )
-                )
+                instance = field.with_limits(limits.duration_s, limits.delta_v_m_s)
             self._begin(instance)
             self._over = not self._board.legal[0]
             if not self._over:
@@ -182,8 +178,8 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
             self._episodes = new_episodes(1, bodies)
             self._board = Board(self._name, 1, self._targets)
         assert self._pool is not None
-        limits = instance.mission
-        start(self._pool, self._episodes, 0, 0, limits.delta_v_m_s, limits.duration_s)
+        budget = instance.chaser.tank.delta_v_m_s
+        start(self._pool, self._episodes, 0, 0, budget, instance.mission.duration_s)
         self._board.observe(self._pool.arrays, self._episodes, 0, 1)
         self.sequence = []
 

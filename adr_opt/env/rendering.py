@@ -30,12 +30,12 @@ def sentence(mission: Mission, state: dict[str, Any], visited: npt.NDArray[np.bo
     visited : (bodies,) bool
         Not looked at here.
     """
-    limits = mission.instance.mission
+    instance = mission.instance
     return (
-        f"{state['time_s'] / HOUR_S:.1f} of {limits.duration_s / HOUR_S:.1f} h, "
-        f"{state['delta_v_left_m_s']:.0f} of {limits.delta_v_m_s:.0f} m/s left, "
+        f"{state['time_s'] / HOUR_S:.1f} of {instance.mission.duration_s / HOUR_S:.1f} h, "
+        f"{state['delta_v_left_m_s']:.0f} of {instance.chaser.tank.delta_v_m_s:.0f} m/s left, "
         f"at {mission.names[state['body']]}: "
-        f"{state['serviced']} of {counted(len(mission.names) - 1, 'target')} serviced, "
+        f"{state['serviced']} of {counted(len(instance.targets), 'target')} serviced, "
         f"refuelled {counted(state['refuelled'], 'time')}"
     )
 
@@ -70,10 +70,11 @@ def picture(
         image[distance <= (6 if body == STATION else 4)] = colour
         if body == state["body"]:
             image[(distance > 7) & (distance <= 10)] = CHASER
-    limits = mission.instance.mission
+    duration_s = mission.instance.mission.duration_s
+    delta_v_m_s = mission.instance.chaser.tank.delta_v_m_s
     for row, share, colour in (
-        (SIZE - 18, 1.0 - state["time_s"] / max(limits.duration_s, 1.0), OPEN),
-        (SIZE - 10, state["delta_v_left_m_s"] / max(limits.delta_v_m_s, 1.0), CHASER),
+        (SIZE - 18, 1.0 - state["time_s"] / max(duration_s, 1.0), OPEN),
+        (SIZE - 10, state["delta_v_left_m_s"] / max(delta_v_m_s, 1.0), CHASER),
     ):
         length = int((SIZE - 2 * MARGIN) * min(max(share, 0.0), 1.0))
         image[row : row + 5, MARGIN : MARGIN + length] = colour

@@ -19,10 +19,12 @@ def attributes(instance: Instance) -> dict[str, Any]:
         "instance": instance.name,
         "sha256": instance.sha256,
         "epoch": stated["epoch"],
-        "station": instance.station.name,
+        "station": ", ".join(instance.station_names),
         "mu_m3_s2": MU_M3_S2,
         "earth_radius_m": EARTH_RADIUS_M,
         **{f"transfer_{key}": value for key, value in stated["transfer"].items()},
         **{f"mission_{key}": value for key, value in stated["mission"].items()},
+        "mission_delta_v_m_s": instance.chaser.tank.delta_v_m_s,
+        "time_value_m_s_per_h": instance.time_value_m_s_per_h,
         "keep_out_zones_json": json.dumps(stated["keep_out_zones"]),
     }

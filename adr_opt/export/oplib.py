@@ -59,7 +59,7 @@ def write(
     """
     instance = mission.instance
     is_duration = quantity == "duration"
-    limit = instance.mission.duration_s if is_duration else instance.mission.delta_v_m_s
+    limit = instance.mission.duration_s if is_duration else instance.chaser.tank.delta_v_m_s
     service = np.array(mission.rules.service) if is_duration else None
     if service is not None:
         service[STATION] = 0.0  # the cycle ends there

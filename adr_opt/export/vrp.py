@@ -43,7 +43,7 @@ def write(
     if targets == 0:
         raise InputError(f"{instance.name!r} has no target: a .vrp file needs at least one")
     is_duration = quantity == "duration"
-    limit = instance.mission.duration_s if is_duration else instance.mission.delta_v_m_s
+    limit = instance.mission.duration_s if is_duration else instance.chaser.tank.delta_v_m_s
     weights = whole_weights(matrices, quantity, scale, limit)
     budget = math.floor(weights.scale * limit)
     vehicles = 1 if is_duration else targets

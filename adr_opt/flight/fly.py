@@ -64,12 +64,12 @@ def _tanks(instance: Instance, plan: Plan, flown: list[LegFlight]) -> Iterator[T
             correction = flight.eccentric.correction_delta_v_m_s
             known = known and correction is not None
             extra += (correction or 0.0) - leg.eccentricity_delta_v_m_s
-        if leg.destination == instance.station.name or flight.leg == len(flown):
+        if leg.destination in instance.station_names or flight.leg == len(flown):
             yield TankFlight(
                 tank=tank,
                 first_leg=first,
                 last_leg=flight.leg,
-                budget_m_s=instance.mission.delta_v_m_s,
+                budget_m_s=instance.chaser.tank.delta_v_m_s,
                 planned_delta_v_m_s=planned,
                 flown_delta_v_m_s=planned + extra if known else None,
             )

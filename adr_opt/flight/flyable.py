@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..errors import InputError
+from ..formats_1 import is_of
 from ..instance import Instance
 from ..plan import Leg, Plan
 
@@ -24,7 +25,7 @@ def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
 
 def refuse_foreign(instance: Instance, plan: Plan) -> None:
     """Raise :class:`InputError` for a plan that belongs to another instance."""
-    if plan.instance.name != instance.name or plan.instance.sha256 != instance.sha256:
+    if not is_of(plan.instance, instance):
         raise InputError(
             f"the plan belongs to the instance {plan.instance.name!r} "
             f"(sha256 {plan.instance.sha256[:12]}…), not to {instance.name!r} "
@@ -38,7 +39,7 @@ def refuse_broken_chain(instance: Instance, plan: Plan) -> None:
     Each may be flown alone; a flight of all of them needs that each begins where and not before the
     one before it ends.
     """
-    where, free_s = instance.station.name, 0.0
+    where, free_s = instance.chaser.start_name, 0.0
     for number, leg in enumerate(plan.legs, start=1):
         if leg.origin != where:
             raise InputError(

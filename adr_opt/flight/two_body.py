@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import MissingExtra
-from ..instance import Orbit
+from ..orbit import Orbit
 
 Vector = npt.NDArray[np.float64]
 State = tuple[Vector, Vector]

@@ -6,8 +6,8 @@ it. It was chosen so that the published algorithms give the published numbers (M
 
 from __future__ import annotations
 
-from ..instance import Orbit
 from ..kernels.constants import EARTH_RADIUS_M
+from ..orbit import Orbit
 from .stream import Uniform
 
 ALTITUDE_KM = (700.0, 800.0)

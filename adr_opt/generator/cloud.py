@@ -21,8 +21,8 @@ catalogue of April 2025, its 121 objects of the satellite Iridium 33, which coll
 
 from __future__ import annotations
 
-from ..instance import Orbit
 from ..kernels.constants import EARTH_RADIUS_M
+from ..orbit import Orbit
 from .belt import circle
 from .stream import Uniform, at_percentile
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ..errors import InputError
-from ..instance import Orbit
+from ..orbit import Orbit
 from . import belt, cloud
 from .stream import Uniform
 

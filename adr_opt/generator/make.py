@@ -5,8 +5,11 @@ from __future__ import annotations
 import re
 from datetime import UTC, datetime
 
+from ..bodies import Station, Target
+from ..chasers import AtStation, Chaser, Tank
 from ..errors import InputError
-from ..instance import Instance, MissionLimits, Station, Target
+from ..instance import Instance
+from ..settings import MissionSettings
 from .families import FAMILIES, family
 from .stream import LARGEST_SEED, stream
 from .zones import draw_zones
@@ -58,12 +61,19 @@ def generate(name: str, seed: int, *, targets: int | None = None, zones: int = 0
     return Instance(
         name=f"{kind.name}-{seed:03d}{suffix}",
         epoch=EPOCH,
-        station=Station(name="station", orbit=kind.station),
+        stations=(Station(name="station", orbit=kind.station),),
         targets=tuple(
             Target(name=f"debris-{number:0{width}d}", prize=1.0, orbit=kind.draw_target(uniform))
             for number in range(1, count + 1)
         ),
-        mission=MissionLimits(duration_s=kind.duration_s, delta_v_m_s=kind.delta_v_m_s),
+        chasers=(
+            Chaser(
+                name="chaser",
+                start=AtStation(station="station"),
+                tank=Tank(delta_v_m_s=kind.delta_v_m_s),
+            ),
+        ),
+        mission=MissionSettings(duration_s=kind.duration_s),
         keep_out_zones=draw_zones(seed, zones, kind.duration_s),
     )
 

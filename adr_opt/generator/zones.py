@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..instance import KeepOutZone
+from ..settings import KeepOutZone
 from .stream import stream
 
 HOUR_S = 3600.0

@@ -40,7 +40,7 @@ def budget(instance: Instance, plan: Plan) -> Budget:
     The cost of matching eccentricity vectors has no burn; it is taken with the last one of a leg.
     """
     refuse_foreign(instance, plan)
-    left = instance.mission.delta_v_m_s
+    left = instance.chaser.tank.delta_v_m_s
     rows = [(0.0, left, 0, False)]
     for number, leg in enumerate(plan.legs, start=1):
         after_leg = left - leg.delta_v_m_s
@@ -49,7 +49,7 @@ def budget(instance: Instance, plan: Plan) -> Budget:
             rows.append((burn.time_s, left, number, False))
         rows.append((leg.arrival_s, after_leg, number, False))
         left = after_leg
-        if leg.destination == instance.station.name:
+        if leg.destination in instance.station_names:
             left = leg.delta_v_left_m_s
             rows.append((leg.end_s, left, number, True))
     return Budget(*zip(*rows, strict=True))

@@ -18,7 +18,7 @@ from .palette import COLOURS, STATION, UNVISITED, VISITED
 def raan_deg(instance: Instance) -> np.ndarray[Any, np.dtype[np.float64]]:
     """RAAN of the bodies without a jump between them, shape (bodies,) [deg].
 
-    Within half a turn of the station's, so that planes near 0° and near 360° are side by side.
+    Within half a turn of the first body's, so that planes near 0° and near 360° are side by side.
     """
     raan = np.array([orbit.raan_deg for orbit in instance.body_orbits])
     around: np.ndarray[Any, np.dtype[np.float64]] = np.mod(raan - raan[0] + 180.0, 360.0) - 180.0
@@ -45,7 +45,7 @@ def planes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
     raan = raan_deg(instance)
     inclination = np.array([orbit.inclination_deg for orbit in instance.body_orbits])
     index = {name: number for number, name in enumerate(instance.names)}
-    route = [0]
+    route, stations = [instance.start], slice(len(instance.stations))
     if plan is not None:
         refuse_foreign(instance, plan)
         route += [index[leg.destination] for leg in plan.legs if leg.destination in index]
@@ -56,7 +56,8 @@ def planes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
     visited = np.zeros(raan.size, dtype=bool)
     visited[route] = True
     others = ~visited
-    visited[0] = False
+    others[: instance.first_target] = False
+    visited[stations] = False
     ax.plot(
         raan[others], inclination[others], linestyle="none", marker="o", fillstyle="none",
         color=UNVISITED, label="target" if plan is None else "not visited",
@@ -66,7 +67,10 @@ def planes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
             raan[visited], inclination[visited], linestyle="none", marker="o", color=VISITED,
             label="visited",
         )  # fmt: skip
-    ax.plot(raan[:1], inclination[:1], linestyle="none", marker="s", color=STATION, label="station")
+    ax.plot(
+        raan[stations], inclination[stations], linestyle="none", marker="s", color=STATION,
+        label="station",
+    )  # fmt: skip
     label(ax, "RAAN [deg]", "inclination [deg]")
     return ax
 

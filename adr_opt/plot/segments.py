@@ -51,7 +51,7 @@ def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
     return tuple(
         segment
         for number, leg in enumerate(plan.legs, start=1)
-        for segment in _of_leg(number, leg, leg.destination == instance.station.name)
+        for segment in _of_leg(number, leg, leg.destination in instance.station_names)
         if segment.duration_s > 0.0
     )
 

@@ -42,7 +42,7 @@ def earth(ax: Any) -> Any:
 
 
 def orbits(ax: Any, instance: Instance) -> Any:
-    """Add the orbits of the station and of all targets [km], as the circles planned with.
+    """Add the orbits of the stations and of all targets [km], as the circles planned with.
 
     Parameters
     ----------
@@ -57,8 +57,9 @@ def orbits(ax: Any, instance: Instance) -> Any:
     rings = joined([ring(instance, target.name) for target in instance.targets]) / KM_M
     if rings.size:
         ax.plot(*rings.T, color=UNVISITED, linewidth=0.4, label="targets")
-    home = ring(instance, instance.station.name) / KM_M
-    ax.plot(*home.T, color=STATION, linewidth=1.2, label="station")
+    homes = joined([ring(instance, name) for name in instance.station_names]) / KM_M
+    if homes.size:
+        ax.plot(*homes.T, color=STATION, linewidth=1.2, label="station")
     ax.set_aspect("equal")
     return _labelled(ax)
 

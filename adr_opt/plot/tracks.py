@@ -56,12 +56,12 @@ def tracks(instance: Instance, plan: Plan) -> tuple[Track, ...]:
     """
     total_s = sum(max(0.0, leg.end_s - leg.ready_s) for leg in plan.legs)
     flown = sample(instance, plan, max(STEP_S, total_s / MOST_STEPS))
-    return tuple(_track(path, arc, instance.station.name) for path, arc in flown.arcs())
+    return tuple(_track(path, arc, instance.station_names) for path, arc in flown.arcs())
 
 
-def _track(path: LegPath, arc: Arc, station: str) -> Track:
+def _track(path: LegPath, arc: Arc, stations: tuple[str, ...]) -> Track:
     phase = arc.phase
-    if phase == "service" and path.leg.destination == station:
+    if phase == "service" and path.leg.destination in stations:
         phase = "refuelling"
     altitudes = np.linalg.norm(arc.positions_m, axis=1) - EARTH_RADIUS_M
     level = np.ptp(altitudes) < LEVEL_M

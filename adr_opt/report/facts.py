@@ -49,7 +49,7 @@ class Facts:
 
 def facts(instance: Instance, plan: Plan) -> Facts:
     """Read the headline figures off a plan."""
-    refuellings = plan.destinations.count(instance.station.name)
+    refuellings = sum(name in instance.station_names for name in plan.destinations)
     names = {target.name for target in instance.targets}
     return Facts(
         visits=len(names & set(plan.destinations)),
@@ -59,7 +59,7 @@ def facts(instance: Instance, plan: Plan) -> Facts:
         upper_bound=plan.upper_bound,
         gap=plan.gap,
         delta_v_m_s=plan.delta_v_m_s,
-        budgets_m_s=instance.mission.delta_v_m_s * (1 + refuellings),
+        budgets_m_s=instance.chaser.tank.delta_v_m_s * (1 + refuellings),
         refuellings=refuellings,
         used_s=plan.legs[-1].end_s if plan.legs else 0.0,
         duration_s=instance.mission.duration_s,

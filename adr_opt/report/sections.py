@@ -162,7 +162,7 @@ def origin(instance: Instance, plan: Plan) -> str:
         ("epoch", f"{instance.epoch.astimezone(UTC):%Y-%m-%d %H:%M:%S} UTC"),
         (
             "limits",
-            f"{in_days(limits.duration_s)}, {number(limits.delta_v_m_s, 1)} m/s "
+            f"{in_days(limits.duration_s)}, {number(instance.chaser.tank.delta_v_m_s, 1)} m/s "
             "from one refuelling to the next, "
             + counted(len(instance.keep_out_zones), "keep-out zone"),
         ),
@@ -171,7 +171,7 @@ def origin(instance: Instance, plan: Plan) -> str:
             "co-elliptic sequences that wait for the line of nodes, phasing circles between "
             f"{number(settings.min_altitude_m / 1000.0)} and "
             f"{number(settings.max_altitude_m / 1000.0)} km, "
-            f"time valued at {number(settings.time_value_m_s_per_h)} m/s per hour",
+            f"time valued at {number(instance.time_value_m_s_per_h)} m/s per hour",
         ),
         (
             "motion",

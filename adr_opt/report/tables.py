@@ -46,7 +46,7 @@ def legs(instance: Instance, plan: Plan) -> str:
     prizes = {target.name: target.prize for target in instance.targets}
     rows = []
     for at, leg in enumerate(plan.legs, start=1):
-        refuels = leg.destination == instance.station.name
+        refuels = leg.destination in instance.station_names
         cells = (
             ("n", f'<button type="button" class="leg">{at}</button>'),
             ("", f"{escape(leg.origin)} → <b>{escape(leg.destination)}</b>"),

@@ -8,8 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import InputError
-from ..instance import Instance, Orbit
+from ..instance import Instance
 from ..kernels.constants import MU_M3_S2
+from ..orbit import Orbit
 from .kepler import Array, propagate
 
 

@@ -63,7 +63,7 @@ def _body(trajectory: Trajectory, clock: Clock, name: str, visited: bool) -> dic
     from ..plot import palette
 
     instance = trajectory.instance
-    at_station = name == instance.station.name
+    at_station = name in instance.station_names
     colour = palette.UNVISITED
     if at_station or visited:
         colour = palette.STATION if at_station else palette.VISITED
@@ -134,7 +134,7 @@ def _colour(trajectory: Trajectory, path: LegPath, arc: Arc) -> str:
     from ..plot import palette
 
     phase = arc.phase
-    if phase == "service" and path.leg.destination == trajectory.instance.station.name:
+    if phase == "service" and path.leg.destination in trajectory.instance.station_names:
         phase = "refuelling"
     return palette.COLOURS[phase]
 

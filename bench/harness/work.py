@@ -172,7 +172,7 @@ def _judged(instance: Instance, result: Any) -> dict[str, Any]:
         return {"outcome": "illegal", "message": f"returned no plan, status {result.status!r}"}
     violations = adr_opt.check(instance, plan)
     number = {name: index for index, name in enumerate(instance.names)}
-    to_station = [leg.destination == instance.station.name for leg in plan.legs]
+    to_station = [leg.destination in instance.station_names for leg in plan.legs]
     return {
         "outcome": "illegal" if violations else "legal",
         "message": str(violations[0])[:LONGEST_MESSAGE] if violations else None,

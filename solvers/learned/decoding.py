@@ -50,7 +50,7 @@ class Field:
         self._threads = threads
         # A policy for a fixed number of targets sees the missing ones as bodies that are not there.
         self.targets = policy.targets or targets
-        self.budget = mission.instance.mission.delta_v_m_s - mission.reserve_m_s
+        self.budget = mission.instance.chaser.tank.delta_v_m_s - mission.reserve_m_s
         self.duration = mission.instance.mission.duration_s
         table = mission.timetable.table
         self.pool = FieldPool(1, self.targets + 1, table.entries.shape[1])

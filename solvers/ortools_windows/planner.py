@@ -83,7 +83,7 @@ def ortools(
     limits = Limits(
         NODES,
         WIDTH,
-        mission.instance.transfer.time_value_m_s_per_h / 3600.0,
+        mission.instance.time_value_m_s_per_h / 3600.0,
         LAG * mission.total_prize / max(1, int(np.count_nonzero(rules.prize))),
     )
     if start is None:

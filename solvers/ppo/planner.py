@@ -90,11 +90,12 @@ def ppo(
     threads = jobs or os.cpu_count() or 1
     learned = load_policy(policy or SHIPPED, threads)
     learned.check_size(len(mission.names) - 1)
-    limits = mission.instance.mission
+    instance = mission.instance
+    budget, duration = instance.chaser.tank.delta_v_m_s, instance.mission.duration_s
     began = time.perf_counter()
     counters = {"plans": 0, "states": 0}
     found, kept = best_of(mission)
-    if mission.instance.targets and limits.delta_v_m_s > 0.0 and limits.duration_s > 0.0:
+    if instance.targets and budget > 0.0 and duration > 0.0:
         field = Field(mission, learned, threads)
         play(field, 1, None, 1.0, found)
         counters["plans"] = 1

@@ -37,7 +37,7 @@ def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
         _graticule(),
         _rings(instance, "orbits not visited", missed, UNVISITED, 1.0, 0.45),
         _rings(instance, "orbits visited", [n for n in names if n in visited], VISITED, 1.0, 0.55),
-        _rings(instance, "station's orbit", [instance.station.name], STATION, 4.0, 1.0),
+        _rings(instance, "station's orbit", [*instance.station_names], STATION, 4.0, 1.0),
     ]
     for phase in PHASES:
         found = [track for track in tracks if track.phase == phase]
@@ -155,11 +155,11 @@ def _graticule() -> dict[str, Any]:
 
 
 def _scene(instance: Instance, tracks: tuple[Track, ...]) -> dict[str, Any]:
-    """Seen at 55° to the normal of the station's plane, a little from the north.
+    """Seen at 55° to the normal of the plane where the chaser starts, a little from the north.
 
     Without perspective, or a low orbit's near half hides behind the Earth's rim.
     """
-    orbit = instance.station.orbit
+    orbit = instance.body_orbits[instance.start]
     i, o = np.radians(orbit.inclination_deg), np.radians(orbit.raan_deg)
     normal = np.array([np.sin(i) * np.sin(o), -np.sin(i) * np.cos(o), np.cos(i)])
     side = np.array([np.cos(o), np.sin(o), 0.0])

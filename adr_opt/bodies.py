@@ -1,0 +1,61 @@
+"""The bodies of an instance that a chaser goes to: stations and targets."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import AfterValidator, Field, model_validator
+
+from .orbit import Orbit
+from .records import Name, Positive, Record, Window, check_window, not_yet
+
+LARGEST_PRIZE = 1e12
+LEAST_PRIZE = 1e-12
+"""Prizes are summed and divided: far beyond any use, and near enough for arithmetic to hold."""
+
+
+def _is_nothing_or_enough(prize: float) -> float:
+    if 0.0 < prize < LEAST_PRIZE:
+        raise ValueError(f"must be 0 or at least {LEAST_PRIZE:g}")
+    return prize
+
+
+Prize = Annotated[
+    float,
+    Field(
+        ge=0.0,
+        le=LARGEST_PRIZE,
+        json_schema_extra={"anyOf": [{"const": 0.0}, {"minimum": LEAST_PRIZE}]},
+    ),
+    AfterValidator(_is_nothing_or_enough),
+]
+
+Removal = Annotated[Literal["visit"], not_yet(lambda word: word in ("kit", "tow"), 'write "visit"')]
+
+
+class Station(Record):
+    """Where chasers refuel, and may start."""
+
+    name: Name
+    orbit: Orbit
+
+
+class Target(Record):
+    """A debris object that may be visited, and what servicing it is worth.
+
+    Its service begins not before ``window_s`` opens and ends before it closes. ``required``: a plan
+    has to service it. ``mass_kg`` is for what carries it.
+    """
+
+    name: Name
+    orbit: Orbit
+    prize: Prize = 1.0
+    required: bool = False
+    window_s: Window = (0.0, None)
+    mass_kg: Positive | None = None
+    removal: Removal = "visit"
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        check_window("window_s", self.window_s)
+        return self

@@ -1,0 +1,140 @@
+"""What holds for a whole instance: limits, transfers, objective, keep-out zones."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
+
+from .records import (
+    LARGEST_DURATION_S,
+    Length,
+    NonNegative,
+    Positive,
+    Record,
+    not_yet,
+)
+
+SERVICE = ("service_revolutions", "service_s")
+
+
+class MissionSettings(Record):
+    """How long the mission lasts, and the time spent at a body.
+
+    Either ``service_revolutions``, in periods of the target, or ``service_s``; the other is None
+    and not in the file.
+    """
+
+    duration_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)]
+    service_revolutions: NonNegative | None = 1.0
+    service_s: NonNegative | None = None
+    refuel_revolutions: NonNegative = 1.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_service(cls, given: Any) -> Any:
+        """The default of one steps back for the other."""
+        if isinstance(given, dict) and given.get("service_s") is not None:
+            return {"service_revolutions": None, **given}
+        return given
+
+    @model_validator(mode="after")
+    def _exactly_one(self) -> Self:
+        if (self.service_revolutions is None) == (self.service_s is None):
+            stated = "none of them" if self.service_s is None else "both"
+            raise ValueError(
+                "must give service_revolutions or service_s, but gives "
+                f"{stated}; write exactly one of the two"
+            )
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_the_other(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        content: dict[str, Any] = write(self)
+        return {
+            name: value
+            for name, value in content.items()
+            if not (name in SERVICE and value is None)
+        }
+
+
+class SequenceSettings(Record):
+    """Parameters of the co-elliptic sequence (MODEL section 2)."""
+
+    first_leg_fraction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.75
+    standoff_m: NonNegative = 1000.0
+    safety_ellipse_revolutions: Positive = 0.5
+    max_phasing_revolutions: Annotated[int, Field(ge=0, le=100)] = 12
+    min_altitude_m: Length = 300e3
+    max_altitude_m: Length = 2000e3
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.max_altitude_m <= self.min_altitude_m:
+            raise ValueError(
+                f"max_altitude_m = {self.max_altitude_m!r} must be greater than "
+                f"min_altitude_m = {self.min_altitude_m!r}"
+            )
+        if self.safety_ellipse_revolutions % 1.0 != 0.5:
+            raise ValueError(
+                f"safety_ellipse_revolutions = {self.safety_ellipse_revolutions!r} must be 0.5 "
+                "plus whole inspection laps (0.5, 1.5, …)"
+            )
+        return self
+
+
+class TransferSettings(SequenceSettings):
+    """Parameters of the transfers (MODEL sections 2 to 4).
+
+    Beside those of the co-elliptic sequence: a connection that another one dominates up to
+    ``delta_v_resolution_m_s`` does not count, and departures lie no closer than
+    ``departure_spacing_s``. The last two are the grid and the longest time of transfers that drift.
+    """
+
+    delta_v_resolution_m_s: NonNegative = 0.1
+    departure_spacing_s: NonNegative = 0.0
+    drift_step_s: Positive = 86400.0
+    max_drift_s: Annotated[
+        NonNegative,
+        Field(json_schema_extra={"const": 0.0}),
+        not_yet(lambda span: isinstance(span, float | int) and span > 0, "write 0.0", "drift"),
+    ] = 0.0
+
+
+class Objective(Record):
+    """What decides between plans that collect as much: the least cost of this kind.
+
+    ``delta-v`` is the sum over all legs [m/s], ``duration`` the end of the last service [s].
+    """
+
+    cost: Annotated[
+        Literal["delta-v", "duration"],
+        not_yet(lambda word: word == "expense", 'write "delta-v" or "duration"'),
+    ] = "delta-v"
+
+
+class KeepOutZone(Record):
+    """A closed altitude band that is forbidden during a closed time window (MODEL section 5)."""
+
+    min_altitude_m: NonNegative
+    max_altitude_m: NonNegative
+    start_s: float
+    end_s: float
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.max_altitude_m < self.min_altitude_m:
+            raise ValueError(
+                f"max_altitude_m = {self.max_altitude_m!r} must not be less than "
+                f"min_altitude_m = {self.min_altitude_m!r}"
+            )
+        if self.end_s < self.start_s:
+            raise ValueError(
+                f"end_s = {self.end_s!r} must not be before start_s = {self.start_s!r}"
+            )
+        return self
