@@ -1,0 +1,262 @@
+"""The format 2 of instances and plans: what may be stated, and how bodies are numbered."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import adr_opt
+from adr_opt import Instance, Plan, support
+from adr_opt import instance as instance_module
+from adr_opt import plan as plan_module
+from adr_opt.bodies import Station
+from adr_opt.chasers import AtStation, Chaser, InOrbit, Tank, free_name
+from adr_opt.plan import cost_of
+from adr_opt.settings import MissionSettings, Objective, TransferSettings
+
+TIMES = st.floats(0.0, 1e8)
+
+
+def windows() -> st.SearchStrategy[tuple[float, float | None]]:
+    closes = st.one_of(st.none(), TIMES)
+    return st.tuples(TIMES, closes).map(
+        lambda pair: pair if pair[1] is None else (min(pair), max(pair))
+    )
+
+
+@st.composite
+def stated(draw: st.DrawFn) -> Instance:
+    """An instance that states anything that the format allows."""
+    field = adr_opt.generate("tiny", draw(st.integers(0, 5)), zones=draw(st.integers(0, 2)))
+    orbits = [target.orbit for target in field.targets]
+    stations = tuple(
+        Station(name=f"station {number}", orbit=orbits[number])
+        for number in range(draw(st.integers(0, 3)))
+    )
+    starts: list[Any] = [InOrbit(orbit=orbits[-1])]
+    starts += [AtStation(station=station.name) for station in stations]
+    ends: list[Any] = ["anywhere", *starts[1:]]
+    service = draw(st.sampled_from(["service_s", "service_revolutions"]))
+    return Instance(
+        name=draw(st.text(st.characters(blacklist_characters="\0", codec="utf-8"), min_size=1)),
+        epoch=field.epoch,
+        stations=stations,
+        targets=tuple(
+            target.replace(
+                prize=draw(st.sampled_from([0.0, 1.0, 2.5])),
+                required=draw(st.booleans()),
+                window_s=draw(windows()),
+                mass_kg=draw(st.one_of(st.none(), st.floats(1.0, 9e3))),
+            )
+            for target in field.targets
+        ),
+        chasers=(
+            Chaser(
+                name="tug",
+                start=draw(st.sampled_from(starts)),
+                available_s=draw(windows()),
+                end=draw(st.sampled_from(ends)),
+                max_targets=draw(st.one_of(st.none(), st.integers(0, 9))),
+                tank=Tank(delta_v_m_s=draw(st.floats(0.0, 1e4))),
+            ),
+        ),
+        mission=MissionSettings(duration_s=draw(TIMES), **{service: draw(st.floats(0.0, 100.0))}),
+        transfer=TransferSettings(
+            delta_v_resolution_m_s=draw(st.floats(0.0, 10.0)),
+            departure_spacing_s=draw(st.floats(0.0, 1e5)),
+            drift_step_s=draw(st.floats(1.0, 1e6)),
+        ),
+        objective=Objective(cost=draw(st.sampled_from(["delta-v", "duration"]))),
+        keep_out_zones=field.keep_out_zones,
+    )
+
+
+@settings(max_examples=60, deadline=None)
+@given(stated())
+def test_whatever_is_stated_survives_a_round_trip(instance: Instance) -> None:
+    """Reading what was written gives the same instance and digest, and fits the JSON Schema."""
+    text = instance.to_json()
+    again = Instance.from_json(text)
+    assert again == instance
+    assert again.to_json() == text
+    assert again.sha256 == instance.sha256
+    jsonschema.validate(json.loads(text), instance_module.json_schema())
+    assert pickle.loads(pickle.dumps(instance)) == instance
+
+
+@settings(max_examples=60, deadline=None)
+@given(stated())
+def test_bodies_are_stations_then_the_start_then_targets(instance: Instance) -> None:
+    """Names, orbits, the first target, the start and parts follow one numbering."""
+    names = [station.name for station in instance.stations]
+    names += ["tug"] if isinstance(instance.chaser.start, InOrbit) else []
+    first = len(names)
+    names += [target.name for target in instance.targets]
+    assert list(instance.names) == names
+    assert instance.first_target == first
+    assert names[instance.start] == instance.chaser.start_name
+    assert len(instance.body_orbits) == len(names)
+    for number, target in enumerate(instance.targets, start=first):
+        assert instance.body_orbits[number] == target.orbit
+    assert instance.orbits().shape == (len(names), 4)
+    assert instance.eccentricity_delta_v().shape == (len(names), len(names))
+    part = instance.part([first + 2, first, 0])
+    assert part.targets == (instance.targets[0], instance.targets[2])
+    assert part.names[:first] == instance.names[:first]
+
+
+@settings(max_examples=60, deadline=None)
+@given(stated())
+def test_all_that_departs_from_what_can_be_planned_is_refused(instance: Instance) -> None:
+    """An instance is refused exactly if one of the rules that wait for planners is stated."""
+    chaser, always = instance.chaser, (0.0, None)
+    usual = TransferSettings()
+    departs = (
+        len(instance.stations) != 1
+        or any(target.required or target.window_s != always for target in instance.targets)
+        or isinstance(chaser.start, InOrbit)
+        or chaser.available_s != always
+        or chaser.end != "anywhere"
+        or chaser.max_targets is not None
+        or instance.mission.service_s is not None
+        or instance.transfer.departure_spacing_s != usual.departure_spacing_s
+        or instance.transfer.delta_v_resolution_m_s != usual.delta_v_resolution_m_s
+        or instance.objective.cost != "delta-v"
+    )
+    said = support.unsupported(instance)
+    assert (said is not None) == departs
+    if said is not None:
+        assert "not supported yet" in said
+        with pytest.raises(adr_opt.InputError, match="not supported yet"):
+            adr_opt.Mission(instance)
+
+
+def test_what_the_generator_draws_can_be_planned() -> None:
+    """Generated instances, also without targets, state nothing that would be refused."""
+    for family in ("tiny", "nominal", "cloud"):
+        assert support.unsupported(adr_opt.generate(family, 1, zones=2)) is None
+    assert support.unsupported(adr_opt.generate("tiny", 1, targets=0)) is None
+
+
+def test_limits_are_changed_together() -> None:
+    """A variant has the limits that are given, keeps the others, and is held to their ranges."""
+    instance = adr_opt.generate("tiny", 1)
+    both = instance.with_limits(1e5, 900.0)
+    assert (both.mission.duration_s, both.chaser.tank.delta_v_m_s) == (1e5, 900.0)
+    assert both.with_limits(duration_s=2e5).chaser.tank.delta_v_m_s == 900.0
+    assert both.with_limits(delta_v_m_s=1.0).mission.duration_s == 1e5
+    assert instance.with_limits() == instance
+    for limits in ({"duration_s": -1.0}, {"delta_v_m_s": np.nan}):
+        with pytest.raises(adr_opt.InputError, match=next(iter(limits))):
+            instance.with_limits(**limits)
+
+
+def test_service_is_stated_once() -> None:
+    """Revolutions are the default, seconds take their place, and the file holds one of them."""
+    one = MissionSettings(duration_s=1.0)
+    assert (one.service_revolutions, one.service_s) == (1.0, None)
+    other = MissionSettings(duration_s=1.0, service_s=60.0)
+    assert (other.service_revolutions, other.service_s) == (None, 60.0)
+    assert "service_s" not in one.model_dump(mode="json")
+    assert "service_revolutions" not in other.model_dump(mode="json")
+    assert other.replace(duration_s=2.0).service_s == 60.0
+    with pytest.raises(adr_opt.InputError, match="exactly one"):
+        one.replace(service_s=60.0)
+    with pytest.raises(adr_opt.InputError, match="exactly one"):
+        one.replace(service_revolutions=None)
+    assert one.replace(service_s=60.0, service_revolutions=None) == other.replace()
+
+
+def test_an_unnamed_chaser_gets_a_free_name() -> None:
+    """It is the chaser, or numbered where bodies are called so."""
+    assert free_name(["station"]) == "chaser"
+    assert free_name(["chaser", "chaser-2"]) == "chaser-1"
+    assert free_name(["chaser", "chaser-1"]) == "chaser-2"
+
+
+@pytest.fixture(scope="module")
+def planned() -> tuple[Instance, Plan]:
+    instance = adr_opt.generate("tiny", 3)
+    plan = adr_opt.solve(instance, "greedy-guarded").plan
+    assert plan is not None
+    assert len(plan.legs) > 1
+    return instance, plan
+
+
+def rules(instance: Instance, plan: Plan) -> set[str]:
+    """What is broken in a plan as a whole."""
+    return {v.rule for v in adr_opt.check(instance, plan) if v.leg is None}
+
+
+def test_plans_survive_a_round_trip(planned: tuple[Instance, Plan]) -> None:
+    """Reading what was written gives the same plan, which fits the JSON Schema."""
+    _, plan = planned
+    again = Plan.from_json(plan.to_json())
+    assert again == plan
+    assert again.to_json() == plan.to_json()
+    jsonschema.validate(json.loads(plan.to_json()), plan_module.json_schema())
+    assert plan.legs == plan.routes[0].legs
+    assert {leg.kind for leg in plan.legs} == {"short"}
+
+
+def test_legs_have_lines_of_their_own(planned: tuple[Instance, Plan]) -> None:
+    """A written plan is read line by line: no line holds two legs."""
+    lines = planned[1].to_json().splitlines()
+    assert [line.count('"departure_s"') for line in lines].count(1) == len(planned[1].legs)
+    assert max(line.count('"departure_s"') for line in lines) == 1
+
+
+def test_the_cost_is_what_the_instance_counts(planned: tuple[Instance, Plan]) -> None:
+    """ΔV of all legs, or when the last service ends; nothing for no legs."""
+    _, plan = planned
+    assert plan.cost == plan.delta_v_m_s == cost_of(Objective(), plan.legs)
+    assert cost_of(Objective(cost="duration"), plan.legs) == plan.legs[-1].end_s
+    assert cost_of(Objective(), ()) == cost_of(Objective(cost="duration"), ()) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "broken"),
+    [
+        ({}, set()),
+        ({"cost": 1.001}, {"cost"}),
+        ({"cost_bound": 0.5, "cost_gap": 0.5, "cost_status": "feasible"}, set()),
+        ({"cost_bound": 1.0, "cost_gap": 0.0, "cost_status": "optimal"}, set()),
+        ({"cost_bound": 1.0 - 1e-9, "cost_gap": 0.0, "cost_status": "optimal"}, set()),
+        ({"cost_status": "feasible"}, set()),
+        ({"cost_bound": 1.0, "cost_gap": 0.0, "cost_status": "feasible"}, {"cost-status"}),
+        ({"cost_bound": 0.5, "cost_gap": 0.5, "cost_status": "optimal"}, {"cost-status"}),
+        ({"cost_status": "optimal"}, {"cost-status"}),
+        ({"cost_status": "unknown"}, {"cost-status"}),
+        ({"cost_bound": 0.5, "cost_gap": 0.5}, {"cost-status"}),
+        ({"cost_bound": 0.5, "cost_gap": 0.4, "cost_status": "feasible"}, {"cost-gap"}),
+        ({"cost_bound": 0.5, "cost_status": "feasible"}, {"cost-gap"}),
+        ({"cost_gap": 0.5}, {"cost-gap"}),
+        ({"cost_bound": 1.1, "cost_gap": -0.1, "cost_status": "optimal"}, {"cost-bound"}),
+    ],
+)
+def test_what_is_said_of_the_cost_must_hold(
+    planned: tuple[Instance, Plan], changes: dict[str, Any], broken: set[str]
+) -> None:
+    """Cost, its bound, gap and status are worked out again (bounds here as shares of the cost)."""
+    instance, plan = planned
+    changes = {
+        name: value * plan.cost if name in ("cost", "cost_bound") else value
+        for name, value in changes.items()
+    }
+    assert rules(instance, plan.replace(**changes)) == broken
+
+
+def test_routes_are_those_of_the_chasers(planned: tuple[Instance, Plan]) -> None:
+    """A route of nobody, and two of the same chaser, are reported."""
+    instance, plan = planned
+    (route,) = plan.routes
+    assert rules(instance, plan.replace(routes=(route.replace(chaser="tug"),))) == {"chaser"}
+    halves = (route.replace(legs=route.legs[:1]), route.replace(legs=route.legs[1:]))
+    assert rules(instance, plan.replace(routes=halves)) == {"chaser"}
