@@ -8,6 +8,7 @@ The pydantic models of the format ``adr-opt-instance/2`` stand here and in :mod:
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 from collections.abc import Collection
 from datetime import UTC, datetime
@@ -28,6 +29,7 @@ from pydantic import (
 
 from .bodies import Station, Target
 from .chasers import AtStation, Chaser, InOrbit
+from .errors import InputError
 from .files import read_model, to_text
 from .kernels.constants import EARTH_RADIUS_M, MU_M3_S2, SLACK_M, SLACK_S
 from .kernels.transfer import TransferRule
@@ -149,10 +151,24 @@ class Instance(Record):
         return super().replace(**changes).with_time_value(self._time_value_m_s_per_h)
 
     def with_time_value(self, time_value_m_s_per_h: float) -> Self:
-        """The same instance for those who value an hour so, see :attr:`time_value_m_s_per_h`."""
+        """The same instance for those who value an hour so, see :attr:`time_value_m_s_per_h`.
+
+        Raises
+        ------
+        InputError
+            It is negative or not finite.
+        """
+        if not (math.isfinite(time_value_m_s_per_h) and time_value_m_s_per_h >= 0.0):
+            raise InputError(
+                f"time_value_m_s_per_h = {time_value_m_s_per_h!r}: must be a finite number ≥ 0"
+            )
         made = self.model_copy()
         made._time_value_m_s_per_h = time_value_m_s_per_h
         return made
+
+    def same(self, other: Instance) -> bool:
+        """Whether it is equal to another one, and an hour is worth as much to both."""
+        return self == other and self.time_value_m_s_per_h == other.time_value_m_s_per_h
 
     @property
     def time_value_m_s_per_h(self) -> float:

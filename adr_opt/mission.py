@@ -84,8 +84,7 @@ class Mission:
         self.names = instance.names
         self._threads = threads
         if timetable is not None:
-            same = timetable.instance == instance
-            if not same or timetable.instance.time_value_m_s_per_h != instance.time_value_m_s_per_h:
+            if not timetable.instance.same(instance):
                 raise InputError("the timetable belongs to another instance")
             self.__dict__["timetable"] = timetable
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 import adr_opt
-from adr_opt import Instance
+from adr_opt import Instance, Plan
+from adr_opt.files import to_text
 
 Content = dict[str, Any]
 
@@ -38,6 +40,21 @@ def content_of(instance: Instance) -> Content:
             "time_value_m_s_per_h": 75.0,
         },
         "keep_out_zones": stated["keep_out_zones"],
+    }
+
+
+def plan_content_of(instance: Instance, plan: Plan) -> Content:
+    """A plan in format 1, for the file of its instance in format 1."""
+    stated = plan.to_dict()
+    (route,) = stated.pop("routes")
+    digest = hashlib.sha256(to_text(content_of(instance)).encode()).hexdigest()
+    return {
+        **{name: value for name, value in stated.items() if not name.startswith("cost")},
+        "format": "adr-opt-plan/1",
+        "instance": {"name": instance.name, "sha256": digest},
+        "legs": [
+            {name: value for name, value in leg.items() if name != "kind"} for leg in route["legs"]
+        ],
     }
 
 

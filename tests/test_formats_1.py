@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -154,6 +155,11 @@ def test_the_time_value_of_a_file_stays_with_its_instance() -> None:
     assert instance.transfer_rule().time_value == 20.0 / 3600.0
     assert instance.transfer_rule(50.0).time_value == 50.0 / 3600.0
     assert formats_1.sha256_1(usual) != formats_1.sha256_1(instance)
+    assert instance.same(instance.replace())
+    assert not usual.same(instance)
+    for wrong in (-1.0, math.nan, math.inf):
+        with pytest.raises(adr_opt.InputError, match="time_value_m_s_per_h"):
+            instance.with_time_value(wrong)
     with pytest.raises(adr_opt.InputError, match="belongs to another instance"):
         adr_opt.Mission(usual, adr_opt.Timetable(instance))
 

@@ -169,7 +169,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
                 f"{instance.name} has {len(instance.targets)} targets, more than the "
                 f"{self._targets} of the action space; make the environment with this instance"
             )
-        if self._mission is None or self._mission.instance != instance:
+        if self._mission is None or not self._mission.instance.same(instance):
             self._mission = Mission(instance)
             bodies = self._targets + 1
             events = self._mission.timetable.table.entries.shape[1]

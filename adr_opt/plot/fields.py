@@ -57,7 +57,7 @@ def planes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
     visited[route] = True
     others = ~visited
     others[: instance.first_target] = False
-    visited[stations] = False
+    visited[: instance.first_target] = False
     ax.plot(
         raan[others], inclination[others], linestyle="none", marker="o", fillstyle="none",
         color=UNVISITED, label="target" if plan is None else "not visited",
