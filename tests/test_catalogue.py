@@ -390,6 +390,8 @@ def test_names_of_targets_are_unique() -> None:
         one(json.dumps(fields | {"OBJECT_NAME": name})) for name in ("station", "x\x1b[2J\ud800")
     ]
     assert to_instance(odd).instance.names == ("station", "station (2)", "x?[2J?")
+    called = to_instance([one(json.dumps(fields | {"OBJECT_NAME": "chaser"}))]).instance
+    assert (called.names, called.chaser.name) == (("station", "chaser"), "chaser-1")
 
 
 def test_the_same_catalogue_gives_the_same_file() -> None:
