@@ -12,11 +12,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from .kernels import rules as rule_kernels
-from .kernels.constants import STATION
+from .kernels.rules import State
 from .mission import Mission
-
-State = tuple[int, float, float, int]
-"""Body, time [s], ΔV left [m/s], targets since the last refuelling."""
 
 
 def as_it_is(mission: Mission, order: Iterable[int]) -> tuple[int, ...]:
@@ -46,7 +43,7 @@ def mended(mission: Mission, order: Iterable[int]) -> tuple[int, ...]:
         Bodies in order, the station for refuelling.
     """
     moves = tuple(order)
-    bare = tuple(j for j in moves if j != STATION)
+    bare = tuple(j for j in moves if not mission.rules.is_station[j])
     candidates = [as_it_is(mission, moves)]
     candidates += [_follow(mission, some, guard) for some in (moves, bare) for guard in (0, 1)]
     timings = [mission.time(candidate) for candidate in candidates]
@@ -62,39 +59,39 @@ def _follow(mission: Mission, order: Iterable[int], guard: int) -> tuple[int, ..
     """
     rules = mission.rules
     visited = np.zeros(len(mission.names), dtype=np.bool_)
-    state: State = (STATION, 0.0, rules.budget, 0)
+    state = rule_kernels.beginning(rules)
     made: list[int] = []
     passed_by: list[int] = []
 
     def after(state: State, j: int) -> State | None:
-        body, now, left, since = state
-        if not rule_kernels.may_go(body, since, visited, j):
+        if not rule_kernels.may_go(rules, state, visited, j):
             return None
-        legal, delta_v, end = rule_kernels.fits(rules, body, now, left, j)
-        if not legal:
-            return None
-        if j == STATION:
-            return j, end, rules.budget, 0
-        return j, end, left - delta_v, since + 1
+        legal, _, onward = rule_kernels.step(rules, state, j)
+        return onward if legal else None
+
+    def by_station(state: State) -> tuple[int, State] | None:
+        ways = [(s, after(state, s)) for s in range(rules.stations)]
+        reached = [(onward.time, s, onward) for s, onward in ways if onward is not None]
+        return min(reached)[1:] if reached else None
 
     def open_way(state: State | None) -> bool:
-        return state is not None and (not guard or after(state, STATION) is not None)
+        return state is not None and (not guard or by_station(state) is not None)
 
     for j in order:
         direct = after(state, j)
-        if direct is not None and (j == STATION or open_way(direct)):
+        if direct is not None and (rules.is_station[j] or open_way(direct)):
             state = direct
-            visited[j] = j != STATION
+            visited[j] = not rules.is_station[j]
             made.append(j)
             continue
-        if j == STATION:
+        if rules.is_station[j]:
             continue
-        refuelled = after(state, STATION)
-        onward = None if refuelled is None else after(refuelled, j)
-        if onward is not None and open_way(onward):
+        refuelled = by_station(state)
+        onward = None if refuelled is None else after(refuelled[1], j)
+        if refuelled is not None and onward is not None and open_way(onward):
             state = onward
             visited[j] = True
-            made += [STATION, j]
+            made += [refuelled[0], j]
         else:
             passed_by.append(j)
     for j in passed_by if guard else []:
@@ -103,6 +100,4 @@ def _follow(mission: Mission, order: Iterable[int], guard: int) -> tuple[int, ..
             state = onward
             visited[j] = True
             made.append(j)
-    while made and made[-1] == STATION:
-        made.pop()
-    return tuple(made)
+    return mission.closed(made)

@@ -2,49 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
+from .chasers import AtStation
+from .connections import Connecting
 from .errors import InputError
 from .instance import Instance
-from .kernels import orbits as orbit_kernels
 from .kernels import rules as kernels
-from .kernels.constants import SLACK_M_S, SLACK_S, STATION
+from .kernels.constants import SLACK_M_S
 from .kernels.timetable import transfer_exists
 from .kernels.transfer import TransferRule
+from .schedule import Schedule, Scheduler
 from .support import refuse_unsupported
 from .timetable import Timetable
 from .tolerance import common_step
 
 Sequence = npt.NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class Timing:
-    """What happens when a sequence of bodies is visited as far as the rules allow.
-
-    Attributes
-    ----------
-    made : int
-        Number of legal moves; less than the length of the sequence if a move is illegal.
-    objective : float
-        Sum of the prizes of the moves made.
-    delta_v : float
-        Total ΔV of the moves made [m/s].
-    ends, lefts : (made,) float64
-        End of service [s] and ΔV left [m/s] after each move, as the rules count it: with the slack
-        that a tank may be overdrawn by.
-    """
-
-    made: int
-    objective: float
-    delta_v: float
-    ends: npt.NDArray[np.float64]
-    lefts: npt.NDArray[np.float64]
 
 
 class Mission:
@@ -59,12 +37,15 @@ class Mission:
         Threads to build the timetable with; all cores by default.
     margin : float
         Share of each tank that is kept back: planners and bounds see the rest only.
+    time_value_m_s_per_h : float, optional
+        What an hour is worth to planners that choose one connection for each move without looking
+        ahead; the instance's by default [m/s per h].
 
     Attributes
     ----------
     instance : Instance
     names : tuple of str
-        Bodies, the station first (index 0).
+        Bodies, in the order of their numbers.
     margin : float
     """
 
@@ -75,6 +56,7 @@ class Mission:
         *,
         threads: int | None = None,
         margin: float = 0.0,
+        time_value_m_s_per_h: float | None = None,
     ) -> None:
         if not 0.0 <= margin < 1.0:
             raise InputError(f"margin = {margin!r}: must be a share of the tank, from 0 to below 1")
@@ -82,16 +64,23 @@ class Mission:
         self.instance = instance
         self.margin = margin
         self.names = instance.names
+        if time_value_m_s_per_h is None:
+            time_value_m_s_per_h = instance.time_value_m_s_per_h
+        self.time_value_m_s_per_h = time_value_m_s_per_h
         self._threads = threads
+        self._variants: dict[float, Mission] = {time_value_m_s_per_h: self}
         if timetable is not None:
             if not timetable.instance.same(instance):
                 raise InputError("the timetable belongs to another instance")
+            self.time_value_m_s_per_h = timetable.time_value_m_s_per_h
             self.__dict__["timetable"] = timetable
 
     @cached_property
     def timetable(self) -> Timetable:
-        """The exact costs of every transfer at every time."""
-        return Timetable(self.instance, self._threads)
+        """The exact costs of the connection chosen for every transfer at every time."""
+        return Timetable(
+            self.instance, self._threads, time_value_m_s_per_h=self.time_value_m_s_per_h
+        )
 
     @property
     def has_timetable(self) -> bool:
@@ -106,7 +95,10 @@ class Mission:
         order, enough
             As :class:`Timetable` takes them.
         """
-        timetable = Timetable(self.instance, self._threads, order=order, enough=enough)
+        timetable = Timetable(
+            self.instance, self._threads, time_value_m_s_per_h=self.time_value_m_s_per_h,
+            order=order, enough=enough,
+        )  # fmt: skip
         if timetable.instance is not self.instance:
             return Mission(timetable.instance, timetable, margin=self.margin)
         self.__dict__["timetable"] = timetable
@@ -115,23 +107,61 @@ class Mission:
     @cached_property
     def rules(self) -> kernels.Rules:
         """The mission as the kernels take it; its arrays are read-only."""
-        limits = self.instance.mission
-        assert limits.service_revolutions is not None  # refused above
-        periods = np.array(
-            [orbit_kernels.period(radius) for radius in self.instance.orbits()[:, 0]]
-        )
-        service = limits.service_revolutions * periods
-        service[STATION] = limits.refuel_revolutions * periods[STATION]
-        prize = np.array([0.0, *(target.prize for target in self.instance.targets)])
-        service.setflags(write=False)
-        prize.setflags(write=False)
+        limits, table = self.timetable.limits, self.timetable.table
+        instance, chaser = self.instance, self.instance.chaser
+        bodies, stations = limits.service.size, len(instance.stations)
+        is_station = np.arange(bodies) < stations
+        may_end = np.ones(bodies, dtype=np.bool_)
+        if isinstance(chaser.end, AtStation):
+            may_end[:] = [name == chaser.end.station for name in self.names]
+        worth = np.zeros(bodies)
+        worth[instance.first_target :] = [
+            target.prize + self.bonus * target.required for target in instance.targets
+        ]
+        for array in (worth, is_station, may_end):
+            array.setflags(write=False)
+        budget = chaser.tank.delta_v_m_s - self.reserve_m_s + SLACK_M_S
         return kernels.Rules(
-            self.timetable.table,
-            service,
-            prize,
-            self.instance.chaser.tank.delta_v_m_s - self.reserve_m_s + SLACK_M_S,
-            limits.duration_s + SLACK_S,
+            table,
+            limits.service,
+            limits.opens,
+            limits.closes,
+            worth,
+            is_station,
+            may_end,
+            stations,
+            instance.first_target,
+            instance.start,
+            limits.ready,
+            bodies if chaser.max_targets is None else chaser.max_targets,
+            not may_end.all(),
+            budget,
+            limits.duration,
+            kernels.shortest_sortie(
+                table, limits.service, budget, stations, instance.first_target
+            ),
         )
+
+    @cached_property
+    def bonus(self) -> float:
+        """What servicing a required target is worth to a planner, besides its prize.
+
+        More than all prizes together, and a multiple of what they are multiples of.
+        """
+        prizes = [target.prize for target in self.instance.targets]
+        return math.fsum(prizes) + (self.prize_step or max(prizes, default=0.0) or 1.0)
+
+    @cached_property
+    def required(self) -> frozenset[int]:
+        """Targets that every plan services."""
+        first = self.instance.first_target
+        targets = enumerate(self.instance.targets, start=first)
+        return frozenset(number for number, target in targets if target.required)
+
+    def shown(self, worth: float) -> float:
+        """The prizes of what is worth so much to a planner; −inf if it lacks a required target."""
+        prizes = worth - len(self.required) * self.bonus
+        return prizes if prizes > -0.5 * self.bonus else -math.inf
 
     @property
     def reserve_m_s(self) -> float:
@@ -141,7 +171,40 @@ class Mission:
     def with_margin(self, margin: float) -> Mission:
         """The same mission, timetable included, with another share of each tank kept back."""
         made = self.__dict__.get("timetable")
-        return Mission(self.instance, made, threads=self._threads, margin=margin)
+        return Mission(
+            self.instance, made, threads=self._threads, margin=margin,
+            time_value_m_s_per_h=self.time_value_m_s_per_h,
+        )  # fmt: skip
+
+    def with_time_value(self, time_value_m_s_per_h: float) -> Mission:
+        """The same mission with the timetable of another choice; what was built before is kept.
+
+        Raises
+        ------
+        InputError
+            The time value is negative or not finite.
+        """
+        if time_value_m_s_per_h == self.time_value_m_s_per_h:
+            return self
+        if time_value_m_s_per_h not in self._variants:
+            other = Mission(
+                self.instance, threads=self._threads, margin=self.margin,
+                time_value_m_s_per_h=time_value_m_s_per_h,
+            )  # fmt: skip
+            other._variants = self._variants
+            other.__dict__["schedules"] = self.schedules
+            self._variants[time_value_m_s_per_h] = other
+        return self._variants[time_value_m_s_per_h]
+
+    @cached_property
+    def connecting(self) -> Connecting:
+        """Works out the connections of pairs."""
+        return Connecting(self.instance)
+
+    @cached_property
+    def schedules(self) -> Scheduler:
+        """Finds the best schedule of an order of bodies."""
+        return Scheduler(self.connecting, lambda: self.rules)
 
     @cached_property
     def sha256(self) -> str:
@@ -164,8 +227,17 @@ class Mission:
 
     @property
     def total_prize(self) -> float:
-        """Sum of all prizes: the trivial upper bound."""
-        return float(sum(target.prize for target in self.instance.targets))
+        """Sum of the prizes of as many targets as the chaser may service: the trivial bound."""
+        return self._largest([target.prize for target in self.instance.targets])
+
+    @property
+    def total_worth(self) -> float:
+        """The same of what targets are worth to a planner."""
+        return self._largest(self.rules.prize.tolist())
+
+    def _largest(self, prizes: list[float]) -> float:
+        most = self.instance.chaser.max_targets
+        return math.fsum(sorted(prizes, reverse=True)[:most])
 
     @cached_property
     def prize_step(self) -> float:
@@ -197,14 +269,61 @@ class Mission:
             )
         return numbers.astype(np.int64)
 
-    def time(self, sequence: Iterable[int | str]) -> Timing:
-        """Time a sequence of bodies, by number or by name, exactly, as far as it is legal."""
-        moves = self.numbers(sequence)
-        ends, lefts = np.empty(moves.size), np.empty(moves.size)
+    def time(self, sequence: Iterable[int | str]) -> Schedule:
+        """The best schedule of an order of bodies, by number or by name, as far as it is legal.
+
+        Of all schedules over all connections, waiting allowed, the one of least cost. Moves that
+        the rules of the order forbid end it.
+        """
+        moves = tuple(self.numbers(sequence).tolist())
+        return self.schedules.of(moves[: self._in_order(moves)])
+
+    def _in_order(self, moves: tuple[int, ...]) -> int:
+        """How many moves the rules of the order allow: no target twice, refuelling earned."""
         rules = self.rules
-        visited = np.zeros(len(self.names), dtype=np.bool_)
-        made, delta_v = kernels.replay(
-            rules, moves, 0, STATION, 0.0, rules.budget, 0, visited, ends, lefts
-        )
-        objective = float(kernels.collected(rules, moves[:made]))
-        return Timing(int(made), objective, float(delta_v), ends[:made], lefts[:made])
+        body, since, visited = rules.start, 0, set[int]()
+        for made, j in enumerate(moves):
+            if j == body:
+                return made
+            if rules.is_station[j]:
+                if since == 0:
+                    return made
+                since = 0
+            elif j in visited or j < rules.first_target or len(visited) == rules.most_targets:
+                return made
+            else:
+                visited.add(j)
+                since += 1
+            body = j
+        return len(moves)
+
+    def collected(self, sequence: Iterable[int]) -> float:
+        """What the bodies of a sequence are worth to a planner; their order does not matter."""
+        return math.fsum(self.rules.prize[j] for j in sequence)
+
+    def prizes(self, sequence: Iterable[int]) -> float:
+        """Sum of the prizes of a sequence of bodies."""
+        first = self.instance.first_target
+        return math.fsum(self.instance.targets[j - first].prize for j in sequence if j >= first)
+
+    def may_stop(self, sequence: tuple[int, ...]) -> bool:
+        """Whether a mission may end after these moves."""
+        rules = self.rules
+        return bool(rules.may_end[sequence[-1] if sequence else rules.start])
+
+    def closed(self, sequence: Iterable[int]) -> tuple[int, ...]:
+        """A sequence as a mission ends: without a refuelling that nothing follows, and at an end.
+
+        Where the mission must end at a station, the one is added that can be reached at least
+        cost; a sequence after which none can be reached stays as it is.
+        """
+        rules = self.rules
+        moves = [int(j) for j in sequence]
+        while moves and rules.is_station[moves[-1]]:
+            moves.pop()
+        if self.may_stop(tuple(moves)):
+            return tuple(moves)
+        ways = [(*moves, s) for s in range(rules.stations) if rules.may_end[s]]
+        made = [(self.time(way), way) for way in ways]
+        flown = [(timing.delta_v, way) for timing, way in made if timing.made == len(way)]
+        return min(flown)[1] if flown else tuple(moves)

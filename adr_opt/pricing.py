@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+import numpy as np
+
 from .errors import InputError
 from .kernels import burns as burn_kernels
-from .kernels import timetable as table_kernels
 from .kernels.constants import SLACK_M_S, STATION
 from .mission import Mission
 from .plan import Burn, Leg, Reason, Unvisited
@@ -32,23 +33,22 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
             f"move {timing.made + 1} of the sequence, to {mission.names[moves[timing.made]]!r}, "
             "breaks the mission rules"
         )
-    table = mission.timetable.table
     orbits, extra, rule = mission.transfer_inputs
     priced = []
     i, ready = STATION, 0.0
-    for j, end, left in zip(moves, timing.ends, timing.lefts, strict=True):
-        event = table_kernels.next_event(table, i, j, ready)
-        departure = float(table_kernels.departure_at(table, i, j, event))
-        delta_v, arrival = table_kernels.entry_at(table, i, j, event)
-        revolutions, times, vectors, phases = burn_kernels.burns_of_event(
-            orbits[i], orbits[j], extra[i, j], rule, event
+    for at, j in enumerate(moves):
+        departure, arrival = timing.departures[at], timing.arrivals[at]
+        delta_v, revolutions = timing.delta_vs[at], timing.revolutions[at]
+        end, left = timing.ends[at], timing.lefts[at]
+        times, vectors, phases = burn_kernels.burns_between(
+            orbits[i], orbits[j], extra[i, j], rule, departure, arrival, revolutions
         )
         priced.append(
             Leg(
                 origin=mission.names[i],
                 destination=mission.names[j],
                 ready_s=float(ready),
-                departure_s=departure,
+                departure_s=float(departure),
                 arrival_s=float(arrival),
                 end_s=float(end),
                 delta_v_m_s=float(delta_v),
@@ -80,12 +80,14 @@ def unvisited(mission: Mission, sequence: Iterable[int]) -> tuple[Unvisited, ...
     missing = []
     for j in sorted(set(range(1, len(mission.names))) - set(moves)):
         reason: Reason
-        delta_v, arrival = table_kernels.lookup(rules.table, body, j, time)
+        found = mission.schedules.connections(body, j).after(time)
+        ends = np.maximum(found.arrival, rules.opens[j]) + rules.service[j]
+        in_time = ends <= rules.closes[j]
         if not mission.has_transfer[j]:
             reason = "no-transfer"
-        elif arrival + rules.service[j] > rules.duration:
+        elif not in_time.any():
             reason = "duration"
-        elif delta_v > left:
+        elif found.delta_v[in_time].min() > left:
             reason = "delta-v"
         else:
             reason = "not-worth-it"

@@ -138,9 +138,9 @@ def certify(
             method, None, None, -math.inf, upper_bound, "unknown", dict(counters or {}), seed,
             runtime_s, said,
         )  # fmt: skip
-    moves = tuple(int(j) for j in sequence)
+    moves = mission.closed(sequence)
     priced = legs(mission, moves)
-    objective = float(sum(mission.rules.prize[j] for j in moves))
+    objective = mission.collected(moves)
     status = status_of(mission, objective, upper_bound)
     bounded = math.isfinite(upper_bound)
     plan = Plan(

@@ -26,6 +26,7 @@ from .errors import InputError
 from .instance import Instance
 from .kernels import timetable as kernels
 from .kernels.constants import MU_M3_S2
+from .limits import limits_of
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -118,6 +119,9 @@ class Timetable:
     enough : callable, optional
         Asked every few ten milliseconds with the share that is built. Once it says so, the table
         is that of as many bodies of the order as are complete; the station alone may be.
+    time_value_m_s_per_h : float, optional
+        What an hour is worth: of all connections that depart at a time or later, the table holds
+        the one with the least ΔV + value · (arrival − ready); the instance's by default [m/s].
 
     Attributes
     ----------
@@ -125,13 +129,15 @@ class Timetable:
         The instance given, or the part of it that has the bodies built.
     table : adr_opt.kernels.timetable.Table
         The read-only arrays, for kernels.
+    limits : adr_opt.kernels.timetable.Limits
+        Times at the bodies.
     names : tuple of str
         Bodies, the station first.
 
     Raises
     ------
     InputError
-        Without an order: there is not enough memory.
+        Without an order: there is not enough memory. Or a time value that is no number ≥ 0.
     """
 
     def __init__(
@@ -141,7 +147,14 @@ class Timetable:
         *,
         order: Sequence[int] | None = None,
         enough: Callable[[float], bool] = lambda share: False,
+        time_value_m_s_per_h: float | None = None,
     ) -> None:
+        if time_value_m_s_per_h is None:
+            time_value_m_s_per_h = instance.time_value_m_s_per_h
+        if not (math.isfinite(time_value_m_s_per_h) and time_value_m_s_per_h >= 0.0):
+            raise InputError(
+                f"time_value_m_s_per_h = {time_value_m_s_per_h!r}: must be a finite number ≥ 0"
+            )
         size = estimate(instance)
         wanted = size.bodies**2
         if order is None:
@@ -156,11 +169,12 @@ class Timetable:
             order = [kept.index(body) for body in order[: size.bodies]]
         turns = np.array(order, dtype=np.int64)
         table = kernels.allocate(size.bodies, size.events)
-        given = instance.orbits(), instance.eccentricity_delta_v(), instance.transfer_rule()
-        end = instance.mission.duration_s
+        rule = instance.transfer_rule(time_value_m_s_per_h)
+        given = instance.orbits(), instance.eccentricity_delta_v(), rule
+        limits = limits_of(instance)
         pairs = size.bodies**2
         done = _in_slices(
-            lambda first, last: kernels.fill(first, last, turns, *given, end, table),
+            lambda first, last: kernels.fill(first, last, turns, *given, limits, table),
             pairs,
             max(1, SLICE_ENTRIES // size.events),
             threads or os.cpu_count() or 1,
@@ -169,11 +183,14 @@ class Timetable:
         if done < pairs:
             whole = np.sort(turns[: max(1, math.isqrt(done))])
             instance, table = instance.part(whole.tolist()), kernels.part(table, whole)
+            limits = limits_of(instance)
         for array in table:
             array.setflags(write=False)
         self.instance = instance
         self.names = instance.names
         self.table = table
+        self.limits = limits
+        self.time_value_m_s_per_h = time_value_m_s_per_h
 
     @property
     def entries(self) -> int:

@@ -15,15 +15,17 @@ from adr_opt.planner import Progress, get, silent
 from adr_opt.result import Result, certify
 from adr_opt.stop import MaxIterations, Stop
 
+from .beam import TIME_VALUE_M_S_PER_H
 from .beams import BeamSettings
 from .proof import Certificate, Proof, bound_notes, check_options, set_up_s
-from .recreate import HOUR_WORTH, KILOMETRE_WORTH, mean_prize, recreate
+from .recreate import recreate
 from .timely_beams import PILOT_WIDTH, Beams
+from .worth import worth_of
 
-USUAL_WIDTH = 8000
+USUAL_WIDTH = 2000
 """Of the first beam, the one that the planner ``beam`` searches."""
 
-VARIED_WIDTH = 2000
+VARIED_WIDTH = 1000
 """Of the first varied beam."""
 
 UNHURRIED = 0.25
@@ -54,7 +56,6 @@ class _Search:
         self._rng = np.random.default_rng(seed)
         self._beams = Beams(mission, stop)
         self._widest = 0
-        self._mean = mean_prize(mission)
         self.counters = {"beams": 0, "recreations": 0}
 
     def needed_s(self, width: int) -> float:
@@ -70,24 +71,25 @@ class _Search:
     def beam(self, width: int, vary: bool) -> None:
         """Search one beam, with the usual settings or with others near them, unguarded if wide."""
         # The draws do not depend on the clock, so that time limits do not shift them.
-        kilometre, crowding, noise, seed = KILOMETRE_WORTH, 1.7, 0.0, 0
-        unguarded_s = BeamSettings.unguarded_s
+        worth = worth_of(self._mission)
+        kilometre, crowding, noise, seed = worth.kilometre_per_s, 1.7, 0.0, 0
+        guarded = True
         if vary:
             kilometre *= self._rng.uniform(0.6, 1.5)
             crowding = self._rng.uniform(1.2, 2.5)
             noise = self._rng.uniform(0.0, 0.4)
             seed = int(self._rng.integers(2**31))
             if width >= LEAST_UNGUARDED:
-                unguarded_s = math.inf
+                guarded = False
         if self._stop.remaining_s() <= 0.0:
             return
         settings = BeamSettings(
             width=width,
-            time_weight=HOUR_WORTH * self._mean,
-            delta_v_weight=kilometre * self._mean,
+            time_weight=worth.hour,
+            delta_v_weight=kilometre,
             crowding=crowding,
-            noise=noise * self._mean,
-            unguarded_s=unguarded_s,
+            noise=noise * worth.prize,
+            guarded=guarded,
         )
         self._certificate.offer(self._beams.search(settings, seed=seed))
         self.counters["beams"] += 1
@@ -170,6 +172,7 @@ def auto(
     start: Iterable[int] | None = None,
     jobs: int = 0,
     prove: bool = True,
+    time_value_m_s_per_h: float = TIME_VALUE_M_S_PER_H,
     delta_v_slot_m_s: float = 20.0,
     most_labels: int = 8_000_000,
 ) -> Result:
@@ -191,6 +194,8 @@ def auto(
         Cores, 0 for all.
     prove : bool
         Whether to work on the bound; without it only beams and local search are used.
+    time_value_m_s_per_h : float
+        As for ``beam``.
     delta_v_slot_m_s, most_labels
         As for the bound ``lagrangian``.
 
@@ -201,6 +206,7 @@ def auto(
     """
     check_options("auto", delta_v_slot_m_s, jobs, most_labels)
     began = time.perf_counter()
+    mission = mission.with_time_value(time_value_m_s_per_h)
     cores = jobs or os.cpu_count() or 1
     certificate = Certificate(mission, progress)
     search = _Search(mission, seed, stop, certificate)

@@ -14,13 +14,17 @@ from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
 from .beams import BeamSettings
-from .completion import guide as make_guide
+from .incumbent import Incumbent
 from .learned import load_policy
-from .learned.decoding import Field, best_of, without_last_refuelling
+from .learned.decoding import Field, best_of
 from .learned.policy_beam import BeamSettings as PolicyBeam
 from .learned.policy_beam import beam as beam_by_policy
-from .recreate import HOUR_WORTH, KILOMETRE_WORTH, mean_prize
+from .relaxation.completion import guide as make_guide
 from .timely_beams import PILOT_WIDTH, Beams
+from .worth import worth_of
+
+TIME_VALUE_M_S_PER_H = 110.0
+"""Of the choice of connections that beams move on."""
 
 
 @at_most(width=1_000_000)
@@ -30,9 +34,10 @@ def beam(
     seed: int,
     stop: Stop,
     progress: Progress,
-    width: int = 8000,
-    time_weight: float = HOUR_WORTH,
-    delta_v_weight: float = KILOMETRE_WORTH,
+    width: int = 2000,
+    time_value_m_s_per_h: float = TIME_VALUE_M_S_PER_H,
+    time_weight: float = 1.0,
+    delta_v_weight: float = 1.0,
     crowding: float = 1.7,
     noise: float = 0.0,
     guided: bool = False,
@@ -48,9 +53,12 @@ def beam(
     ----------
     width : int
         Partial plans kept on each level; time and memory are proportional to it.
+    time_value_m_s_per_h : float
+        Of all connections to a target, the one with the least ΔV + value · (arrival − ready) is
+        looked at; the plan found is flown at its best schedule over all of them.
     time_weight, delta_v_weight : float
-        Worth of an hour [prizes per h] and of a km/s left [prizes per km/s] when partial plans are
-        compared; they scale with the mean prize.
+        Worth of an hour and of a km/s left when partial plans are compared, as multiples of what
+        :func:`solvers.worth.worth_of` estimates for the mission.
     crowding : float
         Most partial plans at one body, as a multiple of an equal share.
     noise : float
@@ -83,34 +91,32 @@ def beam(
     if not crowding >= 1.0:
         raise InputError(f"option crowding = {crowding!r} of method 'beam': must be at least 1")
     began = time.perf_counter()
-    prize = mean_prize(mission)
-    settings = BeamSettings(
-        width=width,
-        time_weight=time_weight * prize,
-        delta_v_weight=delta_v_weight * prize,
-        crowding=crowding,
-        noise=noise * prize,
-    )
-    sequence: list[int] = []
+    mission = mission.with_time_value(time_value_m_s_per_h)
+    best = Incumbent(mission)
     states = 0
     if policy:
-        sequence, states = _by_policy(
-            mission, policy, width, prior_weight, time_weight, delta_v_weight, stop
+        states = _by_policy(
+            mission, best, policy, width, prior_weight, time_weight, delta_v_weight, stop
         )
     elif not stop(-math.inf, math.inf):
+        worth = worth_of(mission)
+        settings = BeamSettings(
+            width=width,
+            time_weight=time_weight * worth.hour,
+            delta_v_weight=delta_v_weight * worth.kilometre_per_s,
+            crowding=crowding,
+            noise=noise * worth.prize,
+        )
         guide = make_guide(mission) if guided and mission.instance.targets else None
-        beams, best = Beams(mission, stop), (-math.inf, 0.0)
+        beams = Beams(mission, stop)
         for each in sorted({min(PILOT_WIDTH, width), width}):
-            found = beams.search(replace(settings, width=each), guide=guide, seed=seed)
-            timing = mission.time(found)
-            if (timing.objective, -timing.delta_v) > best:
-                best, sequence = (timing.objective, -timing.delta_v), found.tolist()
-                progress(timing.objective, math.inf)
+            if best.offer(beams.search(replace(settings, width=each), guide=guide, seed=seed)):
+                progress(best.objective, math.inf)
         states = beams.states
     return certify(
         mission,
         "beam",
-        sequence,
+        best.sequence or (),
         seed=seed,
         runtime_s=time.perf_counter() - began,
         counters={"width": width, "states": states},
@@ -119,24 +125,29 @@ def beam(
 
 def _by_policy(
     mission: Mission,
+    best: Incumbent,
     policy: str,
     width: int,
     prior_weight: float,
     time_weight: float,
     delta_v_weight: float,
     stop: Stop,
-) -> tuple[list[int], int]:
-    """A beam whose partial plans a learned policy has judged; sequence and states."""
+) -> int:
+    """A beam whose partial plans a learned policy has judged; offers its best, returns its states."""
     threads = os.cpu_count() or 1
     learned = load_policy(policy, threads)
     learned.check_size(len(mission.names) - 1)
     if not mission.instance.targets:
-        return [], 0
+        return 0
+    worth = worth_of(mission)
     found, kept = best_of(mission)
     states = beam_by_policy(
         Field(mission, learned, threads),
-        PolicyBeam(width, prior_weight, time_weight, delta_v_weight),
+        PolicyBeam(
+            width, prior_weight, time_weight * worth.hour, delta_v_weight * worth.kilometre_per_s
+        ),
         found,
         lambda: bool(stop(-math.inf, math.inf)),
     )
-    return without_last_refuelling(kept()[0]), states
+    best.offer(kept()[0])
+    return states

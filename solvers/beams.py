@@ -4,36 +4,36 @@ Level by level: a state of level n has serviced n targets, and its successors ar
 can be reached from it directly or after a refuelling on the way (refuelling is part of the move,
 so that a level never mixes states before and after it). The `width` best states of a level
 survive; of states with the same targets visited and the same body only those that are not later
-*and* poorer in ΔV than another are kept. The states are timed exactly, on the timetable. That the
-earlier and richer one is as good is a rule of thumb: a chaser may not let a departure go by, so
-now and then the later one meets a cheaper departure, and no width makes the search exhaustive.
+*and* poorer in ΔV than another are kept: a chaser that is earlier and richer may wait and do all
+that the other one can. The states move on the timetable of the mission's choice, so a beam is
+exhaustive about where to go, never about when.
 
 States are ordered by a weighted sum, smaller first:
 
     time_weight · end − delta_v_weight · ΔV left − (upper bound on the objective of any completion)
 
-where the last term needs a completion table (:mod:`solvers.completion`), and stands for what is
-known about the targets still to come; without a table it is the prizes collected.
+where the last term needs a completion table (:mod:`solvers.relaxation.completion`), and stands for
+what is known about the targets still to come; without a table it is the prizes collected.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from adr_opt.kernels import rules as rule_kernels
-from adr_opt.kernels import timetable
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.compile import inlined, kernel
 from adr_opt.kernels.memory import write
+from adr_opt.kernels.rules import State
 from adr_opt.mission import Mission
 from adr_opt.stop import Stop
 
-from .completion import CompletionTable, completion_value
 from .halting import halted_by
+from .relaxation.completion import CompletionTable, completion_value
 
 CANDIDATES = 8
 """Candidates looked at for each state kept: some are dominated, stranded, or at a full body."""
@@ -43,6 +43,9 @@ LEAST_CANDIDATES = 1024
 
 HURRIED = 20
 """States kept on the levels that are left when the time is over: some ten milliseconds."""
+
+STRAIGHT = -1
+"""Stands for no station on the way."""
 
 
 @dataclass(frozen=True)
@@ -62,13 +65,10 @@ class BeamSettings:
     noise : float
         Width of the random number, uniform and the same for one state in one search, that is
         added to its score [prizes]: makes searches of different seeds differ.
-    unguarded_s : float
-        Up to so long before the end of the mission, states whose ΔV does not reach the station
-        are kept only where there is room after all other candidates [s]; nobody who is later can
-        make use of a refuelling. Narrow beams strand themselves without this guard. It asks for
-        the ΔV at the next departure that no keep-out zone blocks: nobody can wait for that one,
-        but after one more visit the way costs about as much. A completion table knows better, so
-        it needs no guard.
+    guarded : bool
+        Keep states that can neither refuel nor do without only where there is room after all other
+        candidates. Narrow beams strand themselves without this guard. A completion table knows
+        better, so it needs none.
     """
 
     width: int
@@ -76,7 +76,68 @@ class BeamSettings:
     delta_v_weight: float
     crowding: float = 1.7
     noise: float = 0.0
-    unguarded_s: float = 20e3
+    guarded: bool = True
+
+
+class Weights(NamedTuple):
+    """Settings as the kernel takes them: :class:`BeamSettings` in SI units."""
+
+    width: int
+    time_weight: float
+    delta_v_weight: float
+    crowding: float
+    noise: float
+    guarded: bool
+    seed: int
+
+
+class Level(NamedTuple):
+    """States side by side.
+
+    Attributes
+    ----------
+    body, since : (width,) int64
+    time, left : (width,) float64
+        As in :class:`adr_opt.kernels.rules.State`.
+    spent, prize : (width,) float64
+        ΔV spent [m/s] and prizes collected.
+    ahead : (width,) float64
+        Sum of the multipliers of the targets not visited.
+    key : (width,) uint64
+        Hash of the set of targets visited.
+    visited : (width, words) uint64
+    """
+
+    body: np.ndarray
+    since: np.ndarray
+    time: np.ndarray
+    left: np.ndarray
+    spent: np.ndarray
+    prize: np.ndarray
+    ahead: np.ndarray
+    key: np.ndarray
+    visited: np.ndarray
+
+
+class Candidates(NamedTuple):
+    """Successors of a level.
+
+    Attributes
+    ----------
+    score : (room,) float64
+        Smaller is better.
+    parent, move, via : (room,) int32
+        State of the level, target, and station on the way or STRAIGHT.
+    end, left, spent : (room,) float64
+    """
+
+    score: np.ndarray
+    parent: np.ndarray
+    move: np.ndarray
+    via: np.ndarray
+    end: np.ndarray
+    left: np.ndarray
+    spent: np.ndarray
 
 
 @kernel
@@ -125,61 +186,220 @@ def _threshold(scores, count, wanted):
 
 
 @kernel
-def _compact(limit, count, wanted, scores, parents, moves, ends, lefts, spent):
+def _compact(cand, limit, count, wanted):
     """Keep the candidates up to a score, at most ``wanted`` of those exactly at it; in place."""
     kept = 0
     below = 0
     for c in range(count):
-        below += scores[c] < limit
+        below += cand.score[c] < limit
     ties = wanted - below
     for c in range(count):
-        if scores[c] > limit:
+        if cand.score[c] > limit:
             continue
-        if scores[c] == limit:
+        if cand.score[c] == limit:
             if ties <= 0:
                 continue
             ties -= 1
-        scores[kept], parents[kept], moves[kept] = scores[c], parents[c], moves[c]
-        ends[kept], lefts[kept], spent[kept] = ends[c], lefts[c], spent[c]
+        cand.score[kept], cand.parent[kept] = cand.score[c], cand.parent[c]
+        cand.move[kept], cand.via[kept] = cand.move[c], cand.via[c]
+        cand.end[kept], cand.left[kept] = cand.end[c], cand.left[c]
+        cand.spent[kept] = cand.spent[c]
         kept += 1
     return kept
 
 
 @kernel
-def beam_kernel(
-    rules,
-    prefix,
-    guide,
-    guided,
-    width,
-    time_weight,
-    delta_v_weight,
-    crowding,
-    noise,
-    guard_until,
-    seed,
-    halt,
+def _new_level(width, words):
+    return Level(
+        np.zeros(width, np.int64), np.zeros(width, np.int64), np.zeros(width), np.zeros(width),
+        np.zeros(width), np.zeros(width), np.zeros(width), np.zeros(width, np.uint64),
+        np.zeros((width, words), np.uint64),
+    )  # fmt: skip
+
+
+@kernel
+def _new_candidates(room):
+    return Candidates(
+        np.empty(room), np.empty(room, np.int32), np.empty(room, np.int32),
+        np.empty(room, np.int32), np.empty(room), np.empty(room), np.empty(room),
+    )  # fmt: skip
+
+
+@inlined
+def _is_in(level, s, j):
+    """Whether a state has visited a target."""
+    return (level.visited[s, j >> 6] >> np.uint64(j & 63)) & np.uint64(1) != 0
+
+
+@kernel
+def _succeed(rules, guide, guided, weights, level, size, serviced, keys, wanted, cand):
+    """The best successors of the states of a level.
+
+    Returns
+    -------
+    count : int
+        Candidates; at most so many that the best ``wanted`` are among them.
+    priced : int
+        Successors looked at.
+    """
+    room = cand.score.size
+    bodies = rules.service.size
+    ways = np.empty(rules.stations + 1, np.int64)
+    back = np.empty(rules.stations + 1)
+    full = np.empty(rules.stations + 1)
+    count, limit, priced = 0, np.inf, 0
+    for s in range(size):
+        here = State(level.body[s], level.time[s], level.left[s], level.since[s], serviced)
+        ways[0], back[0], full[0] = STRAIGHT, 0.0, here.time
+        choices = 1
+        for station in range(rules.stations):
+            if station != here.body:
+                legal, delta_v, after = rule_kernels.step(rules, here, station)
+                if legal:
+                    ways[choices], back[choices], full[choices] = station, delta_v, after.time
+                    choices += 1
+        for j in range(rules.first_target, bodies):
+            if _is_in(level, s, j):
+                continue
+            shade = 0.0
+            if weights.noise > 0.0:
+                word = _mix((level.key[s] + keys[j]) ^ (keys[j] * np.uint64(3)))
+                shade = weights.noise * (np.float64(word >> np.uint64(11)) * 2.0**-53)
+            for way in range(choices):
+                begin = here
+                if way > 0:
+                    begin = State(
+                        ways[way], full[way], rules.budget, np.int64(0), np.int64(serviced)
+                    )
+                legal, delta_v, after = rule_kernels.step(rules, begin, j)
+                if not legal:
+                    continue
+                priced += 1
+                bound = level.prize[s] + rules.prize[j]
+                if guided:
+                    bound += (level.ahead[s] - guide.multipliers[j]) + completion_value(
+                        guide, j, after.time, after.left
+                    )
+                score = (
+                    weights.time_weight * after.time
+                    - weights.delta_v_weight * after.left
+                    - bound
+                    + shade
+                )
+                if score > limit:
+                    continue
+                if count == room:
+                    limit = _threshold(cand.score, count, wanted)
+                    count = _compact(cand, limit, count, wanted)
+                    if score > limit:
+                        continue
+                cand.score[count], cand.parent[count] = score, s
+                cand.move[count], cand.via[count] = j, ways[way]
+                cand.end[count], cand.left[count] = after.time, after.left
+                cand.spent[count] = level.spent[s] + delta_v + back[way]
+                count += 1
+    if count > wanted:
+        count = _compact(cand, _threshold(cand.score, count, wanted), count, wanted)
+    return count, priced
+
+
+@kernel
+def _keep(
+    rules, guide, guided, weights, level, serviced, keys, cand, count, most, share, desk, after
 ):
-    """Beam search from the state that a prefix leads to.
+    """Keep the best candidates that are not dominated, into the level ``after``; returns how many.
+
+    Parameters
+    ----------
+    most, share : int
+        States to keep in all and at one body.
+    desk : tuple of arrays
+        Heads (buckets,) and links (width,) of chains of states with the same hash, int32; states
+        at each body (bodies,) int64; stranded candidates (room,) int64; and, written, the
+        candidate that each state kept was, (width,) int64.
+    """
+    head, chain, held, waiting, which = desk
+    order = np.argsort(cand.score[:count], kind="mergesort")
+    head[:] = -1
+    held[:] = 0
+    size, stranded = 0, 0
+    for turn in range(2 * count):
+        if size == most or turn == count + stranded:
+            break
+        c = order[turn] if turn < count else waiting[turn - count]
+        s, j = cand.parent[c], np.int64(cand.move[c])
+        if held[j] == share:
+            continue
+        since = level.since[s] + 1 if cand.via[c] == STRAIGHT else np.int64(1)
+        if turn < count and weights.guarded:
+            # Asked only here: of all candidates it would take most of the time.
+            there = State(j, cand.end[c], cand.left[c], since, np.int64(serviced + 1))
+            if not rule_kernels.has_way_back(rules, there):
+                waiting[stranded] = c
+                stranded += 1
+                continue
+        set_key = level.key[s] + keys[j]
+        slot = np.int64(_mix(set_key ^ keys[j]) & np.uint64(head.size - 1))
+        other = head[slot]
+        while other >= 0 and not (
+            after.key[other] == set_key
+            and after.body[other] == j
+            and after.time[other] <= cand.end[c]
+            and after.left[other] >= cand.left[c]
+        ):
+            other = chain[other]
+        if other >= 0:
+            continue
+        held[j] += 1
+        after.body[size], after.since[size] = j, since
+        after.time[size], after.left[size] = cand.end[c], cand.left[c]
+        after.spent[size], after.key[size] = cand.spent[c], set_key
+        after.prize[size] = level.prize[s] + rules.prize[j]
+        if guided:
+            after.ahead[size] = level.ahead[s] - guide.multipliers[j]
+        write(after.visited[size], level.visited[s])
+        after.visited[size, j >> 6] |= np.uint64(1) << np.uint64(j & 63)
+        chain[size] = head[slot]
+        head[slot] = size
+        which[size] = c
+        size += 1
+    return size
+
+
+@kernel
+def _first_level(rules, guide, guided, done, first, level, keys):
+    """Put the states that a search begins with into a level; returns how many."""
+    body, since, ready, left, spent = first
+    size = min(ready.size, level.body.size)
+    for s in range(size):
+        level.body[s], level.since[s] = body, since
+        level.time[s], level.left[s], level.spent[s] = ready[s], left[s], spent[s]
+        for j in range(rules.first_target, rules.service.size):
+            if done[j]:
+                level.prize[s] += rules.prize[j]
+                level.visited[s, j >> 6] |= np.uint64(1) << np.uint64(j & 63)
+                level.key[s] += keys[j]
+            elif guided:
+                level.ahead[s] += guide.multipliers[j]
+    return size
+
+
+@kernel
+def beam_kernel(rules, done, first, guide, guided, weights, halt):
+    """Beam search from some states that have the same body and the same targets done.
 
     Parameters
     ----------
     rules : Rules
-    prefix : (moves,) int64
-        A legal beginning, kept as it is.
+    done : (bodies,) bool
+        Targets that are done.
+    first : tuple
+        Body, targets since the last refuelling, and (states,) float64 each: time ready [s], ΔV left
+        [m/s], ΔV spent [m/s]. At most ``width`` are taken.
     guide : CompletionTable
         Not looked at unless ``guided``.
     guided : bool
-    width : int
-    time_weight, delta_v_weight : float
-        [prizes per s], [prizes per m/s].
-    crowding : float
-        As in :class:`BeamSettings`.
-    noise : float
-        [prizes].
-    guard_until : float
-        Absolute time up to which a state is stranded if it cannot afford the way back [s].
-    seed : int
+    weights : Weights
     halt : (1,) bool
         Once another thread sets it, only the best states of each level are gone on with, so that
         the search ends soon, with a plan to the end of the mission.
@@ -187,217 +407,76 @@ def beam_kernel(
     Returns
     -------
     sequence : (moves,) int64
-        The best plan found: most prize, then least ΔV.
+        What the best plan found goes on with: most prize, then least ΔV.
     prize, delta_v : float
-    states : int
+        Of the whole plan.
+    priced : int
         Number of candidates priced.
     """
-    bodies = rules.service.size
-    words = (bodies + 63) // 64
-    one = np.uint64(1)
-
-    # States of the level, and of the next one.
-    body, next_body = np.zeros(width, np.int32), np.zeros(width, np.int32)
-    time, next_time = np.zeros(width), np.zeros(width)
-    left, next_left = np.zeros(width), np.zeros(width)
-    spent, next_spent = np.zeros(width), np.zeros(width)
-    prize, next_prize = np.zeros(width), np.zeros(width)
-    ahead, next_ahead = np.zeros(width), np.zeros(width)  # Σ π of the targets not visited
-    key, next_key = np.zeros(width, np.uint64), np.zeros(width, np.uint64)
-    visited = np.zeros((width, words), np.uint64)
-    next_visited = np.zeros((width, words), np.uint64)
+    bodies, width = rules.service.size, weights.width
+    level, after = _new_level(width, (bodies + 63) // 64), _new_level(width, (bodies + 63) // 64)
     keys = np.empty(bodies, np.uint64)
+    serviced = 0
     for j in range(bodies):
-        keys[j] = _key_of(j, seed)
-
-    done = np.zeros(bodies, np.bool_)
-    ends, lefts = np.empty(prefix.size), np.empty(prefix.size)
-    _, prefix_spent = rule_kernels.replay(
-        rules, prefix, 0, STATION, 0.0, rules.budget, 0, done, ends, lefts
-    )
-    time[0], left[0], spent[0] = 0.0, rules.budget, prefix_spent
-    if prefix.size > 0:
-        body[0], time[0], left[0] = prefix[-1], ends[-1], lefts[-1]
-    for j in range(1, bodies):
-        if done[j]:
-            prize[0] += rules.prize[j]
-            visited[0, j >> 6] |= one << np.uint64(j & 63)
-            key[0] += keys[j]
-        elif guided:
-            ahead[0] += guide.multipliers[j]
-    remaining = bodies - 1
-    for j in range(1, bodies):
-        remaining -= done[j]
-    # Refuelling is open to the first state only if the prefix has earned it.
-    earned = False
-    for j in prefix:
-        earned = j != STATION
+        keys[j] = _key_of(j, weights.seed)
+        serviced += done[j]
+    remaining = min(bodies - rules.first_target, rules.most_targets) - serviced
+    size = _first_level(rules, guide, guided, done, first, level, keys)
 
     parent_of = np.zeros((remaining, width), np.int32)
-    move_of = np.zeros((remaining, width), np.int32)  # −j: to j by way of the station
-    best_prize, best_spent, best_level, best_at = prize[0], spent[0], -1, -1
+    move_of = np.zeros((remaining, width), np.int32)
+    via_of = np.zeros((remaining, width), np.int32)
+    best_prize, best_spent, best_level, best_at = level.prize[0], level.spent[0], -1, -1
 
     wanted = max(CANDIDATES * width, LEAST_CANDIDATES)
-    room = max(4 * wanted, 4096)
-    scores, parents = np.empty(room), np.empty(room, np.int32)
-    moves = np.empty(room, np.int32)
-    cand_end, cand_left, cand_spent = np.empty(room), np.empty(room), np.empty(room)
-    waiting = np.empty(room, np.int64)
+    cand = _new_candidates(max(4 * wanted, 4096))
     buckets = 1
     while buckets < 4 * width:
         buckets *= 2
-    head, chain = np.empty(buckets, np.int32), np.empty(width, np.int32)
-    share = width
-    if crowding < remaining:
-        share = max(1, math.ceil(crowding * width / remaining))
-    held = np.empty(bodies, np.int64)
-    room_left = width
-
-    size, level, priced = 1, 0, 0
-    while level < remaining and size > 0:
-        count, limit = 0, np.inf
-        for s in range(size):
-            if halt[0] and s >= HURRIED:
-                break
-            refuels = False
-            back, back_end = 0.0, 0.0
-            if body[s] != STATION and (level > 0 or earned):
-                refuels, back, back_end = rule_kernels.fits(
-                    rules, body[s], time[s], left[s], STATION
-                )
-            for j in range(1, bodies):
-                if (visited[s, j >> 6] >> np.uint64(j & 63)) & one:
-                    continue
-                shade = 0.0
-                if noise > 0.0:
-                    word = _mix((key[s] + keys[j]) ^ (keys[j] * np.uint64(3)))
-                    shade = noise * (np.float64(word >> np.uint64(11)) * 2.0**-53)
-                for by_station in range(1 + refuels):
-                    if by_station:
-                        fits, delta_v, end = rule_kernels.fits(
-                            rules, STATION, back_end, rules.budget, j
-                        )
-                        rest = rules.budget - delta_v
-                    else:
-                        fits, delta_v, end = rule_kernels.fits(rules, body[s], time[s], left[s], j)
-                        rest = left[s] - delta_v
-                    if not fits:
-                        continue
-                    priced += 1
-                    if guided:
-                        bound = (
-                            prize[s]
-                            + rules.prize[j]
-                            + (ahead[s] - guide.multipliers[j])
-                            + completion_value(guide, j, end, rest)
-                        )
-                    else:
-                        bound = prize[s] + rules.prize[j]
-                    score = time_weight * end - delta_v_weight * rest - bound + shade
-                    if score > limit:
-                        continue
-                    if count == room:
-                        limit = _threshold(scores, count, wanted)
-                        count = _compact(
-                            limit, count, wanted, scores, parents, moves, cand_end, cand_left,
-                            cand_spent,
-                        )  # fmt: skip
-                        if score > limit:
-                            continue
-                    scores[count], parents[count] = score, s
-                    moves[count] = -j if by_station else j
-                    cand_end[count], cand_left[count] = end, rest
-                    cand_spent[count] = spent[s] + delta_v + (back if by_station else 0.0)
-                    count += 1
-        if count > wanted:
-            limit = _threshold(scores, count, wanted)
-            count = _compact(
-                limit, count, wanted, scores, parents, moves, cand_end, cand_left, cand_spent
-            )
-        order = np.argsort(scores[:count], kind="mergesort")
-        head[:] = -1
-        held[:] = 0
-        size = 0
-        stranded = 0
+    which = np.empty(width, np.int64)
+    desk = (
+        np.empty(buckets, np.int32), np.empty(width, np.int32), np.empty(bodies, np.int64),
+        np.empty(cand.score.size, np.int64), which,
+    )  # fmt: skip
+    most = width
+    depth, priced = 0, 0
+    while depth < remaining and size > 0:
         if halt[0]:
-            room_left = min(width, HURRIED)
-            share = min(share, max(1, math.ceil(crowding * room_left / remaining)))
-        for turn in range(2 * count):
-            if size == room_left or turn == count + stranded:
-                break
-            c = order[turn] if turn < count else waiting[turn - count]
-            s = parents[c]
-            j = abs(moves[c])
-            if held[j] == share:
-                continue
-            if turn < count and cand_end[c] < guard_until:
-                # Asked only here: of all candidates it would take most of the time.
-                back = rule_kernels.fits(rules, j, cand_end[c], cand_left[c], STATION)[1]
-                if back == np.inf:
-                    back = timetable.delta_v_when_open(rules.table, j, STATION, cand_end[c])
-                if back > cand_left[c]:
-                    waiting[stranded] = c
-                    stranded += 1
-                    continue
-            set_key = key[s] + keys[j]
-            slot = np.int64(_mix(set_key ^ keys[j]) & np.uint64(buckets - 1))
-            dominated = False
-            other = head[slot]
-            while other >= 0:
-                if (
-                    next_key[other] == set_key
-                    and next_body[other] == j
-                    and next_time[other] <= cand_end[c]
-                    and next_left[other] >= cand_left[c]
-                ):
-                    dominated = True
-                    break
-                other = chain[other]
-            if dominated:
-                continue
-            held[j] += 1
-            next_body[size], next_time[size], next_left[size] = j, cand_end[c], cand_left[c]
-            next_spent[size], next_key[size] = cand_spent[c], set_key
-            next_prize[size] = prize[s] + rules.prize[j]
-            if guided:
-                next_ahead[size] = ahead[s] - guide.multipliers[j]
-            write(next_visited[size], visited[s])
-            next_visited[size, j >> 6] |= one << np.uint64(j & 63)
-            chain[size] = head[slot]
-            head[slot] = size
-            parent_of[level, size], move_of[level, size] = s, moves[c]
-            if next_prize[size] > best_prize or (
-                next_prize[size] == best_prize and next_spent[size] < best_spent
+            size = min(size, HURRIED)
+            most = min(width, HURRIED)
+        share = most
+        if weights.crowding < remaining:
+            share = max(1, math.ceil(weights.crowding * most / remaining))
+        count, looked_at = _succeed(
+            rules, guide, guided, weights, level, size, serviced + depth, keys, wanted, cand
+        )
+        priced += looked_at
+        size = _keep(
+            rules, guide, guided, weights, level, serviced + depth, keys, cand, count, most, share,
+            desk, after,
+        )  # fmt: skip
+        for s in range(size):
+            parent_of[depth, s] = cand.parent[which[s]]
+            move_of[depth, s], via_of[depth, s] = cand.move[which[s]], cand.via[which[s]]
+            if after.prize[s] > best_prize or (
+                after.prize[s] == best_prize and after.spent[s] < best_spent
             ):
-                best_prize, best_spent = next_prize[size], next_spent[size]
-                best_level, best_at = level, size
-            size += 1
-        body, next_body = next_body, body
-        time, next_time = next_time, time
-        left, next_left = next_left, left
-        spent, next_spent = next_spent, spent
-        prize, next_prize = next_prize, prize
-        ahead, next_ahead = next_ahead, ahead
-        key, next_key = next_key, key
-        visited, next_visited = next_visited, visited
-        level += 1
+                best_prize, best_spent = after.prize[s], after.spent[s]
+                best_level, best_at = depth, s
+        level, after = after, level
+        depth += 1
 
     backwards = np.empty(2 * remaining, np.int64)
     length = 0
     while best_level >= 0:
-        move = move_of[best_level, best_at]
-        backwards[length] = abs(move)
+        backwards[length] = move_of[best_level, best_at]
         length += 1
-        if move < 0:
-            backwards[length] = STATION
+        if via_of[best_level, best_at] != STRAIGHT:
+            backwards[length] = via_of[best_level, best_at]
             length += 1
         best_at = parent_of[best_level, best_at]
         best_level -= 1
-    sequence = np.empty(prefix.size + length, np.int64)
-    write(sequence, prefix)
-    for m in range(length):
-        sequence[prefix.size + m] = backwards[length - 1 - m]
-    return sequence, best_prize, best_spent, priced
+    return backwards[:length][::-1].copy(), best_prize, best_spent, priced
 
 
 def no_guide() -> CompletionTable:
@@ -405,7 +484,7 @@ def no_guide() -> CompletionTable:
     numbers = np.zeros(1)
     whole = np.zeros(1, dtype=np.int64)
     return CompletionTable(
-        np.zeros(1, dtype=np.int32), whole, numbers, whole.reshape(1, 1), 1.0, numbers, numbers,
+        np.zeros(1, dtype=np.int32), whole, numbers, whole.reshape(1, 1), 1.0, numbers,
         1.0, 1, 0, 1, 1.0,
     )  # fmt: skip
 
@@ -415,27 +494,35 @@ def beam_search(
     settings: BeamSettings,
     *,
     guide: CompletionTable | None = None,
-    prefix: npt.NDArray[np.int64] | None = None,
+    prefix: tuple[int, ...] = (),
     seed: int = 0,
     stop: Stop | None = None,
 ) -> tuple[npt.NDArray[np.int64], float, float, int]:
     """Search once; see :func:`beam_kernel` for what it takes and returns.
 
-    When ``stop`` has no time left, the search is hurried to its end.
+    The sequence returned includes the prefix, which is a legal one; the search goes on from all
+    ways to fly it that are worth having. When ``stop`` has no time left, it is hurried to its end.
     """
     rules = mission.rules
+    front = mission.schedules.fronts(prefix)[-1]
+    done = np.zeros(rules.service.size, dtype=np.bool_)
+    since = 0
+    for j in prefix:
+        done[j] = not rules.is_station[j]
+        since = since + 1 if done[j] else 0
+    body = prefix[-1] if prefix else rules.start
+    weights = Weights(
+        settings.width,
+        settings.time_weight / 3600.0,
+        settings.delta_v_weight / 1000.0,
+        settings.crowding,
+        settings.noise,
+        settings.guarded and guide is None,
+        seed,
+    )
     with halted_by(stop) as halt:
-        return beam_kernel(  # type: ignore[no-any-return]
-            rules,
-            np.empty(0, dtype=np.int64) if prefix is None else prefix,
-            no_guide() if guide is None else guide,
-            guide is not None,
-            settings.width,
-            settings.time_weight / 3600.0,
-            settings.delta_v_weight / 1000.0,
-            settings.crowding,
-            settings.noise,
-            -np.inf if guide is not None else rules.duration - settings.unguarded_s,
-            seed,
-            halt,
-        )
+        found, prize, delta_v, priced = beam_kernel(
+            rules, done, (body, since, front.ready, front.left, front.cost),
+            no_guide() if guide is None else guide, guide is not None, weights, halt,
+        )  # fmt: skip
+    return np.concatenate([np.array(prefix, dtype=np.int64), found]), prize, delta_v, priced

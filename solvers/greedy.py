@@ -10,7 +10,7 @@ import numpy as np
 from adr_opt.errors import InputError
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.memory import write
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
@@ -18,18 +18,20 @@ from adr_opt.stop import Stop
 
 
 @kernel
-def greedy_sequence(rules, alpha, beta, guarded):
+def greedy_sequence(rules, beginning, alpha, beta, guarded):
     """Visit the cheapest legal target again and again; refuel when there is none.
 
     Parameters
     ----------
     rules : Rules
+    beginning : (moves,) int64
+        Moves to make before; cut where one is not legal.
     alpha, beta : float
-        Cost of a move: α·ΔV [m/s] + β·T [s], T from ready to arrival.
+        Cost of a move: α·ΔV [m/s] + β·T [s], T from ready to the beginning of service.
     guarded : bool
-        Take a target only if the ΔV left there still reaches the station. The deadline is no part
-        of the guard: there is no duty to return, and near the end nobody can. Where neither a
-        guarded target nor refuelling is legal, an unguarded target can only add to the mission.
+        Take a target only if the chaser can still refuel after it, or need not any more. Where
+        neither a guarded target nor refuelling is legal, an unguarded target can only add to the
+        mission.
 
     Returns
     -------
@@ -37,42 +39,51 @@ def greedy_sequence(rules, alpha, beta, guarded):
     """
     bodies = rules.service.size
     visited = np.zeros(bodies, dtype=np.bool_)
-    sequence = np.empty(2 * bodies, dtype=np.int64)
-    moves, since_refuel = 0, 0
-    body, now, left = STATION, 0.0, rules.budget
+    ends, lefts = np.empty(beginning.size), np.empty(beginning.size)
+    moves, _, state = rule_kernels.replay(
+        rules, beginning, rule_kernels.beginning(rules), visited, ends, lefts
+    )
+    sequence = np.empty(moves + 2 * bodies, dtype=np.int64)
+    write(sequence, beginning[:moves])
     while True:
         best, best_cost = -1, math.inf
         safe, safe_cost = -1, math.inf
-        for j in range(1, bodies):
-            if not rule_kernels.may_go(body, since_refuel, visited, j):
+        for j in range(rules.first_target, bodies):
+            if not rule_kernels.may_go(rules, state, visited, j):
                 continue
-            legal, delta_v, end = rule_kernels.fits(rules, body, now, left, j)
+            legal, delta_v, after = rule_kernels.step(rules, state, j)
             if not legal:
                 continue
-            cost = alpha * delta_v + beta * (end - rules.service[j] - now)
+            cost = alpha * delta_v + beta * (after.time - rules.service[j] - state.time)
             if cost < best_cost:
                 best, best_cost = j, cost
-            if guarded and cost < safe_cost:
-                _, back, _ = rule_kernels.fits(rules, j, end, left - delta_v, STATION)
-                if back <= left - delta_v:
-                    safe, safe_cost = j, cost
+            if guarded and cost < safe_cost and rule_kernels.has_way_back(rules, after):
+                safe, safe_cost = j, cost
         choice = safe if guarded else best
-        if choice < 0 and rule_kernels.may_go(body, since_refuel, visited, STATION):
-            if rule_kernels.fits(rules, body, now, left, STATION)[0]:
-                choice = STATION
+        if choice < 0:
+            choice = _cheapest_station(rules, state, alpha, beta)
         if choice < 0:
             choice = best
         if choice < 0:
-            if moves > 0 and body == STATION:
-                moves -= 1  # a refuelling that nothing follows
             return sequence[:moves]
-        _, delta_v, now = rule_kernels.fits(rules, body, now, left, choice)
-        left = rule_kernels.left_after(rules, left, delta_v, choice)
-        since_refuel = 0 if choice == STATION else since_refuel + 1
-        visited[choice] = choice != STATION
-        body = choice
+        _, _, state = rule_kernels.step(rules, state, choice)
+        visited[choice] = not rules.is_station[choice]
         sequence[moves] = choice
         moves += 1
+
+
+@kernel
+def _cheapest_station(rules, state, alpha, beta):
+    """The station where a chaser refuels; −1 if it may refuel at none."""
+    cheapest, least = -1, math.inf
+    for s in range(rules.stations):
+        if s == state.body:
+            continue
+        legal, delta_v, after = rule_kernels.step(rules, state, s)
+        cost = alpha * delta_v + beta * (after.time - state.time)
+        if legal and cost < least:
+            cheapest, least = s, cost
+    return cheapest
 
 
 def _plan(
@@ -83,7 +94,8 @@ def _plan(
             raise InputError(f"option {what} = {weight!r} of method {name!r}: must be ≥ 0")
     rules = mission.rules
     start = time.perf_counter()
-    sequence = greedy_sequence(rules, alpha, beta, name == "greedy-guarded")
+    nothing = np.empty(0, dtype=np.int64)
+    sequence = greedy_sequence(rules, nothing, alpha, beta, name == "greedy-guarded")
     runtime = time.perf_counter() - start
     progress(float(rule_kernels.collected(rules, sequence)), math.inf)
     return certify(mission, name, sequence, seed=seed, runtime_s=runtime)
@@ -120,7 +132,7 @@ def greedy_guarded(
     alpha: float = 1.0,
     beta: float = 0.0,
 ) -> Result:
-    """Greedy that takes a target only if the station can still be reached from it.
+    """Greedy that takes a target only if the chaser can refuel after it, or need not any more.
 
     The same rule and options as :func:`greedy` with one guard; as quick.
     """

@@ -34,7 +34,7 @@ def lagrangian(
     because the objective is.
 
     Deterministic but for the time limit. An iteration is one evaluation of the bound, one search,
-    or :data:`solvers.ng_routes.EFFORT` labels of a search. Ends by itself when the bound is met,
+    or :data:`solvers.relaxation.routes.EFFORT` labels of a search. Ends by itself when the bound is met,
     or when it can do no more.
 
     Parameters

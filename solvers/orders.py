@@ -1,11 +1,10 @@
 """An order of targets, timed with the best refuelling stops between them.
 
 Local search works on orders of targets alone. Where to refuel is not searched but solved: on the
-way from one target to the next the chaser may pass by the station, and all ways to do so are kept
+way from one target to the next the chaser may pass by a station, and all ways to do so are kept
 as *labels* (end of service, ΔV left), less those that are not earlier and not richer than another.
-So moving, adding and dropping refuelling stops are part of every evaluation. The order is timed
-exactly, but a better timing may be missed: a chaser may not let a departure go by, so one that
-is later and poorer now and then meets a cheaper departure.
+So moving, adding and dropping refuelling stops are part of every evaluation. The order is timed on
+the timetable of the mission's choice; when to fly it best is for the schedule to say.
 """
 
 from __future__ import annotations
@@ -16,7 +15,11 @@ import numpy as np
 
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.rules import State
+from adr_opt.mission import Mission
+
+STRAIGHT = -1
+"""Stands for no station on the way."""
 
 MOST_LABELS = 6
 """Labels kept at a target: the earliest ones. More are rare, and only cost plans, not legality."""
@@ -33,34 +36,35 @@ class Labels(NamedTuple):
         End of service [s], ascending, and ΔV left then [m/s], ascending too.
     parent : (positions, MOST_LABELS) int8
         Label of the position before.
-    refuels : (positions, MOST_LABELS) bool
-        Whether the chaser comes by way of the station.
+    via : (positions, MOST_LABELS) int16
+        Station that the chaser comes by, or STRAIGHT.
     """
 
     size: np.ndarray
     end: np.ndarray
     left: np.ndarray
     parent: np.ndarray
-    refuels: np.ndarray
+    via: np.ndarray
 
 
-def make_labels(targets: int, budget: float) -> Labels:
-    """Labels for orders of up to so many targets, the start filled in."""
+def make_labels(mission: Mission) -> Labels:
+    """Labels for orders of the targets of a mission, the start filled in."""
+    targets, rules = len(mission.instance.targets), mission.rules
     shape = (targets + 1, MOST_LABELS)
     labels = Labels(
         np.zeros(targets + 1, dtype=np.int64),
         np.zeros(shape),
         np.zeros(shape),
         np.zeros(shape, dtype=np.int8),
-        np.zeros(shape, dtype=np.bool_),
+        np.zeros(shape, dtype=np.int16),
     )
     labels.size[0] = 1
-    labels.left[0, 0] = budget
+    labels.end[0, 0], labels.left[0, 0] = rules.ready, rules.budget
     return labels
 
 
 @kernel
-def _add(labels, position, count, end, left, parent, refuels):
+def _add(labels, position, count, end, left, parent, via):
     """Add a label unless one there is as good; drop those that it makes useless."""
     for a in range(count):
         if labels.end[position, a] <= end and labels.left[position, a] >= left:
@@ -72,7 +76,7 @@ def _add(labels, position, count, end, left, parent, refuels):
                 labels.end[position, kept] = labels.end[position, a]
                 labels.left[position, kept] = labels.left[position, a]
                 labels.parent[position, kept] = labels.parent[position, a]
-                labels.refuels[position, kept] = labels.refuels[position, a]
+                labels.via[position, kept] = labels.via[position, a]
             kept += 1
     if kept == MOST_LABELS:
         if end >= labels.end[position, kept - 1]:
@@ -83,10 +87,10 @@ def _add(labels, position, count, end, left, parent, refuels):
         labels.end[position, at] = labels.end[position, at - 1]
         labels.left[position, at] = labels.left[position, at - 1]
         labels.parent[position, at] = labels.parent[position, at - 1]
-        labels.refuels[position, at] = labels.refuels[position, at - 1]
+        labels.via[position, at] = labels.via[position, at - 1]
         at -= 1
     labels.end[position, at], labels.left[position, at] = end, left
-    labels.parent[position, at], labels.refuels[position, at] = parent, refuels
+    labels.parent[position, at], labels.via[position, at] = parent, via
     return kept + 1
 
 
@@ -100,21 +104,24 @@ def extend(rules, order, labels, position):
         0 if the target cannot be reached.
     """
     j = order[position]
-    i = STATION if position == 0 else order[position - 1]
+    i = np.int64(rules.start if position == 0 else order[position - 1])
     count = 0
     for a in range(labels.size[position]):
-        end, left = labels.end[position, a], labels.left[position, a]
-        fits, delta_v, then = rule_kernels.fits(rules, i, end, left, j)
-        if fits:
-            count = _add(labels, position + 1, count, then, left - delta_v, a, False)
-        if i == STATION:
-            continue
-        fits, _, then = rule_kernels.fits(rules, i, end, left, STATION)
-        if fits:
-            fits, delta_v, then = rule_kernels.fits(rules, STATION, then, rules.budget, j)
-            if fits:
-                rest = rules.budget - delta_v
-                count = _add(labels, position + 1, count, then, rest, a, True)
+        here = State(
+            i, labels.end[position, a], labels.left[position, a], np.int64(position),
+            np.int64(position),
+        )  # fmt: skip
+        legal, _, then = rule_kernels.step(rules, here, j)
+        if legal:
+            count = _add(labels, position + 1, count, then.time, then.left, a, STRAIGHT)
+        for s in range(rules.stations):
+            if s == i:
+                continue
+            legal, _, full = rule_kernels.step(rules, here, s)
+            if legal:
+                legal, _, then = rule_kernels.step(rules, full, j)
+                if legal:
+                    count = _add(labels, position + 1, count, then.time, then.left, a, s)
     labels.size[position + 1] = count
     return count
 
@@ -157,8 +164,8 @@ def with_refuelling(order, length, labels):
     for position in range(length, 0, -1):
         backwards[moves] = order[position - 1]
         moves += 1
-        if labels.refuels[position, label]:
-            backwards[moves] = STATION
+        if labels.via[position, label] != STRAIGHT:
+            backwards[moves] = labels.via[position, label]
             moves += 1
         label = labels.parent[position, label]
     return backwards[:moves][::-1].copy()

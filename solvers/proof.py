@@ -2,8 +2,8 @@
 
 The room shared by the Lagrangian bound, by the exact method and by ``auto``. One round has two
 parts. Multipliers of "each target at most once" are moved so that the best walk of the
-time-expanded network is worth little (:mod:`solvers.walks`, :mod:`solvers.multipliers`). Then
-plans worth a little less than the bound are asked for (:mod:`solvers.ng_routes`): if there are
+time-expanded network is worth little (:mod:`solvers.relaxation.walks`, :mod:`.multipliers`). Then
+plans worth a little less than the bound are asked for (:mod:`solvers.relaxation.routes`): if there are
 none, the bound comes down; if the answer is a plan, it is a better incumbent. Every value on the
 way is a valid bound and the least is kept; the trivial one is the sum of all prizes.
 """
@@ -26,10 +26,10 @@ from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 from adr_opt.tolerance import meets, rounded_down, rounded_up, tolerance
 
-from .multipliers import Descent
-from .ng_routes import NgRoutes
-from .relaxation import WaitingBound, WaitingRoutes
-from .walks import TimeIsOver, WalkBound
+from .incumbent import Incumbent
+from .relaxation.multipliers import Descent
+from .relaxation.routes import Routes
+from .relaxation.walks import TimeIsOver, WalkBound
 
 MARGIN = 1e-3
 """Plans worth a step more are asked for from this much below; more than the rounding [steps]."""
@@ -61,30 +61,27 @@ class Certificate:
         self._progress = progress
         self._telling = threading.RLock()
         self._told = (-math.inf, math.inf)
-        self.sequence: tuple[int, ...] | None = None
-        self.incumbent = -math.inf
-        self.delta_v = math.inf
+        self._best = Incumbent(mission)
         self.bound = math.inf
         self.lower(mission.total_prize)
 
-    def offer(self, sequence: Iterable[int]) -> bool:
-        """A sequence that may be the best plan so far: more prize, or as much for less ΔV.
+    @property
+    def sequence(self) -> tuple[int, ...] | None:
+        """The best plan; None before the first."""
+        return self._best.sequence
 
-        Returns
-        -------
-        better : bool
-        """
-        moves = tuple(int(j) for j in sequence)
-        timing = self._mission.time(moves)
-        if timing.made < len(moves):
-            return False
-        more = timing.objective > self.incumbent
-        if not more and not (timing.objective == self.incumbent and timing.delta_v < self.delta_v):
-            return False
-        self.incumbent, self.delta_v, self.sequence = timing.objective, timing.delta_v, moves
-        if more:
+    @property
+    def incumbent(self) -> float:
+        """What it is worth; −inf before the first."""
+        return self._best.objective
+
+    def offer(self, sequence: Iterable[int]) -> bool:
+        """A sequence that may be the best plan so far; whether it is: see :class:`Incumbent`."""
+        before = self.incumbent
+        better = self._best.offer(sequence)
+        if self.incumbent > before:
             self.tell(self.incumbent, self.bound)
-        return True
+        return better
 
     def tell(self, incumbent: float, bound: float) -> None:
         """Report what was found here, or elsewhere and is still to be offered here.
@@ -136,10 +133,6 @@ class Proof:
         Slot of ΔV of the bound, widened where its values would not fit into memory [m/s].
     most_labels : int
         Most labels of a search.
-    waiting : bool
-        Prove it of the mission in which chasers may wait and choose (:mod:`solvers.relaxation`).
-        The plans found are those of that mission; the certificate takes them as far as they are
-        legal in this one.
 
     Attributes
     ----------
@@ -156,19 +149,11 @@ class Proof:
         jobs: int,
         delta_v_slot_m_s: float,
         most_labels: int,
-        waiting: bool = False,
     ) -> None:
         self._certificate = certificate
         self._slot = affordable_slot(mission, delta_v_slot_m_s)
-        self._bound: WalkBound
-        self._routes: NgRoutes | WaitingRoutes
-        common = mission, self._slot, jobs, lambda: stop.remaining_s() <= 0.0
-        if waiting:
-            relaxed = WaitingBound(*common)
-            self._bound, self._routes = relaxed, WaitingRoutes(relaxed)
-        else:
-            self._bound = WalkBound(*common)
-            self._routes = NgRoutes(self._bound)
+        self._bound = WalkBound(mission, self._slot, jobs, lambda: stop.remaining_s() <= 0.0)
+        self._routes = Routes(self._bound)
         self._descent = Descent(self._bound)
         self._most_labels = most_labels
         self._evaluations = FIRST_EVALUATIONS
@@ -262,13 +247,12 @@ def prove(
     jobs: int,
     delta_v_slot_m_s: float,
     most_labels: int,
-    waiting: bool = False,
 ) -> dict[str, float]:
     """Rounds of proof until nothing is left to do or it is enough; returns the counters.
 
     Parameters
     ----------
-    mission, certificate, stop, delta_v_slot_m_s, most_labels, waiting
+    mission, certificate, stop, delta_v_slot_m_s, most_labels
         As :class:`Proof` takes them.
     enough : callable
         Asked once per iteration.
@@ -284,7 +268,6 @@ def prove(
         jobs=jobs or os.cpu_count() or 1,
         delta_v_slot_m_s=delta_v_slot_m_s,
         most_labels=most_labels,
-        waiting=waiting,
     )
     while not proof.done and not enough():
         proof.advance(enough)
@@ -308,7 +291,6 @@ def bounded(
     jobs: int,
     delta_v_slot_m_s: float,
     most_labels: int,
-    waiting: bool = False,
 ) -> Result:
     """The result of a bound that is nothing but rounds of proof, from a start plan if there is one.
 
@@ -328,7 +310,7 @@ def bounded(
 
     counters = prove(
         mission, certificate, stop, enough, jobs=jobs, delta_v_slot_m_s=delta_v_slot_m_s,
-        most_labels=most_labels, waiting=waiting,
+        most_labels=most_labels,
     )  # fmt: skip
     return certify(
         mission,

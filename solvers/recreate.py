@@ -11,15 +11,7 @@ from adr_opt.mission import Mission
 from adr_opt.stop import Stop
 
 from .beams import BeamSettings, beam_search
-
-HOUR_WORTH, KILOMETRE_WORTH = 0.17, 0.38
-"""Worth of an hour and of a km/s in beams, found by experiment on nominal fields [mean prizes]."""
-
-
-def mean_prize(mission: Mission) -> float:
-    """Mean prize of the targets that have one; 1 if there is none."""
-    prizes = mission.rules.prize[mission.rules.prize > 0.0]
-    return float(prizes.mean()) if prizes.size else 1.0
+from .worth import worth_of
 
 
 def recreate(
@@ -49,14 +41,14 @@ def recreate(
         A legal plan, better or worse.
     """
     keep = int(rng.integers(0, len(sequence))) if len(sequence) else 0
-    prize = mean_prize(mission)
+    worth = worth_of(mission)
     settings = BeamSettings(
         width=width,
-        time_weight=HOUR_WORTH * prize,
-        delta_v_weight=KILOMETRE_WORTH * rng.uniform(0.6, 1.6) * prize,
+        time_weight=worth.hour,
+        delta_v_weight=worth.kilometre_per_s * rng.uniform(0.6, 1.6),
         crowding=rng.uniform(1.2, 2.5),
-        noise=rng.uniform(0.0, 0.5) * prize,
+        noise=rng.uniform(0.0, 0.5) * worth.prize,
     )
-    prefix = np.array(sequence[:keep], dtype=np.int64)
+    prefix = tuple(int(j) for j in sequence[:keep])
     seed = int(rng.integers(2**31))
     return beam_search(mission, settings, prefix=prefix, seed=seed, stop=stop)[0]

@@ -12,7 +12,7 @@ from adr_opt.mission import Mission
 from adr_opt.stop import Stop
 
 from .beams import BeamSettings, beam_search
-from .completion import CompletionTable
+from .relaxation.completion import CompletionTable
 
 PILOT_WIDTH = 100
 """Of a search that tells how long a wide one takes."""

@@ -35,6 +35,11 @@ class FieldPool:
             bodies=np.zeros(slots, dtype=np.int32),
             orbits=np.zeros((slots, bodies, 4)),
             service=np.zeros((slots, bodies)),
+            opens=np.zeros((slots, bodies)),
+            closes=np.zeros((slots, bodies)),
+            prize=np.zeros((slots, bodies)),
+            is_station=np.arange(bodies) < 1,
+            may_end=np.ones(bodies, dtype=np.bool_),
             first=np.zeros((slots, bodies, bodies)),
             spacing=np.ones((slots, bodies)),
             total=np.zeros((slots, bodies, bodies), dtype=np.int32),
@@ -43,7 +48,7 @@ class FieldPool:
             near=np.full((slots, bodies, outlook_kernels.NEAR), -1, dtype=np.int16),
             near_angle=np.zeros((slots, bodies, outlook_kernels.NEAR), dtype=np.float32),
             ahead=np.zeros((slots, bodies, events, outlook_kernels.LINE), dtype=np.uint16),
-            home=np.zeros((slots, bodies, events, 3), dtype=np.float32),
+            home=np.zeros((slots, bodies, events, 2), dtype=np.float32),
             home_first=np.zeros((slots, bodies)),
             home_total=np.zeros((slots, bodies), dtype=np.int32),
             rate=np.zeros((slots, bodies)),
@@ -73,6 +78,9 @@ class FieldPool:
         arrays.bodies[slot] = bodies
         arrays.orbits[slot, :bodies] = orbits
         arrays.service[slot, :bodies] = mission.rules.service
+        arrays.opens[slot, :bodies] = mission.rules.opens
+        arrays.closes[slot, :bodies] = mission.rules.closes
+        arrays.prize[slot, :bodies] = mission.rules.prize
         arrays.first[slot, :bodies, :bodies] = table.first
         arrays.spacing[slot, :bodies] = table.spacing
         arrays.total[slot, :bodies, :bodies] = table.total

@@ -115,27 +115,23 @@ def burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r):
 
 
 @kernel
-def burns_of_event(orbit_i, orbit_j, extra_delta_v, rule, event):
-    """The burns of the sequence that is flown from a departure event, numbered from 0.
+def burns_between(orbit_i, orbit_j, extra_delta_v, rule, departure, arrival, revolutions):
+    """The burns of a connection.
 
     Parameters
     ----------
     orbit_i, orbit_j, extra_delta_v, rule
         As :func:`adr_opt.kernels.transfer.prepare` takes them.
-    event : int
+    departure, arrival : float
+        [s].
+    revolutions : int
 
     Returns
     -------
-    revolutions : int
     times, vectors, phases
         As of :func:`burns`.
     """
     pair = transfer.prepare(orbit_i, orbit_j, extra_delta_v, rule)
-    first, half_turns = transfer.first_departure(pair)
-    departure = first + event * (math.pi / pair.rate_i)
-    lead = transfer.target_lead(pair, departure, half_turns + event)
-    flown = transfer.best_sequence(pair, rule, departure, lead)
-    times, vectors, phases = burns(
-        orbit_i, orbit_j, pair, rule, departure, flown.revolutions, flown.phasing_radius
-    )
-    return flown.revolutions, times, vectors, phases
+    flight = arrival - departure - rule.approach_revolutions * transfer.TWO_PI / pair.rate_j
+    r = transfer.phasing_radius(pair, rule, revolutions, flight)
+    return burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r)

@@ -16,7 +16,7 @@ from .compile import inlined, kernel
 from .constants import SLACK_M_S, SLACK_S, STATION
 from .memory import borrowed
 from .outlook import Outlook
-from .rules import Rules
+from .rules import Rules, State
 from .timetable import Table
 
 
@@ -29,8 +29,12 @@ class Pool(NamedTuple):
         Bodies of each field, the station first.
     orbits : (slots, bodies, 4) float64
         Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
-    service : (slots, bodies) float64
-        Time at each body after arrival [s].
+    service, opens, closes : (slots, bodies) float64
+        As in :class:`adr_opt.kernels.rules.Rules` [s].
+    prize : (slots, bodies) float64
+        Prize of each target.
+    is_station, may_end : (bodies,) bool
+        The same for all fields: the first body is the only station, and all are ends.
     first, spacing, total, entries : arrays
         As in :class:`adr_opt.kernels.timetable.Table`, with a leading axis of slots.
     angle, near, near_angle, ahead, home, home_first, home_total, rate : arrays
@@ -40,6 +44,11 @@ class Pool(NamedTuple):
     bodies: np.ndarray
     orbits: np.ndarray
     service: np.ndarray
+    opens: np.ndarray
+    closes: np.ndarray
+    prize: np.ndarray
+    is_station: np.ndarray
+    may_end: np.ndarray
     first: np.ndarray
     spacing: np.ndarray
     total: np.ndarray
@@ -89,8 +98,6 @@ class Episodes(NamedTuple):
 
 
 TURN = 2.0 * math.pi
-_NO_REVOLUTIONS = np.empty((0, 0, 0), dtype=np.int8)
-_NO_PRIZES = np.empty(0)
 
 
 @inlined
@@ -101,6 +108,11 @@ def lent(pool, episodes):
             borrowed(pool.bodies),
             borrowed(pool.orbits),
             borrowed(pool.service),
+            borrowed(pool.opens),
+            borrowed(pool.closes),
+            borrowed(pool.prize),
+            borrowed(pool.is_station),
+            borrowed(pool.may_end),
             borrowed(pool.first),
             borrowed(pool.spacing),
             borrowed(pool.total),
@@ -132,22 +144,43 @@ def lent(pool, episodes):
 
 @inlined
 def table_of(pool, slot):
-    """The timetable of a slot; without the numbers of revolutions, which no rule asks for."""
-    return Table(
-        pool.first[slot], pool.spacing[slot], pool.total[slot], pool.entries[slot], _NO_REVOLUTIONS
-    )
+    """The timetable of a slot."""
+    return Table(pool.first[slot], pool.spacing[slot], pool.total[slot], pool.entries[slot])
 
 
 @inlined
 def rules_of(pool, episodes, e):
-    """The rules of an episode; without prizes, every serviced target counts 1."""
+    """The rules of an episode."""
     slot = episodes.slot[e]
     return Rules(
         table_of(pool, slot),
         pool.service[slot],
-        _NO_PRIZES,
+        pool.opens[slot],
+        pool.closes[slot],
+        pool.prize[slot],
+        pool.is_station,
+        pool.may_end,
+        np.int64(1),
+        np.int64(1),
+        np.int64(STATION),
+        0.0,
+        np.int64(pool.bodies[slot]),
+        False,
         episodes.budget[e] + SLACK_M_S,
         episodes.duration[e] + SLACK_S,
+        0.0,
+    )
+
+
+@inlined
+def state_of(episodes, e):
+    """The state of an episode."""
+    return State(
+        np.int64(episodes.body[e]),
+        episodes.time[e],
+        episodes.left[e],
+        np.int64(episodes.since_refuel[e]),
+        np.int64(episodes.serviced[e]),
     )
 
 
@@ -202,25 +235,18 @@ def move(pool, episodes, e, destination):
     legal : bool
         Nothing has changed if not.
     """
-    body, since = episodes.body[e], episodes.since_refuel[e]
-    if not rule_kernels.may_go(body, since, episodes.visited[e], destination):
+    rules, state = rules_of(pool, episodes, e), state_of(episodes, e)
+    if not rule_kernels.may_go(rules, state, episodes.visited[e], destination):
         return False
-    rules = rules_of(pool, episodes, e)
-    legal, delta_v, end = rule_kernels.fits(
-        rules, body, episodes.time[e], episodes.left[e], destination
-    )
+    legal, delta_v, after = rule_kernels.step(rules, state, destination)
     if not legal:
         return False
-    episodes.left[e] = rule_kernels.left_after(rules, episodes.left[e], delta_v, destination)
-    episodes.time[e] = end
-    episodes.body[e] = destination
+    episodes.body[e], episodes.time[e], episodes.left[e] = after.body, after.time, after.left
+    episodes.since_refuel[e], episodes.serviced[e] = after.since, after.count
     episodes.delta_v[e] += delta_v
-    if destination == STATION:
-        episodes.since_refuel[e] = 0
+    if rules.is_station[destination]:
         episodes.refuelled[e] += 1
     else:
-        episodes.since_refuel[e] = since + 1
-        episodes.serviced[e] += 1
         episodes.visited[e, destination] = True
     return True
 
@@ -231,12 +257,12 @@ def make_mask(pool, episodes, e, mask):
     rules = rules_of(pool, episodes, e)
     bodies = pool.bodies[episodes.slot[e]]
     targets = mask.size - 1
-    body, since = episodes.body[e], episodes.since_refuel[e]
+    state = state_of(episodes, e)
     count = 0
     mask[:] = False
     for j in range(bodies):
-        if rule_kernels.may_go(body, since, episodes.visited[e], j):
-            if rule_kernels.fits(rules, body, episodes.time[e], episodes.left[e], j)[0]:
+        if rule_kernels.may_go(rules, state, episodes.visited[e], j):
+            if rule_kernels.step(rules, state, j)[0]:
                 mask[action_of(j, targets)] = True
                 count += 1
     return count

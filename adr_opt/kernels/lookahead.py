@@ -15,7 +15,7 @@ from .compile import kernel
 from .constants import STATION
 from .episodes import clip, lent, outlook_of, rules_of
 from .memory import borrowed
-from .observation import LIMIT, PER_HOUR, PER_KM_S, PER_TEN, observe_transfer, way_back_when_open
+from .observation import LIMIT, PER_HOUR, PER_KM_S, PER_TEN, observe_transfer, way_back
 from .outlook import AHEAD, M_S_PER_HOUR, NOBODY
 
 CHAINS = tuple((worth, share) for share in (0.0, 0.6) for worth in (200.0, 350.0, 600.0, 1200.0))
@@ -226,7 +226,7 @@ def greedy_chain(
                 if cost >= least:
                     continue
                 if end < guarded_until:
-                    if way_back_when_open(outlook, spacing[k], k, end) > left - delta_v:
+                    if way_back(outlook, spacing[k], k, end)[0] > left - delta_v:
                         continue
                 if foresight > 0.0:
                     # In place: as a function of its own this took half of all the time.

@@ -112,13 +112,6 @@ def way_back(outlook, spacing, j, ready):
     return outlook.home[j, m, 0], time
 
 
-@inlined
-def way_back_when_open(outlook, spacing, j, ready):
-    """ΔV of the next way to the station that no keep-out zone blocks [m/s]; +inf for none."""
-    m = next_way_back(outlook, spacing, j, ready)
-    return outlook.home[j, m, 2] if m < outlook.home_total[j] else math.inf
-
-
 @kernel
 def observe_published(pool, episodes, order, first, last, out, mask, legal):
     """Observations ``published`` of the episodes ``order[first:last]``.
@@ -241,7 +234,7 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
                 for column in range(out.shape[1]):
                     out[row, column] = 0.0
                 continue
-            allowed = rule_kernels.may_go(body, since, visited, j)
+            allowed = since > 0 and j != body if is_station else j != body
             unvisited += 0 if is_station else 1
             delta_v, end = costs[j], ends[j]
             in_time = end <= duration
@@ -252,7 +245,7 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
             if is_station:
                 station_reachable = fits or body == STATION
             hours = (end - now) * PER_HOUR
-            after = rule_kernels.left_after(rules, left, delta_v, j)
+            after = rules.budget if is_station else left - delta_v
             after_scaled = clip(after * PER_KM_S, -LIMIT, LIMIT)
             out[row, 0] = 1.0 if is_legal else 0.0
             out[row, 1] = 1.0 if is_station else 0.0

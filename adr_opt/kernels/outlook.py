@@ -50,10 +50,9 @@ class Outlook(NamedTuple):
         Of a chaser that is ready ``time`` half periods of the body after the epoch: destination,
         ΔV [0.1 m/s] and time from ready to the end of service [0.001 h] of the :data:`AHEAD`
         transfers that are cheapest by hours + ΔV / :data:`M_S_PER_HOUR`, cheapest first.
-    home : (bodies, events, 3) float32
-        The timetable's entries of the way to the station: ΔV [m/s], arrival after departure [s],
-        and the ΔV of the next that no keep-out zone blocks, see
-        :func:`adr_opt.kernels.timetable.delta_v_when_open`.
+    home : (bodies, events, 2) float32
+        The timetable's entries of the way to the station: ΔV [m/s], and arrival after the
+        departure event [s].
     home_first : (bodies,) float64
         Their first departure event [s].
     home_total : (bodies,) int32
@@ -130,7 +129,6 @@ def fill(bodies, table, service, outlook):
                 outlook.home[i, m, 0] = delta_v
                 departure = timetable.departure_at(table, i, STATION, m)
                 outlook.home[i, m, 1] = arrival - departure
-                outlook.home[i, m, 2] = timetable.delta_v_when_open(table, i, STATION, departure)
         for m in range(outlook.ahead.shape[1]):
             ready = m * table.spacing[i]
             kept = 0

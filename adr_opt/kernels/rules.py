@@ -1,54 +1,113 @@
-"""The mission rules: which moves are legal, and what one move does (MODEL section 4).
+"""The mission rules: which moves are legal, and what one move does (MODEL section 5).
 
 The one place where they stand. Everything that plans, and the environment, asks these kernels;
 only ``check`` states them a second time, on purpose.
 
-A chaser's state is (body, time, delta_v_left, since_refuel, visited): where it is and since when
-it is free, the ΔV left, how many targets it has serviced since the last refuelling, and which
-targets are done. Search methods keep ``visited`` in their own form and ask :func:`fits`.
+A move goes to a body by the connection that the timetable's choice makes. :func:`step` is its
+resource extension: from the state before to the state after, and whether that is legal. Which
+targets are done is no part of the state, since search methods keep that in a form of their own;
+:func:`may_go` asks about it.
 
 The slack of the model (:mod:`.constants`) is in the limits that :class:`Rules` holds and in the
 next event, and nowhere else: what is left of a tank includes it, so that it is granted once a tank
 and not once a leg, and every bound on moves under these rules holds with it.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from . import timetable
 from .compile import inlined, kernel
-from .constants import STATION
 
 
 class Rules(NamedTuple):
     """A mission as the kernels see it.
 
+    Bodies are numbered stations first, then the orbit of the start if that is no station's, then
+    the targets.
+
     Attributes
     ----------
     table : Table
     service : (bodies,) float64
-        Time at each body after arrival: service, or refuelling at the station [s].
+        Time at each body after arrival: service, or refuelling at a station [s].
+    opens, closes : (bodies,) float64
+        No service begins before, or ends after, with the slack [s].
     prize : (bodies,) float64
-        Prize of each target; 0 for the station.
+        What each target is worth to a planner; 0 for other bodies. Required targets are worth more
+        than all others together, see :class:`adr_opt.mission.Mission`.
+    is_station, may_end : (bodies,) bool
+        Where the tank is filled, and where the mission may end.
+    stations, first_target : int
+        Number of stations, and of the first target.
+    start : int
+        Body at which the chaser is in the beginning.
+    ready : float
+        Since when [s].
+    most_targets : int
+        Targets that it may service.
+    returns : bool
+        Whether there are bodies where the mission may not end.
     budget : float
         Full ΔV budget with the slack of the model, which is no limit to be met exactly [m/s].
     duration : float
         End of the mission, with the slack [s].
+    shortest_sortie : float
+        Least time from the departure from a station to the end of a service [s].
     """
 
     table: timetable.Table
     service: np.ndarray
+    opens: np.ndarray
+    closes: np.ndarray
     prize: np.ndarray
+    is_station: np.ndarray
+    may_end: np.ndarray
+    stations: int
+    first_target: int
+    start: int
+    ready: float
+    most_targets: int
+    returns: bool
     budget: float
     duration: float
+    shortest_sortie: float
+
+
+class State(NamedTuple):
+    """Where a chaser is.
+
+    Attributes
+    ----------
+    body : int
+    time : float
+        Since when it is free there [s].
+    left : float
+        ΔV left [m/s].
+    since : int
+        Targets serviced since the last refuelling.
+    count : int
+        Targets serviced.
+    """
+
+    body: int
+    time: float
+    left: float
+    since: int
+    count: int
+
+
+@inlined
+def beginning(rules):
+    """The state in which a mission begins."""
+    return State(np.int64(rules.start), rules.ready, rules.budget, np.int64(0), np.int64(0))
 
 
 @inlined
 def fits(rules, body, time, left, destination):
-    """Whether a move fits ΔV and time, and what it costs.
-
-    Says nothing of ``visited`` and ``since_refuel``, see :func:`may_go`.
+    """What a move costs, and whether it fits ΔV and time.
 
     Parameters
     ----------
@@ -70,35 +129,106 @@ def fits(rules, body, time, left, destination):
         End of the service there [s].
     """
     delta_v, arrival = timetable.lookup(rules.table, body, destination, time)
-    end = arrival + rules.service[destination]
-    return delta_v <= left and end <= rules.duration, delta_v, end
+    end = max(arrival, rules.opens[destination]) + rules.service[destination]
+    in_time = end <= rules.closes[destination] and end <= rules.duration
+    return delta_v <= left and in_time, delta_v, end
 
 
 @inlined
-def may_go(body, since_refuel, visited, destination):
-    """Whether the rules of the order allow a move: unvisited target, or a refuelling earned."""
-    if destination == body:
-        return False
-    if destination == STATION:
-        return since_refuel > 0
-    return not visited[destination]
+def step(rules, state, destination):
+    """Make a move: the resource extension function.
 
+    Parameters
+    ----------
+    rules : Rules
+    state : State
+    destination : int
+        Another body; whether it is a target that is done already is for :func:`may_go` to say.
 
-@inlined
-def left_after(rules, left, delta_v, destination):
-    """ΔV left at the end of a move: the full budget after refuelling [m/s]."""
-    return rules.budget if destination == STATION else left - delta_v
+    Returns
+    -------
+    legal : bool
+    delta_v : float
+        [m/s], +inf where there is no transfer.
+    after : State
+        The state after the move; of no meaning if it is not legal.
+    """
+    legal, delta_v, end = fits(rules, state.body, state.time, state.left, destination)
+    left, since, count = state.left - delta_v, state.since + 1, state.count + 1
+    if rules.is_station[destination]:
+        legal = legal and state.since > 0
+        left, since, count = rules.budget, state.since - state.since, state.count
+    else:
+        legal = legal and state.count < rules.most_targets
+    if rules.returns and legal and not rules.may_end[destination]:
+        legal = _reaches_an_end(rules, destination, end, left)
+    return legal, delta_v, State(np.int64(destination), end, left, since, count)
 
 
 @kernel
-def legal_moves(rules, body, time, left, since_refuel, visited, mask):
+def _reaches_an_end(rules, body, time, left):
+    """Whether a chaser can still go to where the mission may end."""
+    for s in range(rules.stations):
+        if rules.may_end[s] and s != body and fits(rules, body, time, left, s)[0]:
+            return True
+    return False
+
+
+@inlined
+def may_go(rules, state, visited, destination):
+    """Whether a body is another one, and no target that is done already, nor an orbit that is left.
+
+    Parameters
+    ----------
+    visited : (bodies,) bool
+        Targets that are done.
+    """
+    if destination == state.body:
+        return False
+    return rules.is_station[destination] or (
+        destination >= rules.first_target and not visited[destination]
+    )
+
+
+@inlined
+def has_way_back(rules, state):
+    """The guard: whether a chaser at a target can still refuel, or need not any more.
+
+    It need not when nothing could be serviced after refuelling before the mission ends. A mission
+    without stations knows no guard.
+    """
+    if rules.stations == 0:
+        return True
+    for s in range(rules.stations):
+        _, back, refuelled = fits(rules, state.body, state.time, state.left, s)
+        if back <= state.left or refuelled > rules.duration - rules.shortest_sortie:
+            return True
+    return False
+
+
+@kernel
+def shortest_sortie(table, service, budget, stations, first_target):
+    """Least time from the departure from a station to the end of a service [s]; +inf for none."""
+    shortest = math.inf
+    for s in range(stations):
+        for j in range(first_target, service.size):
+            for event in range(timetable.events(table, s, j)):
+                delta_v, arrival = timetable.entry_at(table, s, j, event)
+                if delta_v <= budget:
+                    departure = timetable.departure_at(table, s, j, event)
+                    shortest = min(shortest, arrival - departure + service[j])
+    return shortest
+
+
+@kernel
+def legal_moves(rules, state, visited, mask):
     """All legal moves of a state.
 
     Parameters
     ----------
     visited : (bodies,) bool
     mask : (bodies,) bool
-        Written: True where the move is legal, the station first.
+        Written: True where the move is legal.
 
     Returns
     -------
@@ -107,21 +237,23 @@ def legal_moves(rules, body, time, left, since_refuel, visited, mask):
     count = 0
     for j in range(rules.service.size):
         legal = False
-        if may_go(body, since_refuel, visited, j):
-            legal = fits(rules, body, time, left, j)[0]
+        if may_go(rules, state, visited, j):
+            legal = step(rules, state, j)[0]
         mask[j] = legal
         count += legal
     return count
 
 
 @kernel
-def replay(rules, sequence, start, body, time, left, since_refuel, visited, ends, lefts):
-    """Make the moves of ``sequence[start:]`` one after the other as long as they are legal.
+def replay(rules, sequence, state, visited, ends, lefts):
+    """Make the moves of a sequence one after the other as long as they are legal.
 
     Parameters
     ----------
-    sequence : (moves,) int
-        Bodies in order, the station for refuelling.
+    sequence : (moves,) int64
+        Bodies in order, stations for refuelling.
+    state : State
+        To begin with.
     visited : (bodies,) bool
         Updated.
     ends, lefts : (moves,) float64
@@ -133,23 +265,22 @@ def replay(rules, sequence, start, body, time, left, since_refuel, visited, ends
         Index of the first move that is not legal; the length of the sequence if all are.
     delta_v : float
         ΔV of the moves made [m/s].
+    state : State
+        The state after them.
     """
     total = 0.0
-    for index in range(start, sequence.size):
+    for index in range(sequence.size):
         j = sequence[index]
-        if not may_go(body, since_refuel, visited, j):
-            return index, total
-        legal, delta_v, end = fits(rules, body, time, left, j)
+        if not may_go(rules, state, visited, j):
+            return index, total, state
+        legal, delta_v, after = step(rules, state, j)
         if not legal:
-            return index, total
+            return index, total, state
         total += delta_v
-        left = left_after(rules, left, delta_v, j)
-        since_refuel = 0 if j == STATION else since_refuel + 1
-        visited[j] = j != STATION
-        body, time = j, end
-        ends[index] = end
-        lefts[index] = left
-    return sequence.size, total
+        visited[j] = not rules.is_station[j]
+        state = after
+        ends[index], lefts[index] = state.time, state.left
+    return sequence.size, total, state
 
 
 @kernel

@@ -1,8 +1,10 @@
-"""The timetable: one entry for each departure event of each pair (MODEL section 3).
+"""The timetable of a choice: the connection that is chosen at each departure event of each pair.
 
-Between two departure events nothing depends on the time but the wait, so a table over events is
-exact. How events are spaced and where entries lie is known to this module alone: planners ask
-:func:`events`, :func:`departure_at`, :func:`entry_at`, :func:`next_event` and :func:`lookup`.
+Who is ready for an event may take any connection that departs then or later. A *choice* settles
+which: the one of least ΔV + w · arrival, where w is the value of time (MODEL section 4). Between
+two events nothing depends on the time but the wait, so a table over events is exact. How events are
+spaced and where entries lie is known to this module alone: planners ask :func:`next_event` and
+:func:`lookup`.
 """
 
 import math
@@ -15,8 +17,30 @@ from .compile import inlined, kernel
 from .constants import SLACK_S
 
 
+class Limits(NamedTuple):
+    """What the mission says of the time at each body; the slack of the model is in it.
+
+    Attributes
+    ----------
+    service : (bodies,) float64
+        Time at the body: service, or refuelling at a station [s].
+    opens, closes : (bodies,) float64
+        No service begins before, or ends after [s].
+    ready : float
+        Since when the chaser is there, without slack [s].
+    duration : float
+        End of the mission [s].
+    """
+
+    service: np.ndarray
+    opens: np.ndarray
+    closes: np.ndarray
+    ready: float
+    duration: float
+
+
 class Table(NamedTuple):
-    """Exact ΔV and arrival of every transfer at every departure event.
+    """Exact ΔV and arrival of the connection chosen at every departure event.
 
     Attributes
     ----------
@@ -28,21 +52,19 @@ class Table(NamedTuple):
         Number of events at or before the end of the mission; 0 on the diagonal.
     entries : (bodies, events, bodies, 2) float64
         ΔV [m/s] and arrival, the end of the approach [s], of (origin, event, destination);
-        both +inf where there is no transfer. Destinations lie side by side because planners
-        ask for all of them at one time, and their events then have equal or adjacent numbers.
-    revolutions : (bodies, events, bodies) int8
-        Phasing revolutions k; −1 where there is no transfer.
+        both +inf where no connection departs at the event or later. Destinations lie side by side
+        because planners ask for all of them at one time, and their events then have equal or
+        adjacent numbers.
     """
 
     first: np.ndarray
     spacing: np.ndarray
     total: np.ndarray
     entries: np.ndarray
-    revolutions: np.ndarray
 
 
 @kernel
-def fill(first, last, order, bodies, extra_delta_v, rule, duration, table):
+def fill(first, last, order, bodies, extra_delta_v, rule, limits, table):
     """Fill the pairs from number ``first`` to before ``last``; all may be filled in parallel.
 
     Pairs are numbered by shells: the first n² are those among the first n bodies of an order, so
@@ -58,8 +80,7 @@ def fill(first, last, order, bodies, extra_delta_v, rule, duration, table):
     extra_delta_v : (bodies, bodies) float64
         Cost of matching the eccentricity vectors [m/s].
     rule : TransferRule
-    duration : float
-        End of the mission: events after it are left out [s].
+    limits : Limits
     table : Table
         Written in place, these pairs only.
     """
@@ -79,21 +100,31 @@ def fill(first, last, order, bodies, extra_delta_v, rule, duration, table):
             start, half_turns = transfer.first_departure(pair)
             table.first[i, j] = start
             approach = rule.approach_revolutions * transfer.TWO_PI / pair.rate_j
+            # The arrival that service has to wait for, and the last that leaves time for it.
+            opens = limits.opens[j] - approach
+            closes = limits.closes[j] - limits.service[j] - approach
             while m < most:
                 departure = start + m * half_period
-                if departure > duration:
+                if departure > limits.duration:
                     break
                 lead = transfer.target_lead(pair, departure, half_turns + m)
-                best = transfer.best_sequence(pair, rule, departure, lead)
+                best = transfer.best_sequence(
+                    pair, rule, departure, lead, opens - departure, closes - departure
+                )
                 table.entries[i, m, j, 0] = best.delta_v
                 table.entries[i, m, j, 1] = departure + best.flight_time + approach
-                table.revolutions[i, m, j] = best.revolutions
                 m += 1
         table.total[i, j] = m
         for event in range(m, most):
             table.entries[i, event, j, 0] = math.inf
             table.entries[i, event, j, 1] = math.inf
-            table.revolutions[i, event, j] = -1
+        # Who is ready may wait for what leaves later: the best of each event and all after it.
+        for event in range(m - 2, -1, -1):
+            here, later = table.entries[i, event, j], table.entries[i, event + 1, j]
+            longer = max(later[1], limits.opens[j]) - max(here[1], limits.opens[j])
+            # Of two infinities the difference is no number, and not less.
+            if here[0] == math.inf or later[0] + rule.time_value * longer < here[0]:
+                here[0], here[1] = later[0], later[1]
 
 
 def allocate(bodies: int, most: int) -> Table:
@@ -103,13 +134,12 @@ def allocate(bodies: int, most: int) -> Table:
         spacing=np.empty(bodies),
         total=np.empty((bodies, bodies), dtype=np.int32),
         entries=np.empty((bodies, most, bodies, 2)),
-        revolutions=np.empty((bodies, most, bodies), dtype=np.int8),
     )
 
 
 def size_of(bodies: int, most: int) -> int:
     """Bytes that such a table takes."""
-    return bodies**2 * (17 * most + 12)
+    return bodies**2 * (16 * most + 12)
 
 
 def part(table: Table, kept: np.ndarray) -> Table:
@@ -129,7 +159,6 @@ def part(table: Table, kept: np.ndarray) -> Table:
         spacing=table.spacing[kept],
         total=table.total[pairs],
         entries=packed(table.entries),
-        revolutions=packed(table.revolutions),
     )
 
 
@@ -187,19 +216,6 @@ def lookup(table, i, j, time):
     if m >= table.total[i, j]:
         return math.inf, math.inf
     return table.entries[i, m, j, 0], table.entries[i, m, j, 1]
-
-
-@inlined
-def delta_v_when_open(table, i, j, time):
-    """ΔV of the first transfer at or after a time that is there at all [m/s]; +inf if none is.
-
-    Other than :func:`lookup` it looks past departures that keep-out zones block. A chaser cannot
-    wait for that one, but this is about what the way costs a little later, from a neighbour.
-    """
-    for m in range(next_event(table, i, j, time), table.total[i, j]):
-        if math.isfinite(table.entries[i, m, j, 0]):
-            return table.entries[i, m, j, 0]
-    return math.inf
 
 
 @kernel

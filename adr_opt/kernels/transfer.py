@@ -335,8 +335,8 @@ def is_blocked(pair, rule, revolutions, r, departure):
 
 
 @kernel
-def best_sequence(pair, rule, departure, lead):
-    """The sequence flown from a departure event: least ΔV + w·T (MODEL section 2).
+def best_sequence(pair, rule, departure, lead, earliest, latest):
+    """The sequence of a departure event with the least ΔV + w·T (MODEL sections 2 and 4).
 
     Parameters
     ----------
@@ -346,6 +346,9 @@ def best_sequence(pair, rule, departure, lead):
         Time of the departure event; only keep-out zones depend on it [s].
     lead : float
         Δ, the target's lead over the chaser at departure, in [0, 2π) [rad].
+    earliest, latest : float
+        A sequence that takes less time than ``earliest`` has to wait at its end, so that T is that
+        much; one that takes more than ``latest`` is out of the question [s].
 
     Returns
     -------
@@ -358,19 +361,20 @@ def best_sequence(pair, rule, departure, lead):
     k_max = rule.max_phasing_revolutions
     phase = 3.0 * math.pi - lead + rule.standoff / pair.radius_j
     s = math.ceil((pair.shortest * pair.rate_j - phase) / TWO_PI)
-    last = pair.longest + k_max * pair.longest_lap
+    last = min(pair.longest + k_max * pair.longest_lap, latest)
     while True:
         time = (phase + TWO_PI * s) / pair.rate_j
         s += 1
+        worth = w * max(time, earliest)
         # Dearer than the best by time alone, or longer than any sequence: so is all that follows.
-        if time > last or w * time + pair.floor_delta_v > best_cost:
+        if time > last or worth + pair.floor_delta_v > best_cost:
             break
         # The k whose range of times [T(r_min), T(r_max)] holds this time.
         k = max(0, math.ceil((time - pair.longest) / pair.longest_lap))
         while k <= k_max and pair.shortest + k * pair.shortest_lap <= time:
             r = phasing_radius(pair, rule, k, time)
             delta_v = sequence_delta_v(pair, rule, k, r)
-            cost = delta_v + w * time
+            cost = delta_v + worth
             if cost < best_cost - SLACK_M_S and not (
                 rule.zones.shape[0] > 0 and is_blocked(pair, rule, k, r, departure)
             ):

@@ -23,7 +23,7 @@ def _copy_labels(source, destination, first, last):
         write(destination.end[position], source.end[position])
         write(destination.left[position], source.left[position])
         write(destination.parent[position], source.parent[position])
-        write(destination.refuels[position], source.refuels[position])
+        write(destination.via[position], source.via[position])
 
 
 @kernel
@@ -34,8 +34,8 @@ def anneal(rules, order, length, labels, kept, worth, weights, hot, cold, iterat
     ----------
     rules : Rules
     order : (targets,) int64
-        Permutation of all targets; its first ``length`` are visited and can be timed. Left as
-        the last order accepted.
+        Permutation of all targets; its first ``length`` are visited, as far as they can be timed.
+        Left as the last order accepted.
     length : int
     labels, kept : Labels
         Desks.
@@ -60,8 +60,12 @@ def anneal(rules, order, length, labels, kept, worth, weights, hot, cold, iterat
     trial = order.copy()
     reference = np.empty(order.size + 1)
     end = time_order(rules, order, length, 0, labels, order.size, reference, np.inf)
+    while length > 0 and end == np.inf:
+        # A schedule over all connections may get farther than the choice of the timetable does.
+        length -= 1
+        end = time_order(rules, order, length, 0, labels, order.size, reference, np.inf)
     if length == 0:
-        end = 0.0
+        end = rules.ready
     _copy_labels(labels, kept, 0, length)
     write(reference, labels.end[: length + 1, 0])
     prize = 0.0
@@ -88,8 +92,10 @@ def anneal(rules, order, length, labels, kept, worth, weights, hot, cold, iterat
         # The latest end that is accepted.
         latest = end + (new_prize - prize + slack) / worth
         new_end = np.inf
-        if new_length == 0:
-            new_end = 0.0
+        if new_length > rules.most_targets:
+            new_end = np.inf
+        elif new_length == 0:
+            new_end = rules.ready
         elif new_length == length:
             new_end = time_order(
                 rules, trial, new_length, first, labels, behind, reference,

@@ -9,14 +9,15 @@ from collections.abc import Iterable
 import numpy as np
 
 from adr_opt.errors import InputError
-from adr_opt.kernels.constants import STATION
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress, at_most, get, silent
 from adr_opt.result import Result, certify
 from adr_opt.stop import MaxIterations, Stop
 
+from ..incumbent import Incumbent
 from ..orders import make_labels
-from ..recreate import mean_prize, recreate
+from ..recreate import recreate
+from ..worth import worth_of
 from .annealing import anneal
 from .moves import NAMES
 
@@ -46,46 +47,31 @@ class LocalSearch:
     def __init__(self, mission: Mission, sequence: Iterable[int], seed: int) -> None:
         self._mission = mission
         self._rng = np.random.default_rng(seed)
-        targets = len(mission.instance.targets)
-        self._labels = make_labels(targets, mission.rules.budget)
-        self._kept = make_labels(targets, mission.rules.budget)
+        self._labels, self._kept = make_labels(mission), make_labels(mission)
         weights = np.array([WEIGHTS[name] for name in NAMES])
         self._weights = np.cumsum(weights) / weights.sum()
-        self.prize = 0.0
-        self.sequence: tuple[int, ...] = ()
-        self._delta_v = math.inf
-        self.offer(sequence)
-        self._mean = mean_prize(mission)
-
-    def offer(self, sequence: Iterable[int]) -> bool:
-        """Take a plan if it is better: more prize, or as much for less ΔV."""
-        moves = tuple(int(j) for j in sequence)
-        timing = self._mission.time(moves)
-        if timing.made < len(moves):
-            return False
-        better = timing.objective > self.prize or (
-            timing.objective == self.prize and timing.delta_v < self._delta_v
-        )
-        if better:
-            self.prize, self._delta_v, self.sequence = timing.objective, timing.delta_v, moves
-        return better
+        self._mean = worth_of(mission).prize
+        self.best = Incumbent(mission)
+        self.best.offer(sequence)
 
     def anneal(self, iterations: int, hot: float, cold: float) -> bool:
         """Anneal the best plan; whether it got better."""
-        visited = [j for j in self.sequence if j != STATION]
-        others = sorted(set(range(1, len(self._mission.names))) - set(visited))
-        order = np.array(visited + others, dtype=np.int64)
         rules = self._mission.rules
-        worth = max(self.prize, self._mean) / rules.duration
+        targets = range(rules.first_target, rules.service.size)
+        visited = [j for j in self.best.sequence or () if not rules.is_station[j]]
+        others = sorted(set(targets) - set(visited))
+        order = np.array(visited + others, dtype=np.int64)
+        worth = max(self.best.objective, self._mean) / rules.duration
         best, _, _, _ = anneal(
             rules, order, len(visited), self._labels, self._kept, worth, self._weights,
             hot * self._mean, cold * self._mean, iterations, self._rng,
         )  # fmt: skip
-        return self.offer(best)
+        return self.best.offer(best)
 
     def recreate(self, width: int, stop: Stop) -> bool:
         """Keep a random beginning of the best plan and build a new end; whether it got better."""
-        return self.offer(recreate(self._mission, self.sequence, width, self._rng, stop))
+        sequence = self.best.sequence or ()
+        return self.best.offer(recreate(self._mission, sequence, width, self._rng, stop))
 
 
 @at_most(chunk=10_000_000, width=1_000_000)
@@ -143,23 +129,27 @@ def local_search(
         greedy = get("greedy-guarded")
         start = greedy(mission, seed=seed, stop=MaxIterations(1), progress=silent).sequence or ()
     search = LocalSearch(mission, start, seed)
-    progress(search.prize, math.inf)
+    progress(search.best.objective, math.inf)
     iterations = improved = 0
     possible = mission.instance.mission.duration_s > 0.0 and mission.total_prize > 0.0
-    while possible and search.prize < mission.total_prize and not stop(search.prize, math.inf):
-        before = search.prize
+    while (
+        possible
+        and search.best.objective < mission.total_prize
+        and not stop(search.best.objective, math.inf)
+    ):
+        before = search.best.objective
         improved += search.anneal(chunk, hot, cold)
         for _ in range(recreations):
             if stop.remaining_s() <= 0.0:
                 break
             improved += search.recreate(width, stop)
         iterations += 1
-        if search.prize > before:
-            progress(search.prize, math.inf)
+        if search.best.objective > before:
+            progress(search.best.objective, math.inf)
     return certify(
         mission,
         "local-search",
-        search.sequence,
+        search.best.sequence or (),
         seed=seed,
         runtime_s=time.perf_counter() - began,
         counters={"iterations": iterations, "improved": improved},

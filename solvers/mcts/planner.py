@@ -10,12 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.errors import InputError
-from adr_opt.kernels.constants import STATION
+from adr_opt.kernels import rules as rule_kernels
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress, at_most
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
+from ..incumbent import Incumbent
 from ..learned.prior import Prior
 from ..recreate import recreate
 from . import policy as policies
@@ -50,7 +51,6 @@ class _Player:
             settings.rollout == "guarded",
             settings.time_value_m_s_per_h / 3600.0,
             settings.temperature_m_s,
-            policies.last_refuelling(rules),
         )
         self.search = trees.Search(
             settings.simulations,
@@ -81,9 +81,9 @@ class _Player:
         return self.best_played
 
     def _new_mission(self) -> int:
-        """Begin a tree at the station; what the scale has seen is forgotten with it."""
+        """Begin a tree at the start; what the scale has seen is forgotten with it."""
         rules = self.mission.rules
-        trees.write_node(self.tree, 0, STATION, 0.0, rules.budget, 0.0, 0)
+        trees.write_node(self.tree, 0, rule_kernels.beginning(rules), 0.0)
         self.record.returns[:] = math.inf, -math.inf
         return 1
 
@@ -106,7 +106,7 @@ class _Player:
             if self.prior is not None and tree.untried[root] == trees.NOT_LISTED:
                 liked = self.prior.moves(
                     int(tree.body[root]), float(tree.time[root]), float(tree.left[root]),
-                    int(tree.since_refuel[root]), visited,
+                    int(tree.since[root]), visited,
                 )[: tree.moves.shape[1]]  # fmt: skip
                 # Moves are tried from the end of the list.
                 tree.moves[root, : liked.size] = liked[::-1]
@@ -121,7 +121,7 @@ class _Player:
                 sequence[played] = body
                 played += 1
                 collected += float(rules.prize[body])
-                visited[body] = body != STATION
+                visited[body] = not rules.is_station[body]
             if self.settings.answer == "played" and collected > self.best_played:
                 self.best_played, self.answer = collected, sequence[:played].copy()
             if self.incumbent > before:
@@ -244,7 +244,7 @@ def mcts(
     while player.missions < settings.missions and player.incumbent < mission.total_prize:
         if player.play():
             break
-    plan, polished = _polish(mission, player.plan(), polish, seed, stop)
+    plan, polished = _polish(mission, mission.closed(player.plan()), polish, seed, stop)
     return certify(
         mission,
         "mcts",
@@ -261,18 +261,15 @@ def mcts(
 
 
 def _polish(
-    mission: Mission, plan: npt.NDArray[np.int64], steps: int, seed: int, stop: Stop
-) -> tuple[npt.NDArray[np.int64], int]:
+    mission: Mission, plan: tuple[int, ...], steps: int, seed: int, stop: Stop
+) -> tuple[tuple[int, ...], int]:
     """Ruin and recreate a plan; returns the best one and how often it got better."""
     rng = np.random.default_rng(seed)
-    timing = mission.time(plan)
     polished = 0
+    best = Incumbent(mission)
+    best.offer(plan)
     for _ in range(steps):
         if stop.remaining_s() <= 0.0:
             break
-        found = recreate(mission, plan.tolist(), POLISH_WIDTH, rng)
-        other = mission.time(found)
-        if (other.objective, -other.delta_v) > (timing.objective, -timing.delta_v):
-            plan, timing = found, other
-            polished += 1
-    return plan, polished
+        polished += best.offer(recreate(mission, best.sequence or (), POLISH_WIDTH, rng))
+    return best.sequence or (), polished

@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels import rules as rule_kernels
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.compile import inlined, kernel
 from adr_opt.kernels.memory import write
+from adr_opt.kernels.rules import State
 
 from . import policy as policies
 
@@ -21,9 +21,11 @@ class Tree(NamedTuple):
 
     Attributes
     ----------
-    body, since_refuel : (nodes,) int32
-    time, left, spent : (nodes,) float64
-        End of service [s], ΔV left and ΔV spent since the start of the mission [m/s].
+    body, since, count : (nodes,) int32
+    time, left : (nodes,) float64
+        As in :class:`adr_opt.kernels.rules.State`.
+    spent : (nodes,) float64
+        ΔV spent since the start of the mission [m/s].
     visits, total, best : (nodes,) float64
         Number, sum and maximum of the returns of the simulations through the node.
     child, sibling : (nodes,) int32
@@ -35,7 +37,8 @@ class Tree(NamedTuple):
     """
 
     body: np.ndarray
-    since_refuel: np.ndarray
+    since: np.ndarray
+    count: np.ndarray
     time: np.ndarray
     left: np.ndarray
     spent: np.ndarray
@@ -108,8 +111,8 @@ def allocate(nodes: int, width: int) -> Tree:
         return np.empty(nodes)
 
     return Tree(
-        integers(), integers(), numbers(), numbers(), numbers(), numbers(), numbers(), numbers(),
-        integers(), integers(), integers(), np.empty((nodes, width), dtype=np.int32),
+        integers(), integers(), integers(), numbers(), numbers(), numbers(), numbers(), numbers(),
+        numbers(), integers(), integers(), integers(), np.empty((nodes, width), dtype=np.int32),
     )  # fmt: skip
 
 
@@ -123,40 +126,46 @@ def new_record(bodies: int) -> Record:
 
 
 @kernel
-def write_node(tree, node, body, time, left, spent, since_refuel):
+def write_node(tree, node, state, spent):
     """Make a node without children and without simulations."""
-    tree.body[node] = body
-    tree.since_refuel[node] = since_refuel
-    tree.time[node], tree.left[node], tree.spent[node] = time, left, spent
+    tree.body[node], tree.since[node], tree.count[node] = state.body, state.since, state.count
+    tree.time[node], tree.left[node], tree.spent[node] = state.time, state.left, spent
     tree.visits[node], tree.total[node], tree.best[node] = 0.0, 0.0, -math.inf
     tree.child[node], tree.sibling[node] = NONE, NONE
     tree.untried[node] = NOT_LISTED
 
 
+@inlined
+def state_of(tree, node):
+    """The state of a node."""
+    return State(
+        np.int64(tree.body[node]),
+        tree.time[node],
+        tree.left[node],
+        np.int64(tree.since[node]),
+        np.int64(tree.count[node]),
+    )
+
+
 @kernel
 def copy_root(tree, node):
     """Begin a new tree at the state of a node of the old one; the nodes in use: 1."""
-    write_node(
-        tree, 0, tree.body[node], tree.time[node], tree.left[node], tree.spent[node],
-        tree.since_refuel[node],
-    )  # fmt: skip
+    write_node(tree, 0, state_of(tree, node), tree.spent[node])
     return 1
 
 
 @kernel
 def list_moves(rules, policy, search, tree, node, scratch):
     """Write down the moves of a node: all that may be legal, or the cheapest safe ones."""
-    body, since_refuel = tree.body[node], tree.since_refuel[node]
-    moves = tree.moves[node]
+    state, moves = state_of(tree, node), tree.moves[node]
     if search.guarded:
         tree.untried[node] = policies.cheapest_moves(
-            rules, policy, body, tree.time[node], tree.left[node], since_refuel,
-            scratch.visited, search.width, moves, scratch.weight,
-        )  # fmt: skip
+            rules, policy, state, scratch.visited, search.width, moves, scratch.weight
+        )
         return
     count = 0
     for j in range(rules.service.size):
-        if rule_kernels.may_go(body, since_refuel, scratch.visited, j):
+        if rule_kernels.may_go(rules, state, scratch.visited, j):
             moves[count] = j
             count += 1
     tree.untried[node] = count
@@ -171,7 +180,7 @@ def expand(rules, search, rng, tree, node, used):
     child : int
         ``NONE`` if every legal move has one.
     """
-    moves = tree.moves[node]
+    moves, state = tree.moves[node], state_of(tree, node)
     while tree.untried[node] > 0:
         tree.untried[node] -= 1
         last = tree.untried[node]
@@ -180,13 +189,9 @@ def expand(rules, search, rng, tree, node, used):
             place = int(rng.random() * (last + 1))
             j = moves[place]
             moves[place] = moves[last]
-        legal, delta_v, end = rule_kernels.fits(
-            rules, tree.body[node], tree.time[node], tree.left[node], j
-        )
+        legal, delta_v, after = rule_kernels.step(rules, state, np.int64(j))
         if legal:
-            left = rule_kernels.left_after(rules, tree.left[node], delta_v, j)
-            since_refuel = 0 if j == STATION else tree.since_refuel[node] + 1
-            write_node(tree, used, j, end, left, tree.spent[node] + delta_v, since_refuel)
+            write_node(tree, used, after, tree.spent[node] + delta_v)
             tree.sibling[used] = tree.child[node]
             tree.child[node] = used
             return used
@@ -288,7 +293,7 @@ def step(rules, policy, search, rng, tree, used, root, played, collected, visite
                     break
             node = child
             j = tree.body[node]
-            scratch.visited[j] = j != STATION
+            scratch.visited[j] = not rules.is_station[j]
             prizes += rules.prize[j]
             scratch.sequence[moves] = j
             depth, moves = depth + 1, moves + 1
@@ -296,9 +301,8 @@ def step(rules, policy, search, rng, tree, used, root, played, collected, visite
             if is_new:
                 break
         moves, gain, spent = policies.rollout(
-            rules, policy, rng, scratch, moves, tree.body[node], tree.time[node],
-            tree.left[node], tree.since_refuel[node],
-        )  # fmt: skip
+            rules, policy, rng, scratch, moves, state_of(tree, node)
+        )
         prizes += gain
         spent += tree.spent[node]
         for k in range(depth + 1):

@@ -12,10 +12,11 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from adr_opt.errors import InputError
-from adr_opt.mission import Mission, Timing
+from adr_opt.mission import Mission
 from adr_opt.plan import Plan
 from adr_opt.planner import Progress, get, silent
 from adr_opt.result import Result, certify
+from adr_opt.schedule import Schedule
 from adr_opt.start import start_sequence
 from adr_opt.stop import Stop
 
@@ -116,7 +117,7 @@ def ortools(
                 if not enough:
                     batch.append(_draw(rng, present.size, shortest_window, longest_window))
 
-            def work(choice: Choice, plan: Bodies = present, facts: Timing = timing) -> Replanned:
+            def work(choice: Choice, plan: Bodies = present, facts: Schedule = timing) -> Replanned:
                 return replan(
                     mission, plan, facts, choice,
                     time_share=TIME_SHARE, limits=limits, edges=edges, effort=effort,
@@ -160,7 +161,7 @@ def _check(jobs: int, shortest_window: int, longest_window: int, edges: int, eff
         raise InputError(f"option effort = {effort} of method 'ortools': must be positive")
 
 
-def _better(one: Timing, other: Timing) -> bool:
+def _better(one: Schedule, other: Schedule) -> bool:
     """Whether a plan beats another: more prize, then less ΔV (MODEL section 4)."""
     return (one.objective, -one.delta_v) > (other.objective, -other.delta_v)
 

@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.kernels.constants import STATION
-from adr_opt.mission import Mission, Timing
+from adr_opt.mission import Mission
+from adr_opt.schedule import Schedule
 
 from . import fill, network
 from .model import best_path
@@ -65,7 +66,7 @@ class Replanned:
 def replan(
     mission: Mission,
     plan: Bodies,
-    timing: Timing,
+    timing: Schedule,
     choice: Choice,
     *,
     time_share: float,
@@ -81,7 +82,7 @@ def replan(
     mission : Mission
     plan : (moves,) int64
         Legal, with at least one move.
-    timing : Timing
+    timing : Schedule
         Of the plan.
     choice : Choice
     time_share : float
@@ -124,7 +125,7 @@ def replan(
 def _window(
     mission: Mission,
     plan: Bodies,
-    timing: Timing,
+    timing: Schedule,
     choice: Choice,
     worth: network.Worth,
     time_value: float,

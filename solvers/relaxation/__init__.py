@@ -1,7 +1,8 @@
-"""The mission in which everybody may wait and choose: its network, its best walks, its labels."""
+"""The relaxation behind all bounds (MODEL section 8): each target at most once, by multipliers.
 
-from .labels import WaitingRoutes
-from .network import WaitingNetwork, build
-from .walks import WaitingBound
-
-__all__ = ["WaitingBound", "WaitingNetwork", "WaitingRoutes", "build"]
+1. :mod:`.network`: every connection at its own departure, and waiting.
+2. :mod:`.walks`: the best walk for given multipliers, by one sweep backwards in time.
+3. :mod:`.multipliers`: where to evaluate it next.
+4. :mod:`.completion`: what a sweep knows of every state, as a table for kernels.
+5. :mod:`.labels`, :mod:`.routes`: is there a plan worth so much?
+"""

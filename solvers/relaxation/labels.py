@@ -1,34 +1,63 @@
-"""Is there a plan worth so much, where chasers may wait? Labels forwards in time, once a body.
+"""Labels forwards in time, pruned by completion values: the kernels.
 
-As :mod:`solvers.ng_routes`, on the network with waiting arcs. A chaser that is at a body earlier
-and richer, with the same memory or less, may wait and do all that the later one can. So labels of
-one body are compared across *all* times, exactly: rows are gone through in order of departure, and
-each body has a list of the labels that are there and ready, none dominated by another. A label
-stays in the list, waiting, until its completion value says that it is too late.
+A *label* is a partial walk: where it is and since when, exact ΔV left, value (prizes less
+multipliers), and a memory of targets that it may not visit again. It is kept only if
+
+    value + completion value + Σ π ≥ threshold ,
+
+since no plan that begins with it can be worth more than the left side. Time and ΔV are exact here.
+All that is relaxed is the memory: on the way to body j a walk forgets every target that is not in
+the neighbourhood of j, except the body it comes from (ng-routes, Baldacci, Mingozzi & Roberti 2011).
+
+A chaser that is at a body earlier and richer, with the same memory or less, may wait and do all
+that the later one can. So labels of one body are compared across *all* times, exactly: rows are
+gone through in order of departure, and each body has a list of the labels that are there and
+ready, none dominated by another. A label stays in the list, waiting, until its completion value
+says that it is too late.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import STATION
 
-from ..ng_routes import (
-    CHUNK_DONE,
-    EFFORT,
-    EXHAUSTED,
-    FINE,
-    FULL,
-    WORD,
-    Labels,
-    NgRoutes,
-    remembers_no_more,
-)
 from .network import SLACK
+
+WORD = 63
+"""Targets remembered in one integer."""
+
+FINE = 16
+"""Labels count in units finer than those of the completion values by so many bits."""
+
+EXHAUSTED, CHUNK_DONE, FULL = 0, 1, 2
+
+
+class Labels(NamedTuple):
+    """Partial walks. Lists of a row, or of a body, are chained by ``following``.
+
+    Attributes
+    ----------
+    row, parent, following : (labels,) int64
+    value : (labels,) int64
+        [fine units].
+    left : (labels,) float64
+        [m/s].
+    visits : (labels,) int64
+        Services so far.
+    memory : (labels, words) int64
+        Bit j % 63 of word j // 63: may not go to target j.
+    """
+
+    row: np.ndarray
+    parent: np.ndarray
+    following: np.ndarray
+    value: np.ndarray
+    left: np.ndarray
+    visits: np.ndarray
+    memory: np.ndarray
 
 
 class Search(NamedTuple):
@@ -47,6 +76,8 @@ class Search(NamedTuple):
         What walks remember at each body.
     budget : float
         [m/s].
+    most_visits : int
+        Services that a walk may make.
     """
 
     best: np.ndarray
@@ -59,6 +90,7 @@ class Search(NamedTuple):
     need: int
     neighbourhood: np.ndarray
     budget: float
+    most_visits: int
 
 
 @kernel
@@ -66,17 +98,20 @@ def _completion(search, row, left, came_from):
     """Most that a walk can still collect from a row on without going back at once [fine units]."""
     at = (row + 1) * search.width + min(int(left / search.slot + SLACK), search.top)
     packed = search.best[at]
-    if came_from != STATION and packed & ((1 << search.bits) - 1) == came_from:
+    if packed & ((1 << search.bits) - 1) == came_from:
         packed = search.second[at]
     return np.int64(packed >> search.bits) << FINE
 
 
 @kernel
-def _dominates(labels, one, value, left, remembered):
+def _dominates(labels, one, value, left, visits, remembered):
     """Whether label ``one`` is worth as much, has as much left and remembers nothing more."""
-    if labels.value[one] < value or labels.left[one] < left:
+    if labels.value[one] < value or labels.left[one] < left or labels.visits[one] > visits:
         return False
-    return remembers_no_more(labels.memory, one, remembered)
+    beyond = 0
+    for w in range(remembered.size):
+        beyond |= labels.memory[one, w] & ~remembered[w]
+    return beyond == 0
 
 
 @kernel
@@ -89,8 +124,9 @@ def _arrive(labels, pending, ready, row, i):
         other = ready[i]
         while other >= 0:
             if _dominates(
-                labels, other, labels.value[label], labels.left[label], labels.memory[label]
-            ):
+                labels, other, labels.value[label], labels.left[label], labels.visits[label],
+                labels.memory[label],
+            ):  # fmt: skip
                 break
             other = labels.following[other]
         if other < 0:
@@ -127,6 +163,7 @@ def extend(network, body, order, search, labels, pending, ready, cursor, effort)
         EXHAUSTED when all rows are done, CHUNK_DONE, or FULL when there is no room for labels.
     """
     words = search.neighbourhood.shape[1]
+    counts = search.most_visits < search.gain.size
     remembered = np.empty(words, dtype=np.int64)
     target_effort = cursor[2] + effort
     while cursor[0] < order.size:
@@ -134,11 +171,14 @@ def extend(network, body, order, search, labels, pending, ready, cursor, effort)
         i = body[row]
         _arrive(labels, pending, ready, row, i)
         j = network.destination[row]
+        behind = -1 if network.is_station[i] else i
         label, before = ready[i], -1
         while label >= 0:
             following = labels.following[label]
             parent = labels.parent[label]
-            came_from = body[labels.row[parent]] if parent >= 0 else STATION
+            came_from = body[labels.row[parent]] if parent >= 0 else -1
+            if came_from >= 0 and network.is_station[came_from]:
+                came_from = -1
             left, value = labels.left[label], labels.value[label]
             if value + _completion(search, row, left, came_from) < search.need:
                 # Too late, now and at every later row.
@@ -150,27 +190,35 @@ def extend(network, body, order, search, labels, pending, ready, cursor, effort)
                 continue
             before = label
             label, here = following, label
-            if j != STATION and labels.memory[here, j // WORD] >> (j % WORD) & 1:
-                continue
+            to_station = network.is_station[j]
+            if not to_station:
+                if labels.memory[here, j // WORD] >> (j % WORD) & 1:
+                    continue
+                if labels.visits[here] == search.most_visits:
+                    continue
+            # What does not limit a walk is not counted, so that it tells no labels apart.
+            visits = labels.visits[here] + (counts and not to_station)
             for leg in range(network.first[row], network.first[row + 1]):
                 if network.delta_v[leg] > left:
                     continue
                 landing = network.landing[leg]
-                rest = search.budget if j == STATION else left - network.delta_v[leg]
+                rest = search.budget if to_station else left - network.delta_v[leg]
                 worth = value + search.gain[j]
-                if worth + _completion(search, landing, rest, i) < search.need:
+                if worth + _completion(search, landing, rest, behind) < search.need:
                     continue
                 cursor[2] += 1
                 for w in range(words):
                     remembered[w] = labels.memory[here, w] & search.neighbourhood[j, w]
-                if i != STATION:
+                if not network.is_station[i]:
                     remembered[i // WORD] |= 1 << (i % WORD)
                 other = ready[j]
-                while other >= 0 and not _dominates(labels, other, worth, rest, remembered):
+                while other >= 0 and not _dominates(labels, other, worth, rest, visits, remembered):
                     other = labels.following[other]
                 if other < 0:
                     other = pending[landing]
-                    while other >= 0 and not _dominates(labels, other, worth, rest, remembered):
+                    while other >= 0 and not _dominates(
+                        labels, other, worth, rest, visits, remembered
+                    ):
                         other = labels.following[other]
                 if other >= 0:
                     continue
@@ -180,6 +228,7 @@ def extend(network, body, order, search, labels, pending, ready, cursor, effort)
                     return FULL
                 labels.row[count], labels.parent[count] = landing, here
                 labels.value[count], labels.left[count] = worth, rest
+                labels.visits[count] = visits
                 for w in range(words):
                     labels.memory[count, w] = remembered[w]
                 labels.following[count] = pending[landing]
@@ -191,21 +240,83 @@ def extend(network, body, order, search, labels, pending, ready, cursor, effort)
     return EXHAUSTED if cursor[0] >= order.size else CHUNK_DONE
 
 
-class WaitingRoutes(NgRoutes):
-    """As :class:`solvers.ng_routes.NgRoutes`, where chasers may wait."""
+@kernel
+def path_of(labels, body, label, path):
+    """The bodies of a label's walk in order; returns how many."""
+    length = 0
+    while labels.parent[label] >= 0:
+        path[length] = body[labels.row[label]]
+        length += 1
+        label = labels.parent[label]
+    for a in range(length // 2):
+        path[a], path[length - 1 - a] = path[length - 1 - a], path[a]
+    return length
 
-    def _extension(self, need: int) -> Callable[[Labels, np.ndarray], int]:
-        bound = self._bound
-        search = Search(
-            bound.values.best, bound.values.second, bound.bits, bound.width, bound.top, bound.slot,
-            self._gain, need, self.neighbourhood, bound.budget,
-        )  # fmt: skip
-        ready = np.full(bound.prize.size, -1, dtype=np.int64)
 
-        def extend_labels(labels: Labels, cursor: np.ndarray) -> int:
-            return extend(  # type: ignore[no-any-return]
-                bound.network, self._body, self._order, search, labels, self._first, ready,
-                cursor, EFFORT,
-            )  # fmt: skip
+@kernel
+def learn(network, labels, body, count, least, most_walks, neighbourhood, path):
+    """Look at walks worth at least so much, and let the bodies inside their cycles remember.
 
-        return extend_labels
+    Parameters
+    ----------
+    network : Network
+    labels : Labels
+    body : (rows,) int32
+        Body of each row.
+    count : int
+        Number of labels.
+    least : int
+        Walks worth less are not looked at [fine units].
+    most_walks : int
+        Walks to learn from, spread evenly over all of them: neighbours share their cycles.
+    neighbourhood : (bodies, words) int64
+        Updated.
+    path : (legs,) int64
+        Desk.
+
+    Returns
+    -------
+    plan : int
+        A label of the greatest value without any cycle, where a mission may end; −1 for none.
+    grown : int
+        How many memories were added.
+    """
+    walks = 0
+    for label in range(count):
+        walks += labels.value[label] >= least and network.may_end[body[labels.row[label]]]
+    stride = max(1, walks // most_walks)
+    seen = np.empty(neighbourhood.shape[0], dtype=np.int64)
+    plan, grown, number = -1, 0, 0
+    for label in range(count):
+        if labels.value[label] < least or not network.may_end[body[labels.row[label]]]:
+            continue
+        number += 1
+        length = path_of(labels, body, label, path)
+        seen[:] = -1
+        is_plan = True
+        for a in range(length):
+            j = path[a]
+            if network.is_station[j]:
+                continue
+            if seen[j] >= 0:
+                is_plan = False
+                if number % stride == 0:
+                    bit = 1 << (j % WORD)
+                    for b in range(seen[j] + 1, a):
+                        if not neighbourhood[path[b], j // WORD] & bit:
+                            neighbourhood[path[b], j // WORD] |= bit
+                            grown += 1
+            seen[j] = a
+        if is_plan and (plan < 0 or labels.value[label] > labels.value[plan]):
+            plan = label
+    return plan, grown
+
+
+@kernel
+def most_of(network, labels, body, count, least):
+    """Greatest value of the walks that end where a mission may; ``least`` if all are below."""
+    best = least
+    for label in range(count):
+        if network.may_end[body[labels.row[label]]]:
+            best = max(best, labels.value[label])
+    return best

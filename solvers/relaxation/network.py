@@ -24,7 +24,7 @@ SLACK = 1e-9
 """Guard of roundings to slots, always in the optimistic direction [slots]."""
 
 
-class WaitingNetwork(NamedTuple):
+class Network(NamedTuple):
     """Rows, body after body, each body's in order of departure, and their legs.
 
     One row more closes each body: nothing leaves any more.
@@ -46,6 +46,10 @@ class WaitingNetwork(NamedTuple):
     first_kept : (rows + 1,) int64
     landing_kept, cost : (legs kept,) int32
         The legs that count when ΔV is in slots, and their slots.
+    is_station, may_end : (bodies,) bool
+        As in :class:`adr_opt.kernels.rules.Rules`.
+    root : int
+        Row at which the mission begins.
     shortest : float
         Least time from departure to the end of service of any leg [s].
     """
@@ -59,6 +63,9 @@ class WaitingNetwork(NamedTuple):
     first_kept: np.ndarray
     landing_kept: np.ndarray
     cost: np.ndarray
+    is_station: np.ndarray
+    may_end: np.ndarray
+    root: int
     shortest: float
 
 
@@ -85,26 +92,25 @@ class Outgoing(NamedTuple):
 
 
 @kernel
-def _from_body(i, bodies, extra_delta_v, rule, service, budget, duration, resolution):
+def _from_body(i, orbits, extra_delta_v, transfer_rule, rules):
     """All legs of a body that fit into the mission: an :class:`Outgoing`."""
+    bodies = rules.service.size
     departures = [np.empty(0)]
     ends = [np.empty(0)]
     costs = [np.empty(0)]
-    for j in range(bodies.shape[0]):
-        if j == i:
-            departures.append(np.empty(0))
-            ends.append(np.empty(0))
-            costs.append(np.empty(0))
-            continue
+    for j in range(bodies):
+        # Nobody goes to where he is, or back to an orbit that is no body's.
+        reachable = j != i and (rules.is_station[j] or j >= rules.first_target)
+        last = rules.closes[j] - rules.service[j] if reachable else -1.0
         departure, arrival, delta_v, _ = connections.of_pair(
-            bodies[i], bodies[j], extra_delta_v[i, j], rule, duration - service[j], resolution
+            orbits[i], orbits[j], extra_delta_v[i, j], transfer_rule, last, 0.0
         )
-        possible = delta_v <= budget
+        possible = delta_v <= rules.budget
         departures.append(departure[possible])
-        ends.append(arrival[possible] + service[j])
+        ends.append(np.maximum(arrival[possible], rules.opens[j]) + rules.service[j])
         costs.append(delta_v[possible])
     rows, legs = 0, 0
-    for j in range(bodies.shape[0]):
+    for j in range(bodies):
         departure = departures[j + 1]
         legs += departure.size
         for c in range(departure.size):
@@ -113,7 +119,7 @@ def _from_body(i, bodies, extra_delta_v, rule, service, budget, duration, resolu
     body = np.empty(rows, np.int32)
     begin = np.empty(rows, np.int64)
     row = 0
-    for j in range(bodies.shape[0]):
+    for j in range(bodies):
         departure = departures[j + 1]
         for c in range(departure.size):
             if c == 0 or departure[c] != departure[c - 1]:
@@ -181,7 +187,7 @@ def _land(departure, start, outgoing, slot, slots, landing):
     return first_kept, landing_kept, cost
 
 
-def build(mission: Mission, slot_m_s: float, *, resolution_m_s: float, jobs: int) -> WaitingNetwork:
+def build(mission: Mission, slot_m_s: float, *, jobs: int) -> Network:
     """The network of a mission.
 
     Parameters
@@ -189,24 +195,14 @@ def build(mission: Mission, slot_m_s: float, *, resolution_m_s: float, jobs: int
     mission : Mission
     slot_m_s : float
         Slot of the ΔV axis of walks [m/s].
-    resolution_m_s : float
-        Connections that save no more than this are left out [m/s].
     jobs : int
         Threads. The network does not depend on it.
     """
-    orbits, extra, rule = mission.transfer_inputs
-    service, budget, duration = mission.rules.service, mission.rules.budget, mission.rules.duration
-    bodies = len(orbits)
-    slots = math.floor(budget / slot_m_s + SLACK) + 1
+    inputs, rules = mission.transfer_inputs, mission.rules
+    bodies = rules.service.size
+    slots = math.floor(rules.budget / slot_m_s + SLACK) + 1
     with ThreadPoolExecutor(jobs) as pool:
-        found = list(
-            pool.map(
-                lambda i: _from_body(
-                    i, orbits, extra, rule, service, budget, duration, resolution_m_s
-                ),
-                range(bodies),
-            )
-        )
+        found = list(pool.map(lambda i: _from_body(i, *inputs, rules), range(bodies)))
         start = np.zeros(bodies + 1, dtype=np.int64)
         start[1:] = np.cumsum([outgoing.departure.size + 1 for outgoing in found])
         departure = np.full(int(start[-1]), math.inf)
@@ -219,12 +215,13 @@ def build(mission: Mission, slot_m_s: float, *, resolution_m_s: float, jobs: int
                 range(bodies),
             )
         )
-    shortest = duration
+    shortest = rules.duration
     for outgoing in found:
         if outgoing.end.size:
             left = np.repeat(outgoing.departure, np.diff(outgoing.first))
             shortest = min(shortest, float((outgoing.end - left).min()))
-    return WaitingNetwork(
+    ahead = found[rules.start].departure
+    return Network(
         start,
         departure,
         np.concatenate(
@@ -236,6 +233,9 @@ def build(mission: Mission, slot_m_s: float, *, resolution_m_s: float, jobs: int
         _joined([first for first, _, _ in kept]),
         np.concatenate([landing for _, landing, _ in kept]),
         np.concatenate([cost for _, _, cost in kept]),
+        rules.is_station,
+        rules.may_end,
+        int(start[rules.start] + np.searchsorted(ahead, earliest_taken(rules.ready))),
         shortest,
     )
 

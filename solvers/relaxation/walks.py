@@ -1,81 +1,120 @@
-"""Longest walks backwards in time where chasers may wait, for given multipliers.
+"""Longest walks backwards in time, for given multipliers (MODEL section 8).
 
-The relaxation is that of :mod:`solvers.walks`: a walk may service a target again, but not two legs
-after leaving it; each service of target j is worth its prize less a multiplier; ΔV is counted in
-slots, rounded down; time is exact. But walks move on the network of :mod:`.network`, where one may
-wait and take any sequence. That is one comparison a leg and a slot, instead of one for each
-destination that lies ahead.
+The relaxation. A *walk* may service a target again and again, but never two legs after leaving it
+(i → j → i is forbidden, also when j is a station); each service of target j is worth its prize
+less a multiplier π_j ≥ 0. The best walk from every (body, time, ΔV left) comes out of one sweep
+backwards in time. Every plan is a walk: its moves are the walk's moves, and each step below only
+widens what is allowed. So for every plan, and for every completion of a partial plan,
+
+    prizes collected = Σ over its targets (prize_j − π_j) + Σ over its targets π_j
+                     ≤ value of the best walk + Σ over the targets not yet visited π_j .
+
+What is exact and what is relaxed:
+
+- Time is exact. Walks move on the network of :mod:`.network`: every connection once, at its own
+  departure, and one arc to wait for the next departure of the body. That is one comparison a leg
+  and a slot. Services that would end too late are left out exactly.
+- ΔV is counted in slots. The slots of a leg are rounded down and so is the budget: if the legs fit
+  into the budget, then Σ ⌊ΔV/u⌋ ≤ ⌊Σ ΔV/u⌋ ≤ ⌊budget/u⌋. A relaxation, the better the finer.
+- Values are whole numbers of units, so sums are exact and there is no rounding error to guard
+  against: the multipliers are those for which prize_j − π_j is a whole number of units.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
 
 from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import STATION
 from adr_opt.kernels.timetable import earliest_taken
 from adr_opt.mission import Mission
 
-from .. import lanes
-from ..walks import NEVER, WalkBound
-from .network import build
+from . import simd
+from .network import SLACK, build
+
+NEVER = -(2**30)
+"""Value of what is not possible; far enough from −2³¹ that adding to it cannot wrap around."""
+
+LARGEST = 2**29
+"""No sum of values exceeds it in size, code included."""
+
+
+class Values(NamedTuple):
+    """Values of all states.
+
+    A value is packed with the next body of the walk, ``value << bits | next``, so that comparing
+    compares values and the better next body comes along. A walk that stops has itself as next.
+
+    Attributes
+    ----------
+    best : (slots before + rows·width,) int32
+        Best walk of (row, ΔV slots left); ``width`` numbers before the first row keep reads in
+        bounds.
+    second : the same shape
+        Best walk with another next body: what a chaser that just left the best's next may take.
+    """
+
+    best: np.ndarray
+    second: np.ndarray
 
 
 @kernel
 def _sweep_rows(network, best, second, code, bits, width, top, i, high, low):
     """Values of the rows ``low`` to ``high`` − 1 (counted within body i), backwards."""
     mask = (1 << bits) - 1
-    keep_value = lanes.spread(~mask)
-    keep_next = lanes.spread(mask)
-    never = lanes.spread(NEVER)
-    # From the station nothing is forbidden; no code has all bits set.
-    came_from = lanes.spread(i if i != STATION else mask)
+    keep_value = simd.spread(~mask)
+    keep_next = simd.spread(mask)
+    never = simd.spread(NEVER)
+    # From a station nothing is forbidden; no code has all bits set.
+    came_from = simd.spread(mask if network.is_station[i] else i)
     base = network.start[i]
     for row in range(base + high - 1, base + low - 1, -1):
         j = network.destination[row]
-        gain = lanes.spread(code[j])
+        gain = simd.spread(code[j])
         begin, end = network.first_kept[row], network.first_kept[row + 1]
-        for c in range(0, width, lanes.LANES):
+        for c in range(0, width, simd.LANES):
             # to wait
-            found = lanes.load(best, (row + 2) * width + c)
-            other = lanes.load(second, (row + 2) * width + c)
-            left = lanes.plus(lanes.count_up(), lanes.spread(c))
+            found = simd.load(best, (row + 2) * width + c)
+            other = simd.load(second, (row + 2) * width + c)
+            left = simd.plus(simd.count_up(), simd.spread(c))
             for leg in range(begin, end):
                 cost = network.cost[leg]
-                if c + lanes.LANES <= cost:
+                if c + simd.LANES <= cost:
                     continue
                 landing = (network.landing_kept[leg] + 1) * width
-                if j == STATION:
+                if network.is_station[j]:
                     full = best[landing + top]
                     if full & mask == i:
                         full = second[landing + top]
-                    value = lanes.plus(lanes.both(lanes.spread(full), keep_value), gain)
+                    value = simd.plus(simd.both(simd.spread(full), keep_value), gain)
                 else:
-                    value = lanes.load(best, landing + c - cost)
-                    instead = lanes.load(second, landing + c - cost)
-                    value = lanes.where_equal(
-                        lanes.both(value, keep_next), came_from, instead, value
-                    )
-                    value = lanes.plus(lanes.both(value, keep_value), gain)
-                value = lanes.where_less(left, lanes.spread(cost), never, value)
-                loser = lanes.smaller(found, value)
-                found = lanes.larger(found, value)
-                loser = lanes.where_same(found, loser, keep_next, never)
-                other = lanes.larger(other, loser)
-            lanes.store(best, (row + 1) * width + c, found)
-            lanes.store(second, (row + 1) * width + c, other)
+                    value = simd.load(best, landing + c - cost)
+                    instead = simd.load(second, landing + c - cost)
+                    value = simd.where_equal(simd.both(value, keep_next), came_from, instead, value)
+                    value = simd.plus(simd.both(value, keep_value), gain)
+                value = simd.where_less(left, simd.spread(cost), never, value)
+                loser = simd.smaller(found, value)
+                found = simd.larger(found, value)
+                loser = simd.where_same(found, loser, keep_next, never)
+                other = simd.larger(other, loser)
+            simd.store(best, (row + 1) * width + c, found)
+            simd.store(second, (row + 1) * width + c, other)
 
 
 @kernel
 def _begin(network, best, second, width, begun):
-    """In closing rows a walk can only stop; ``width`` numbers before all rows keep reads inside."""
+    """In closing rows a walk can only stop, where it may; ``width`` numbers before all rows keep
+    reads inside.
+    """
     best[:width] = NEVER
     second[:width] = NEVER
     for i in range(network.start.size - 1):
         closing = network.start[i + 1] * width
-        best[closing : closing + width] = i
+        best[closing : closing + width] = i if network.may_end[i] else NEVER
         second[closing : closing + width] = NEVER
         begun[i] = network.start[i + 1] - 1 - network.start[i]
 
@@ -113,10 +152,10 @@ def _trace(network, best, second, code, bits, width, top, row, body, left, walk)
                 for leg in range(network.first_kept[row], network.first_kept[row + 1]):
                     if network.cost[leg] > left:
                         continue
-                    rest = top if j == STATION else left - network.cost[leg]
+                    rest = top if network.is_station[j] else left - network.cost[leg]
                     landing = network.landing_kept[leg]
                     ahead = best[(landing + 1) * width + rest]
-                    if body != STATION and ahead & mask == body:
+                    if not network.is_station[body] and ahead & mask == body:
                         ahead = second[(landing + 1) * width + rest]
                     if (ahead >> bits) + (code[j] >> bits) == packed >> bits:
                         onward = landing
@@ -125,36 +164,151 @@ def _trace(network, best, second, code, bits, width, top, row, body, left, walk)
         walk[length] = j
         length += 1
         left = rest
-        came_from = body if body != STATION else mask
+        came_from = mask if network.is_station[body] else body
         row, body = onward, j
 
 
-class Values(NamedTuple):
-    """Values of all states: see :class:`solvers.walks.Values`."""
-
-    best: np.ndarray
-    second: np.ndarray
+class TimeIsOver(Exception):
+    """An evaluation was broken off."""
 
 
-class WaitingBound(WalkBound):
-    """Best walks of a mission in which chasers may wait, for given multipliers.
+class WalkBound:
+    """Best walks of a mission for given multipliers, again and again.
 
-    As :class:`solvers.walks.WalkBound`; ``network`` is a :class:`.network.WaitingNetwork`.
+    Parameters
+    ----------
+    mission : Mission
+    delta_v_slot_m_s : float
+        Slot of the ΔV axis [m/s].
+    jobs : int
+        Threads.
+    over : callable
+        Asked now and then whether the time is over.
+
+    Attributes
+    ----------
+    network : Network
+    values : Values
+    slot : float
+        Slot in use [m/s].
+    most_legs : int
+        No walk has more.
+    unit : float
+        Prize that one unit of value is worth.
+    walk : (legs,) int64
+        Best walk of the last evaluation: bodies in order.
     """
 
-    def _build(self, mission: Mission) -> float:
-        # At resolution 0 nothing is left out that some chaser could want.
-        self.network = build(mission, self.slot, resolution_m_s=0.0, jobs=self._jobs)
+    def __init__(
+        self,
+        mission: Mission,
+        delta_v_slot_m_s: float,
+        jobs: int = 1,
+        over: Callable[[], bool] = lambda: False,
+    ) -> None:
+        rules = mission.rules
+        self._over = over
+        self.prize = np.array(rules.prize)
+        self.is_target = np.arange(self.prize.size) >= rules.first_target
+        self.start = rules.start
+        self.most_targets = rules.most_targets
+        bodies = self.prize.size
+        self.slot = delta_v_slot_m_s
+        self.top = math.floor(rules.budget / self.slot + SLACK)
+        self.width = (self.top // simd.LANES + 1) * simd.LANES
+        self._jobs = jobs
+        self.network = build(mission, self.slot, jobs=jobs)
         size = (int(self.network.start[-1]) + 1) * self.width
         self.values = Values(np.empty(size, dtype=np.int32), np.empty(size, dtype=np.int32))
-        return float(self.network.shortest)
+        # Rows within one stage do not land in it, so their bodies are independent.
+        self._stage = earliest_taken(self.network.shortest) * (1.0 - 1e-9)
+        self._stages = int(rules.duration / self._stage) + 1 if self._stage > 0.0 else 1
+        self.bits = int(bodies).bit_length()
+        self.most_legs = self._stages + 1
+        self.budget = rules.budget
+        self.greatest_prize = float(self.prize.max(initial=0.0)) or 1.0
+        room = LARGEST / (1 << self.bits) / self.most_legs / self.greatest_prize
+        # A power of two, so that units are exact numbers.
+        self.unit = 2.0 ** -math.floor(math.log2(room))
+        self._begun = np.empty(bodies, dtype=np.int64)
+        self._walk = np.empty(self.most_legs + 1, dtype=np.int64)
+        self.walk = self._walk[:0]
+        self._pool = ThreadPoolExecutor(jobs) if jobs > 1 else None
 
-    def _longest(self, code: np.ndarray) -> int:
+    def _sweep(self, sweep_until: Callable[..., None], *common: object) -> None:
+        """Go backwards in time stage by stage, the bodies shared among the threads."""
+        for number in range(self._stages - 1, -1, -1):
+            if self._over():
+                raise TimeIsOver
+            time = number * self._stage
+            if self._pool is None:
+                sweep_until(*common, 0, 1, time)
+                continue
+            parts = [
+                self._pool.submit(sweep_until, *common, first, self._jobs, time)
+                for first in range(self._jobs)
+            ]
+            for part in parts:
+                part.result()
+
+    def close(self) -> None:
+        """End the threads."""
+        if self._pool is not None:
+            self._pool.shutdown()
+
+    def evaluate(self, multipliers: np.ndarray, *, keep: bool = False) -> tuple[float, np.ndarray]:
+        """The bound of given multipliers.
+
+        Parameters
+        ----------
+        multipliers : (bodies,) float64
+            π of each target, at least 0 and at most its prize plus the largest prize.
+        keep : bool
+            Take the multipliers as they are, and round what services are worth up to units, which
+            relaxes; otherwise round the multipliers so that there is nothing to round.
+
+        Returns
+        -------
+        bound : float
+            No plan has a larger objective; −inf if there is none at all.
+        multipliers : (bodies,) float64
+            Those for which the bound holds.
+
+        Raises
+        ------
+        TimeIsOver
+            It was broken off.
+        """
+        whole = np.floor(self.prize / self.unit)
+        least = np.rint(-self.greatest_prize / self.unit)
+        if keep:
+            rounded = np.array(multipliers)
+            gain = np.maximum(np.ceil((self.prize - rounded) / self.unit), least)
+        else:
+            gain = np.rint((self.prize - multipliers) / self.unit)
+            gain = np.clip(gain, least, whole)
+            rounded = self.prize - gain * self.unit
+        gain[~self.is_target], rounded[~self.is_target] = 0.0, 0.0
+        code = (gain.astype(np.int64) << self.bits) + np.arange(gain.size)
+        code = code.astype(np.int32)
+        value = self._longest(code)
+        if value is None:
+            return -math.inf, rounded
+        return value * self.unit + float(rounded.sum()), rounded
+
+    def _longest(self, code: np.ndarray) -> int | None:
+        """Value of the best walk in units; ``code`` holds what each service is worth, packed.
+
+        None if there is no walk: the mission cannot end where it must.
+        """
         network, (best, second) = self.network, self.values
         _begin(network, best, second, self.width, self._begun)
         common = (network, best, second, code, self.bits, self.width, self.top)
         self._sweep(_sweep_until, *common, self._begun)
-        row = int(network.start[STATION])
-        length = _trace(*common, row, STATION, self.top, self._walk)
+        value = int(best[(network.root + 1) * self.width + self.top]) >> self.bits
+        if value < -LARGEST >> self.bits:
+            self.walk = self._walk[:0]
+            return None
+        length = _trace(*common, network.root, self.start, self.top, self._walk)
         self.walk = self._walk[:length].copy()
-        return int(best[(row + 1) * self.width + self.top]) >> self.bits
+        return value

@@ -14,7 +14,6 @@ from __future__ import annotations
 import numpy as np
 
 from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import STATION
 from adr_opt.kernels.memory import write
 
 from .walks import WalkBound
@@ -130,7 +129,7 @@ class Descent:
         value, rounded = bound.evaluate(point)
         self.evaluations += 1
         slope = 1.0 - np.bincount(bound.walk, minlength=bound.prize.size)
-        slope[STATION] = 0.0
+        slope[~bound.is_target] = 0.0
         if self.evaluations == 1:
             self._ambition = FIRST_AMBITION * value
         if value < self.value:
@@ -160,7 +159,7 @@ class Descent:
             tolerance = 0.1 * self._ambition
             if nearest_below(slopes, offsets, weights, self.multipliers, tolerance, radius, point):
                 self._weights = weights
-                point[STATION] = 0.0
+                point[~bound.is_target] = 0.0
                 return np.clip(point, 0.0, bound.prize + bound.greatest_prize)
             self._ambition *= 0.5
         self.done = True

@@ -1,6 +1,6 @@
 """How much can still be collected from any state: an upper bound, as a table for kernels.
 
-What guides a search and what bounds it: the values of all states of :mod:`solvers.walks` after a
+What guides a search and what bounds it: the values of all states of :mod:`.walks` after a
 few steps on the multipliers.
 """
 
@@ -32,9 +32,7 @@ class CompletionTable(NamedTuple):
     bucket_rate : float
         Stretches per second.
     multipliers : (bodies,) float64
-        π of each target; 0 for the station.
-    reduced : (bodies,) float64
-        Prize less π, what the values count for a service.
+        π of each target; 0 for other bodies.
     slot : float
         [m/s].
     width, top, bits : int
@@ -48,7 +46,6 @@ class CompletionTable(NamedTuple):
     bucket: np.ndarray
     bucket_rate: float
     multipliers: np.ndarray
-    reduced: np.ndarray
     slot: float
     width: int
     top: int
@@ -115,7 +112,6 @@ def completion_table(bound: WalkBound, multipliers: np.ndarray) -> CompletionTab
         bucket,
         1.0 / BUCKET_S,
         rounded,
-        bound.prize - rounded,
         bound.slot,
         bound.width,
         bound.top,

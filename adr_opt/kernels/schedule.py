@@ -1,0 +1,135 @@
+"""The best schedule of an order of bodies: labels along the order, over all connections.
+
+An order says where to go, not when: at each body the chaser may wait for any connection to the next
+one. A *label* is a way to have got so far: (ready, ΔV left, cost). One that is ready no later, has
+no less left and cost no more makes another one superfluous, exactly, because a chaser may wait.
+So connections are gone through in order of departure, and each is taken by those labels only that
+are ready for it and that no other ready one beats in (ΔV left, cost).
+"""
+
+import numpy as np
+
+from .compile import kernel
+from .timetable import earliest_taken
+
+
+@kernel
+def _wider(numbers, size):
+    """A copy with room for twice as many."""
+    copy = np.empty(2 * size + 64, numbers.dtype)
+    copy[:size] = numbers[:size]
+    return copy
+
+
+@kernel
+def _into(staircase_left, staircase_cost, names, size, left, cost, name):
+    """Put (left, cost) into a staircase, where more left costs more; its size then, or −1.
+
+    −1 says that a stair is as good.
+    """
+    low, high = 0, size
+    while low < high:
+        middle = (low + high) // 2
+        if staircase_left[middle] < left:
+            low = middle + 1
+        else:
+            high = middle
+    # Stairs from ``low`` on have as much left: the first is the cheapest of them.
+    if low < size and staircase_cost[low] <= cost:
+        return -1
+    first = low
+    while first > 0 and staircase_cost[first - 1] >= cost:
+        first -= 1
+    last = low
+    if last < size and staircase_left[last] == left:
+        last += 1
+    shift = 1 - (last - first)
+    if shift > 0:
+        for q in range(size, first, -1):
+            staircase_left[q], staircase_cost[q] = staircase_left[q - 1], staircase_cost[q - 1]
+            names[q] = names[q - 1]
+    elif shift < 0:
+        for q in range(last, size):
+            staircase_left[q + shift], staircase_cost[q + shift] = (
+                staircase_left[q],
+                staircase_cost[q],
+            )
+            names[q + shift] = names[q]
+    staircase_left[first], staircase_cost[first], names[first] = left, cost, name
+    return size + shift
+
+
+@kernel
+def follow(ready, left, cost, connections, service, opens, closes, refill):
+    """Labels at the next body of an order.
+
+    Parameters
+    ----------
+    ready, left, cost : (labels,) float64
+        Labels at the body before, in order of the time ready [s], [m/s], [m/s].
+    connections : tuple of (connections,) float64
+        Departure [s], arrival [s], ΔV [m/s] of the pair, in order of departure.
+    service : float
+        Time at the next body [s].
+    opens, closes : float
+        Service there begins no earlier and ends no later [s].
+    refill : float
+        What the tank holds after a stop at the next body, −1 for what is left [m/s].
+
+    Returns
+    -------
+    ready, left, cost : (labels,) float64
+        None dominates another, in order of the time ready.
+    parent, taken : (labels,) int64
+        Label before, and connection.
+    """
+    departure, arrival, delta_v = connections
+    room = 256
+    ends, lefts, costs = np.empty(room), np.empty(room), np.empty(room)
+    parents, takens = np.empty(room, np.int64), np.empty(room, np.int64)
+    count = 0
+    front_left, front_cost = np.empty(ready.size), np.empty(ready.size)
+    front = np.empty(ready.size, np.int64)
+    size, label = 0, 0
+    for c in range(departure.size):
+        while label < ready.size and earliest_taken(ready[label]) <= departure[c]:
+            grown = _into(front_left, front_cost, front, size, left[label], cost[label], label)
+            if grown >= 0:
+                size = grown
+            label += 1
+        end = max(arrival[c], opens) + service
+        if end > closes:
+            continue
+        # The stairs that can afford it; where the tank is filled the cheapest of them is enough.
+        low, high = 0, size
+        while low < high:
+            middle = (low + high) // 2
+            if front_left[middle] < delta_v[c]:
+                low = middle + 1
+            else:
+                high = middle
+        last = size if refill < 0.0 else min(low + 1, size)
+        for stair in range(low, last):
+            if count == room:
+                ends, lefts, costs = _wider(ends, count), _wider(lefts, count), _wider(costs, count)
+                parents, takens = _wider(parents, count), _wider(takens, count)
+                room = ends.size
+            ends[count] = end
+            lefts[count] = refill if refill >= 0.0 else front_left[stair] - delta_v[c]
+            costs[count] = front_cost[stair] + delta_v[c]
+            parents[count], takens[count] = front[stair], c
+            count += 1
+    order = np.argsort(ends[:count], kind="mergesort")
+    best_left, best_cost = np.empty(count), np.empty(count)
+    names = np.empty(count, np.int64)
+    size, kept = 0, 0
+    for place in range(count):
+        which = order[place]
+        grown = _into(best_left, best_cost, names, size, lefts[which], costs[which], which)
+        if grown >= 0:
+            size = grown
+            order[kept] = which
+            kept += 1
+    # Of labels that are ready together a later one may beat an earlier one: harmless.
+    order = order[:kept]
+    return ends[order], lefts[order], costs[order], parents[order], takens[order]

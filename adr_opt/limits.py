@@ -1,0 +1,39 @@
+"""When a body may be serviced, and how long that takes, as arrays."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .instance import Instance
+from .kernels.constants import SLACK_S
+from .kernels.orbits import period
+from .kernels.timetable import Limits
+from .records import Window
+
+
+def limits_of(instance: Instance) -> Limits:
+    """The times of an instance as the kernels take them; the arrays are read-only."""
+    mission, first = instance.mission, instance.first_target
+    periods = np.array([period(radius) for radius in instance.orbits()[:, 0]])
+    service = mission.refuel_revolutions * periods
+    if mission.service_revolutions is not None:
+        service[first:] = mission.service_revolutions * periods[first:]
+    else:
+        service[first:] = mission.service_s
+    begin, end = _seconds(instance.chaser.available_s)
+    duration = min(mission.duration_s, end) + SLACK_S
+    opens, closes = np.full(periods.size, begin), np.full(periods.size, duration)
+    for body, target in enumerate(instance.targets, start=first):
+        opened, closed = _seconds(target.window_s)
+        opens[body], closes[body] = max(opened, begin), min(closed + SLACK_S, duration)
+    for array in (service, opens, closes):
+        array.setflags(write=False)
+    return Limits(service, opens, closes, begin, duration)
+
+
+def _seconds(window: Window) -> tuple[float, float]:
+    """A window with +inf for one that never closes [s]."""
+    opens, closes = window
+    return opens, math.inf if closes is None else closes

@@ -1,0 +1,164 @@
+"""Is there a plan worth so much? Searches with labels, and what they learn from one another.
+
+The room shared by the Lagrangian bound and by proofs of optimality (MODEL section 8). If the labels
+of :mod:`.labels` run out before the threshold, no plan reaches it. If not, the best walks show which
+targets were visited twice; the bodies in between learn to remember them, and the search begins
+again (decremental state space, Righini & Salani 2008). A walk that repeats nothing is a plan, legal
+to the last digit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from .labels import (
+    EXHAUSTED,
+    FINE,
+    FULL,
+    WORD,
+    Labels,
+    Search,
+    extend,
+    learn,
+    most_of,
+    path_of,
+)
+from .walks import WalkBound
+
+EFFORT = 200_000
+"""Extensions between two questions whether it is enough."""
+
+WALKS = 64
+"""Walks to learn from after a search."""
+
+
+class Routes:
+    """Searches with the completion values of a bound, and the memory that grows meanwhile.
+
+    Parameters
+    ----------
+    bound : WalkBound
+        Its network and values are used, and its values overwritten.
+
+    Attributes
+    ----------
+    neighbourhood : (bodies, words) int64
+        What walks remember at each body; kept from search to search.
+    greatest_prize : float
+    labels_made, searches : int
+    """
+
+    def __init__(self, bound: WalkBound) -> None:
+        self._bound = bound
+        self.greatest_prize = bound.greatest_prize
+        network = bound.network
+        bodies = bound.prize.size
+        self.neighbourhood = np.zeros((bodies, (bodies - 1) // WORD + 1), dtype=np.int64)
+        self.labels_made = 0
+        self.searches = 0
+        self._body = np.repeat(np.arange(bodies, dtype=np.int32), np.diff(network.start))
+        self._order = np.argsort(network.departure, kind="stable")
+        self._first = np.empty(network.departure.size, dtype=np.int64)  # label of each row
+        self._labels = self._room(1 << 16)
+        self._gain = np.zeros(bodies, dtype=np.int64)
+        self._total = 0.0
+        self._unit = bound.unit * 2.0**-FINE
+
+    def _room(self, size: int) -> Labels:
+        words = self.neighbourhood.shape[1]
+        row, parent, following, value, visits = (np.empty(size, dtype=np.int64) for _ in range(5))
+        memory = np.empty((size, words), dtype=np.int64)
+        return Labels(row, parent, following, value, np.empty(size), visits, memory)
+
+    def use(self, multipliers: np.ndarray) -> None:
+        """Work out the completion values of some multipliers, for the searches to come."""
+        bound = self._bound
+        # What is left of rounding to units would count for every target that is left out.
+        kept = np.where(multipliers < bound.unit, 0.0, multipliers)
+        bound.evaluate(kept, keep=True)
+        self._gain = np.ceil((bound.prize - kept) / self._unit).astype(np.int64)
+        self._total = float(kept.sum())
+
+    def _extension(self, need: int) -> Callable[[Labels, np.ndarray], int]:
+        """What extends labels for a while, for one search: takes them and the cursor."""
+        bound = self._bound
+        search = Search(
+            bound.values.best, bound.values.second, bound.bits, bound.width, bound.top, bound.slot,
+            self._gain, need, self.neighbourhood, bound.budget, bound.most_targets,
+        )  # fmt: skip
+        ready = np.full(bound.prize.size, -1, dtype=np.int64)
+
+        def extend_labels(labels: Labels, cursor: np.ndarray) -> int:
+            return extend(  # type: ignore[no-any-return]
+                bound.network, self._body, self._order, search, labels, self._first, ready,
+                cursor, EFFORT,
+            )  # fmt: skip
+
+        return extend_labels
+
+    def search(
+        self, threshold: float, most_labels: int, enough: Callable[[], bool]
+    ) -> tuple[bool, float, np.ndarray | None, int]:
+        """One search for walks worth at least ``threshold``, and what was learnt from them.
+
+        Parameters
+        ----------
+        threshold : float
+        most_labels : int
+            Give up beyond so many.
+        enough : callable
+            Asked now and then whether to give up.
+
+        Returns
+        -------
+        finished : bool
+            False if it gave up: then nothing was proven.
+        value : float
+            If finished, no plan is worth more than the greater one of this and the threshold:
+            the value of the best walk plus Σ π, −inf if there is none.
+        plan : (moves,) int64 or None
+            The best of the walks that visit no target twice: a plan.
+        grown : int
+            Memories added.
+        """
+        bound = self._bound
+        # A little lower, so that no rounding of the sum of multipliers counts.
+        need = math.ceil((threshold - self._total) / self._unit - 1e-3)
+        self._first[:] = -1
+        root = bound.network.root
+        self._first[root] = 0
+        extend_labels = self._extension(need)
+        labels = self._labels
+        labels.row[0], labels.parent[0], labels.following[0] = root, -1, -1
+        labels.value[0], labels.left[0], labels.memory[0] = 0, bound.budget, 0
+        labels.visits[0] = 0
+        cursor = np.array([0, 1, 0], dtype=np.int64)
+        self.searches += 1
+        while True:
+            labels = self._labels
+            state = extend_labels(labels, cursor)
+            if state == EXHAUSTED:
+                break
+            if enough() or cursor[1] >= most_labels:
+                self.labels_made += int(cursor[1])
+                return False, math.inf, None, 0
+            if state == FULL:
+                self._labels = self._room(2 * labels.row.size)
+                for new, old in zip(self._labels, labels, strict=True):
+                    new[: cursor[1]] = old[: cursor[1]]
+        count = int(cursor[1])
+        self.labels_made += count
+        best = int(most_of(bound.network, labels, self._body, count, need - 1))
+        if best < need:
+            return True, -math.inf, None, 0
+        path = np.empty(bound.most_legs + 1, dtype=np.int64)
+        plan, grown = learn(
+            bound.network, labels, self._body, count, need, WALKS, self.neighbourhood, path
+        )
+        sequence = None
+        if plan >= 0:
+            sequence = path[: path_of(labels, self._body, plan, path)].copy()
+        return True, best * self._unit + self._total, sequence, int(grown)
