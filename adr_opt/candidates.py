@@ -86,8 +86,8 @@ class Candidates:
         """What a result of the part says about the whole mission.
 
         Its bound says nothing. A plan of the whole is no plan of the part once the targets left
-        out are dropped from it, because a chaser that skips one leaves earlier, at other costs, and
-        cannot wait; so not even the bound and the prizes left out bound the whole together.
+        out are dropped from it, because the way past one may be cheaper by way of it; so not even
+        the bound and the prizes left out bound the whole together.
         """
         if self.all:
             return result

@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from .chasers import AtStation
 from .errors import InputError
 from .formats_1 import is_of
 from .instance import Instance
@@ -106,10 +107,10 @@ def _check_routes(instance: Instance, plan: Plan) -> Iterator[Violation]:
 def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
     """Follow the mission leg by leg: order, times, ΔV, burns."""
     index = {name: number for number, name in enumerate(instance.names)}
-    elements = instance.orbits()
-    limits = instance.mission
-    station, budget = instance.stations[0].name, instance.chasers[0].tank.delta_v_m_s
-    where, free, left = station, 0.0, budget
+    chaser, stations = instance.chasers[0], {station.name for station in instance.stations}
+    windows = {target.name: target.window_s for target in instance.targets}
+    budget = chaser.tank.delta_v_m_s
+    where, free, left = chaser.start_name, chaser.available_s[0], budget
     visited: set[str] = set()
     serviced = 0
     for number, leg in enumerate(plan.legs, start=1):
@@ -125,11 +126,13 @@ def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
         if leg.destination == leg.origin:
             yield Violation(number, "order", f"goes from {leg.origin!r} to itself")
             return
-        if leg.destination == station:
+        if leg.destination in stations:
             if serviced == 0:
                 yield Violation(
                     number, "refuelling", "no target was visited since the last refuelling"
                 )
+        elif leg.destination not in windows:
+            yield Violation(number, "order", f"{leg.destination!r} is no target and no station")
         elif leg.destination in visited:
             yield Violation(number, "order", f"{leg.destination!r} was visited before")
         if abs(leg.ready_s - free) > TIME_TOLERANCE_S:
@@ -148,14 +151,18 @@ def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
                 f"to {zone.end_s:.0f} s",
             )
 
-        at_station = leg.destination == station
-        revolutions = limits.refuel_revolutions if at_station else limits.service_revolutions
-        assert revolutions is not None  # refused above
-        end = arrival + revolutions * orbits.period(elements[j, orbits.RADIUS])
+        at_station = leg.destination in stations
+        opens, closes = windows.get(leg.destination, (0.0, None))
+        end = max(arrival, opens) + _service_s(instance, j, at_station)
         if abs(leg.end_s - end) > TIME_TOLERANCE_S:
             yield Violation(number, "service", f"end_s = {leg.end_s!r}, but it ends at {end!r}")
-        if end > limits.duration_s + SLACK_S:
-            yield Violation(number, "duration", f"ends at {end!r} s, after {limits.duration_s!r} s")
+        for rule, last in (
+            ("duration", instance.mission.duration_s),
+            ("availability", chaser.available_s[1]),
+            ("window", closes),
+        ):
+            if last is not None and end > last + SLACK_S:
+                yield Violation(number, rule, f"ends at {end!r} s, after {last!r} s")
         if delta_v > left + SLACK_M_S:
             yield Violation(number, "delta-v", f"needs {delta_v!r} m/s, but only {left!r} are left")
         left = budget if at_station else left - delta_v
@@ -169,6 +176,28 @@ def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
         if not at_station:
             visited.add(leg.destination)
         where, free = leg.destination, float(end)
+    if chaser.max_targets is not None and len(visited) > chaser.max_targets:
+        yield Violation(
+            None, "targets", f"{len(visited)} targets are visited, and {chaser.max_targets} may be"
+        )
+    is_plan = plan.status in ("optimal", "feasible")
+    if isinstance(chaser.end, AtStation) and is_plan and where != chaser.end.station:
+        yield Violation(
+            None, "end", f"ends at {where!r}, but the chaser has to end at {chaser.end.station!r}"
+        )
+    for target in instance.targets:
+        if target.required and is_plan and target.name not in visited:
+            yield Violation(None, "required", f"{target.name!r} is required, but not visited")
+
+
+def _service_s(instance: Instance, body: int, at_station: bool) -> float:
+    """How long a chaser stays at a body [s]."""
+    mission = instance.mission
+    if not at_station and mission.service_s is not None:
+        return mission.service_s
+    revolutions = mission.refuel_revolutions if at_station else mission.service_revolutions
+    assert revolutions is not None
+    return revolutions * float(orbits.period(instance.orbits()[body, orbits.RADIUS]))
 
 
 def _check_transfer(

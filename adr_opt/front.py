@@ -153,6 +153,31 @@ def bound(
     )  # fmt: skip
 
 
+class _Shown:
+    """A stop that is asked about prizes by methods that think in worths (:meth:`Mission.shown`)."""
+
+    def __init__(self, mission: Mission, stop: Stop) -> None:
+        self._mission = mission
+        self._stop = stop
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
+        return self._stop(self._mission.shown(incumbent), self._mission.shown(bound))
+
+    def remaining_s(self) -> float:
+        """Time that is left [s]."""
+        return self._stop.remaining_s()
+
+
+def _shown(mission: Mission, progress: Progress) -> Progress:
+    """A progress that is told of prizes, likewise."""
+
+    def tell(incumbent: float, bound: float) -> None:
+        progress(mission.shown(incumbent), mission.shown(bound))
+
+    return tell
+
+
 @dataclass(frozen=True)
 class Prepared:
     """A method with everything settled but the mission and the stop.
@@ -179,7 +204,10 @@ class Prepared:
 
     def __call__(self, mission: Mission, stop: Stop, progress: Progress = silent) -> Result:
         """Run the method."""
-        result = self.function(mission, stop=stop, progress=progress, **self.arguments)
+        result = self.function(
+            mission, stop=_Shown(mission, stop), progress=_shown(mission, progress),
+            **self.arguments,
+        )  # fmt: skip
         if self.plans and self.method != PUBLISHED and stop.remaining_s() <= 0.0:
             result = self._at_least_the_fallback(mission, result, stop, progress)
         return _noted(result, self.notes)
@@ -205,7 +233,8 @@ class Prepared:
         said = [note for note in result.notes if note != APPROXIMATE]  # certify says it again
         return certify(
             mission, self.method, quick.sequence,
-            seed=result.seed, runtime_s=result.runtime_s, upper_bound=result.upper_bound,
+            seed=result.seed, runtime_s=result.runtime_s,
+            upper_bound=mission.worth(result.upper_bound),
             counters=result.counters,
             notes=[*said, f"{self.method} ran out of time: the plan is that of {FALLBACK}"],
         )  # fmt: skip

@@ -137,9 +137,7 @@ class Mission:
             not may_end.all(),
             budget,
             limits.duration,
-            kernels.shortest_sortie(
-                table, limits.service, budget, stations, instance.first_target
-            ),
+            kernels.shortest_sortie(table, limits.service, budget, stations, instance.first_target),
         )
 
     @cached_property
@@ -157,6 +155,10 @@ class Mission:
         first = self.instance.first_target
         targets = enumerate(self.instance.targets, start=first)
         return frozenset(number for number, target in targets if target.required)
+
+    def worth(self, prizes: float) -> float:
+        """What a plan with all required targets and so many prizes is worth to a planner."""
+        return prizes + len(self.required) * self.bonus
 
     def shown(self, worth: float) -> float:
         """The prizes of what is worth so much to a planner; −inf if it lacks a required target."""
@@ -204,7 +206,7 @@ class Mission:
     @cached_property
     def schedules(self) -> Scheduler:
         """Finds the best schedule of an order of bodies."""
-        return Scheduler(self.connecting, lambda: self.rules)
+        return Scheduler(self.connecting, lambda: self.rules, self.instance.objective.cost)
 
     @cached_property
     def sha256(self) -> str:
@@ -305,6 +307,10 @@ class Mission:
         """Sum of the prizes of a sequence of bodies."""
         first = self.instance.first_target
         return math.fsum(self.instance.targets[j - first].prize for j in sequence if j >= first)
+
+    def lacking(self, sequence: Iterable[int]) -> tuple[int, ...]:
+        """The required targets that a sequence of bodies leaves out."""
+        return tuple(sorted(self.required.difference(sequence)))
 
     def may_stop(self, sequence: tuple[int, ...]) -> bool:
         """Whether a mission may end after these moves."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from .errors import InputError
 from .kernels import burns as burn_kernels
-from .kernels.constants import SLACK_M_S, STATION
+from .kernels.constants import SLACK_M_S
 from .mission import Mission
 from .plan import Burn, Leg, Reason, Unvisited
 
@@ -35,7 +35,7 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
         )
     orbits, extra, rule = mission.transfer_inputs
     priced = []
-    i, ready = STATION, 0.0
+    i, ready = mission.rules.start, mission.rules.ready
     for at, j in enumerate(moves):
         departure, arrival = timing.departures[at], timing.arrivals[at]
         delta_v, revolutions = timing.delta_vs[at], timing.revolutions[at]
@@ -74,11 +74,11 @@ def unvisited(mission: Mission, sequence: Iterable[int]) -> tuple[Unvisited, ...
     moves = [int(j) for j in sequence]
     timing = mission.time(moves)
     rules = mission.rules
-    body = moves[-1] if moves else STATION
-    time = float(timing.ends[-1]) if moves else 0.0
+    body = moves[-1] if moves else rules.start
+    time = float(timing.ends[-1]) if moves else rules.ready
     left = float(timing.lefts[-1]) if moves else rules.budget
     missing = []
-    for j in sorted(set(range(1, len(mission.names))) - set(moves)):
+    for j in sorted(set(range(rules.first_target, len(mission.names))) - set(moves)):
         reason: Reason
         found = mission.schedules.connections(body, j).after(time)
         ends = np.maximum(found.arrival, rules.opens[j]) + rules.service[j]

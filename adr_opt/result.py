@@ -93,6 +93,14 @@ class Result:
         }
 
 
+def _lacks(mission: Mission, lacking: tuple[int, ...], status: Status) -> str:
+    """What to say where there is no plan for want of required targets."""
+    names = ", ".join(repr(mission.names[body]) for body in lacking)
+    if status == "infeasible":
+        return f"no plan services all required targets; the best one found lacks {names}"
+    return f"no plan was found that services all required targets; the best one lacks {names}"
+
+
 def status_of(mission: Mission, objective: float, upper_bound: float) -> Status:
     """What is proven of a plan; all prizes collected is a proof without any bound."""
     met = meets(objective, min(upper_bound, mission.total_prize))
@@ -121,7 +129,7 @@ def certify(
     seed : int
     runtime_s : float
     upper_bound : float
-        Proven bound, +inf for none.
+        Proven bound on what plans are worth to a planner (:attr:`Mission.bonus`), +inf for none.
     counters, notes
         As in :class:`Result`.
 
@@ -133,14 +141,20 @@ def certify(
     said = tuple(notes)
     if mission.instance.is_approximate:
         said = (*said, APPROXIMATE)
-    if sequence is None:
+    upper_bound = mission.shown(upper_bound)
+    moves = () if sequence is None else mission.closed(sequence)
+    lacking = () if sequence is None else mission.lacking(moves)
+    if sequence is None or lacking or not mission.may_stop(moves):
+        # A bound that no plan with all required targets reaches says that there is none.
+        status: Status = "infeasible" if upper_bound == -math.inf else "unknown"
+        if lacking:
+            said = (*said, _lacks(mission, lacking, status))
         return Result(
-            method, None, None, -math.inf, upper_bound, "unknown", dict(counters or {}), seed,
+            method, None, None, -math.inf, upper_bound, status, dict(counters or {}), seed,
             runtime_s, said,
         )  # fmt: skip
-    moves = mission.closed(sequence)
     priced = legs(mission, moves)
-    objective = mission.collected(moves)
+    objective = mission.prizes(moves)
     status = status_of(mission, objective, upper_bound)
     bounded = math.isfinite(upper_bound)
     plan = Plan(

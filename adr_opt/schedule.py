@@ -35,7 +35,8 @@ class Schedule:
     delta_v : float
         Total ΔV of the moves made [m/s].
     cost : float
-        What the mission minimises among plans of the same prizes: that ΔV [m/s].
+        What the mission minimises among plans of the same prizes: that ΔV [m/s], or the end of
+        the last leg's service [s].
     departures, arrivals, ends : (made,) float64
         Of each leg, and the end of the service that follows it [s].
     delta_vs, lefts : (made,) float64
@@ -84,10 +85,13 @@ class Scheduler:
         Of the instance.
     rules : callable
         Gives the rules of the mission, once they are needed.
+    cost : {"delta-v", "duration"}
+        What the best schedule of an order has least of.
     """
 
-    def __init__(self, connecting: Connecting, rules: Callable[[], Rules]) -> None:
+    def __init__(self, connecting: Connecting, rules: Callable[[], Rules], cost: str) -> None:
         self._rules = rules
+        self._by_time = cost == "duration"
 
         def of_pair(i: int, j: int) -> Connections:
             return connecting.of_pair(i, j, 0.0)
@@ -138,18 +142,25 @@ class Scheduler:
         return self._last[1]
 
     def least_cost(self, order: tuple[int, ...]) -> float:
-        """No schedule of an order costs less: each leg at its least ΔV [m/s]."""
+        """No schedule of an order costs less: each leg at its least ΔV [m/s]; or 0 s."""
+        if self._by_time:
+            return 0.0
         rules = self._rules()
         before = (rules.start, *order[:-1])
         return math.fsum(self._least(i, j) for i, j in zip(before, order, strict=True))
 
     def of(self, order: tuple[int, ...]) -> Schedule:
-        """The schedule of least ΔV, of the earliest end among those."""
+        """The schedule of least cost: the earliest end of least ΔV, or the other way round."""
         fronts = self.fronts(order)
         rules = self._rules()
         made = len(fronts) - 1
-        label = int(np.argmin(fronts[-1].cost))
-        delta_v = float(fronts[-1].cost[label])
+        last = fronts[-1]
+        keys = (last.cost, last.ready) if self._by_time else (last.ready, last.cost)
+        label = int(np.lexsort(keys)[0])
+        delta_v = float(last.cost[label])
+        cost = delta_v
+        if self._by_time:
+            cost = float(last.ready[label]) if made else 0.0
         departures, arrivals, ends, delta_vs, lefts = np.empty((5, made))
         revolutions = np.empty(made, dtype=np.int64)
         for at in range(made - 1, -1, -1):
@@ -165,7 +176,7 @@ class Scheduler:
             made,
             objective,
             delta_v,
-            delta_v,
+            cost,
             departures,
             arrivals,
             ends,

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from itertools import takewhile
 
 from .checking import check
 from .errors import InputError
-from .kernels import rules as rule_kernels
-from .kernels.constants import STATION
 from .mission import Mission
 from .plan import Plan
 
@@ -96,20 +93,22 @@ def _refuse_violations(mission: Mission, plan: Plan) -> None:
 def _why(mission: Mission, moves: list[int], made: int) -> str:
     """What is wrong with the first illegal move of a sequence."""
     timing, rules = mission.time(moves[:made]), mission.rules
-    body, time, left = STATION, 0.0, rules.budget
+    body, time, left = rules.start, rules.ready, rules.budget
     if made:
         body, time, left = moves[made - 1], float(timing.ends[-1]), float(timing.lefts[-1])
     j = moves[made]
     name = repr(mission.names[j])
-    if j == body == STATION:
+    if rules.is_station[j] and (j == body or body == rules.start):
         return "refuels, but no target was visited since the last refuelling"
     if j == body:
         return f"goes from {name} to itself"
-    if j != STATION and j in moves[:made]:
+    if not rules.is_station[j] and j in moves[:made]:
         return f"goes to {name}, which was visited before"
-    _, delta_v, end = rule_kernels.fits(rules, body, time, left, j)
-    if math.isinf(delta_v):
-        return f"goes to {name}, to which there is no transfer then"
-    if delta_v > left:
-        return f"to {name} needs {delta_v:.6g} m/s, but only {left:.6g} m/s are left"
-    return f"to {name} ends at {end:.6g} s, after the mission's {rules.duration:.6g} s"
+    found = mission.schedules.connections(body, j).after(time)
+    if not found.departure.size:
+        return f"goes to {name}, to which there is no transfer any more"
+    cheapest = float(found.delta_v.min())
+    if cheapest > left:
+        return f"to {name} needs {cheapest:.6g} m/s, but only {left:.6g} m/s are left"
+    end = max(float(found.arrival.min()), rules.opens[j]) + rules.service[j]
+    return f"to {name} ends at {end:.6g} s at the earliest, too late for its ΔV, window or mission"

@@ -193,7 +193,7 @@ def _join(mission: Mission, planned: Result, proven: Result, runtime_s: float) -
         best.sequence,
         seed=planned.seed,
         runtime_s=runtime_s,
-        upper_bound=upper_bound,
+        upper_bound=mission.worth(upper_bound),
         counters=counters,
         notes=[note for note in dict.fromkeys(notes) if note != APPROXIMATE],
     )

@@ -258,7 +258,7 @@ def auto(
     counters: dict[str, float] = {"rounds": rounds, **search.counters}
     if prover is not None:
         counters |= prover.close()
-    bounded = certificate.bound < mission.total_prize
+    bounded = certificate.bound < mission.total_worth
     return certify(
         mission,
         "auto",

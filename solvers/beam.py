@@ -133,7 +133,7 @@ def _by_policy(
     delta_v_weight: float,
     stop: Stop,
 ) -> int:
-    """A beam whose partial plans a learned policy has judged; offers its best, returns its states."""
+    """Offer the best of a beam whose partial plans a learned policy judges; returns its states."""
     threads = os.cpu_count() or 1
     learned = load_policy(policy, threads)
     learned.check_size(len(mission.names) - 1)

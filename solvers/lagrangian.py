@@ -34,8 +34,8 @@ def lagrangian(
     because the objective is.
 
     Deterministic but for the time limit. An iteration is one evaluation of the bound, one search,
-    or :data:`solvers.relaxation.routes.EFFORT` labels of a search. Ends by itself when the bound is met,
-    or when it can do no more.
+    or :data:`solvers.relaxation.routes.EFFORT` labels of a search. Ends by itself when the bound is
+    met, or when it can do no more.
 
     Parameters
     ----------

@@ -2,10 +2,10 @@
 
 The room shared by the Lagrangian bound, by the exact method and by ``auto``. One round has two
 parts. Multipliers of "each target at most once" are moved so that the best walk of the
-time-expanded network is worth little (:mod:`solvers.relaxation.walks`, :mod:`.multipliers`). Then
-plans worth a little less than the bound are asked for (:mod:`solvers.relaxation.routes`): if there are
-none, the bound comes down; if the answer is a plan, it is a better incumbent. Every value on the
-way is a valid bound and the least is kept; the trivial one is the sum of all prizes.
+time-expanded network is worth little (:mod:`solvers.relaxation.walks`). Then plans worth a little
+less than the bound are asked for (:mod:`solvers.relaxation.routes`): if there are none, the bound
+comes down; if the answer is a plan, it is a better incumbent. Every value on the way is a valid
+bound and the least is kept; the trivial one is the sum of all prizes.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Certificate:
         self._told = (-math.inf, math.inf)
         self._best = Incumbent(mission)
         self.bound = math.inf
-        self.lower(mission.total_prize)
+        self.lower(mission.total_worth)
 
     @property
     def sequence(self) -> tuple[int, ...] | None:

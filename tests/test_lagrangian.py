@@ -5,6 +5,10 @@ import math
 import numpy as np
 import pytest
 from brute_force import brute_force
+from solvers.completion import completion_table, completion_value, guide
+from solvers.multipliers import Descent
+from solvers.ng_routes import NgRoutes
+from solvers.walks import WalkBound
 
 import adr_opt
 from adr_opt.errors import InputError
@@ -12,12 +16,8 @@ from adr_opt.kernels.compile import kernel
 from adr_opt.mission import Mission
 from adr_opt.stop import MaxIterations, MaxRuntime
 from solvers import lanes
-from solvers.completion import completion_table, completion_value, guide
 from solvers.greedy import greedy_sequence
 from solvers.lagrangian import lagrangian
-from solvers.multipliers import Descent
-from solvers.ng_routes import NgRoutes
-from solvers.walks import WalkBound
 
 SLOTS_M_S = (7.0, 40.0, 150.0)
 

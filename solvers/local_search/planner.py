@@ -131,10 +131,10 @@ def local_search(
     search = LocalSearch(mission, start, seed)
     progress(search.best.objective, math.inf)
     iterations = improved = 0
-    possible = mission.instance.mission.duration_s > 0.0 and mission.total_prize > 0.0
+    possible = mission.instance.mission.duration_s > 0.0 and mission.total_worth > 0.0
     while (
         possible
-        and search.best.objective < mission.total_prize
+        and search.best.objective < mission.total_worth
         and not stop(search.best.objective, math.inf)
     ):
         before = search.best.objective

@@ -42,7 +42,7 @@ class _Player:
     prior: Prior | None = None
 
     def __post_init__(self) -> None:
-        settings, rules = self.settings, self.mission.rules
+        settings = self.settings
         bodies = len(self.mission.names)
         guarded = settings.moves == "guarded"
         width = min(settings.width, bodies)
@@ -241,7 +241,7 @@ def mcts(
     if prior is not None:
         settings = replace(settings, tree="new")
     player = _Player(mission, settings, np.random.default_rng(seed), stop, progress, prior)
-    while player.missions < settings.missions and player.incumbent < mission.total_prize:
+    while player.missions < settings.missions and player.incumbent < mission.total_worth:
         if player.play():
             break
     plan, polished = _polish(mission, mission.closed(player.plan()), polish, seed, stop)

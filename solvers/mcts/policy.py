@@ -1,7 +1,7 @@
-"""How simulations move: uniformly at random, or guarded (:func:`adr_opt.kernels.rules.has_way_back`).
+"""How simulations move: uniformly at random, or guarded.
 
-Greedy planners without a guard strand themselves early, and so do uniform rollouts: they see
-refuelling late or never.
+The guard is :func:`adr_opt.kernels.rules.has_way_back`. Greedy planners without it strand
+themselves early, and so do uniform rollouts: they see refuelling late or never.
 """
 
 import math

@@ -7,7 +7,8 @@ multipliers), and a memory of targets that it may not visit again. It is kept on
 
 since no plan that begins with it can be worth more than the left side. Time and ΔV are exact here.
 All that is relaxed is the memory: on the way to body j a walk forgets every target that is not in
-the neighbourhood of j, except the body it comes from (ng-routes, Baldacci, Mingozzi & Roberti 2011).
+the neighbourhood of j, except the body it comes from (ng-routes: Baldacci, Mingozzi and Roberti
+2011).
 
 A chaser that is at a body earlier and richer, with the same memory or less, may wait and do all
 that the later one can. So labels of one body are compared across *all* times, exactly: rows are

@@ -107,9 +107,7 @@ def _sweep_rows(network, best, second, code, bits, width, top, i, high, low):
 
 @kernel
 def _begin(network, best, second, width, begun):
-    """In closing rows a walk can only stop, where it may; ``width`` numbers before all rows keep
-    reads inside.
-    """
+    """In closing rows a walk can only stop, where it may; what lies before all rows is NEVER."""
     best[:width] = NEVER
     second[:width] = NEVER
     for i in range(network.start.size - 1):
