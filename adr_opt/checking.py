@@ -307,7 +307,7 @@ def _check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
             "objective",
             f"objective = {plan.objective!r}, but the prizes sum to {objective!r}",
         )
-    least = sum(prize.values())
+    least = sum(sorted(prize.values(), reverse=True)[: instance.chasers[0].max_targets])
     if plan.upper_bound is not None:
         least = min(least, plan.upper_bound)
         if plan.objective > plan.upper_bound + OBJECTIVE_TOLERANCE * abs(plan.upper_bound):

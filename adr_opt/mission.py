@@ -20,7 +20,7 @@ from .kernels.transfer import TransferRule
 from .schedule import Schedule, Scheduler
 from .support import refuse_unsupported
 from .timetable import Timetable
-from .tolerance import common_step
+from .tolerance import RELATIVE, ROUNDING, common_step
 
 Sequence = npt.NDArray[np.int64]
 
@@ -162,8 +162,15 @@ class Mission:
 
     def shown(self, worth: float) -> float:
         """The prizes of what is worth so much to a planner; −inf if it lacks a required target."""
+        if not self.required or not math.isfinite(worth):
+            return worth
         prizes = worth - len(self.required) * self.bonus
-        return prizes if prizes > -0.5 * self.bonus else -math.inf
+        # The difference of two numbers that large has lost digits.
+        step = self.prize_step or RELATIVE * self.bonus
+        whole = step * round(prizes / step)
+        if abs(prizes - whole) < ROUNDING * step:
+            prizes = whole
+        return prizes if prizes >= 0.0 else -math.inf
 
     @property
     def reserve_m_s(self) -> float:

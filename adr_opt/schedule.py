@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -146,8 +147,8 @@ class Scheduler:
         if self._by_time:
             return 0.0
         rules = self._rules()
-        before = (rules.start, *order[:-1])
-        return math.fsum(self._least(i, j) for i, j in zip(before, order, strict=True))
+        way = (rules.start, *order)
+        return math.fsum(self._least(i, j) for i, j in pairwise(way))
 
     def of(self, order: tuple[int, ...]) -> Schedule:
         """The schedule of least cost: the earliest end of least ΔV, or the other way round."""

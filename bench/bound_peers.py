@@ -35,7 +35,6 @@ import adr_opt
 from adr_opt.errors import InputError
 from adr_opt.kernels.constants import STATION
 from adr_opt.tolerance import rounded_down
-from solvers.network import build_network
 
 SOLVERS = ("ipm", "simplex", "pdlp")
 

@@ -96,8 +96,10 @@ class Certificate:
                 self._progress(*told)
 
     def lower(self, bound: float) -> None:
-        """A bound that was proven, rounded down to the step of the prizes."""
+        """A bound that was proven, rounded down to the step of the prizes; −inf for no plan."""
         bound = max(rounded_down(bound, self._mission.prize_step), self.incumbent)
+        if bound < 0.0:
+            bound = -math.inf  # every plan is worth at least nothing, so there is none
         if bound < self.bound:
             self.bound = bound
             self.tell(self.incumbent, self.bound)

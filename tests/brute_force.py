@@ -1,53 +1,152 @@
-"""Every legal plan, one by one: the yardstick for planners and bounds on small instances."""
+"""The best plan of a small mission by enumeration: the yardstick for planners and bounds.
+
+All sets of targets and all bodies to be at, with every way worth having to get there over every
+connection. The rules are read from the instance here once more, plainly.
+"""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.constants import SLACK_M_S, SLACK_S
+from adr_opt.kernels.orbits import period
 from adr_opt.mission import Mission
 
 
 @kernel
-def _search(rules, body, now, left, since_refuel, visited, path, depth, prize, spent, best, found):
-    """Depth first over all legal moves; best = (prize, ΔV, moves), found = its sequence."""
-    if prize > best[0] or (prize == best[0] and spent < best[1]):
-        best[0], best[1], best[2] = prize, spent, depth
-        found[:depth] = path[:depth]
-    for j in range(rules.service.size):
-        if not rule_kernels.may_go(body, since_refuel, visited, j):
-            continue
-        legal, delta_v, end = rule_kernels.fits(rules, body, now, left, j)
-        if not legal:
-            continue
-        path[depth] = j
-        visited[j] = j != STATION
-        _search(
-            rules,
-            j,
-            end,
-            rule_kernels.left_after(rules, left, delta_v, j),
-            0 if j == STATION else since_refuel + 1,
-            visited,
-            path,
-            depth + 1,
-            prize + rules.prize[j],
-            spent + delta_v,
-            best,
-            found,
-        )
-        visited[j] = False
+def _enumerate(
+    first_leg, departure, arrival, delta_v, service, opens, closes, first_target, stations, start,
+    begin, budget, most,
+):  # fmt: skip
+    """All labels (set, body, time, left, cost, parent); lists of a set and a body are chained."""
+    bodies = service.size
+    sets = 1 << (bodies - first_target)
+    room = 1024
+    where = np.empty((room, 3), np.int64)  # set, body, parent
+    what = np.empty((room, 3))  # time, left, ΔV
+    chain = np.empty(room, np.int64)
+    head = np.full((sets, bodies), -1)
+    where[0, 0], where[0, 1], where[0, 2] = 0, start, -1
+    what[0, 0], what[0, 1], what[0, 2] = begin, budget, 0.0
+    chain[0] = -1
+    head[0, start] = 0
+    count = 1
+    for done in range(sets):
+        size = 0
+        for j in range(bodies - first_target):
+            size += done >> j & 1
+        # Those at targets first: from there others of the same set come to be at stations.
+        for turn in range(2):
+            for i in range(bodies):
+                at_station = i < stations
+                if at_station != (turn == 1):
+                    continue
+                label = head[done, i]
+                while label >= 0:
+                    for j in range(bodies):
+                        if j == i or (j < stations and (at_station or i == start)):
+                            continue
+                        if stations <= j < first_target:
+                            continue
+                        after = done
+                        if j >= first_target:
+                            bit = 1 << (j - first_target)
+                            if done & bit or size == most:
+                                continue
+                            after = done | bit
+                        for c in range(first_leg[i, j], first_leg[i, j + 1]):
+                            if departure[c] < what[label, 0] - SLACK_S:
+                                continue
+                            end = max(arrival[c], opens[j]) + service[j]
+                            if end > closes[j] or delta_v[c] > what[label, 1]:
+                                continue
+                            left = budget if j < stations else what[label, 1] - delta_v[c]
+                            cost = what[label, 2] + delta_v[c]
+                            other = head[after, j]
+                            while other >= 0 and not (
+                                what[other, 0] <= end
+                                and what[other, 1] >= left
+                                and what[other, 2] <= cost
+                            ):
+                                other = chain[other]
+                            if other >= 0:
+                                continue
+                            if count == room:
+                                where = np.concatenate((where, np.empty((room, 3), np.int64)))
+                                what = np.concatenate((what, np.empty((room, 3))))
+                                chain = np.concatenate((chain, np.empty(room, np.int64)))
+                                room *= 2
+                            where[count, 0], where[count, 1], where[count, 2] = after, j, label
+                            what[count, 0], what[count, 1], what[count, 2] = end, left, cost
+                            chain[count] = head[after, j]
+                            head[after, j] = count
+                            count += 1
+                    label = chain[label]
+    return where[:count], what[:count]
 
 
 def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
-    """The best objective, its least ΔV [m/s], and a sequence of bodies that has both."""
-    rules = mission.rules
-    size = len(mission.names)
-    best = np.array([-np.inf, np.inf, 0.0])
-    found = np.zeros(2 * size, dtype=np.int64)
-    visited = np.zeros(size, dtype=np.bool_)
-    path = np.zeros(2 * size, dtype=np.int64)
-    _search(rules, STATION, 0.0, rules.budget, 0, visited, path, 0, 0.0, 0.0, best, found)
-    return float(best[0]), float(best[1]), tuple(int(j) for j in found[: int(best[2])])
+    """The most prizes, their least cost, and a sequence of bodies that has both.
+
+    Prizes are −inf where no plan keeps to all rules.
+    """
+    instance = mission.instance
+    chaser, first = instance.chasers[0], instance.first_target
+    bodies = len(instance.names)
+    stations = len(instance.stations)
+    service, opens, closes = np.zeros(bodies), np.zeros(bodies), np.zeros(bodies)
+    last = [instance.mission.duration_s]
+    if chaser.available_s[1] is not None:
+        last.append(chaser.available_s[1])
+    for j, orbit in enumerate(instance.body_orbits):
+        turn = period(orbit.semi_major_axis_m)
+        closes[j] = min(last)
+        if j < first:
+            service[j] = instance.mission.refuel_revolutions * turn
+            continue
+        target = instance.targets[j - first]
+        if instance.mission.service_s is not None:
+            service[j] = instance.mission.service_s
+        else:
+            service[j] = (instance.mission.service_revolutions or 0.0) * turn
+        opens[j] = target.window_s[0]
+        if target.window_s[1] is not None:
+            closes[j] = min(closes[j], target.window_s[1])
+    pairs = [
+        mission.timetable.connections(i, j, resolution_m_s=0.0)
+        for i in range(bodies)
+        for j in range(bodies)
+    ]
+    sizes = np.array([pair.departure.size for pair in pairs])
+    ends = np.cumsum(sizes).reshape(bodies, bodies)
+    first_leg = np.empty((bodies, bodies + 1), dtype=np.int64)
+    first_leg[:, 1:] = ends
+    first_leg[:, 0] = ends[:, 0] - sizes.reshape(bodies, bodies)[:, 0]
+    budget = chaser.tank.delta_v_m_s * (1.0 - mission.margin) + SLACK_M_S
+    where, what = _enumerate(
+        first_leg,
+        np.concatenate([pair.departure for pair in pairs]),
+        np.concatenate([pair.arrival for pair in pairs]),
+        np.concatenate([pair.delta_v for pair in pairs]),
+        service, opens, closes + SLACK_S, first, stations, instance.names.index(chaser.start_name),
+        chaser.available_s[0], budget,
+        bodies if chaser.max_targets is None else chaser.max_targets,
+    )  # fmt: skip
+    best: tuple[float, float, int] = (-math.inf, -math.inf, -1)
+    needed = sum(1 << n for n, target in enumerate(instance.targets) if target.required)
+    for label, ((done, body, _), (time, _, spent)) in enumerate(zip(where, what, strict=True)):
+        end = chaser.end if isinstance(chaser.end, str) else chaser.end.station
+        if (done & needed) != needed or end not in ("anywhere", instance.names[body]):
+            continue
+        prizes = math.fsum(t.prize for n, t in enumerate(instance.targets) if done >> n & 1)
+        cost = spent if instance.objective.cost == "delta-v" else (time if label else 0.0)
+        best = max(best, (prizes, -cost, label), key=lambda one: one[:2])
+    sequence = []
+    label = best[2]
+    while label > 0:
+        sequence.append(int(where[label, 1]))
+        label = int(where[label, 2])
+    return best[0], -best[1], tuple(reversed(sequence))

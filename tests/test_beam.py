@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from brute_force import brute_force
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
-from solvers.completion import completion_value, guide
 
 import adr_opt
 from adr_opt.errors import InputError
@@ -25,6 +24,7 @@ from adr_opt.stop import Interrupted, MaxIterations, MaxRuntime
 from solvers import timely_beams
 from solvers.beam import beam
 from solvers.beams import BeamSettings, beam_search
+from solvers.relaxation.completion import completion_value, guide
 
 TINY = sorted((Path(__file__).parents[1] / "instances" / "tiny").glob("*.json"))
 

@@ -5,10 +5,6 @@ import math
 import numpy as np
 import pytest
 from brute_force import brute_force
-from solvers.completion import completion_table, completion_value, guide
-from solvers.multipliers import Descent
-from solvers.ng_routes import NgRoutes
-from solvers.walks import WalkBound
 
 import adr_opt
 from adr_opt.errors import InputError
@@ -18,6 +14,10 @@ from adr_opt.stop import MaxIterations, MaxRuntime
 from solvers import lanes
 from solvers.greedy import greedy_sequence
 from solvers.lagrangian import lagrangian
+from solvers.relaxation.completion import completion_table, completion_value, guide
+from solvers.relaxation.multipliers import Descent
+from solvers.relaxation.routes import Routes
+from solvers.relaxation.walks import WalkBound
 
 SLOTS_M_S = (7.0, 40.0, 150.0)
 
@@ -252,7 +252,7 @@ def test_a_search_never_refutes_the_optimum(seed):
     mission = tiny_mission(seed, refuelling=seed % 2 == 0)
     optimum, _, _ = brute_force(mission)
     rng = np.random.default_rng(seed)
-    routes = NgRoutes(WalkBound(mission, SLOTS_M_S[seed % 3]))
+    routes = Routes(WalkBound(mission, SLOTS_M_S[seed % 3]))
     routes.use(rng.uniform(0.0, 0.3, len(mission.names)))
     for _ in range(20):
         finished, value, plan, grown = routes.search(optimum, 10**6, lambda: False)

@@ -242,7 +242,7 @@ def move(pool, episodes, e, destination):
     if not legal:
         return False
     episodes.body[e], episodes.time[e], episodes.left[e] = after.body, after.time, after.left
-    episodes.since_refuel[e], episodes.serviced[e] = after.since, after.count
+    episodes.since_refuel[e], episodes.serviced[e] = after.since, after.serviced
     episodes.delta_v[e] += delta_v
     if rules.is_station[destination]:
         episodes.refuelled[e] += 1

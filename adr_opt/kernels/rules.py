@@ -88,15 +88,15 @@ class State(NamedTuple):
         ΔV left [m/s].
     since : int
         Targets serviced since the last refuelling.
-    count : int
+    serviced : int
         Targets serviced.
     """
 
-    body: int
+    body: int | np.int64
     time: float
     left: float
-    since: int
-    count: int
+    since: int | np.int64
+    serviced: int | np.int64
 
 
 @inlined
@@ -154,15 +154,15 @@ def step(rules, state, destination):
         The state after the move; of no meaning if it is not legal.
     """
     legal, delta_v, end = fits(rules, state.body, state.time, state.left, destination)
-    left, since, count = state.left - delta_v, state.since + 1, state.count + 1
+    left, since, serviced = state.left - delta_v, state.since + 1, state.serviced + 1
     if rules.is_station[destination]:
         legal = legal and state.since > 0
-        left, since, count = rules.budget, state.since - state.since, state.count
+        left, since, serviced = rules.budget, state.since - state.since, state.serviced
     else:
-        legal = legal and state.count < rules.most_targets
+        legal = legal and state.serviced < rules.most_targets
     if rules.returns and legal and not rules.may_end[destination]:
         legal = _reaches_an_end(rules, destination, end, left)
-    return legal, delta_v, State(np.int64(destination), end, left, since, count)
+    return legal, delta_v, State(np.int64(destination), end, left, since, serviced)
 
 
 @kernel

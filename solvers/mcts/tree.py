@@ -21,7 +21,7 @@ class Tree(NamedTuple):
 
     Attributes
     ----------
-    body, since, count : (nodes,) int32
+    body, since, serviced : (nodes,) int32
     time, left : (nodes,) float64
         As in :class:`adr_opt.kernels.rules.State`.
     spent : (nodes,) float64
@@ -38,7 +38,7 @@ class Tree(NamedTuple):
 
     body: np.ndarray
     since: np.ndarray
-    count: np.ndarray
+    serviced: np.ndarray
     time: np.ndarray
     left: np.ndarray
     spent: np.ndarray
@@ -128,7 +128,8 @@ def new_record(bodies: int) -> Record:
 @kernel
 def write_node(tree, node, state, spent):
     """Make a node without children and without simulations."""
-    tree.body[node], tree.since[node], tree.count[node] = state.body, state.since, state.count
+    tree.body[node], tree.since[node] = state.body, state.since
+    tree.serviced[node] = state.serviced
     tree.time[node], tree.left[node], tree.spent[node] = state.time, state.left, spent
     tree.visits[node], tree.total[node], tree.best[node] = 0.0, 0.0, -math.inf
     tree.child[node], tree.sibling[node] = NONE, NONE
@@ -143,7 +144,7 @@ def state_of(tree, node):
         tree.time[node],
         tree.left[node],
         np.int64(tree.since[node]),
-        np.int64(tree.count[node]),
+        np.int64(tree.serviced[node]),
     )
 
 

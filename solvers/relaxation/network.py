@@ -99,8 +99,10 @@ def _from_body(i, orbits, extra_delta_v, transfer_rule, rules):
     ends = [np.empty(0)]
     costs = [np.empty(0)]
     for j in range(bodies):
-        # Nobody goes to where he is, or back to an orbit that is no body's.
-        reachable = j != i and (rules.is_station[j] or j >= rules.first_target)
+        # Nobody goes to where he is, back to an orbit that is no body's, or to refuel unearned.
+        reachable = j != i and j >= rules.first_target
+        if rules.is_station[j]:
+            reachable = i >= rules.first_target
         last = rules.closes[j] - rules.service[j] if reachable else -1.0
         departure, arrival, delta_v, _ = connections.of_pair(
             orbits[i], orbits[j], extra_delta_v[i, j], transfer_rule, last, 0.0

@@ -1,0 +1,97 @@
+"""All rules together, each on and off, against plain enumeration (MODEL sections 4, 5 and 8)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from brute_force import brute_force
+from random_rules import random_mission
+
+import adr_opt
+from adr_opt.mission import Mission
+from adr_opt.result import certify
+from solvers.relaxation.routes import Routes
+from solvers.relaxation.walks import WalkBound
+
+MISSIONS = 150
+
+
+@pytest.mark.parametrize("part", range(5))
+def test_schedules_are_the_best_there_are(part):
+    """The schedule of the best order costs what enumeration says, and `check` agrees."""
+    flown = 0
+    for seed in range(part, MISSIONS, 5):
+        mission = Mission(random_mission(seed))
+        prizes, cost, order = brute_force(mission)
+        if not math.isfinite(prizes):
+            continue
+        schedule = mission.time(order)
+        assert schedule.made == len(order), seed
+        assert schedule.cost == pytest.approx(cost, abs=1e-6), seed
+        result = certify(mission, "test", order, seed=0, runtime_s=0.0)
+        assert result.objective == pytest.approx(prizes), seed
+        assert adr_opt.check(mission.instance, result.plan) == (), seed
+        flown += len(order)
+    assert flown > 10
+
+
+@pytest.mark.parametrize("part", range(5))
+def test_bounds_hold_and_proofs_end_at_the_optimum(part):
+    """No plan that enumeration knows is above the bound, and `exact` proves the best one."""
+    for seed in range(part, MISSIONS, 5):
+        mission = Mission(random_mission(seed))
+        prizes, _, _ = brute_force(mission)
+        rng = np.random.default_rng(seed)
+        worth = mission.rules.prize
+        bound = WalkBound(mission, float(rng.choice([7.0, 20.0, 50.0])))
+        for multipliers in (np.zeros(worth.size), rng.uniform(0.0, 1.2, worth.size) * worth):
+            value, _ = bound.evaluate(multipliers)
+            assert mission.shown(value) >= prizes - 1e-9, seed
+        result = adr_opt.solve(mission, "exact", time_limit=60.0)
+        if math.isfinite(prizes):
+            assert result.status == "optimal", (seed, result)
+            assert result.objective == pytest.approx(prizes, abs=1e-9), seed
+        else:
+            assert result.status == "infeasible", (seed, result)
+            assert result.plan is None
+
+
+def test_searches_end_at_the_optimum_with_any_multipliers():
+    """A search for plans worth the optimum finds one; for more it finds none."""
+    for seed in range(40):
+        mission = Mission(random_mission(1000 + seed))
+        prizes, _, _ = brute_force(mission)
+        if not math.isfinite(prizes) or not mission.worth(prizes):
+            continue
+        worth = mission.rules.prize
+        rng = np.random.default_rng(seed)
+        bound = WalkBound(mission, 20.0)
+        routes = Routes(bound)
+        for multipliers in (np.zeros(worth.size), rng.uniform(0.0, 1.0, worth.size) * worth):
+            routes.use(multipliers)
+            finished, value, _, _ = routes.search(
+                mission.worth(prizes) - 1e-6, 10**6, lambda: False
+            )
+            assert finished
+            assert value >= mission.worth(prizes) - 1e-5, seed
+
+
+@pytest.mark.parametrize(
+    ("method", "share"),
+    [("greedy-guarded", 0.3), ("beam", 0.7), ("mcts", 0.5), ("local-search", 0.6), ("auto", 0.99)],
+)
+def test_planners_keep_to_all_rules(method, share):
+    """Whatever a planner returns passes `check` and is worth no more than the optimum."""
+    found = best = 0.0
+    for seed in range(40):
+        mission = Mission(random_mission(2000 + seed))
+        prizes, _, _ = brute_force(mission)
+        result = adr_opt.solve(mission, method, time_limit=20.0, iterations=3)
+        if result.plan is not None:
+            assert adr_opt.check(mission.instance, result.plan) == (), seed
+            assert result.objective <= prizes + 1e-9, seed
+            found += result.objective
+        best += max(prizes, 0.0)
+    assert found > share * best
