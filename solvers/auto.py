@@ -19,6 +19,7 @@ from .beam import TIME_VALUE_M_S_PER_H
 from .beams import BeamSettings
 from .proof import Certificate, Proof, bound_notes, check_options, set_up_s
 from .recreate import recreate
+from .relaxation.latest import Latest
 from .timely_beams import PILOT_WIDTH, Beams
 from .worth import worth_of
 
@@ -56,6 +57,7 @@ class _Search:
         self._rng = np.random.default_rng(seed)
         self._beams = Beams(mission, stop)
         self._widest = 0
+        self._guided = USUAL_WIDTH
         self.counters = {"beams": 0, "recreations": 0}
 
     def needed_s(self, width: int) -> float:
@@ -68,7 +70,12 @@ class _Search:
             self._widest = width
             self.beam(width, vary=False)
 
-    def beam(self, width: int, vary: bool) -> None:
+    def guided(self, latest: Latest) -> None:
+        """Search one beam by the times that a proof knows, wider than the one before."""
+        width, self._guided = self._guided, min(2 * self._guided, WIDEST)
+        self.beam(width, vary=self._guided == WIDEST, guide=latest)
+
+    def beam(self, width: int, vary: bool, guide: Latest | None = None) -> None:
         """Search one beam, with the usual settings or with others near them, unguarded if wide."""
         # The draws do not depend on the clock, so that time limits do not shift them.
         worth = worth_of(self._mission)
@@ -91,7 +98,9 @@ class _Search:
             noise=noise * worth.prize,
             guarded=guarded,
         )
-        self._certificate.offer(self._beams.search(settings, seed=seed))
+        if guide is not None:
+            guide = guide._replace(goal=self._certificate.goal)
+        self._certificate.offer(self._beams.search(settings, guide=guide, seed=seed))
         self.counters["beams"] += 1
 
     def improve(self, recreations: int, width: int) -> None:
@@ -136,13 +145,20 @@ class _Prover:
         """Whether the proof can do no more."""
         return self._proof is not None and self._proof.done
 
+    @property
+    def latest(self) -> Latest | None:
+        """What guides a search, once it is known."""
+        return None if self._proof is None else self._proof.latest
+
     def advance(self) -> None:
-        """One round."""
+        """One round; the first one is a first sweep alone."""
         if self._proof is None:
             least_s = max(LEAST_PROOF_S, LEAST_SET_UPS * set_up_s(self._mission))
             if self._stop.remaining_s() < least_s:
                 return
             self._proof = Proof(self._mission, self._own, self._stop, **self._options)  # type: ignore[arg-type]
+            self._proof.begin()
+            return
         self._proof.advance(lambda: self._stop.remaining_s() <= 0.0)
 
     def fetch(self) -> None:
@@ -246,7 +262,10 @@ def auto(
                     advancing = pool.submit(prover.advance)
                 else:
                     prover.advance()
-            search.usual(max(USUAL_WIDTH, scaled(width)))
+            if prover is not None and prover.latest is not None and rounds > 1:
+                search.guided(prover.latest)
+            else:
+                search.usual(max(USUAL_WIDTH, scaled(width)))
             search.beam(scaled(width), vary=True)
             search.improve(recreations, scaled(width // 20))
             if advancing is not None:

@@ -19,7 +19,6 @@ from .learned import load_policy
 from .learned.decoding import Field, best_of
 from .learned.policy_beam import BeamSettings as PolicyBeam
 from .learned.policy_beam import beam as beam_by_policy
-from .relaxation.completion import guide as make_guide
 from .timely_beams import PILOT_WIDTH, Beams
 from .worth import worth_of
 
@@ -40,7 +39,6 @@ def beam(
     delta_v_weight: float = 1.0,
     crowding: float = 1.7,
     noise: float = 0.0,
-    guided: bool = False,
     policy: str = "",
     prior_weight: float = 0.05,
 ) -> Result:
@@ -63,13 +61,10 @@ def beam(
         Most partial plans at one body, as a multiple of an equal share.
     noise : float
         Random part of the comparison, by ``seed`` [mean prizes].
-    guided : bool
-        Also compare by the upper bound on what can still be collected. The table for it takes
-        about a second on nominal instances.
     policy : str
         A learned policy as prior, ``set`` or a file that ``train`` wrote (extra ``[ppo]``): partial
         plans are also compared by how likely the policy would have made their moves, so a width
-        of some hundred is enough. ``crowding``, ``noise`` and ``guided`` do not count then.
+        of some hundred is enough. ``crowding`` and ``noise`` do not count then.
     prior_weight : float
         Worth of a unit of log-probability of that policy [mean prizes].
 
@@ -107,10 +102,9 @@ def beam(
             crowding=crowding,
             noise=noise * worth.prize,
         )
-        guide = make_guide(mission) if guided and mission.instance.targets else None
         beams = Beams(mission, stop)
         for each in sorted({min(PILOT_WIDTH, width), width}):
-            if best.offer(beams.search(replace(settings, width=each), guide=guide, seed=seed)):
+            if best.offer(beams.search(replace(settings, width=each), seed=seed)):
                 progress(best.objective, math.inf)
         states = beams.states
     return certify(

@@ -10,10 +10,10 @@ exhaustive about where to go, never about when.
 
 States are ordered by a weighted sum, smaller first:
 
-    time_weight · end − delta_v_weight · ΔV left − (upper bound on the objective of any completion)
+    time_weight · end − delta_v_weight · ΔV left − prizes collected
 
-where the last term needs a completion table (:mod:`solvers.relaxation.completion`), and stands for
-what is known about the targets still to come; without a table it is the prizes collected.
+or, where latest times are known (:mod:`solvers.relaxation.latest`), by the mean of that and of the
+worth of the time by which they are later than they may be if the goal is to be reached.
 """
 
 from __future__ import annotations
@@ -33,7 +33,8 @@ from adr_opt.mission import Mission
 from adr_opt.stop import Stop
 
 from .halting import halted_by
-from .relaxation.completion import CompletionTable, completion_value
+from .relaxation.latest import Latest, latest_time, no_latest
+from .worth import worth_of
 
 CANDIDATES = 8
 """Candidates looked at for each state kept: some are dominated, stranded, or at a full body."""
@@ -67,8 +68,7 @@ class BeamSettings:
         added to its score [prizes]: makes searches of different seeds differ.
     guarded : bool
         Keep states that can neither refuel nor do without only where there is room after all other
-        candidates. Narrow beams strand themselves without this guard. A completion table knows
-        better, so it needs none.
+        candidates. Narrow beams strand themselves without this guard.
     """
 
     width: int
@@ -77,6 +77,12 @@ class BeamSettings:
     crowding: float = 1.7
     noise: float = 0.0
     guarded: bool = True
+
+
+def usual_settings(mission: Mission, width: int) -> BeamSettings:
+    """Settings by what an hour and a km/s are worth in the mission."""
+    worth = worth_of(mission)
+    return BeamSettings(width, worth.hour, worth.kilometre_per_s)
 
 
 class Weights(NamedTuple):
@@ -275,17 +281,17 @@ def _succeed(rules, guide, guided, weights, level, size, serviced, keys, wanted,
                 if not legal:
                     continue
                 priced += 1
-                bound = level.prize[s] + rules.prize[j]
-                if guided:
-                    bound += (level.ahead[s] - guide.multipliers[j]) + completion_value(
-                        guide, j, after.time, after.left
-                    )
+                collected = level.prize[s] + rules.prize[j]
                 score = (
                     weights.time_weight * after.time
                     - weights.delta_v_weight * after.left
-                    - bound
-                    + shade
+                    - collected
                 )
+                if guided:
+                    rest = guide.goal - collected - (level.ahead[s] - guide.multipliers[j])
+                    late = after.time - latest_time(guide, j, after.left, rest)
+                    score = 0.5 * (score + weights.time_weight * late)
+                score += shade
                 if score > limit:
                     continue
                 if count == room:
@@ -396,7 +402,7 @@ def beam_kernel(rules, done, first, guide, guided, weights, halt):
     first : tuple
         Body, targets since the last refuelling, and (states,) float64 each: time ready [s], ΔV left
         [m/s], ΔV spent [m/s]. At most ``width`` are taken.
-    guide : CompletionTable
+    guide : Latest
         Not looked at unless ``guided``.
     guided : bool
     weights : Weights
@@ -479,21 +485,11 @@ def beam_kernel(rules, done, first, guide, guided, weights, halt):
     return backwards[:length][::-1].copy(), best_prize, best_spent, priced
 
 
-def no_guide() -> CompletionTable:
-    """A table that is never looked at, for kernels that take one."""
-    numbers = np.zeros(1)
-    whole = np.zeros(1, dtype=np.int64)
-    return CompletionTable(
-        np.zeros(1, dtype=np.int32), whole, numbers, whole.reshape(1, 1), 1.0, numbers,
-        1.0, 1, 0, 1, 1.0,
-    )  # fmt: skip
-
-
 def beam_search(
     mission: Mission,
     settings: BeamSettings,
     *,
-    guide: CompletionTable | None = None,
+    guide: Latest | None = None,
     prefix: tuple[int, ...] = (),
     seed: int = 0,
     stop: Stop | None = None,
@@ -517,12 +513,12 @@ def beam_search(
         settings.delta_v_weight / 1000.0,
         settings.crowding,
         settings.noise,
-        settings.guarded and guide is None,
+        settings.guarded,
         seed,
     )
     with halted_by(stop) as halt:
         found, prize, delta_v, priced = beam_kernel(
             rules, done, (body, since, front.ready, front.left, front.cost),
-            no_guide() if guide is None else guide, guide is not None, weights, halt,
+            no_latest() if guide is None else guide, guide is not None, weights, halt,
         )  # fmt: skip
     return np.concatenate([np.array(prefix, dtype=np.int64), found]), prize, delta_v, priced

@@ -18,10 +18,16 @@ from adr_opt.practice import practises
 from adr_opt.result import Result, certify
 from adr_opt.stop import Clock, Stop
 
+from .beam import TIME_VALUE_M_S_PER_H
+from .beams import usual_settings
 from .proof import Certificate, bound_notes, check_options, prove
+from .relaxation.latest import Latest
+from .timely_beams import Beams
 
-START_WIDTH = 3000
-"""Of the beam that it starts from; the proof finds what this misses."""
+FIRST_WIDTH = 2000
+"""Of the first guided beam; each round of proof is preceded by one of twice the width."""
+
+WIDEST = 16_000
 
 
 @practises(rounds=12)
@@ -63,12 +69,20 @@ def exact(
     def enough() -> bool:
         return stop(certificate.incumbent, certificate.bound)
 
-    for name, options in (("greedy-guarded", {}), ("beam", {"width": START_WIDTH})):
+    for name in ("greedy-guarded", "beam"):
         if not certificate.proven and not enough():
-            found = get(name)(mission, seed=seed, stop=Clock(stop), progress=silent, **options)
+            found = get(name)(mission, seed=seed, stop=Clock(stop), progress=silent)
             certificate.offer(found.sequence or ())
+    hurried = mission.with_time_value(TIME_VALUE_M_S_PER_H)
+    beams, width = Beams(hurried, Clock(stop)), FIRST_WIDTH
+
+    def search(latest: Latest) -> None:
+        nonlocal width
+        certificate.offer(beams.search(usual_settings(hurried, width), guide=latest))
+        width = min(2 * width, WIDEST)
+
     counters = prove(
-        mission, certificate, stop, enough,
+        mission, certificate, stop, enough, search=search,
         jobs=jobs, delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
     )  # fmt: skip
     return certify(

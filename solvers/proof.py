@@ -27,6 +27,7 @@ from adr_opt.stop import Stop
 from adr_opt.tolerance import meets, rounded_down, rounded_up, tolerance
 
 from .incumbent import Incumbent
+from .relaxation.latest import Latest, latest_of
 from .relaxation.multipliers import Descent
 from .relaxation.routes import Routes
 from .relaxation.walks import TimeIsOver, WalkBound
@@ -110,6 +111,11 @@ class Certificate:
         return meets(self.incumbent, self.bound)
 
     @property
+    def goal(self) -> float:
+        """What the next plan has to be worth to be better."""
+        return self.incumbent + (self._mission.prize_step or tolerance(self.bound))
+
+    @property
     def threshold(self) -> float:
         """What to ask for next: more than the incumbent, at most the bound."""
         step = self._mission.prize_step
@@ -140,6 +146,8 @@ class Proof:
     ----------
     done : bool
         Nothing is left to do: proven, or out of labels.
+    latest : Latest or None
+        What guides a search for better plans, once the first sweep is done.
     """
 
     def __init__(
@@ -160,7 +168,22 @@ class Proof:
         self._most_labels = most_labels
         self._evaluations = FIRST_EVALUATIONS
         self._labels = min(FIRST_LABELS, most_labels)
+        self.latest: Latest | None = None
+        self._mission = mission
         self.done = certificate.proven
+
+    def begin(self) -> None:
+        """The first sweep: a first bound, and what guides a search."""
+        with suppress(TimeIsOver):
+            self._step()
+
+    def _step(self) -> None:
+        """One evaluation of the bound."""
+        descent = self._descent
+        value = descent.step()
+        self._certificate.lower(descent.value)
+        if self.latest is None and math.isfinite(value):
+            self.latest = latest_of(self._bound, self._mission, descent.multipliers, value)
 
     def advance(self, enough: Callable[[], bool]) -> None:
         """One round, with more effort than the one before.
@@ -178,8 +201,7 @@ class Proof:
         for _ in range(self._evaluations):
             if descent.done or certificate.proven or enough():
                 break
-            descent.step()
-            certificate.lower(descent.value)
+            self._step()
         if certificate.proven:
             self.done = True
             return
@@ -249,6 +271,7 @@ def prove(
     jobs: int,
     delta_v_slot_m_s: float,
     most_labels: int,
+    search: Callable[[Latest], None] = lambda latest: None,
 ) -> dict[str, float]:
     """Rounds of proof until nothing is left to do or it is enough; returns the counters.
 
@@ -260,6 +283,8 @@ def prove(
         Asked once per iteration.
     jobs : int
         Threads, 0 for all cores.
+    search : callable
+        Looks for a better plan before each round.
     """
     if certificate.proven or enough() or stop.remaining_s() < set_up_s(mission):
         return {"evaluations": 0, "searches": 0, "labels": 0}
@@ -271,7 +296,10 @@ def prove(
         delta_v_slot_m_s=delta_v_slot_m_s,
         most_labels=most_labels,
     )
+    proof.begin()
     while not proof.done and not enough():
+        if proof.latest is not None and not certificate.proven:
+            search(proof.latest._replace(goal=certificate.goal))
         proof.advance(enough)
     proof.close()
     return proof.counters

@@ -12,7 +12,7 @@ from adr_opt.mission import Mission
 from adr_opt.stop import Stop
 
 from .beams import BeamSettings, beam_search
-from .relaxation.completion import CompletionTable
+from .relaxation.latest import Latest
 
 PILOT_WIDTH = 100
 """Of a search that tells how long a wide one takes."""
@@ -41,7 +41,7 @@ class Beams:
         return self._pace_s * width
 
     def search(
-        self, settings: BeamSettings, *, guide: CompletionTable | None = None, seed: int = 0
+        self, settings: BeamSettings, *, guide: Latest | None = None, seed: int = 0
     ) -> npt.NDArray[np.int64]:
         """The best plan of one search."""
         affordable = PUNCTUAL * max(0.0, self._stop.remaining_s())
