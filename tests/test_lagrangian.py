@@ -11,10 +11,10 @@ from adr_opt.errors import InputError
 from adr_opt.kernels.compile import kernel
 from adr_opt.mission import Mission
 from adr_opt.stop import MaxIterations, MaxRuntime
-from solvers import lanes
 from solvers.greedy import greedy_sequence
 from solvers.lagrangian import lagrangian
-from solvers.relaxation.completion import completion_table, completion_value, guide
+from solvers.relaxation import simd
+from solvers.relaxation.latest import latest_of, latest_time
 from solvers.relaxation.multipliers import Descent
 from solvers.relaxation.routes import Routes
 from solvers.relaxation.walks import WalkBound
@@ -102,35 +102,30 @@ def test_landing_late_is_caught():
         optimum, _, _ = brute_force(mission)
         bound = WalkBound(mission, 7.0)
         network = bound.network
-        landing, final = network.landing, network.start[network.destination + 1] - 1
-        late = np.minimum(landing + 10, final)
-        network.landing[:] = np.where(landing >= 0, late, -1)
+        legs = np.repeat(network.destination, np.diff(network.first_kept))
+        final = network.start[legs + 1] - 1
+        network.landing_kept[:] = np.minimum(network.landing_kept + 10, final)
         caught += bound.evaluate(np.zeros(len(mission.names)))[0] < optimum - 1e-6
     assert caught > 0
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_completion_values_bound_every_completion_of_the_best_plan(seed):
-    """From each state of an optimal plan: collected + value + unvisited multipliers ≥ optimum."""
+def test_the_best_plan_is_never_later_than_the_latest_times(seed):
+    """Each state of an optimal plan is there in time to collect the rest of the optimum."""
     mission = tiny_mission(seed, refuelling=seed % 2 == 0)
     optimum, _, sequence = brute_force(mission)
     timing = mission.time(sequence)
     rng = np.random.default_rng(seed)
     bound = WalkBound(mission, SLOTS_M_S[seed % 3])
-    table = completion_table(bound, rng.uniform(0.0, 0.5, len(mission.names)))
-    states = [(0, 0.0, mission.rules.budget)]
-    states += [
-        (int(j), float(t), float(d))
-        for j, t, d in zip(sequence, timing.ends, timing.lefts, strict=True)
-    ]
-    for made, (body, time, left) in enumerate(states):
-        visited = set(sequence[:made])
-        collected = sum(mission.rules.prize[j] for j in sequence[:made])
-        open_multipliers = sum(
-            table.multipliers[j] for j in range(len(mission.names)) if j not in visited
-        )
-        value = completion_value(table, body, time, left)
-        assert collected + value + open_multipliers >= optimum - 1e-9
+    value, multipliers = bound.evaluate(rng.uniform(0.0, 0.5, len(mission.names)))
+    latest = latest_of(bound, mission, multipliers, value)
+    for made, (body, end, left) in enumerate(
+        zip(sequence, timing.ends, timing.lefts, strict=True), start=1
+    ):
+        unvisited = set(range(len(mission.names))) - set(sequence[:made])
+        rest = optimum - mission.collected(sequence[:made])
+        rest -= sum(multipliers[j] for j in unvisited)
+        assert end <= latest_time(latest, body, left, rest) + 1e-3
 
 
 def test_walks_never_go_straight_back(nominal):
@@ -237,15 +232,6 @@ def test_descent_beats_its_start_and_ends():
     assert descent.value < first - 0.2
 
 
-def test_guide_knows_its_multipliers(nominal):
-    """The guide's value at the start plus all multipliers is a bound, and reduced = prize − π."""
-    table = guide(nominal, iterations=3)
-    value = completion_value(table, 0, 0.0, nominal.rules.budget)
-    greedy = greedy_sequence(nominal.rules, 1.0, 75.0 / 3600.0, True)
-    assert value + table.multipliers.sum() >= nominal.time(greedy).objective
-    assert np.allclose(table.reduced + table.multipliers, nominal.rules.prize)
-
-
 @pytest.mark.parametrize("seed", range(40))
 def test_a_search_never_refutes_the_optimum(seed):
     """Asked for plans worth the optimum, with any multipliers, a search finds walks that are."""
@@ -277,14 +263,14 @@ def test_bad_options_are_refused(option):
 
 @kernel
 def _lanes_at_work(a, b, out):
-    x, y = lanes.load(a, 0), lanes.load(b, 0)
-    lanes.store(out, 0, lanes.larger(x, y))
-    lanes.store(out, 16, lanes.smaller(x, y))
-    lanes.store(out, 32, lanes.plus(x, y))
-    lanes.store(out, 48, lanes.both(x, y))
-    lanes.store(out, 64, lanes.where_equal(x, y, lanes.spread(7), x))
-    lanes.store(out, 80, lanes.where_less(x, lanes.count_up(), y, x))
-    lanes.store(out, 96, lanes.where_same(x, y, lanes.spread(3), lanes.spread(-5)))
+    x, y = simd.load(a, 0), simd.load(b, 0)
+    simd.store(out, 0, simd.larger(x, y))
+    simd.store(out, 16, simd.smaller(x, y))
+    simd.store(out, 32, simd.plus(x, y))
+    simd.store(out, 48, simd.both(x, y))
+    simd.store(out, 64, simd.where_equal(x, y, simd.spread(7), x))
+    simd.store(out, 80, simd.where_less(x, simd.count_up(), y, x))
+    simd.store(out, 96, simd.where_same(x, y, simd.spread(3), simd.spread(-5)))
 
 
 def test_lanes_do_as_numpy_does():
