@@ -17,7 +17,7 @@ from adr_opt.mission import Mission
 from .walks import WalkBound
 
 STEPS = 64
-"""Worths are told apart in so many steps, unless they come in fewer of their own."""
+"""Worths are told apart in so many steps, unless all prizes are multiples of fewer."""
 
 NO_TIME_S = 0.0
 """When one has to be where one can no longer collect enough: the beginning of time [s]."""
@@ -62,7 +62,8 @@ def latest_time(latest, body, left, rest):
         What is still to be collected, less the multipliers of the targets not visited.
     """
     steps = latest.time.shape[2] - 1
-    n = min(max(int(np.ceil(rest / latest.step - 1e-9)), 0), steps)
+    # Rounded down: who can collect the rest can collect that, so no time is too early.
+    n = min(max(int(np.floor(rest / latest.step + 1e-6)), 0), steps)
     slots = max(left, 0.0) / latest.slot
     c = min(int(slots), latest.time.shape[1] - 2)
     share = min(slots - c, 1.0)
@@ -101,7 +102,7 @@ def latest_of(bound: WalkBound, mission: Mission, multipliers: np.ndarray, value
         With a goal of 0.
     """
     step = mission.prize_step
-    if not step or value / step > STEPS:
+    if not step or value / step > STEPS or multipliers.any():
         step = max(value, 1e-12) / STEPS
     steps = int(value / step + 1e-9) + 1
     time = np.full((multipliers.size, bound.top + 1, steps + 1), NO_TIME_S)

@@ -77,7 +77,7 @@ class Routes:
         """Work out the completion values of some multipliers, for the searches to come."""
         bound = self._bound
         # What is left of rounding to units would count for every target that is left out.
-        kept = np.where(multipliers < bound.unit, 0.0, multipliers)
+        kept = np.where((multipliers < bound.unit) | ~bound.is_target, 0.0, multipliers)
         bound.evaluate(kept, keep=True)
         self._gain = np.ceil((bound.prize - kept) / self._unit).astype(np.int64)
         self._total = float(kept.sum())
