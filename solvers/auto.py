@@ -17,7 +17,7 @@ from adr_opt.stop import MaxIterations, Stop
 
 from .beam import TIME_VALUE_M_S_PER_H
 from .beams import BeamSettings
-from .proof import Certificate, Proof, bound_notes, check_options, set_up_s
+from .proof import Certificate, Proof, bound_notes, check_options, fits_memory, set_up_s
 from .recreate import recreate
 from .relaxation.latest import Latest
 from .timely_beams import PILOT_WIDTH, Beams
@@ -40,10 +40,7 @@ WIDEST = 30_000
 USUAL_TARGETS = 50
 """Fields of this size get beams of the widths above; larger ones narrower ones."""
 
-MOST_EVENTS = 5_000_000
-"""Missions with more timetable entries are not proven anything: memory."""
-
-LEAST_PROOF_S, LEAST_SET_UPS = 1.0, 4.0
+LEAST_PROOF_S, LEAST_SET_UPS = 1.0, 2.0
 """With less time left, or less than so many times what setting it up takes, no proof is begun."""
 
 
@@ -231,7 +228,7 @@ def auto(
     if start is not None:
         certificate.offer(start)
     prover = None
-    if prove and mission.timetable.entries <= MOST_EVENTS:
+    if prove and fits_memory(mission):
         prover = _Prover(mission, certificate, stop, cores, delta_v_slot_m_s, most_labels)
 
     def is_over() -> bool:

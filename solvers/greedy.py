@@ -16,6 +16,9 @@ from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
+THE_INSTANCES_OWN = -1.0
+"""Stands for the instance's default time value."""
+
 
 @kernel
 def greedy_sequence(rules, beginning, alpha, beta, guarded):
@@ -87,13 +90,21 @@ def _cheapest_station(rules, state, alpha, beta):
 
 
 def _plan(
-    name: str, mission: Mission, seed: int, progress: Progress, alpha: float, beta: float
+    name: str,
+    mission: Mission,
+    seed: int,
+    progress: Progress,
+    alpha: float,
+    beta: float,
+    time_value_m_s_per_h: float,
 ) -> Result:
     for what, weight in (("alpha", alpha), ("beta", beta)):
         if not math.isfinite(weight) or weight < 0.0:
             raise InputError(f"option {what} = {weight!r} of method {name!r}: must be ≥ 0")
-    rules = mission.rules
     start = time.perf_counter()
+    if time_value_m_s_per_h >= 0.0:
+        mission = mission.with_time_value(time_value_m_s_per_h)
+    rules = mission.rules
     nothing = np.empty(0, dtype=np.int64)
     sequence = greedy_sequence(rules, nothing, alpha, beta, name == "greedy-guarded")
     runtime = time.perf_counter() - start
@@ -109,6 +120,7 @@ def greedy(
     progress: Progress,
     alpha: float = 1.0,
     beta: float = 0.0,
+    time_value_m_s_per_h: float = THE_INSTANCES_OWN,
 ) -> Result:
     """The published greedy: the legal target with the least α·ΔV + β·T; refuel if there is none.
 
@@ -119,8 +131,11 @@ def greedy(
     ----------
     alpha, beta : float
         Weights of ΔV [per m/s] and of the time from ready to arrival [per s].
+    time_value_m_s_per_h : float
+        Of all connections to a target, the one with the least ΔV + value · (arrival − ready) is
+        looked at. Below 0: the default of the instance, 75.
     """
-    return _plan("greedy", mission, seed, progress, alpha, beta)
+    return _plan("greedy", mission, seed, progress, alpha, beta, time_value_m_s_per_h)
 
 
 def greedy_guarded(
@@ -131,9 +146,10 @@ def greedy_guarded(
     progress: Progress,
     alpha: float = 1.0,
     beta: float = 0.0,
+    time_value_m_s_per_h: float = THE_INSTANCES_OWN,
 ) -> Result:
     """Greedy that takes a target only if the chaser can refuel after it, or need not any more.
 
     The same rule and options as :func:`greedy` with one guard; as quick.
     """
-    return _plan("greedy-guarded", mission, seed, progress, alpha, beta)
+    return _plan("greedy-guarded", mission, seed, progress, alpha, beta, time_value_m_s_per_h)

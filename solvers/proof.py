@@ -19,6 +19,7 @@ from contextlib import suppress
 
 import numpy as np
 
+from adr_opt.available_memory import available_bytes
 from adr_opt.errors import InputError
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
@@ -47,11 +48,17 @@ FIRST_EVALUATIONS, FIRST_LABELS = 3, 200_000
 GROWTH = 4
 """Each round of searches may make so many times the labels of the one before."""
 
-SET_UP_S_PER_EVENT = 5e-7
+SET_UP_S_PER_EVENT = 4e-6
 """Time that setting up a proof takes, which cannot be broken off, for each timetable entry."""
 
-ROOM_BYTES = 1.5e9
+ROOM_BYTES = 0.6e9
 """Memory that the values of all states may take; ΔV slots are widened to fit."""
+
+BYTES_PER_EVENT = 800
+"""Memory that the network takes for each timetable entry: some 21 connections."""
+
+MEMORY_SHARE = 0.5
+"""Part of the free memory that the network may take."""
 
 
 class Certificate:
@@ -286,7 +293,8 @@ def prove(
     search : callable
         Looks for a better plan before each round.
     """
-    if certificate.proven or enough() or stop.remaining_s() < set_up_s(mission):
+    late = stop.remaining_s() < set_up_s(mission)
+    if certificate.proven or enough() or late or not fits_memory(mission):
         return {"evaluations": 0, "searches": 0, "labels": 0}
     proof = Proof(
         mission,
@@ -303,6 +311,11 @@ def prove(
         proof.advance(enough)
     proof.close()
     return proof.counters
+
+
+def fits_memory(mission: Mission) -> bool:
+    """Whether there is memory for the network of a proof."""
+    return BYTES_PER_EVENT * mission.timetable.entries <= MEMORY_SHARE * available_bytes()
 
 
 def set_up_s(mission: Mission) -> float:
@@ -366,7 +379,13 @@ def affordable_slot(mission: Mission, slot: float) -> float:
 def bound_notes(mission: Mission) -> list[str]:
     """What a reader of a bound has to know."""
     step = mission.prize_step
-    return [f"the bound is rounded down: all objectives are multiples of {step:g}"] if step else []
+    notes = [f"the bound is rounded down: all objectives are multiples of {step:g}"] if step else []
+    if not fits_memory(mission):
+        notes.append(
+            f"nothing was proven: there is no memory for the network of all connections at "
+            f"{mission.timetable.entries} departures; take fewer targets or a shorter mission"
+        )
+    return notes
 
 
 def check_options(method: str, delta_v_slot_m_s: float, jobs: int, most_labels: int) -> None:
