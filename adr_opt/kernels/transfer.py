@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import orbits
-from .compile import kernel
+from .compile import inlined, kernel
 from .constants import MU_M3_S2, SLACK_M_S, SLACK_S
 
 TWO_PI = 2.0 * math.pi
@@ -95,7 +95,7 @@ class Sequence(NamedTuple):
     phasing_radius: float  # r_x [m]
 
 
-@kernel
+@inlined
 def flight_time(radius_i, radius_j, fraction, r):
     """T(r_x) without phasing revolutions, and its first two derivatives (MODEL section 2).
 
@@ -126,7 +126,7 @@ def flight_time(radius_i, radius_j, fraction, r):
     return time, first, second
 
 
-@kernel
+@inlined
 def lap_time(r):
     """Period of the phasing circle and its first two derivatives."""
     root = math.sqrt(r)
@@ -221,7 +221,7 @@ def target_lead(pair, departure, half_turns):
     return lead if lead < TWO_PI else 0.0
 
 
-@kernel
+@inlined
 def phasing_radius(pair, rule, revolutions, time):
     """The radius r_x at which the sequence with k revolutions takes the given time [m].
 
@@ -249,7 +249,7 @@ def phasing_radius(pair, rule, revolutions, time):
     return r
 
 
-@kernel
+@inlined
 def sequence_delta_v(pair, rule, revolutions, r):
     """ΔV of the sequence with phasing radius r, by vis-viva (MODEL section 2) [m/s]."""
     ri, rj = pair.radius_i, pair.radius_j
