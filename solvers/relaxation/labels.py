@@ -48,6 +48,8 @@ class Labels(NamedTuple):
         [m/s].
     visits : (labels,) int64
         Services so far.
+    worth : (labels,) float64
+        Worth of the targets serviced; only where ΔV is paid for.
     memory : (labels, words) int64
         Bit j % 63 of word j // 63: may not go to target j.
     """
@@ -58,6 +60,7 @@ class Labels(NamedTuple):
     value: np.ndarray
     left: np.ndarray
     visits: np.ndarray
+    worth: np.ndarray
     memory: np.ndarray
 
 
@@ -79,6 +82,14 @@ class Search(NamedTuple):
         [m/s].
     most_visits : int
         Services that a walk may make.
+    price : float
+        What a m/s takes off the value of a walk [fine units]; 0 where ΔV is not paid for.
+    worths : (bodies,) float64
+        What targets are worth, where it is.
+    least_worth : float
+        Walks worth less are of no use, where it is.
+    reach : (before + rows·width,) float32
+        Most worth that is still to be had, as ``best`` is laid out, where it is.
     """
 
     best: np.ndarray
@@ -92,6 +103,10 @@ class Search(NamedTuple):
     neighbourhood: np.ndarray
     budget: float
     most_visits: int
+    price: float
+    worths: np.ndarray
+    least_worth: float
+    reach: np.ndarray
 
 
 @kernel
@@ -105,9 +120,20 @@ def _completion(search, row, left, came_from):
 
 
 @kernel
-def _dominates(labels, one, value, left, visits, remembered):
+def _reaches(search, row, left, worth):
+    """Whether a walk that has a worth can still be worth enough, where that counts."""
+    if search.price == 0.0:
+        return True
+    at = (row + 1) * search.width + min(int(left / search.slot + SLACK), search.top)
+    return worth + search.reach[at] >= search.least_worth
+
+
+@kernel
+def _dominates(labels, one, value, left, visits, worth, remembered):
     """Whether label ``one`` is worth as much, has as much left and remembers nothing more."""
     if labels.value[one] < value or labels.left[one] < left or labels.visits[one] > visits:
+        return False
+    if labels.worth[one] < worth:
         return False
     beyond = 0
     for w in range(remembered.size):
@@ -126,7 +152,7 @@ def _arrive(labels, pending, ready, row, i):
         while other >= 0:
             if _dominates(
                 labels, other, labels.value[label], labels.left[label], labels.visits[label],
-                labels.memory[label],
+                labels.worth[label], labels.memory[label],
             ):  # fmt: skip
                 break
             other = labels.following[other]
@@ -180,8 +206,10 @@ def extend(network, body, order, search, labels, pending, ready, cursor, effort)
             came_from = body[labels.row[parent]] if parent >= 0 else -1
             if came_from >= 0 and network.is_station[came_from]:
                 came_from = -1
-            left, value = labels.left[label], labels.value[label]
-            if value + _completion(search, row, left, came_from) < search.need:
+            left, value, worth = labels.left[label], labels.value[label], labels.worth[label]
+            if value + _completion(search, row, left, came_from) < search.need or not _reaches(
+                search, row, left, worth
+            ):
                 # Too late, now and at every later row.
                 if before < 0:
                     ready[i] = following
@@ -204,21 +232,29 @@ def extend(network, body, order, search, labels, pending, ready, cursor, effort)
                     continue
                 landing = network.landing[leg]
                 rest = search.budget if to_station else left - network.delta_v[leg]
-                worth = value + search.gain[j]
-                if worth + _completion(search, landing, rest, behind) < search.need:
+                paid = np.int64(search.price * network.delta_v[leg])
+                then = value + search.gain[j] - paid
+                if then + _completion(search, landing, rest, behind) < search.need:
                     continue
+                collected = worth
+                if search.price > 0.0:
+                    collected += search.worths[j]
+                    if not _reaches(search, landing, rest, collected):
+                        continue
                 cursor[2] += 1
                 for w in range(words):
                     remembered[w] = labels.memory[here, w] & search.neighbourhood[j, w]
                 if not network.is_station[i]:
                     remembered[i // WORD] |= 1 << (i % WORD)
                 other = ready[j]
-                while other >= 0 and not _dominates(labels, other, worth, rest, visits, remembered):
+                while other >= 0 and not _dominates(
+                    labels, other, then, rest, visits, collected, remembered
+                ):
                     other = labels.following[other]
                 if other < 0:
                     other = pending[landing]
                     while other >= 0 and not _dominates(
-                        labels, other, worth, rest, visits, remembered
+                        labels, other, then, rest, visits, collected, remembered
                     ):
                         other = labels.following[other]
                 if other >= 0:
@@ -228,8 +264,8 @@ def extend(network, body, order, search, labels, pending, ready, cursor, effort)
                     # The row is begun again later; what it has made already dominates its doubles.
                     return FULL
                 labels.row[count], labels.parent[count] = landing, here
-                labels.value[count], labels.left[count] = worth, rest
-                labels.visits[count] = visits
+                labels.value[count], labels.left[count] = then, rest
+                labels.visits[count], labels.worth[count] = visits, collected
                 for w in range(words):
                     labels.memory[count, w] = remembered[w]
                 labels.following[count] = pending[landing]
@@ -255,7 +291,17 @@ def path_of(labels, body, label, path):
 
 
 @kernel
-def learn(network, labels, body, count, least, most_walks, neighbourhood, path):
+def _counts(network, labels, body, label, least, least_worth):
+    """Whether a label is of enough value and worth, at a body where a mission may end."""
+    return (
+        labels.value[label] >= least
+        and labels.worth[label] >= least_worth
+        and network.may_end[body[labels.row[label]]]
+    )
+
+
+@kernel
+def learn(network, labels, body, count, least, least_worth, most_walks, neighbourhood, path):
     """Look at walks worth at least so much, and let the bodies inside their cycles remember.
 
     Parameters
@@ -267,7 +313,9 @@ def learn(network, labels, body, count, least, most_walks, neighbourhood, path):
     count : int
         Number of labels.
     least : int
-        Walks worth less are not looked at [fine units].
+        Walks of less value are not looked at [fine units].
+    least_worth : float
+        Nor are those of less worth.
     most_walks : int
         Walks to learn from, spread evenly over all of them: neighbours share their cycles.
     neighbourhood : (bodies, words) int64
@@ -284,12 +332,12 @@ def learn(network, labels, body, count, least, most_walks, neighbourhood, path):
     """
     walks = 0
     for label in range(count):
-        walks += labels.value[label] >= least and network.may_end[body[labels.row[label]]]
+        walks += _counts(network, labels, body, label, least, least_worth)
     stride = max(1, walks // most_walks)
     seen = np.empty(neighbourhood.shape[0], dtype=np.int64)
     plan, grown, number = -1, 0, 0
     for label in range(count):
-        if labels.value[label] < least or not network.may_end[body[labels.row[label]]]:
+        if not _counts(network, labels, body, label, least, least_worth):
             continue
         number += 1
         length = path_of(labels, body, label, path)
@@ -314,10 +362,10 @@ def learn(network, labels, body, count, least, most_walks, neighbourhood, path):
 
 
 @kernel
-def most_of(network, labels, body, count, least):
-    """Greatest value of the walks that end where a mission may; ``least`` if all are below."""
+def most_of(network, labels, body, count, least, least_worth):
+    """Greatest value of the walks of enough worth that end where a mission may; at least a least."""
     best = least
     for label in range(count):
-        if network.may_end[body[labels.row[label]]]:
+        if _counts(network, labels, body, label, least, least_worth):
             best = max(best, labels.value[label])
     return best

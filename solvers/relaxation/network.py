@@ -46,6 +46,8 @@ class Network(NamedTuple):
     first_kept : (rows + 1,) int64
     landing_kept, cost : (legs kept,) int32
         The legs that count when ΔV is in slots, and their slots.
+    least : (legs kept,) float64
+        Least ΔV of any leg between the same bodies in so many slots [m/s].
     is_station, may_end : (bodies,) bool
         As in :class:`adr_opt.kernels.rules.Rules`.
     root : int
@@ -63,6 +65,7 @@ class Network(NamedTuple):
     first_kept: np.ndarray
     landing_kept: np.ndarray
     cost: np.ndarray
+    least: np.ndarray
     is_station: np.ndarray
     may_end: np.ndarray
     root: int
@@ -153,12 +156,14 @@ def _land(departure, start, outgoing, slot, slots, landing):
     -------
     first_kept : (rows + 1,) int64
     landing_kept, cost : (legs kept,) int32
+    least : (legs kept,) float64
     """
     bodies = start.size - 1
     time, body, first, end, delta_v = outgoing
     legs = end.size
     # Earliest landing row of the later legs to a body that cost no more than so many slots.
     earliest = np.full((bodies, slots), np.int32(2**31 - 1), np.int32)
+    cheapest = np.full((bodies, slots), np.inf)
     kept = np.zeros(legs, np.bool_)
     price = np.empty(legs, np.int32)
     size = 0
@@ -168,6 +173,7 @@ def _land(departure, start, outgoing, slot, slots, landing):
         for leg in range(first[r], first[r + 1]):
             landing[leg] = start[j] + np.searchsorted(ahead, earliest_taken(end[leg]))
             price[leg] = max(0, math.floor(delta_v[leg] / slot - SLACK))
+            cheapest[j, price[leg]] = min(cheapest[j, price[leg]], delta_v[leg])
             if earliest[j, price[leg]] <= landing[leg]:
                 continue
             kept[leg] = True
@@ -178,15 +184,17 @@ def _land(departure, start, outgoing, slot, slots, landing):
                 earliest[j, c] = landing[leg]
     first_kept = np.empty(time.size + 1, np.int64)
     landing_kept, cost = np.empty(size, np.int32), np.empty(size, np.int32)
+    least = np.empty(size)
     at = 0
     for r in range(time.size):
         first_kept[r] = at
         for leg in range(first[r], first[r + 1]):
             if kept[leg]:
                 landing_kept[at], cost[at] = landing[leg], price[leg]
+                least[at] = cheapest[body[r], price[leg]]
                 at += 1
     first_kept[time.size] = at
-    return first_kept, landing_kept, cost
+    return first_kept, landing_kept, cost, least
 
 
 def build(mission: Mission, slot_m_s: float, *, jobs: int) -> Network:
@@ -232,9 +240,8 @@ def build(mission: Mission, slot_m_s: float, *, jobs: int) -> Network:
         _joined([outgoing.first for outgoing in found]),
         np.concatenate(landings),
         np.concatenate([outgoing.delta_v for outgoing in found]),
-        _joined([first for first, _, _ in kept]),
-        np.concatenate([landing for _, landing, _ in kept]),
-        np.concatenate([cost for _, _, cost in kept]),
+        _joined([each[0] for each in kept]),
+        *(np.concatenate([each[part] for each in kept]) for part in (1, 2, 3)),
         rules.is_station,
         rules.may_end,
         int(start[rules.start] + np.searchsorted(ahead, earliest_taken(rules.ready))),

@@ -57,6 +57,9 @@ class Routes:
         network = bound.network
         bodies = bound.prize.size
         self.neighbourhood = np.zeros((bodies, (bodies - 1) // WORD + 1), dtype=np.int64)
+        # Only where ΔV is paid for, see :mod:`.cost`.
+        self.least_worth = 0.0
+        self.reach = np.empty(0, dtype=np.float32)
         self.labels_made = 0
         self.searches = 0
         self._body = np.repeat(np.arange(bodies, dtype=np.int32), np.diff(network.start))
@@ -71,7 +74,8 @@ class Routes:
         words = self.neighbourhood.shape[1]
         row, parent, following, value, visits = (np.empty(size, dtype=np.int64) for _ in range(5))
         memory = np.empty((size, words), dtype=np.int64)
-        return Labels(row, parent, following, value, np.empty(size), visits, memory)
+        left, worth = np.empty(size), np.empty(size)
+        return Labels(row, parent, following, value, left, visits, worth, memory)
 
     def use(self, multipliers: np.ndarray) -> None:
         """Work out the completion values of some multipliers, for the searches to come."""
@@ -88,6 +92,7 @@ class Routes:
         search = Search(
             bound.values.best, bound.values.second, bound.bits, bound.width, bound.top, bound.slot,
             self._gain, need, self.neighbourhood, bound.budget, bound.most_targets,
+            bound.price / self._unit, bound.worths, self.least_worth, self.reach,
         )  # fmt: skip
         ready = np.full(bound.prize.size, -1, dtype=np.int64)
 
@@ -134,7 +139,7 @@ class Routes:
         labels = self._labels
         labels.row[0], labels.parent[0], labels.following[0] = root, -1, -1
         labels.value[0], labels.left[0], labels.memory[0] = 0, bound.budget, 0
-        labels.visits[0] = 0
+        labels.visits[0], labels.worth[0] = 0, 0.0
         cursor = np.array([0, 1, 0], dtype=np.int64)
         self.searches += 1
         while True:
@@ -151,13 +156,14 @@ class Routes:
                     new[: cursor[1]] = old[: cursor[1]]
         count = int(cursor[1])
         self.labels_made += count
-        best = int(most_of(bound.network, labels, self._body, count, need - 1))
+        best = int(most_of(bound.network, labels, self._body, count, need - 1, self.least_worth))
         if best < need:
             return True, -math.inf, None, 0
         path = np.empty(bound.most_legs + 1, dtype=np.int64)
         plan, grown = learn(
-            bound.network, labels, self._body, count, need, WALKS, self.neighbourhood, path
-        )
+            bound.network, labels, self._body, count, need, self.least_worth, WALKS,
+            self.neighbourhood, path,
+        )  # fmt: skip
         sequence = None
         if plan >= 0:
             sequence = path[: path_of(labels, self._body, plan, path)].copy()

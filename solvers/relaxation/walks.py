@@ -63,7 +63,7 @@ class Values(NamedTuple):
 
 
 @kernel
-def _sweep_rows(network, best, second, code, bits, width, top, i, high, low):
+def _sweep_rows(network, best, second, code, toll, bits, width, top, i, high, low):
     """Values of the rows ``low`` to ``high`` − 1 (counted within body i), backwards."""
     mask = (1 << bits) - 1
     keep_value = simd.spread(~mask)
@@ -72,6 +72,7 @@ def _sweep_rows(network, best, second, code, bits, width, top, i, high, low):
     # From a station nothing is forbidden; no code has all bits set.
     came_from = simd.spread(mask if network.is_station[i] else i)
     base = network.start[i]
+    priced = toll.size > 0
     for row in range(base + high - 1, base + low - 1, -1):
         j = network.destination[row]
         gain = simd.spread(code[j])
@@ -96,6 +97,8 @@ def _sweep_rows(network, best, second, code, bits, width, top, i, high, low):
                     instead = simd.load(second, landing + c - cost)
                     value = simd.where_equal(simd.both(value, keep_next), came_from, instead, value)
                     value = simd.plus(simd.both(value, keep_value), gain)
+                if priced:
+                    value = simd.plus(value, simd.spread(-(toll[leg] << bits)))
                 value = simd.where_less(left, simd.spread(cost), never, value)
                 loser = simd.smaller(found, value)
                 found = simd.larger(found, value)
@@ -118,7 +121,9 @@ def _begin(network, best, second, width, begun):
 
 
 @kernel
-def _sweep_until(network, best, second, code, bits, width, top, begun, begin, step, time):
+def _sweep_until(
+    network, best, second, code, toll, bits, width, top, begun, begin, step, time
+):  # fmt: skip
     """Values of all rows taken at a time or after, of every step-th body from ``begin``."""
     earliest = earliest_taken(time)
     for i in range(begin, network.start.size - 1, step):
@@ -126,12 +131,12 @@ def _sweep_until(network, best, second, code, bits, width, top, begun, begin, st
         low = high
         while low > 0 and network.departure[network.start[i] + low - 1] >= earliest:
             low -= 1
-        _sweep_rows(network, best, second, code, bits, width, top, i, high, low)
+        _sweep_rows(network, best, second, code, toll, bits, width, top, i, high, low)
         begun[i] = low
 
 
 @kernel
-def _trace(network, best, second, code, bits, width, top, row, body, left, walk):
+def _trace(network, best, second, code, toll, bits, width, top, row, body, left, walk):
     """Follow the best walk from a state; returns its length."""
     mask = (1 << bits) - 1
     came_from = mask
@@ -155,7 +160,8 @@ def _trace(network, best, second, code, bits, width, top, row, body, left, walk)
                     ahead = best[(landing + 1) * width + rest]
                     if not network.is_station[body] and ahead & mask == body:
                         ahead = second[(landing + 1) * width + rest]
-                    if (ahead >> bits) + (code[j] >> bits) == packed >> bits:
+                    paid = toll[leg] if toll.size > 0 else 0
+                    if (ahead >> bits) + (code[j] >> bits) - paid == packed >> bits:
                         onward = landing
                         break
             row += 1
@@ -193,6 +199,12 @@ class WalkBound:
         No walk has more.
     unit : float
         Prize that one unit of value is worth.
+    price : float
+        What a m/s takes off the value of a walk; 0 for nothing.
+    worths : (bodies,) float64
+        What targets are worth in the mission.
+    toll : (legs kept,) int32
+        What a leg takes off a walk's value [units]; empty for nothing.
     walk : (legs,) int64
         Best walk of the last evaluation: bodies in order.
     """
@@ -228,6 +240,8 @@ class WalkBound:
         room = LARGEST / (1 << self.bits) / self.most_legs / self.greatest_prize
         # A power of two, so that units are exact numbers.
         self.unit = 2.0 ** -math.floor(math.log2(room))
+        self.toll = np.empty(0, dtype=np.int32)
+        self.price, self.worths = 0.0, self.prize
         self._begun = np.empty(bodies, dtype=np.int64)
         self._walk = np.empty(self.most_legs + 1, dtype=np.int64)
         self.walk = self._walk[:0]
@@ -301,7 +315,7 @@ class WalkBound:
         """
         network, (best, second) = self.network, self.values
         _begin(network, best, second, self.width, self._begun)
-        common = (network, best, second, code, self.bits, self.width, self.top)
+        common = (network, best, second, code, self.toll, self.bits, self.width, self.top)
         self._sweep(_sweep_until, *common, self._begun)
         value = int(best[(network.root + 1) * self.width + self.top]) >> self.bits
         if value < -LARGEST >> self.bits:
