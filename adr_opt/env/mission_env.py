@@ -25,7 +25,7 @@ MOST_REDRAWS = 100
 
 
 class MissionEnv(gymnasium.Env[Observation, np.int64]):
-    """Service as many targets as possible before ΔV and time run out.
+    """Collect as much prize as possible before ΔV and time run out.
 
     ## Action Space
 
@@ -35,12 +35,13 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
 
     ## Observation Space
 
-    By name, see :func:`adr_opt.env.space`: ``transfer``, ``lookahead`` or ``published``.
+    By name, see :func:`adr_opt.env.space`: ``transfer``, ``lookahead``, ``published``, and with
+    prizes ``transfer-prizes`` and ``lookahead-prizes``.
 
     ## Rewards
 
-    +1 for a serviced target, 0 for refuelling, −1 for an illegal action, as published. Prizes of
-    the instance other than 1 do not count.
+    The prize of a serviced target in mean prizes of the field (of those targets that have one), 0
+    for refuelling, −1 for an illegal action. Equal prizes are rewards of +1, as published.
 
     ## Starting State
 
@@ -83,7 +84,8 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
     Raises
     ------
     InputError
-        Unknown observation or render mode.
+        Unknown observation or render mode, or at a reset a mission that episodes cannot play: see
+        :func:`adr_opt.episodes.check_playable`.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["ansi", "rgb_array"], "render_fps": 2}  # noqa: RUF012
@@ -226,6 +228,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
             "action_mask": self._board.mask[0].astype(np.int8),
             "serviced": int(episodes.serviced[0]),
             "refuelled": int(episodes.refuelled[0]),
+            "collected": float(episodes.collected[0]),
             "time_s": float(episodes.time[0]),
             "delta_v_left_m_s": float(episodes.left[0] - SLACK_M_S),
         }

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..kernels.constants import STATION
+from ..kernels.outlook import HOME
 from ..mission import Mission
 from ..wording import counted
 
@@ -54,9 +54,9 @@ def picture(
     """
     image = np.full((SIZE, SIZE, 3), BACKGROUND, dtype=np.uint8)
     orbits = mission.transfer_inputs[0]
-    raan = (orbits[:, 2] - orbits[STATION, 2] + np.pi) % (2.0 * np.pi) - np.pi
-    across = raan * np.sin(orbits[STATION, 1])
-    up = orbits[:, 1] - orbits[STATION, 1]
+    raan = (orbits[:, 2] - orbits[HOME, 2] + np.pi) % (2.0 * np.pi) - np.pi
+    across = raan * np.sin(orbits[HOME, 1])
+    up = orbits[:, 1] - orbits[HOME, 1]
     reach = max(np.abs(across).max(), np.abs(up).max(), 1e-9)
     half = SIZE / 2 - MARGIN
     columns = (SIZE / 2 + half * across / reach).astype(int)
@@ -65,9 +65,9 @@ def picture(
     for body in range(len(mission.names)):
         distance = np.hypot(x - columns[body], y - rows[body])
         colour = VISITED if visited[body] else OPEN
-        if body == STATION:
+        if body == HOME:
             colour = STATION_COLOUR
-        image[distance <= (6 if body == STATION else 4)] = colour
+        image[distance <= (6 if body == HOME else 4)] = colour
         if body == state["body"]:
             image[(distance > 7) & (distance <= 10)] = CHASER
     duration_s = mission.instance.mission.duration_s

@@ -24,8 +24,11 @@ def space(name: str, targets: int) -> spaces.Space[Any]:
         :data:`adr_opt.kernels.observation.MISSION_FIELDS`).
 
     ``lookahead``
-        As ``transfer``, with rows of 43 numbers: those of ``transfer`` and then
+        As ``transfer``, with rows of 51 numbers: those of ``transfer`` and then
         :data:`adr_opt.kernels.lookahead.CHAIN_FIELDS`.
+    ``transfer-prizes``, ``lookahead-prizes``
+        As these, with one number more in each row, after the first 29: the prize in mean prizes of
+        the field. Chains count prizes then, not targets.
 
     All numbers are float32 in [−5, 5].
     """

@@ -224,6 +224,7 @@ class MissionVecEnv(VecEnv):
         episodes = self.episodes
         seen = self._board.copy(ended)
         serviced = episodes.serviced[ended].tolist()
+        collected = episodes.collected[ended].tolist()
         refuelled = episodes.refuelled[ended].tolist()
         illegal = (self._rewards[ended] < 0.0).tolist()
         delta_v = episodes.delta_v[ended].tolist()
@@ -239,11 +240,12 @@ class MissionVecEnv(VecEnv):
                 "terminal_observation": last,
                 "TimeLimit.truncated": False,
                 "episode": {
-                    "r": float(serviced[row] - illegal[row]),
+                    "r": collected[row] - illegal[row],
                     "l": serviced[row] + refuelled[row] + illegal[row],
                     "t": 0.0,
                 },
                 "serviced": serviced[row],
+                "collected": collected[row],
                 "delta_v_m_s": delta_v[row],
                 "budget_m_s": budget[row],
                 "duration_s": duration[row],

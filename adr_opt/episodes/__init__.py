@@ -5,7 +5,7 @@ alone.
 """
 
 from .board import OBSERVATIONS, Board, Observation, check_observation, move_fields, published_size
-from .pool import FieldPool, new_episodes, start
+from .pool import FieldPool, check_playable, in_mean_prizes, new_episodes, start
 
 __all__ = [
     "OBSERVATIONS",
@@ -13,6 +13,8 @@ __all__ = [
     "FieldPool",
     "Observation",
     "check_observation",
+    "check_playable",
+    "in_mean_prizes",
     "move_fields",
     "new_episodes",
     "published_size",

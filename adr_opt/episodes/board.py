@@ -13,9 +13,10 @@ from ..kernels.episodes import Episodes, Pool
 Array = npt.NDArray[np.float32]
 Observation = dict[str, Array] | Array
 
-OBSERVATIONS = ("transfer", "lookahead", "published")
+OBSERVATIONS = ("transfer", "lookahead", "published", "transfer-prizes", "lookahead-prizes")
 """``transfer`` is the quick one, ``lookahead`` knows more and takes longer, ``published`` is for
-comparison with the study."""
+comparison with the study. None of them sees prizes; the last two do, and are the first two
+otherwise."""
 
 MOVES, MISSION = "moves", "mission"
 
@@ -34,8 +35,20 @@ def check_observation(name: str) -> None:
 
 def move_fields(name: str) -> tuple[str, ...]:
     """Names of the numbers of a move in an observation by moves."""
-    more = lookahead.CHAIN_FIELDS if name == "lookahead" else ()
-    return kernels.MOVE_FIELDS + more
+    if not sees_prizes(name):
+        return kernels.MOVE_FIELDS + (lookahead.CHAIN_FIELDS if follows_chains(name) else ())
+    more = lookahead.CHAIN_PRIZE_FIELDS if follows_chains(name) else ()
+    return (*kernels.MOVE_FIELDS, kernels.PRIZE_FIELD, *more)
+
+
+def sees_prizes(name: str) -> bool:
+    """Whether an observation says what each target is worth."""
+    return name.endswith("-prizes")
+
+
+def follows_chains(name: str) -> bool:
+    """Whether an observation says where moves lead."""
+    return name.startswith("lookahead")
 
 
 def published_size(targets: int) -> int:
@@ -62,6 +75,8 @@ class Board:
         Their numbers.
     order : (count,) int32
         Order in which :meth:`observe` takes the episodes; that of their numbers at first.
+    promises : Promises or None
+        What chains promise, where the observation follows them; no part of it.
     """
 
     def __init__(self, name: str, count: int, targets: int) -> None:
@@ -69,6 +84,9 @@ class Board:
         self.mask = np.zeros((count, targets + 1), dtype=np.bool_)
         self.legal = np.zeros(count, dtype=np.int32)
         self.order = np.arange(count, dtype=np.int32)
+        self.promises: lookahead.Promises | None = None
+        if follows_chains(name):
+            self.promises = lookahead.Promises(*np.zeros((3, count, targets + 1)))
         if name == "published":
             self._flat = np.zeros((count, published_size(targets)), dtype=np.float32)
         else:
@@ -97,12 +115,12 @@ class Board:
                 pool, episodes, order, first, last, self._flat, self.mask, self.legal
             )
             return
-        observe = kernels.observe_transfer
-        if self.name == "lookahead":
-            observe = lookahead.observe_lookahead
-        observe(
-            pool, episodes, order, first, last, self._moves, self._mission, self.mask, self.legal
-        )
+        prized = sees_prizes(self.name)
+        into = (self._moves, self._mission, self.mask, self.legal, prized)
+        if self.promises is None:
+            kernels.observe_transfer(pool, episodes, order, first, last, *into)
+        else:
+            lookahead.observe_lookahead(pool, episodes, order, first, last, *into, self.promises)
 
     @property
     def arrays(self) -> Observation:

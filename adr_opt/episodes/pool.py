@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
+from ..errors import InputError
 from ..instance import Instance
 from ..kernels import outlook as outlook_kernels
 from ..kernels.episodes import Episodes, Pool, begin
+from ..kernels.outlook import HOME
 from ..mission import Mission
+from ..wording import counted
 
 
 class FieldPool:
@@ -70,7 +74,14 @@ class FieldPool:
         return bool(len(mission.names) <= bodies and table.entries.shape[1] <= events)
 
     def install(self, slot: int, mission: Mission) -> None:
-        """Put a mission into a slot, which no running episode may be using."""
+        """Put a mission into a slot, which no running episode may be using.
+
+        Raises
+        ------
+        InputError
+            Not a mission that can be played, see :func:`check_playable`.
+        """
+        check_playable(mission)
         arrays = self.arrays
         table = mission.timetable.table
         bodies, events = table.entries.shape[:2]
@@ -80,7 +91,8 @@ class FieldPool:
         arrays.service[slot, :bodies] = mission.rules.service
         arrays.opens[slot, :bodies] = mission.rules.opens
         arrays.closes[slot, :bodies] = mission.rules.closes
-        arrays.prize[slot, :bodies] = mission.rules.prize
+        arrays.prize[slot] = 0.0
+        arrays.prize[slot, :bodies] = in_mean_prizes(mission)
         arrays.first[slot, :bodies, :bodies] = table.first
         arrays.spacing[slot, :bodies] = table.spacing
         arrays.total[slot, :bodies, :bodies] = table.total
@@ -104,6 +116,44 @@ class FieldPool:
         self.instances[slot] = mission.instance
 
 
+def check_playable(mission: Mission) -> None:
+    """Refuse a mission that episodes cannot play.
+
+    Episodes begin at the only station, at t = 0, may service any number of targets, and may end
+    anywhere. Windows, prizes and zones are as they are.
+
+    Raises
+    ------
+    InputError
+    """
+    rules = mission.rules
+    for odd, what in (
+        (rules.stations != 1, f"has {counted(rules.stations, 'station')}, not one"),
+        (rules.start != HOME, "does not begin at its station"),
+        (rules.first_target != 1, "has an orbit that is neither a station's nor a target's"),
+        (rules.ready > 0.0, "begins later than t = 0"),
+        (rules.most_targets < rules.service.size - 1, "limits the number of targets"),
+        (rules.returns, "must end at a station"),
+    ):
+        if odd:
+            raise InputError(
+                f"{mission.instance.name} {what}, which the environment and its policies do not "
+                "know; plan this mission with another method"
+            )
+
+
+def in_mean_prizes(mission: Mission) -> npt.NDArray[np.float64]:
+    """Prize of every body in mean prizes of the targets that have one, shape (bodies,)."""
+    prize = mission.rules.prize
+    worth = prize[prize > 0.0]
+    if not worth.size:
+        return np.zeros(prize.size)
+    # Equal prizes are 1 exactly, which a mean of theirs need not give.
+    mean = worth[0] if worth.min() == worth.max() else worth.mean()
+    scaled: npt.NDArray[np.float64] = prize / mean
+    return scaled
+
+
 def new_episodes(count: int, bodies: int) -> Episodes:
     """Room for the states of ``count`` episodes; :func:`start` begins them."""
     return Episodes(
@@ -118,6 +168,7 @@ def new_episodes(count: int, bodies: int) -> Episodes:
         serviced=np.zeros(count, dtype=np.int32),
         refuelled=np.zeros(count, dtype=np.int32),
         delta_v=np.zeros(count),
+        collected=np.zeros(count),
     )
 
 

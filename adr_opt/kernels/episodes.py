@@ -13,9 +13,9 @@ import numpy as np
 
 from . import rules as rule_kernels
 from .compile import inlined, kernel
-from .constants import SLACK_M_S, SLACK_S, STATION
+from .constants import SLACK_M_S, SLACK_S
 from .memory import borrowed
-from .outlook import Outlook
+from .outlook import HOME, Outlook
 from .rules import Rules, State
 from .timetable import Table
 
@@ -32,7 +32,7 @@ class Pool(NamedTuple):
     service, opens, closes : (slots, bodies) float64
         As in :class:`adr_opt.kernels.rules.Rules` [s].
     prize : (slots, bodies) float64
-        Prize of each target.
+        Prize of each target in mean prizes of the field, 0 for the station: its reward.
     is_station, may_end : (bodies,) bool
         The same for all fields: the first body is the only station, and all are ends.
     first, spacing, total, entries : arrays
@@ -82,6 +82,8 @@ class Episodes(NamedTuple):
         Targets serviced and refuelling stops so far.
     delta_v : (episodes,) float64
         ΔV of all moves so far [m/s].
+    collected : (episodes,) float64
+        Prizes collected so far [mean prizes of the field].
     """
 
     slot: np.ndarray
@@ -95,6 +97,7 @@ class Episodes(NamedTuple):
     serviced: np.ndarray
     refuelled: np.ndarray
     delta_v: np.ndarray
+    collected: np.ndarray
 
 
 TURN = 2.0 * math.pi
@@ -138,6 +141,7 @@ def lent(pool, episodes):
             borrowed(episodes.serviced),
             borrowed(episodes.refuelled),
             borrowed(episodes.delta_v),
+            borrowed(episodes.collected),
         ),
     )
 
@@ -162,7 +166,7 @@ def rules_of(pool, episodes, e):
         pool.may_end,
         np.int64(1),
         np.int64(1),
-        np.int64(STATION),
+        np.int64(HOME),
         0.0,
         np.int64(pool.bodies[slot]),
         False,
@@ -202,13 +206,14 @@ def outlook_of(pool, slot):
 @kernel
 def begin(pool, episodes, e):
     """Put an episode at its start: docked at the station with a full budget at t = 0."""
-    episodes.body[e] = STATION
+    episodes.body[e] = HOME
     episodes.since_refuel[e] = 0
     episodes.time[e] = 0.0
     episodes.left[e] = episodes.budget[e] + SLACK_M_S
     episodes.serviced[e] = 0
     episodes.refuelled[e] = 0
     episodes.delta_v[e] = 0.0
+    episodes.collected[e] = 0.0
     bodies = pool.bodies[episodes.slot[e]]
     for j in range(episodes.visited.shape[1]):
         episodes.visited[e, j] = j >= bodies
@@ -217,13 +222,13 @@ def begin(pool, episodes, e):
 @inlined
 def body_of(action, targets):
     """Body that an action goes to: the actions are the targets in order, then the station."""
-    return STATION if action == targets else action + 1
+    return HOME if action == targets else action + 1
 
 
 @inlined
 def action_of(body, targets):
     """Action that goes to a body, the inverse of :func:`body_of`."""
-    return targets if body == STATION else body - 1
+    return targets if body == HOME else body - 1
 
 
 @kernel
@@ -244,6 +249,7 @@ def move(pool, episodes, e, destination):
     episodes.body[e], episodes.time[e], episodes.left[e] = after.body, after.time, after.left
     episodes.since_refuel[e], episodes.serviced[e] = after.since, after.serviced
     episodes.delta_v[e] += delta_v
+    episodes.collected[e] += rules.prize[destination]
     if rules.is_station[destination]:
         episodes.refuelled[e] += 1
     else:
@@ -295,7 +301,8 @@ def act(pool, episodes, first, last, actions, rewards, order=None):
     ----------
     actions : (episodes,) int64
     rewards : (episodes,) float32
-        Written: +1 for a serviced target, 0 for refuelling, −1 for an illegal action.
+        Written: the prize of a serviced target in mean prizes of the field, 0 for refuelling, −1
+        for an illegal action.
     order : (episodes,) int, optional
         The episodes are ``order[first:last]`` instead.
     """
@@ -310,7 +317,7 @@ def act(pool, episodes, first, last, actions, rewards, order=None):
         if not legal:
             rewards[e] = -1.0
         else:
-            rewards[e] = 0.0 if action == targets else 1.0
+            rewards[e] = pool.prize[episodes.slot[e], body_of(action, targets)]
 
 
 @inlined

@@ -2,9 +2,10 @@
 
 ``published`` is what the published study lists: visited mask, ΔV and time left, six elements of
 the chaser and of every target. ``transfer`` says of every move what it costs now and what it
-leaves; :mod:`adr_opt.kernels.lookahead` adds where it leads. :data:`PUBLISHED_ELEMENTS`,
-:data:`MOVE_FIELDS` and :data:`MISSION_FIELDS` name every number in order, with its unit and scale;
-all are clipped to :data:`LIMIT`.
+leaves; :mod:`adr_opt.kernels.lookahead` adds where it leads. Those two do not see prizes;
+``transfer-prizes`` and ``lookahead-prizes`` do, by one more number for every move.
+:data:`PUBLISHED_ELEMENTS`, :data:`MOVE_FIELDS` and :data:`MISSION_FIELDS` name every number in
+order, with its unit and scale; all are clipped to :data:`LIMIT`.
 """
 
 import math
@@ -13,11 +14,10 @@ import numpy as np
 
 from . import rules as rule_kernels
 from .compile import inlined, kernel
-from .constants import STATION
-from .episodes import clip, lent, make_mask, outlook_of, rules_of, turned
+from .episodes import clip, lent, make_mask, outlook_of, rules_of, state_of, turned
 from .memory import borrowed, fetch
 from .orbits import ARGUMENT_OF_LATITUDE, INCLINATION, RAAN, RADIUS, mean_motion
-from .outlook import AHEAD, DELTA_V_UNIT_M_S, HOUR_UNIT, M_S_PER_HOUR, NEAR, NOBODY
+from .outlook import AHEAD, DELTA_V_UNIT_M_S, HOME, HOUR_UNIT, M_S_PER_HOUR, NEAR, NOBODY
 from .timetable import earliest_taken
 
 LIMIT = 5.0
@@ -73,6 +73,19 @@ MOVE_FIELDS = (
     "phase ahead of the chaser now [half turns]",
 )
 
+(
+    LEGAL, IS_STATION, IS_OPEN, NEEDED, NEEDED_OF_LEFT, TAKEN, TAKEN_OF_LEFT, COST, LEFT_AFTER,
+    TIME_AFTER, BACK, LEFT_AFTER_BACK, SAFE, BACK_TIME, NEXT_NEEDED, NEXT_TAKEN, NEXT_COST,
+    SECOND_COST, NEAR_OPEN, NEAR_ANGLE, RADIUS_FROM_CHASER, INCLINATION_FROM_CHASER,
+    RAAN_FROM_CHASER, ANGLE_FROM_CHASER, RADIUS_FROM_HOME, INCLINATION_FROM_HOME, RAAN_FROM_HOME,
+    ANGLE_FROM_HOME, PHASE,
+) = range(len(MOVE_FIELDS))  # fmt: skip
+# Columns of the moves, in the order of their names.
+
+PRIZE_FIELD = "prize [mean prizes of the field]"
+PRIZE = len(MOVE_FIELDS)
+"""What observations that see prizes have after :data:`MOVE_FIELDS`, and its column."""
+
 MISSION_FIELDS = (
     "ΔV left [km/s]",
     "ΔV left / budget",
@@ -91,6 +104,13 @@ MISSION_FIELDS = (
     "the station is reachable now",
     "hours left for each open target [10 h]",
 )
+
+(
+    LEFT, LEFT_OF_BUDGET, BUDGET, TIME, TIME_OF_DURATION, DURATION, OPEN_SHARE, OPEN_TARGETS,
+    LEGAL_SHARE, DOCKED, EARNED, CHASER_RADIUS, CHASER_INCLINATION, CHASER_RAAN, HOME_REACHABLE,
+    TIME_PER_TARGET,
+) = range(len(MISSION_FIELDS))  # fmt: skip
+# Columns of the mission, in the order of their names.
 
 DEGREES = 180.0 / math.pi
 FAR = LIMIT
@@ -147,9 +167,9 @@ def observe_published(pool, episodes, order, first, last, out, mask, legal):
                     out[e, at + column] = 0.0
                 continue
             u = orbits[j, ARGUMENT_OF_LATITUDE] + episodes.time[e] * mean_motion(orbits[j, RADIUS])
-            radius = orbits[j, RADIUS] - orbits[STATION, RADIUS]
-            inclination = orbits[j, INCLINATION] - orbits[STATION, INCLINATION]
-            raan = turned(orbits[j, RAAN] - orbits[STATION, RAAN])
+            radius = orbits[j, RADIUS] - orbits[HOME, RADIUS]
+            inclination = orbits[j, INCLINATION] - orbits[HOME, INCLINATION]
+            raan = turned(orbits[j, RAAN] - orbits[HOME, RAAN])
             out[e, at] = clip(radius * PER_50_KM, -LIMIT, LIMIT)
             # Bodies move on circles (MODEL section 1): e and the perigee are 0, ν is u.
             out[e, at + 1] = 0.0
@@ -160,7 +180,7 @@ def observe_published(pool, episodes, order, first, last, out, mask, legal):
 
 
 @kernel
-def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, legal):
+def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, legal, prized):
     """Observations ``transfer`` of the episodes ``order[first:last]``.
 
     Those of one field side by side are quicker: their table is then in the cache.
@@ -170,13 +190,16 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
     order : (episodes,) int32
     moves : (episodes, actions, len(MOVE_FIELDS)) float32
         Written: :data:`MOVE_FIELDS` of every action; 0 for targets that are visited or that the
-        field does not have. What cannot be reached has the upper limit for its costs.
+        field does not have. What cannot be reached has the upper limit for its costs. There may
+        be more columns, which are 0 in the same rows.
     mission : (episodes, len(MISSION_FIELDS)) float32
         Written: :data:`MISSION_FIELDS`.
     mask : (episodes, actions) bool
         Written: legal actions.
     legal : (episodes,) int32
         Written: number of legal actions.
+    prized : bool
+        Write the prize of every move, into column :data:`PRIZE`.
     """
     pool, episodes = lent(pool, episodes)
     moves, mission, mask, legal = (
@@ -186,7 +209,8 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
         borrowed(legal),
     )
     targets = mask.shape[1] - 1
-    costs, ends = np.empty(targets + 1), np.empty(targets + 1)
+    costs, ends, lefts = np.empty(targets + 1), np.empty(targets + 1), np.empty(targets + 1)
+    fits = np.empty(targets + 1, dtype=np.bool_)
     home_costs, home_times = np.empty(targets + 1), np.empty(targets + 1)
     places = np.empty(targets + 1, dtype=np.int64)
     for place in range(first, last):
@@ -199,15 +223,16 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
         bodies = pool.bodies[slot]
         visited = episodes.visited[e]
         out = moves[e]
-        body, now, left = episodes.body[e], episodes.time[e], episodes.left[e]
-        since = episodes.since_refuel[e]
-        duration, refuelling = rules.duration, rules.service[STATION]
+        state = state_of(episodes, e)
+        body, now, left, since = state.body, state.time, state.left, state.since
+        duration, refuelling = rules.duration, rules.service[HOME]
         remaining = duration - now
         # Costs first, in the order of the table's memory.
         for j in range(bodies):
-            costs[j], ends[j] = math.inf, math.inf
-            if j != body and not visited[j]:
-                _, costs[j], ends[j] = rule_kernels.fits(rules, body, now, left, j)
+            costs[j], ends[j], lefts[j], fits[j] = math.inf, math.inf, -math.inf, False
+            if rule_kernels.may_go(rules, state, visited, j):
+                fits[j], costs[j], after_move = rule_kernels.step(rules, state, j)
+                ends[j], lefts[j] = after_move.time, after_move.left
         # Then everything that lies scattered, in a loop so short that its reads overlap.
         for j in range(bodies):
             if ends[j] <= duration:
@@ -219,15 +244,15 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
         per_time = 1.0 / max(remaining, 1.0)
         radius, inclination = orbits[body, RADIUS], orbits[body, INCLINATION]
         raan = orbits[body, RAAN]
-        home_radius, home_inclination = orbits[STATION, RADIUS], orbits[STATION, INCLINATION]
-        home_raan = orbits[STATION, RAAN]
+        home_radius, home_inclination = orbits[HOME, RADIUS], orbits[HOME, INCLINATION]
+        home_raan = orbits[HOME, RAAN]
         node_scale = DEGREES * math.sin(home_inclination)
         cosine = math.cos(home_inclination)
         phase = orbits[body, ARGUMENT_OF_LATITUDE] + now * outlook.rate[body] + cosine * raan
         count, unvisited = 0, 0
         station_reachable = False
         for j in range(bodies):
-            is_station = j == STATION
+            is_station = j == HOME
             row = targets if is_station else j - 1
             if not is_station and visited[j]:
                 mask[e, row] = False
@@ -236,28 +261,27 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
                 continue
             allowed = since > 0 and j != body if is_station else j != body
             unvisited += 0 if is_station else 1
-            delta_v, end = costs[j], ends[j]
+            delta_v, end, after = costs[j], ends[j], lefts[j]
             in_time = end <= duration
-            fits = delta_v <= left and in_time
-            is_legal = fits and allowed
+            is_legal = fits[j]
             mask[e, row] = is_legal
             count += is_legal
             if is_station:
-                station_reachable = fits or body == STATION
+                station_reachable = is_legal or body == HOME
+                after = rules.budget
             hours = (end - now) * PER_HOUR
-            after = rules.budget if is_station else left - delta_v
             after_scaled = clip(after * PER_KM_S, -LIMIT, LIMIT)
-            out[row, 0] = 1.0 if is_legal else 0.0
-            out[row, 1] = 1.0 if is_station else 0.0
-            out[row, 2] = 1.0 if allowed else 0.0
-            out[row, 3] = clip(delta_v * PER_KM_S, 0.0, LIMIT)
-            out[row, 4] = clip(delta_v * per_left, 0.0, LIMIT)
-            out[row, 5] = clip(hours * PER_TEN, 0.0, LIMIT)
-            out[row, 6] = clip((end - now) * per_time, 0.0, LIMIT)
-            out[row, 7] = clip((hours + delta_v * HOURS_PER_M_S) * PER_TEN, 0.0, LIMIT)
-            out[row, 8] = after_scaled
-            out[row, 9] = clip((duration - end) * PER_HOUR * PER_TEN, -LIMIT, LIMIT)
-            back, margin, safe, back_hours = 0.0, after_scaled, fits, 0.0
+            out[row, LEGAL] = 1.0 if is_legal else 0.0
+            out[row, IS_STATION] = 1.0 if is_station else 0.0
+            out[row, IS_OPEN] = 1.0 if allowed else 0.0
+            out[row, NEEDED] = clip(delta_v * PER_KM_S, 0.0, LIMIT)
+            out[row, NEEDED_OF_LEFT] = clip(delta_v * per_left, 0.0, LIMIT)
+            out[row, TAKEN] = clip(hours * PER_TEN, 0.0, LIMIT)
+            out[row, TAKEN_OF_LEFT] = clip((end - now) * per_time, 0.0, LIMIT)
+            out[row, COST] = clip((hours + delta_v * HOURS_PER_M_S) * PER_TEN, 0.0, LIMIT)
+            out[row, LEFT_AFTER] = after_scaled
+            out[row, TIME_AFTER] = clip((duration - end) * PER_HOUR * PER_TEN, -LIMIT, LIMIT)
+            back, margin, safe, back_hours = 0.0, after_scaled, is_legal, 0.0
             best_v, best_h, best, second = FAR, FAR, FAR, FAR
             if in_time:
                 if not is_station:
@@ -284,51 +308,57 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
                         break
                     best_v, best_h = clip(next_v * PER_KM_S, 0.0, LIMIT), next_h * PER_TEN
                     best = clip(cost, 0.0, LIMIT)
-            out[row, 10] = back
-            out[row, 11] = margin
-            out[row, 12] = 1.0 if safe else 0.0
-            out[row, 13] = back_hours
-            out[row, 14] = best_v
-            out[row, 15] = clip(best_h, 0.0, LIMIT)
-            out[row, 16] = best
-            out[row, 17] = second
+            out[row, BACK] = back
+            out[row, LEFT_AFTER_BACK] = margin
+            out[row, SAFE] = 1.0 if safe else 0.0
+            out[row, BACK_TIME] = back_hours
+            out[row, NEXT_NEEDED] = best_v
+            out[row, NEXT_TAKEN] = clip(best_h, 0.0, LIMIT)
+            out[row, NEXT_COST] = best
+            out[row, SECOND_COST] = second
             near, angle = 0, 0.0
             for place in range(NEAR):
                 k = outlook.near[j, place]
                 if k >= 0 and not visited[k]:
                     near += 1
                     angle += outlook.near_angle[j, place]
-            out[row, 18] = near * (1.0 / NEAR)
-            out[row, 19] = clip(DEGREES * angle / near, 0.0, LIMIT) if near > 0 else LIMIT
+            out[row, NEAR_OPEN] = near * (1.0 / NEAR)
+            out[row, NEAR_ANGLE] = clip(DEGREES * angle / near, 0.0, LIMIT) if near > 0 else LIMIT
             r, i, o = orbits[j, RADIUS], orbits[j, INCLINATION], orbits[j, RAAN]
-            out[row, 20] = clip((r - radius) * PER_50_KM, -LIMIT, LIMIT)
-            out[row, 21] = clip((i - inclination) * DEGREES, -LIMIT, LIMIT)
-            out[row, 22] = clip(turned(o - raan) * node_scale, -LIMIT, LIMIT)
-            out[row, 23] = clip(outlook.angle[body, j] * DEGREES, 0.0, LIMIT)
-            out[row, 24] = clip((r - home_radius) * PER_50_KM, -LIMIT, LIMIT)
-            out[row, 25] = clip((i - home_inclination) * DEGREES, -LIMIT, LIMIT)
-            out[row, 26] = clip(turned(o - home_raan) * node_scale, -LIMIT, LIMIT)
-            out[row, 27] = clip(outlook.angle[STATION, j] * DEGREES, 0.0, LIMIT)
+            out[row, RADIUS_FROM_CHASER] = clip((r - radius) * PER_50_KM, -LIMIT, LIMIT)
+            out[row, INCLINATION_FROM_CHASER] = clip((i - inclination) * DEGREES, -LIMIT, LIMIT)
+            out[row, RAAN_FROM_CHASER] = clip(turned(o - raan) * node_scale, -LIMIT, LIMIT)
+            out[row, ANGLE_FROM_CHASER] = clip(outlook.angle[body, j] * DEGREES, 0.0, LIMIT)
+            out[row, RADIUS_FROM_HOME] = clip((r - home_radius) * PER_50_KM, -LIMIT, LIMIT)
+            out[row, INCLINATION_FROM_HOME] = clip((i - home_inclination) * DEGREES, -LIMIT, LIMIT)
+            out[row, RAAN_FROM_HOME] = clip(turned(o - home_raan) * node_scale, -LIMIT, LIMIT)
+            out[row, ANGLE_FROM_HOME] = clip(outlook.angle[HOME, j] * DEGREES, 0.0, LIMIT)
             ahead = orbits[j, ARGUMENT_OF_LATITUDE] + now * outlook.rate[j] + cosine * o
-            out[row, 28] = turned(ahead - phase) * (1.0 / math.pi)
+            out[row, PHASE] = turned(ahead - phase) * (1.0 / math.pi)
+            if prized:
+                out[row, PRIZE] = clip(rules.prize[j], 0.0, LIMIT)
         for row in range(bodies - 1, targets):
             mask[e, row] = False
             for column in range(out.shape[1]):
                 out[row, column] = 0.0
         legal[e] = count
-        mission[e, 0] = clip(left * PER_KM_S, 0.0, LIMIT)
-        mission[e, 1] = clip(left / max(rules.budget, 1.0), 0.0, LIMIT)
-        mission[e, 2] = clip(rules.budget * PER_KM_S, 0.0, LIMIT)
-        mission[e, 3] = clip(remaining / WEEK_S, 0.0, LIMIT)
-        mission[e, 4] = clip(remaining / max(rules.duration, 1.0), 0.0, LIMIT)
-        mission[e, 5] = clip(rules.duration / WEEK_S, 0.0, LIMIT)
-        mission[e, 6] = unvisited / max(bodies - 1, 1)
-        mission[e, 7] = clip(unvisited / TARGET_SCALE, 0.0, LIMIT)
-        mission[e, 8] = count / max(bodies, 1)
-        mission[e, 9] = 1.0 if body == STATION else 0.0
-        mission[e, 10] = 1.0 if since > 0 else 0.0
-        mission[e, 11] = clip((radius - home_radius) * PER_50_KM, -LIMIT, LIMIT)
-        mission[e, 12] = clip((inclination - home_inclination) * DEGREES, -LIMIT, LIMIT)
-        mission[e, 13] = clip(turned(raan - home_raan) * node_scale, -LIMIT, LIMIT)
-        mission[e, 14] = 1.0 if station_reachable else 0.0
-        mission[e, 15] = clip(remaining * PER_HOUR / max(unvisited, 1) * PER_TEN, 0.0, LIMIT)
+        mission[e, LEFT] = clip(left * PER_KM_S, 0.0, LIMIT)
+        mission[e, LEFT_OF_BUDGET] = clip(left / max(rules.budget, 1.0), 0.0, LIMIT)
+        mission[e, BUDGET] = clip(rules.budget * PER_KM_S, 0.0, LIMIT)
+        mission[e, TIME] = clip(remaining / WEEK_S, 0.0, LIMIT)
+        mission[e, TIME_OF_DURATION] = clip(remaining / max(rules.duration, 1.0), 0.0, LIMIT)
+        mission[e, DURATION] = clip(rules.duration / WEEK_S, 0.0, LIMIT)
+        mission[e, OPEN_SHARE] = unvisited / max(bodies - 1, 1)
+        mission[e, OPEN_TARGETS] = clip(unvisited / TARGET_SCALE, 0.0, LIMIT)
+        mission[e, LEGAL_SHARE] = count / max(bodies, 1)
+        mission[e, DOCKED] = 1.0 if body == HOME else 0.0
+        mission[e, EARNED] = 1.0 if since > 0 else 0.0
+        mission[e, CHASER_RADIUS] = clip((radius - home_radius) * PER_50_KM, -LIMIT, LIMIT)
+        mission[e, CHASER_INCLINATION] = clip(
+            (inclination - home_inclination) * DEGREES, -LIMIT, LIMIT
+        )
+        mission[e, CHASER_RAAN] = clip(turned(raan - home_raan) * node_scale, -LIMIT, LIMIT)
+        mission[e, HOME_REACHABLE] = 1.0 if station_reachable else 0.0
+        mission[e, TIME_PER_TARGET] = clip(
+            remaining * PER_HOUR / max(unvisited, 1) * PER_TEN, 0.0, LIMIT
+        )

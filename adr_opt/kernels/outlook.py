@@ -12,8 +12,10 @@ import numpy as np
 
 from . import orbits, timetable
 from .compile import kernel
-from .constants import STATION
 from .memory import write
+
+HOME = 0
+"""The station of a mission that is played as an episode: its only one, where the chaser starts."""
 
 NEAR = 6
 """Nearest planes kept for each body."""
@@ -114,26 +116,26 @@ def fill(bodies, table, service, outlook):
     for i in range(count):
         kept = 0
         for j in range(count):
-            if j != i and j != STATION:
+            if j != i and j != HOME:
                 kept = _insert(outlook.angle[i, j], j, costs, items, kept)
         outlook.near[i] = -1
         write(outlook.near[i], items[:kept])
         write(outlook.near_angle[i], costs[:kept])
         outlook.home_first[i] = 0.0
         outlook.home_total[i] = 0
-        if i != STATION:
-            outlook.home_first[i] = timetable.departure_at(table, i, STATION, 0)
-            outlook.home_total[i] = timetable.events(table, i, STATION)
+        if i != HOME:
+            outlook.home_first[i] = timetable.departure_at(table, i, HOME, 0)
+            outlook.home_total[i] = timetable.events(table, i, HOME)
             for m in range(outlook.home_total[i]):
-                delta_v, arrival = timetable.entry_at(table, i, STATION, m)
+                delta_v, arrival = timetable.entry_at(table, i, HOME, m)
                 outlook.home[i, m, 0] = delta_v
-                departure = timetable.departure_at(table, i, STATION, m)
+                departure = timetable.departure_at(table, i, HOME, m)
                 outlook.home[i, m, 1] = arrival - departure
         for m in range(outlook.ahead.shape[1]):
             ready = m * table.spacing[i]
             kept = 0
             for j in range(count):
-                if j in (i, STATION):
+                if j in (i, HOME):
                     continue
                 delta_v, arrival = timetable.lookup(table, i, j, ready)
                 if math.isfinite(delta_v):

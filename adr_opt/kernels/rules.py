@@ -20,6 +20,7 @@ import numpy as np
 
 from . import timetable
 from .compile import inlined, kernel
+from .memory import borrowed
 
 
 class Rules(NamedTuple):
@@ -97,6 +98,39 @@ class State(NamedTuple):
     left: float
     since: int | np.int64
     serviced: int | np.int64
+
+
+@inlined
+def lent(rules):
+    """The rules without ownership, for use within a kernel.
+
+    Every look at an array of rules that came as an argument counts a reference to it, which takes
+    longer than most moves do.
+    """
+    table = rules.table
+    return Rules(
+        timetable.Table(
+            borrowed(table.first),
+            borrowed(table.spacing),
+            borrowed(table.total),
+            borrowed(table.entries),
+        ),
+        borrowed(rules.service),
+        borrowed(rules.opens),
+        borrowed(rules.closes),
+        borrowed(rules.prize),
+        borrowed(rules.is_station),
+        borrowed(rules.may_end),
+        rules.stations,
+        rules.first_target,
+        rules.start,
+        rules.ready,
+        rules.most_targets,
+        rules.returns,
+        rules.budget,
+        rules.duration,
+        rules.shortest_sortie,
+    )
 
 
 @inlined

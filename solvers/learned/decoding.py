@@ -9,13 +9,15 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.episodes import Board, FieldPool, new_episodes, start
+from adr_opt.episodes import Board, FieldPool, check_playable, new_episodes, start
+from adr_opt.episodes.board import follows_chains
 from adr_opt.kernels import episodes as kernels
-from adr_opt.kernels.constants import STATION
+from adr_opt.kernels import rules as rule_kernels
+from adr_opt.kernels.lookahead import EQUAL_PRIZES
 from adr_opt.mission import Mission
 
-from .policy import FloatArray, Policy, log_probabilities
-from .promises import follow_chains, promises
+from .policy import Policy, log_probabilities
+from .promises import FloatArray, follow_chains, promises
 
 Sequence = npt.NDArray[np.int64]
 Found = Callable[[Sequence], None]
@@ -40,12 +42,13 @@ class Field:
     Raises
     ------
     InputError
-        More targets than the policy was made for.
+        More targets than the policy was made for, or a mission that episodes cannot play.
     """
 
     def __init__(self, mission: Mission, policy: Policy, threads: int = 1) -> None:
         targets = len(mission.names) - 1
         policy.check_size(targets)
+        check_playable(mission)
         self.mission, self.policy = mission, policy
         self._threads = threads
         # A policy for a fixed number of targets sees the missing ones as bodies that are not there.
@@ -59,7 +62,7 @@ class Field:
     @property
     def sees_chains(self) -> bool:
         """Whether the policy's observation has chains."""
-        return bool(self.policy.observation == "lookahead")
+        return follows_chains(self.policy.observation)
 
     def begin(self, count: int) -> kernels.Episodes:
         """``count`` episodes at the start of the mission."""
@@ -136,7 +139,7 @@ def finish(
     choose: Callable[[Board], npt.NDArray[np.int64]],
     found: Found,
     promise: BestPromise | None = None,
-) -> int:
+) -> float:
     """Go on from states to the end of every mission.
 
     Parameters
@@ -150,10 +153,10 @@ def finish(
 
     Returns
     -------
-    most : int
-        Targets of the best of them.
+    most : float
+        Prize of the best of them [mean prizes].
     """
-    most = 0
+    most = 0.0
     running = np.arange(episodes.slot.size)
     rewards = np.zeros(running.size, dtype=np.float32)
     while running.size:
@@ -162,7 +165,7 @@ def finish(
         if not alive.all():
             for row in running[~alive]:
                 found(np.array(made[row], dtype=np.int64))
-            most = max(most, int(episodes.serviced[~alive].max()))
+            most = max(most, float(episodes.collected[~alive].max()))
             running = running[alive]
             if not running.size:
                 break
@@ -207,17 +210,17 @@ class BestPromise:
         Returns what they promise, see :func:`solvers.learned.promises.promises`; None if the
         policy sees no chains.
         """
-        promised = promises(board, episodes) if self._field.sees_chains else None
+        promised = promises(board) if self._field.sees_chains else None
         self.row = -1
-        if promised is not None and promised.max() > self._most:
+        if promised is not None and promised.max() > self._most + EQUAL_PRIZES:
             self._most = float(promised.max())
             self.row = int(promised.max(axis=1).argmax())
             self._state = pick(episodes, np.array([self.row]))
         return promised
 
-    def keep(self, most: int, found: Found) -> None:
-        """Make the plan behind it, by following the chains, if ``most`` targets are fewer."""
-        if self._state is not None and self._most > most:
+    def keep(self, most: float, found: Found) -> None:
+        """Make the plan behind it, by following the chains, if ``most`` mean prizes are less."""
+        if self._state is not None and self._most > most + EQUAL_PRIZES:
             finish(self._field, self._state, [self.made], follow_chains, found)
 
 
@@ -236,14 +239,23 @@ def chunks(total: int, size: int) -> list[int]:
 
 
 def best_of(mission: Mission) -> tuple[Found, Callable[[], tuple[Sequence, float]]]:
-    """A listener that keeps the plan with the most prize, then the least ΔV."""
+    """A listener that keeps the plan with the most prize, then the least ΔV.
+
+    ΔV is that of the connections that the mission's choice makes, as the moves were made: to find
+    the best schedule of every plan would take longer than to find the plans.
+    """
     best: dict[str, tuple[float, float, Sequence]] = {}
+    rules = mission.rules
 
     def found(sequence: Sequence) -> None:
-        timing = mission.time(sequence)
-        key = (timing.objective, -timing.delta_v)
+        visited = np.zeros(rules.service.size, dtype=np.bool_)
+        ends, lefts = np.empty((2, sequence.size))
+        begin = rule_kernels.beginning(rules)
+        made, delta_v, _ = rule_kernels.replay(rules, sequence, begin, visited, ends, lefts)
+        made_moves = sequence[:made]
+        key = (float(rule_kernels.collected(rules, made_moves)), -float(delta_v))
         if "plan" not in best or key > best["plan"][:2]:
-            best["plan"] = (*key, sequence)
+            best["plan"] = (*key, made_moves)
 
     def kept() -> tuple[Sequence, float]:
         if "plan" not in best:
@@ -252,11 +264,3 @@ def best_of(mission: Mission) -> tuple[Found, Callable[[], tuple[Sequence, float
         return sequence, objective
 
     return found, kept
-
-
-def without_last_refuelling(sequence: Sequence) -> list[int]:
-    """A sequence without refuelling stops that nothing follows."""
-    bodies = [int(body) for body in sequence]
-    while bodies and bodies[-1] == STATION:
-        bodies.pop()
-    return bodies

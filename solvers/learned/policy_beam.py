@@ -10,14 +10,16 @@ import numpy.typing as npt
 
 from adr_opt.episodes import Board
 from adr_opt.kernels import episodes as kernels
-from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.lookahead import EQUAL_PRIZES
+from adr_opt.kernels.outlook import HOME
 
 from .decoding import BestPromise, Enough, Field, Found, Sequence, pick
 from .policy import FloatArray, log_probabilities
+from .promises import FloatArray as Promised
 from .promises import time_left_of_best
 
 AFTERWARDS = 0.5
-"""Worth of ten hours left at the end of the chain that promises most [targets]."""
+"""Worth of ten hours left at the end of the chain that promises most [mean prizes]."""
 
 MOVED = 6
 """So many children, as a multiple of the width, are moved and compared exactly."""
@@ -35,9 +37,9 @@ class BeamSettings:
     width : int
         Partial plans kept after each visit.
     prior_weight : float
-        Worth of a unit of log-probability [targets].
+        Worth of a unit of log-probability [mean prizes].
     time_weight, delta_v_weight : float
-        Worth of an hour [targets per h] and of a km/s left [targets per km/s].
+        Worth of an hour [mean prizes per h] and of a km/s left [mean prizes per km/s].
     """
 
     width: int
@@ -50,7 +52,7 @@ class _Trail:
     """How all partial plans came about: a tree of moves."""
 
     def __init__(self) -> None:
-        self._bodies = [STATION]
+        self._bodies = [HOME]
         self._parents = [-1]
 
     def add(self, bodies: Sequence, parents: Sequence) -> Sequence:
@@ -78,7 +80,7 @@ class _Partial(NamedTuple):
 
 
 class _Children(NamedTuple):
-    """Partial plans after one more move: parents are nodes of the trail, worth is in targets."""
+    """Partial plans after one more move: parents are nodes of the trail, worth is in mean prizes."""
 
     episodes: kernels.Episodes
     parents: Sequence
@@ -113,9 +115,13 @@ def beam(field: Field, settings: BeamSettings, found: Found, enough: Enough) -> 
     level = _Partial(field.begin(1), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.float32))
     best_promise = BestPromise(field)
     words = np.random.default_rng(0).integers(1, 2**62, size=field.targets + 1, dtype=np.int64)
-    best, states, ended = level, 0, False
+    best, most, states, ended = 0, -np.inf, 0, False
     while level.nodes.size:
-        best = level
+        # With unequal prizes the last level need not have the plan that collects most.
+        collected, delta_v = level.episodes.collected, level.episodes.delta_v
+        first = int(np.lexsort((delta_v, -collected))[0])
+        if collected[first] > most + EQUAL_PRIZES:
+            best, most = int(level.nodes[first]), float(collected[first])
         partial, targets = level, []
         for refuelled in (False, True):
             board = field.board(partial.episodes)
@@ -138,9 +144,8 @@ def beam(field: Field, settings: BeamSettings, found: Found, enough: Enough) -> 
         if ended or not targets:
             break
         level = _side_by_side(targets).best(settings.width, words, trail)
-    cheapest = int(np.argmin(best.episodes.delta_v))
-    found(np.array(trail.back(int(best.nodes[cheapest])), dtype=np.int64))
-    best_promise.keep(int(best.episodes.serviced[0]), found)
+    found(np.array(trail.back(best), dtype=np.int64))
+    best_promise.keep(most, found)
     return states
 
 
@@ -149,7 +154,7 @@ def _worth_of_moves(
     settings: BeamSettings,
     board: Board,
     partial: _Partial,
-    promised: FloatArray | None,
+    promised: Promised | None,
 ) -> tuple[npt.NDArray[np.float64], FloatArray]:
     """Worth of every move before it is made, and its log-probability with all before it.
 
@@ -161,6 +166,7 @@ def _worth_of_moves(
     logs = np.where(board.mask, priors, 0.0).astype(np.float64)
     worth: npt.NDArray[np.float64] = settings.prior_weight * logs
     if promised is None:
+        worth = worth + partial.episodes.collected[:, None]
         worth[~board.mask] = -np.inf
     else:
         worth = worth + promised + AFTERWARDS * time_left_of_best(board)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.kernels.constants import STATION
+from adr_opt.kernels import episodes as kernels
 from adr_opt.mission import Mission
 
 from .decoding import Field
@@ -50,4 +50,4 @@ class Prior:
             return np.empty(0, dtype=np.int64)
         scores, _ = self._field.policy.judge(board.arrays, board.mask)
         actions = np.argsort(-scores[0], kind="stable")[: board.legal[0]]
-        return np.where(actions == targets, STATION, actions + 1).astype(np.int64)
+        return np.array([kernels.body_of(a, targets) for a in actions], dtype=np.int64)

@@ -6,58 +6,55 @@ import numpy as np
 
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.memory import write
 
 from ..greedy import greedy_sequence
+from .network import state_at
 
 
 @kernel
-def insert(rules, sequence):
-    """Insert unvisited targets one by one while all other moves stay legal.
+def best_insertion(rules, sequence, bodies, times, lefts, count):
+    """The target that can be inserted while all moves after it stay legal.
 
-    Of the largest prize that fits, the place with the earliest end of the plan is taken.
+    Of the largest prize that fits, the place with the earliest end of the plan.
 
     Parameters
     ----------
     sequence : (moves,) int64
-        Legal.
+    bodies, times, lefts : (moves + 1,)
+        Where the chaser is before each move, the end included; since when [s]; ΔV left [m/s].
+    count : int
+        Targets of the sequence.
 
     Returns
     -------
-    (moves,) int64
+    target, place : int
+        Target −1 for none.
     """
-    bodies = rules.service.size
-    while True:
-        size = sequence.size
-        ends, lefts = np.empty(size + 1), np.empty(size + 1)
-        trial = np.empty(size + 1, dtype=np.int64)
-        given = np.zeros(bodies, dtype=np.bool_)
-        for j in sequence:
-            given[j] = True
-        best_prize, best_end = 0.0, math.inf
-        best = trial
-        visited = np.empty(bodies, dtype=np.bool_)
-        for place in range(size + 1):
-            for j in range(rules.first_target, bodies):
-                if given[j] or rules.prize[j] <= 0.0 or rules.prize[j] < best_prize:
-                    continue
-                write(trial, sequence[:place])
-                trial[place] = j
-                write(trial[place + 1 :], sequence[place:])
-                visited[:] = False
-                begin = rule_kernels.beginning(rules)
-                if rule_kernels.replay(rules, trial, begin, visited, ends, lefts)[0] <= size:
-                    continue
-                if rules.prize[j] > best_prize or ends[size] < best_end:
-                    best_prize, best_end = rules.prize[j], ends[size]
-                    best = trial.copy()
-        if best_end == math.inf:
-            return sequence
-        sequence = best
+    rules = rule_kernels.lent(rules)
+    given = np.zeros(rules.service.size, dtype=np.bool_)
+    for j in sequence:
+        given[j] = True
+    best, best_place, best_prize, best_end = -1, -1, 0.0, math.inf
+    if count >= rules.most_targets:
+        return best, best_place
+    for place in range(sequence.size + 1):
+        for new in range(rules.first_target, given.size):
+            prize = rules.prize[new]
+            if given[new] or prize <= 0.0 or prize < best_prize:
+                continue
+            state = state_at(rules, bodies[place], times[place], lefts[place])
+            legal, _, state = rule_kernels.step(rules, state, new)
+            at = place
+            while legal and at < sequence.size:
+                legal, _, state = rule_kernels.step(rules, state, sequence[at])
+                at += 1
+            if legal and (prize > best_prize or state.time < best_end):
+                best, best_place, best_prize, best_end = new, place, prize, state.time
+    return best, best_place
 
 
-def filled(rules, sequence, time_value):
-    """A legal plan from a sequence: cut where it breaks a rule, then appended to and inserted into.
+def appended(rules, sequence, time_value):
+    """A sequence and what a greedy chaser appends; unchanged if the choice cannot fly it.
 
     Parameters
     ----------
@@ -71,7 +68,5 @@ def filled(rules, sequence, time_value):
     (moves,) int64
     """
     longer = greedy_sequence(rules, sequence, 1.0, time_value, True)
-    size = longer.size
-    while size > 0 and rules.is_station[longer[size - 1]] and not rules.returns:
-        size -= 1
-    return insert(rules, longer[:size])
+    whole = longer.size >= sequence.size
+    return longer if whole and (longer[: sequence.size] == sequence).all() else sequence

@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 from ortools.sat.python import cp_model
 
-from adr_opt.kernels.constants import STATION
 from adr_opt.kernels.rules import Rules
 
 from .network import Network, Window, Worth
@@ -82,7 +81,7 @@ def best_path(
     ):
         leaving.setdefault(tail, []).append(move)
         arriving.setdefault(head, []).append(move)
-        if body != STATION:
+        if not rules.is_station[body]:
             visits.setdefault(body, []).append(move)
     nodes = np.array(sorted({0, *arriving}), dtype=np.int64)
     exits = nodes[np.isfinite(net.rest_worth[nodes])]
@@ -96,6 +95,8 @@ def best_path(
         model.add(sum(leaving.get(node, [])) == sum(into))
     for calls in visits.values():
         model.add_at_most_one(calls)
+    if window.most_targets < len(visits):
+        model.add(sum(call for calls in visits.values() for call in calls) <= window.most_targets)
 
     terms = [*moves, *lasts]
     _hold_tanks(

@@ -1,9 +1,10 @@
 """The network of one window: every exact move that a better plan could make in it.
 
 A node is a state of the chaser (body, free since, refuellings in the window) and an edge is one
-move at the departure event that the rules give. There is no waiting and no rounding, so a path is
-a piece of a plan and times itself. Every node also says what the *rest* of the plan, the moves
-after the window, is worth when it is flown from there.
+move by the connection that the mission's choice makes. Nothing is rounded, so a path is a piece of
+a plan and times itself. Every node also says what the *rest* of the plan, the moves after the
+window, is worth when it is flown from there. Other connections may do better, never worse: the
+best schedule of the whole order decides in the end.
 """
 
 import heapq
@@ -14,9 +15,9 @@ import numpy as np
 
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels import timetable as table_kernels
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.compile import inlined, kernel
 from adr_opt.kernels.memory import write
+from adr_opt.kernels.rules import State
 
 
 class Worth(NamedTuple):
@@ -51,8 +52,8 @@ class Window(NamedTuple):
         The moves after the window.
     horizon : float
         No move of the window ends later [s].
-    refuels : int
-        Most refuellings in the window.
+    refuels, most_targets : int
+        Most refuellings, and most targets, in the window.
     pace_ends, pace_values : (moves + 1,) float64
         When the present plan ends each of its moves in the window, its start first [s], and its
         worth since then.
@@ -65,6 +66,7 @@ class Window(NamedTuple):
     rest: np.ndarray
     horizon: float
     refuels: int
+    most_targets: int
     pace_ends: np.ndarray
     pace_values: np.ndarray
 
@@ -122,6 +124,13 @@ class Network(NamedTuple):
     tail: np.ndarray
 
 
+@inlined
+def state_at(rules, body, time, left):
+    """The state of a chaser that is free at a body; what it has serviced is counted elsewhere."""
+    earned = np.int64(1 if body >= rules.first_target else 0)
+    return State(np.int64(body), time, left, earned, np.int64(0))
+
+
 @kernel
 def fly_rest(rules, worth, rest, body, time):
     """Fly the rest of a plan from a state, with ΔV to spare until its first refuelling.
@@ -133,45 +142,26 @@ def fly_rest(rules, worth, rest, body, time):
     need : float
         ΔV of the moves until the first refuelling [m/s].
     """
-    value, need, left = 0.0, 0.0, math.inf
+    rules = rule_kernels.lent(rules)
+    value, need = 0.0, 0.0
+    state = state_at(rules, body, time, math.inf)
     made = 0
     for j in rest:
-        legal, delta_v, end = rule_kernels.fits(rules, body, time, left, j)
-        if not legal or j == body:
+        if j == state.body:
             break
-        if left == math.inf:
+        legal, delta_v, after = rule_kernels.step(rules, state, j)
+        if not legal:
+            break
+        if state.left == math.inf:
             if need + delta_v > rules.budget:
                 break
             need += delta_v
-        left = rule_kernels.left_after(rules, left, delta_v, j)
         value += rules.prize[j] - worth.per_m_s * delta_v
-        body, time = j, end
+        state = after
         made += 1
     if made == 0 and rest.size > 0:
         return -math.inf, 0.0
-    return value - worth.per_s * time, need
-
-
-@kernel
-def fly(rules, worth, body, time, moves):
-    """Fly legal moves from a state and keep account.
-
-    Returns
-    -------
-    ends : (moves + 1,) float64
-        Since when the chaser is free, the first state included [s].
-    values : (moves + 1,) float64
-        Worth gained since the first state.
-    """
-    ends, values = np.empty(moves.size + 1), np.empty(moves.size + 1)
-    ends[0], values[0] = time, 0.0
-    for index in range(moves.size):
-        j = moves[index]
-        _, delta_v, end = rule_kernels.fits(rules, body, ends[index], math.inf, j)
-        gain = rules.prize[j] - worth.per_m_s * delta_v - worth.per_s * (end - ends[index])
-        values[index + 1] = values[index] + gain
-        body, ends[index + 1] = j, end
-    return ends, values
+    return value - worth.per_s * state.time, need
 
 
 @kernel
@@ -192,6 +182,7 @@ def grow(rules, worth, window, limits):
     -------
     Network
     """
+    rules = rule_kernels.lent(rules)
     most, width, targets = limits.nodes, limits.width, window.open_targets
     body = np.empty(most, dtype=np.int64)
     origin = np.empty(most, dtype=np.int64)
@@ -202,9 +193,9 @@ def grow(rules, worth, window, limits):
     used = np.empty(most)
     value = np.empty(most)
     order = np.empty(most, dtype=np.int64)
-    edges = np.empty((most, width + 1), dtype=np.int64)
+    edges = np.empty((most, width + rules.stations), dtype=np.int64)
     degree = np.zeros(most, dtype=np.int64)
-    known, base, local = _slots(rules.table, window)
+    known, base, local = _slots(rules, window)
 
     body[0], origin[0], end[0], delta_v[0], tank[0] = window.body, -1, window.time, 0.0, 0
     used[0], value[0] = 0.0, 0.0
@@ -228,22 +219,25 @@ def grow(rules, worth, window, limits):
             continue
         i = body[n]
         spare = (window.left if tank[n] == 0 else rules.budget) - used[n]
+        state = state_at(rules, i, now, spare)
         for c in range(targets.size):
             j = targets[c]
             cost[c] = math.inf
             if j != i and j != origin[n]:
-                legal, move_delta_v[c], move_end[c] = rule_kernels.fits(rules, i, now, spare, j)
+                legal, move_delta_v[c], after = rule_kernels.step(rules, state, j)
+                move_end[c] = after.time
                 if legal and move_end[c] <= window.horizon:
                     cost[c] = move_delta_v[c] + limits.time_value * (move_end[c] - now)
-        for choice in range(width + 1):
-            if choice == width:
-                # Last, the station: at a target, so that the refuelling is earned.
-                if i == STATION or tank[n] == window.refuels:
-                    break
-                j = STATION
-                legal, step, done = rule_kernels.fits(rules, i, now, spare, j)
+        for choice in range(width + rules.stations):
+            if choice >= width:
+                # Last, the stations.
+                j = choice - width
+                if j == i or tank[n] == window.refuels:
+                    continue
+                legal, step, after = rule_kernels.step(rules, state, j)
+                done = after.time
                 if not legal or done > window.horizon:
-                    break
+                    continue
             else:
                 best, least = -1, math.inf
                 for c in range(targets.size):
@@ -253,10 +247,10 @@ def grow(rules, worth, window, limits):
                     continue
                 cost[best] = math.inf
                 j, step, done = targets[best], move_delta_v[best], move_end[best]
-            event = table_kernels.next_event(rules.table, i, j, now)
+            event = _taken(rules.table, i, j, now)
             slot = base[local[i], local[j]] + event
             there = value[n] + rules.prize[j] - worth.per_m_s * step
-            drawn = 0.0 if j == STATION else used[n] + step
+            drawn = 0.0 if rules.is_station[j] else used[n] + step
             m = known[tank[n], slot]
             if m < 0:
                 if count == most:
@@ -265,7 +259,7 @@ def grow(rules, worth, window, limits):
                 count += 1
                 known[tank[n], slot] = m
                 body[m], origin[m], end[m], delta_v[m] = j, i, done, step
-                tank[m] = tank[n] + (j == STATION)
+                tank[m] = tank[n] + rules.is_station[j]
                 used[m], value[m] = drawn, there
                 heapq.heappush(heap, (done, m))
             else:
@@ -292,8 +286,24 @@ def grow(rules, worth, window, limits):
     )
 
 
+@inlined
+def _taken(table, i, j, ready):
+    """The event by which a chaser goes that is ready at a time: it waits for one worth waiting for.
+
+    Chasers that wait for the same one are then at the same node.
+    """
+    event = table_kernels.next_event(table, i, j, ready)
+    arrival = table_kernels.entry_at(table, i, j, event)[1]
+    while (
+        event + 1 < table_kernels.events(table, i, j)
+        and table_kernels.entry_at(table, i, j, event + 1)[1] == arrival
+    ):
+        event += 1
+    return event
+
+
 @kernel
-def _slots(table, window):
+def _slots(rules, window):
     """One slot per (refuellings, origin, destination, departure event in the window).
 
     Returns
@@ -305,10 +315,12 @@ def _slots(table, window):
     local : (bodies,) int64
         Place of each body of the window.
     """
-    targets = window.open_targets
-    members = np.empty(targets.size + 2, dtype=np.int64)
-    members[0], members[1] = STATION, window.body
-    write(members[2:], targets)
+    table, targets, stations = rules.table, window.open_targets, rules.stations
+    members = np.empty(stations + 1 + targets.size, dtype=np.int64)
+    for s in range(stations):
+        members[s] = s
+    members[stations] = window.body
+    write(members[stations + 1 :], targets)
     local = np.full(table.spacing.size, -1, dtype=np.int64)
     for place in range(members.size):
         local[members[place]] = place
@@ -343,8 +355,9 @@ def nearest(rules, stops, times, candidates, time_value, cost):
     cost[:] = math.inf
     for s in range(stops.size):
         for c in range(candidates.size):
-            legal, delta_v, end = rule_kernels.fits(
-                rules, stops[s], times[s], rules.budget, candidates[c]
-            )
-            if legal and candidates[c] != stops[s]:
-                cost[c] = min(cost[c], delta_v + time_value * (end - times[s]))
+            if candidates[c] == stops[s]:
+                continue
+            state = state_at(rules, stops[s], times[s], rules.budget)
+            legal, delta_v, after = rule_kernels.step(rules, state, candidates[c])
+            if legal:
+                cost[c] = min(cost[c], delta_v + time_value * (after.time - times[s]))

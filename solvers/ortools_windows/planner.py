@@ -16,13 +16,12 @@ from adr_opt.mission import Mission
 from adr_opt.plan import Plan
 from adr_opt.planner import Progress, get, silent
 from adr_opt.result import Result, certify
-from adr_opt.schedule import Schedule
 from adr_opt.start import start_sequence
 from adr_opt.stop import Stop
 
-from . import fill
 from .network import Limits
-from .replan import Bodies, Choice, Replanned, replan
+from .order import Order, filled, flown
+from .replan import Choice, Replanned, replan, worth_of
 
 NODES = 20_000
 """Most nodes of a network; only the longest windows reach it."""
@@ -40,6 +39,10 @@ DELTA_V_SHARES = (0.02, 0.1, 0.3)
 """The same of the whole ΔV: each window draws one, so that plans of equal prize differ."""
 
 
+TIME_VALUE_M_S_PER_H = 110.0
+"""What an hour is worth where one connection is chosen for each move of a window."""
+
+
 def ortools(
     mission: Mission,
     *,
@@ -52,6 +55,7 @@ def ortools(
     longest_window: int = 10,
     edges: int = 400,
     effort: float = 0.4,
+    time_value_m_s_per_h: float = TIME_VALUE_M_S_PER_H,
 ) -> Result:
     """Improve a greedy plan window by window with CP-SAT on the exact timetable.
 
@@ -72,6 +76,8 @@ def ortools(
         Most moves that CP-SAT may choose from in one window.
     effort : float
         Limit of one CP-SAT search in its deterministic time, about seconds.
+    time_value_m_s_per_h : float
+        Windows choose from the connections of least ΔV + this · arrival; plans are timed over all.
 
     Raises
     ------
@@ -80,46 +86,48 @@ def ortools(
     """
     _check(jobs, shortest_window, longest_window, edges, effort)
     begun = time.perf_counter()
-    rules = mission.rules
+    layer = mission.with_time_value(time_value_m_s_per_h)
+    rules = layer.rules
     limits = Limits(
         NODES,
         WIDTH,
-        mission.instance.time_value_m_s_per_h / 3600.0,
+        time_value_m_s_per_h / 3600.0,
         LAG * mission.total_prize / max(1, int(np.count_nonzero(rules.prize))),
     )
     if start is None:
-        first = get("greedy-guarded")(mission, seed=seed, stop=stop, progress=silent).sequence
+        greedy = get("greedy-guarded")(layer, seed=seed, stop=stop, progress=silent)
+        first = greedy.sequence or ()
     else:
         first = start_sequence(mission, start)
-    best = np.array(first or (), dtype=np.int64)
-    best_timing = mission.time(best)
-    present = fill.filled(rules, best, limits.time_value)
-    timing = mission.time(present)
-    if _better(timing, best_timing):
-        best, best_timing = present, timing
-    elif timing.objective < best_timing.objective:
-        present, timing = best, best_timing
-    progress(best_timing.objective, math.inf)
+    best = flown(layer, np.array(first, dtype=np.int64)) or Order(layer, np.empty(0, np.int64))
+    present = best
+    if present.timing.objective > 0.0:
+        worth = worth_of(rules, present.timing, TIME_SHARE, DELTA_V_SHARES[0])
+        present = filled(layer, present, worth, limits.time_value)
+    if present.better_than(best):
+        best = present
+    progress(best.timing.objective, math.inf)
 
     counters: Counter[str] = Counter(
         windows=0, closed_by_prices=0, full_networks=0, solves=0, solves_completed=0, gains=0,
-        improved=0,
+        no_gains=0, grounded=0, improved=0,
     )  # fmt: skip
     rng = np.random.default_rng(seed)
     workers = jobs or os.cpu_count() or 1
     enough = False
     with ThreadPoolExecutor(workers) as pool:
         # Where not one move is legal, or nothing is worth a move, there is no window.
-        while not enough and timing.objective > 0.0:
+        while not enough and present.timing.objective > 0.0:
             batch: list[Choice] = []
             while len(batch) < workers and not enough:
-                enough = stop(best_timing.objective, math.inf)
+                enough = stop(best.timing.objective, math.inf)
                 if not enough:
-                    batch.append(_draw(rng, present.size, shortest_window, longest_window))
+                    size = present.moves.size
+                    batch.append(_draw(rng, size, shortest_window, longest_window))
 
-            def work(choice: Choice, plan: Bodies = present, facts: Schedule = timing) -> Replanned:
+            def work(choice: Choice, order: Order = present) -> Replanned:
                 return replan(
-                    mission, plan, facts, choice,
+                    layer, order, choice,
                     time_share=TIME_SHARE, limits=limits, edges=edges, effort=effort,
                     remaining_s=stop.remaining_s(),
                 )  # fmt: skip
@@ -127,21 +135,21 @@ def ortools(
             for done in pool.map(work, batch):
                 counters["windows"] += 1
                 counters.update(done.counters)
-                if done.sequence is None:
+                found = done.order
+                if found is None:
                     continue
-                found = mission.time(done.sequence)
                 # Of equal prize the window's own measure decides, and it found a gain.
-                if found.objective >= timing.objective:
-                    present, timing = done.sequence, found
-                if _better(found, best_timing):
-                    if found.objective > best_timing.objective:
+                if found.timing.objective >= present.timing.objective:
+                    present = found
+                if found.better_than(best):
+                    if found.timing.objective > best.timing.objective:
                         counters["improved"] += 1
-                        progress(found.objective, math.inf)
-                    best, best_timing = done.sequence, found
+                        progress(found.timing.objective, math.inf)
+                    best = found
     return certify(
         mission,
         "ortools",
-        best,
+        best.moves,
         seed=seed,
         runtime_s=time.perf_counter() - begun,
         counters=counters,
@@ -159,11 +167,6 @@ def _check(jobs: int, shortest_window: int, longest_window: int, edges: int, eff
             raise InputError(f"option {what} = {value} of method 'ortools': must be ≥ {least}")
     if not (math.isfinite(effort) and effort > 0.0):
         raise InputError(f"option effort = {effort} of method 'ortools': must be positive")
-
-
-def _better(one: Schedule, other: Schedule) -> bool:
-    """Whether a plan beats another: more prize, then less ΔV (MODEL section 4)."""
-    return (one.objective, -one.delta_v) > (other.objective, -other.delta_v)
 
 
 def _draw(rng: np.random.Generator, size: int, shortest: int, longest: int) -> Choice:

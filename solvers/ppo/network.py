@@ -11,10 +11,7 @@ import torch
 from torch import Tensor, nn
 
 from adr_opt.kernels.lookahead import CHAIN_FIELDS, LEAD, PROMISE
-from adr_opt.kernels.observation import MISSION_FIELDS, MOVE_FIELDS
-
-LEGAL, STATION, OPEN = 0, 1, 2
-"""Columns of ``MOVE_FIELDS`` that the network itself asks for."""
+from adr_opt.kernels.observation import IS_OPEN, IS_STATION, MISSION_FIELDS, MOVE_FIELDS
 
 
 class SetNetwork(nn.Module):
@@ -51,9 +48,11 @@ class SetNetwork(nn.Module):
             nn.Linear(3 * width, width), nn.ReLU(), nn.Linear(width, width), nn.ReLU()
         )
         self.value = nn.Linear(width, 1)
-        self.has_chains = fields == len(MOVE_FIELDS) + len(CHAIN_FIELDS)
+        # The chains come last, whether prizes are seen or not.
+        self.has_chains = fields >= len(MOVE_FIELDS) + len(CHAIN_FIELDS)
+        self.chains = fields - len(CHAIN_FIELDS)
         self.lead = nn.Parameter(torch.tensor(lead))
-        # The value begins as what the best chain promises, in tens of targets, which is the unit
+        # The value begins as what the best chain promises, in tens of mean prizes, which is the unit
         # of the rewards: the rest is what a policy gains on it, small and soon learned.
         self.promise = nn.Parameter(torch.tensor(1.0))
         # Orthogonal weights, a first policy that is nearly uniform and a first value near 0
@@ -80,7 +79,7 @@ class SetNetwork(nn.Module):
         value : (batch,)
             Prizes still to come, in units of the training's reward.
         """
-        present = torch.maximum(moves[..., OPEN], moves[..., STATION]).unsqueeze(-1)
+        present = torch.maximum(moves[..., IS_OPEN], moves[..., IS_STATION]).unsqueeze(-1)
         count = present.sum(dim=1).clamp(min=1.0)
         whole = self.mission(mission)
         h = torch.relu(self.enter(moves) + whole.unsqueeze(1))
@@ -90,9 +89,9 @@ class SetNetwork(nn.Module):
             h = torch.relu(h + mix(h) + share(pooled).unsqueeze(1)) * present
         scores = self.score(h).squeeze(-1)
         if self.has_chains:
-            scores = scores + self.lead * moves[..., len(MOVE_FIELDS) + LEAD]
+            scores = scores + self.lead * moves[..., self.chains + LEAD]
         pooled = torch.cat([h.sum(dim=1) / count, h.amax(dim=1), torch.relu(whole)], dim=-1)
         value = self.value(self.judge(pooled)).squeeze(-1)
         if self.has_chains:
-            value = value + self.promise * moves[..., len(MOVE_FIELDS) + PROMISE].amax(dim=1)
+            value = value + self.promise * moves[..., self.chains + PROMISE].amax(dim=1)
         return scores, value

@@ -15,7 +15,7 @@ from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
 from ..learned import SHIPPED, load_policy
-from ..learned.decoding import Field, best_of, chunks, gumbel, play, without_last_refuelling
+from ..learned.decoding import Field, best_of, chunks, gumbel, play
 from ..learned.policy_beam import BeamSettings, beam
 
 DECODE = ("greedy", "sample", "beam")
@@ -46,7 +46,8 @@ def ppo(
 ) -> Result:
     """A policy trained by masked PPO.
 
-    Runs without PyTorch (extra ``[ppo]``). The policy counts targets, not prizes.
+    Runs without PyTorch (extra ``[ppo]``). The policies of the package do not see
+    prizes; of the plans that they lead to, the one that collects most is kept.
 
     Parameters
     ----------
@@ -133,7 +134,7 @@ def ppo(
     return certify(
         mission,
         "ppo",
-        without_last_refuelling(kept()[0]),
+        mission.closed(kept()[0]),
         seed=seed,
         runtime_s=time.perf_counter() - began,
         counters=counters,

@@ -1,0 +1,127 @@
+"""An order of bodies with all its schedules worth having: what windows are cut from."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from adr_opt.mission import Mission
+from adr_opt.schedule import FloatArray, Front, Schedule
+
+from . import fill
+from .network import Worth
+
+Bodies = npt.NDArray[np.int64]
+
+
+class Pace(NamedTuple):
+    """One schedule of an order.
+
+    Attributes
+    ----------
+    value : float
+        What it is worth by the measure that it was chosen by.
+    bodies : (moves + 1,) int64
+        Where the chaser is before each move, and in the end.
+    times, lefts, costs : (moves + 1,) float64
+        Since when [s], ΔV left [m/s] and ΔV of all moves before [m/s].
+    """
+
+    value: float
+    bodies: Bodies
+    times: FloatArray
+    lefts: FloatArray
+    costs: FloatArray
+
+
+class Order:
+    """An order of bodies that can be flown, closed as the mission ends.
+
+    Its best schedule counts in the end. That of least ΔV may take all the time there is; windows
+    begin from the one that is best by their own measure of time and ΔV.
+
+    Parameters
+    ----------
+    mission : Mission
+    moves : (moves,) int64
+        Legal.
+
+    Attributes
+    ----------
+    moves : (moves,) int64
+    timing : Schedule
+        The best one by the mission's measure.
+    """
+
+    def __init__(self, mission: Mission, moves: Bodies) -> None:
+        self._mission = mission
+        self.moves = moves
+        self.timing: Schedule = mission.time(moves)
+        self._fronts: tuple[Front, ...] = mission.schedules.fronts(tuple(moves.tolist()))
+
+    @property
+    def targets(self) -> int:
+        """Number of targets."""
+        return int(np.count_nonzero(self.moves >= self._mission.rules.first_target))
+
+    def pace(self, worth: Worth) -> Pace:
+        """The schedule that is worth most, over all connections."""
+        last = self._fronts[-1]
+        values = -worth.per_m_s * last.cost - worth.per_s * last.ready
+        label = int(values.argmax())
+        value = self.timing.objective + float(values[label])
+        states = np.empty((3, self.moves.size + 1))
+        for at in range(self.moves.size, -1, -1):
+            front = self._fronts[at]
+            states[:, at] = front.ready[label], front.left[label], front.cost[label]
+            label = int(front.parent[label])
+        bodies = np.concatenate(([self._mission.rules.start], self.moves)).astype(np.int64)
+        return Pace(value, bodies, *states)
+
+    def better_than(self, other: Order) -> bool:
+        """More prize, then less ΔV (MODEL section 5)."""
+        here, there = self.timing, other.timing
+        return (here.objective, -here.delta_v) > (there.objective, -there.delta_v)
+
+
+def flown(mission: Mission, moves: Bodies) -> Order | None:
+    """The order of some moves, closed; None if no schedule flies all of it."""
+    closed = np.array(mission.closed(moves.tolist()), dtype=np.int64)
+    rules = mission.rules
+    if not rules.may_end[closed[-1] if closed.size else rules.start]:
+        return None
+    order = Order(mission, closed)
+    return order if order.timing.made == closed.size else None
+
+
+def filled(layer: Mission, order: Order, worth: Worth, time_value: float) -> Order:
+    """An order with all that still fits by the connections that the layer chooses.
+
+    Parameters
+    ----------
+    layer : Mission
+    order : Order
+    worth : Worth
+        By which schedules are chosen.
+    time_value : float
+        Of greedy appending [m/s per s].
+    """
+    rules = layer.rules
+    longer = fill.appended(rules, order.moves, time_value)
+    if longer.size > order.moves.size:
+        found = flown(layer, longer)
+        if found is not None and found.timing.objective > order.timing.objective:
+            order = found
+    while True:
+        pace = order.pace(worth)
+        target, place = fill.best_insertion(
+            rules, order.moves, pace.bodies, pace.times, pace.lefts, order.targets
+        )
+        if target < 0:
+            return order
+        found = flown(layer, np.insert(order.moves, place, target))
+        if found is None:
+            return order
+        order = found
