@@ -80,7 +80,7 @@ class _Partial(NamedTuple):
 
 
 class _Children(NamedTuple):
-    """Partial plans after one more move: parents are nodes of the trail, worth is in mean prizes."""
+    """Partial plans after one more move: parents are nodes of the trail, worth in mean prizes."""
 
     episodes: kernels.Episodes
     parents: Sequence

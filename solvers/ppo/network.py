@@ -52,8 +52,8 @@ class SetNetwork(nn.Module):
         self.has_chains = fields >= len(MOVE_FIELDS) + len(CHAIN_FIELDS)
         self.chains = fields - len(CHAIN_FIELDS)
         self.lead = nn.Parameter(torch.tensor(lead))
-        # The value begins as what the best chain promises, in tens of mean prizes, which is the unit
-        # of the rewards: the rest is what a policy gains on it, small and soon learned.
+        # The value begins as what the best chain promises, in tens of mean prizes, which is the
+        # unit of the rewards: the rest is what a policy gains on it, small and soon learned.
         self.promise = nn.Parameter(torch.tensor(1.0))
         # Orthogonal weights, a first policy that is nearly uniform and a first value near 0
         # are what actor-critic training starts from.
