@@ -446,6 +446,8 @@ def test_masks_through_processes() -> None:
 
 def test_spaces_are_as_wide_as_stated() -> None:
     """The spaces have the documented shapes and limits, for any number of targets."""
+    for name, more in (("transfer-prizes", 30), ("lookahead-prizes", 52)):
+        assert space(name, 7)["moves"].shape == (8, more)
     for targets in (1, 50, 200):
         assert space("published", targets).shape == (7 * targets + 8,)
         assert space("transfer", targets)["moves"].shape == (targets + 1, 29)

@@ -190,7 +190,7 @@ def test_what_chains_promise_can_be_flown(policy_file: Path) -> None:
             action = rng.choice(np.flatnonzero(board.mask[0]), size=1)
             kernels.act(field.pool.arrays, episodes, 0, 1, action, np.zeros(1, np.float32))
             made[0].append(int(kernels.body_of(int(action[0]), field.targets)))
-        seen = promises(field.board(episodes), episodes)
+        seen = promises(field.board(episodes))
         assert seen is not None
         if not np.isfinite(seen).any():
             continue
@@ -209,7 +209,7 @@ def test_no_decoding_falls_behind_what_chains_promised(decode: str, policy_file:
     mission = Mission(adr_opt.generate("reduced-time", 5, targets=20))
     field = Field(mission, load_policy(policy_file))
     episodes = field.begin(1)
-    seen = promises(field.board(episodes), episodes)
+    seen = promises(field.board(episodes))
     assert seen is not None
     result = adr_opt.solve(
         mission, method="ppo", policy=str(policy_file), decode=decode, samples=4, width=4

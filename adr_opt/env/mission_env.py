@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
 
-from ..episodes import Board, FieldPool, Observation, new_episodes, start
+from ..episodes import Board, FieldPool, Observation, new_episodes, playing_time_s, start
 from ..errors import InputError
 from ..instance import Instance
 from ..kernels import episodes as kernels
@@ -181,7 +181,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
             self._board = Board(self._name, 1, self._targets)
         assert self._pool is not None
         budget = instance.chaser.tank.delta_v_m_s
-        start(self._pool, self._episodes, 0, 0, budget, instance.mission.duration_s)
+        start(self._pool, self._episodes, 0, 0, budget, playing_time_s(instance))
         self._board.observe(self._pool.arrays, self._episodes, 0, 1)
         self.sequence = []
 

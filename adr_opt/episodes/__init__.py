@@ -5,7 +5,7 @@ alone.
 """
 
 from .board import OBSERVATIONS, Board, Observation, check_observation, move_fields, published_size
-from .pool import FieldPool, check_playable, in_mean_prizes, new_episodes, start
+from .pool import FieldPool, check_playable, in_mean_prizes, new_episodes, playing_time_s, start
 
 __all__ = [
     "OBSERVATIONS",
@@ -17,6 +17,7 @@ __all__ = [
     "in_mean_prizes",
     "move_fields",
     "new_episodes",
+    "playing_time_s",
     "published_size",
     "start",
 ]

@@ -142,6 +142,13 @@ def check_playable(mission: Mission) -> None:
             )
 
 
+def playing_time_s(instance: Instance) -> float:
+    """How long an episode may last: until the mission or the chaser's availability ends [s]."""
+    end = instance.chaser.available_s[1]
+    duration_s = instance.mission.duration_s
+    return duration_s if end is None else min(duration_s, end)
+
+
 def in_mean_prizes(mission: Mission) -> npt.NDArray[np.float64]:
     """Prize of every body in mean prizes of the targets that have one, shape (bodies,)."""
     prize = mission.rules.prize

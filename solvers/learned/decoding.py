@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.episodes import Board, FieldPool, check_playable, new_episodes, start
+from adr_opt.episodes import Board, FieldPool, check_playable, new_episodes, playing_time_s, start
 from adr_opt.episodes.board import follows_chains
 from adr_opt.kernels import episodes as kernels
 from adr_opt.kernels import rules as rule_kernels
@@ -54,7 +54,7 @@ class Field:
         # A policy for a fixed number of targets sees the missing ones as bodies that are not there.
         self.targets = policy.targets or targets
         self.budget = mission.instance.chaser.tank.delta_v_m_s - mission.reserve_m_s
-        self.duration = mission.instance.mission.duration_s
+        self.duration = playing_time_s(mission.instance)
         table = mission.timetable.table
         self.pool = FieldPool(1, self.targets + 1, table.entries.shape[1])
         self.pool.install(0, mission)

@@ -58,7 +58,7 @@ class Order:
     def __init__(self, mission: Mission, moves: Bodies) -> None:
         self._mission = mission
         self.moves = moves
-        self.timing: Schedule = mission.time(moves)
+        self.timing: Schedule = mission.time(moves.tolist())
         self._fronts: tuple[Front, ...] = mission.schedules.fronts(tuple(moves.tolist()))
 
     @property

@@ -92,7 +92,7 @@ def ortools(
         NODES,
         WIDTH,
         time_value_m_s_per_h / 3600.0,
-        LAG * mission.total_prize / max(1, int(np.count_nonzero(rules.prize))),
+        LAG * float(rules.prize.sum()) / max(1, int(np.count_nonzero(rules.prize))),
     )
     if start is None:
         greedy = get("greedy-guarded")(layer, seed=seed, stop=stop, progress=silent)
@@ -101,7 +101,7 @@ def ortools(
         first = start_sequence(mission, start)
     best = flown(layer, np.array(first, dtype=np.int64)) or Order(layer, np.empty(0, np.int64))
     present = best
-    if present.timing.objective > 0.0:
+    if rules.prize.any():
         worth = worth_of(rules, present.timing, TIME_SHARE, DELTA_V_SHARES[0])
         present = filled(layer, present, worth, limits.time_value)
     if present.better_than(best):

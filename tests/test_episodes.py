@@ -1,0 +1,214 @@
+"""Episodes: one step for rules, masks, rewards and chains; prizes, windows, what is refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import adr_opt
+from adr_opt.chasers import Chaser
+from adr_opt.env import MissionEnv
+from adr_opt.episodes import Board, FieldPool, in_mean_prizes, new_episodes, start
+from adr_opt.errors import InputError
+from adr_opt.instance import Instance
+from adr_opt.kernels import episodes as kernels
+from adr_opt.kernels import rules as rule_kernels
+from adr_opt.kernels.lookahead import CHAIN_FIELDS, CHAIN_PRIZE_FIELDS
+from adr_opt.kernels.observation import MOVE_FIELDS, PRIZE
+from adr_opt.kernels.rules import State
+from adr_opt.mission import Mission
+from adr_opt.result import certify
+
+
+def varied(seed: int) -> Instance:
+    """A small field with zones, windows, prizes, and ΔV and time that run out now and then."""
+    rng = np.random.default_rng(seed)
+    instance = adr_opt.generate("tiny", seed, targets=9, zones=seed % 3)
+    duration = instance.mission.duration_s
+    targets = []
+    for number, target in enumerate(instance.targets):
+        opens = float(rng.uniform(0.0, 0.4) * duration) if number % 3 == 0 else 0.0
+        closes = float(rng.uniform(0.5, 1.0) * duration) if number % 2 == 0 else None
+        prize = float(rng.choice([0.0, 0.5, 1.0, 3.0]))
+        targets.append(target.replace(window_s=(opens, closes), prize=prize))
+    return instance.replace(targets=tuple(targets)).with_limits(
+        delta_v_m_s=float(rng.uniform(400.0, 1200.0))
+    )
+
+
+def test_rules_steps_masks_and_check_agree() -> None:
+    """On thousands of states step, legal_moves, masks and timing say the same; plans pass check."""
+    rng = np.random.default_rng(5)
+    states = ends_in_windows = refuelled = 0
+    for seed in range(40):
+        instance = varied(seed)
+        mission = Mission(instance, threads=1)
+        rules, size = mission.rules, len(mission.names)
+        pool = FieldPool.of(mission)
+        budget, duration = instance.chaser.tank.delta_v_m_s, instance.mission.duration_s
+        boards = [Board(name, 1, size - 1) for name in ("transfer", "published")]
+        for _ in range(30):
+            episodes = new_episodes(1, size)
+            start(pool, episodes, 0, 0, budget, duration)
+            state = State(rules.start, rules.ready, rules.budget, 0, 0)
+            visited = np.zeros(size, dtype=np.bool_)
+            sequence: list[int] = []
+            while True:
+                legal = np.zeros(size, dtype=np.bool_)
+                rule_kernels.legal_moves(rules, state, visited, legal)
+                by_action = np.append(legal[1:], legal[0])
+                for board in boards:
+                    board.observe(pool.arrays, episodes, 0, 1)
+                    np.testing.assert_array_equal(board.mask[0], by_action)
+                illegal = rng.choice(np.flatnonzero(~legal))
+                before = [part.copy() for part in episodes]
+                assert not kernels.move(pool.arrays, episodes, 0, illegal)
+                for now, then in zip(episodes, before, strict=True):
+                    np.testing.assert_array_equal(now, then)
+                states += 1
+                if not legal.any():
+                    break
+                j = int(rng.choice(np.flatnonzero(legal)))
+                allowed, _, state = rule_kernels.step(rules, state, j)
+                assert allowed
+                rewards = np.zeros(1, dtype=np.float32)
+                action = np.array([kernels.action_of(j, size - 1)])
+                kernels.act(pool.arrays, episodes, 0, 1, action, rewards)
+                assert rewards[0] == np.float32(in_mean_prizes(mission)[j])
+                assert (episodes.body[0], episodes.time[0], episodes.left[0]) == state[:3]
+                assert (episodes.since_refuel[0], episodes.serviced[0]) == state[3:]
+                visited[j] = not rules.is_station[j]
+                refuelled += bool(rules.is_station[j])
+                ends_in_windows += bool(rules.closes[j] < rules.duration)
+                assert rules.opens[j] + rules.service[j] <= state.time <= rules.closes[j]
+                sequence.append(j)
+            timing = mission.time(sequence)
+            assert timing.made == len(sequence)
+            plan = certify(mission, "episode", sequence, seed=0, runtime_s=0.0).plan
+            assert plan is not None
+            assert adr_opt.check(instance, plan) == ()
+            mean = rules.prize[rules.prize > 0.0].mean()
+            assert plan.objective == pytest.approx(episodes.collected[0] * mean)
+    assert states > 2000
+    assert ends_in_windows > 100
+    assert refuelled > 50
+
+
+def test_rewards_are_prizes_in_mean_prizes() -> None:
+    """A return times the mean prize is the objective; equal prizes are rewards of exactly 1."""
+    rng = np.random.default_rng(0)
+    equal = adr_opt.generate("tiny", 2)
+    equal = equal.replace(targets=tuple(target.replace(prize=0.1) for target in equal.targets))
+    for instance in (equal, varied(4)):
+        env = MissionEnv(instance, observation="transfer-prizes")
+        seen, _ = env.reset()
+        prize = np.array([target.prize for target in instance.targets])
+        scaled = prize / prize[prize > 0.0].mean()
+        assert isinstance(seen, dict)
+        shown = seen["moves"][:-1, PRIZE]
+        np.testing.assert_allclose(shown, np.minimum(scaled, 5.0), rtol=1e-6)
+        assert seen["moves"][-1, PRIZE] == 0.0
+        total, over = 0.0, False
+        while not over:
+            action = int(rng.choice(np.flatnonzero(env.action_masks())))
+            _, reward, over, _, info = env.step(np.int64(action))
+            if instance is equal:
+                assert reward == float(action < len(prize))
+            total += reward
+            assert info["collected"] == pytest.approx(total)
+        plan = certify(env.mission, "episode", env.sequence, seed=0, runtime_s=0.0).plan
+        assert plan is not None
+        assert plan.objective == pytest.approx(total * prize[prize > 0.0].mean())
+
+
+def boards_of(instance: Instance, names: tuple[str, ...], moves: int) -> list[Any]:
+    """What observations say after some cheap moves."""
+    mission = Mission(instance)
+    size = len(mission.names)
+    pool, episodes = FieldPool.of(mission), new_episodes(1, size)
+    start(pool, episodes, 0, 0, instance.chaser.tank.delta_v_m_s, instance.mission.duration_s)
+    first = Board("transfer", 1, size - 1)
+    for _ in range(moves):
+        first.observe(pool.arrays, episodes, 0, 1)
+        action = np.flatnonzero(first.mask[0])[:1]
+        kernels.act(pool.arrays, episodes, 0, 1, action, np.zeros(1, np.float32))
+    boards = [Board(name, 1, size - 1) for name in names]
+    for board in boards:
+        board.observe(pool.arrays, episodes, 0, 1)
+    return boards
+
+
+@pytest.mark.parametrize("moves", [0, 2])
+def test_equal_prizes_are_seen_as_targets(moves: int) -> None:
+    """With equal prizes ``lookahead-prizes`` says what ``lookahead`` says, and 1 for each prize."""
+    instance = adr_opt.generate("reduced-time", 7, targets=15)
+    plain, prized = boards_of(instance, ("lookahead", "lookahead-prizes"), moves)
+    without = np.delete(prized.arrays["moves"], PRIZE, axis=2)
+    np.testing.assert_array_equal(without, plain.arrays["moves"])
+    np.testing.assert_array_equal(prized.arrays["mission"], plain.arrays["mission"])
+    for here, there in zip(prized.promises, plain.promises, strict=True):
+        np.testing.assert_array_equal(here, there)
+    open_targets = plain.arrays["moves"][0, :-1, MOVE_FIELDS.index(MOVE_FIELDS[2])] > 0.0
+    np.testing.assert_array_equal(prized.arrays["moves"][0, :-1, PRIZE] == 1.0, open_targets)
+    assert len(CHAIN_PRIZE_FIELDS) == len(CHAIN_FIELDS)
+
+
+def test_chains_that_see_prizes_promise_more_of_them() -> None:
+    """With one target worth as much as all others, chains by prize promise more than by count."""
+    gained = []
+    for seed in range(8):
+        instance = adr_opt.generate("reduced-fuel", seed, targets=20)
+        rng = np.random.default_rng(seed)
+        targets = tuple(
+            target.replace(prize=float(rng.choice([0.1, 1.0, 4.0]))) for target in instance.targets
+        )
+        instance = instance.replace(targets=targets).with_limits(duration_s=2 * 86400.0)
+        plain, prized = boards_of(instance, ("lookahead", "lookahead-prizes"), 0)
+        gained.append(prized.promises.prize.max() - plain.promises.prize.max())
+    assert np.mean(gained) > 0.5
+
+
+def _changed(instance: Instance, **chaser: Any) -> Instance:
+    return instance.replace(chasers=(instance.chaser.replace(**chaser),))
+
+
+def _odd() -> dict[str, Instance]:
+    instance = adr_opt.generate("tiny", 1)
+    assert isinstance(instance.chaser, Chaser)
+    station = instance.stations[0]
+    orbit = station.orbit
+    return {
+        "has 2 stations": instance.replace(
+            stations=(station, station.replace(name="second", orbit=instance.targets[0].orbit))
+        ),
+        "does not begin at its station": _changed(instance, start={"orbit": orbit}),
+        "has 0 stations": _changed(instance, start={"orbit": orbit}).replace(stations=()),
+        "begins later": _changed(instance, available_s=(3600.0, None)),
+        "limits the number of targets": _changed(instance, max_targets=2),
+        "must end at a station": _changed(instance, end={"station": station.name}),
+    }
+
+
+@pytest.mark.parametrize("what", _odd())
+def test_missions_that_cannot_be_played_are_refused(what: str) -> None:
+    """The environment and the learned planner say in one sentence what they do not know."""
+    instance = _odd()[what]
+    with pytest.raises(InputError, match=f"{what}.*; plan this mission with another method"):
+        MissionEnv(instance).reset()
+    with pytest.raises(InputError, match="plan this mission with another method"):
+        adr_opt.solve(instance, "ppo")
+
+
+def test_an_episode_ends_with_the_chaser() -> None:
+    """A chaser that is available for part of the mission plays for that part."""
+    instance = adr_opt.generate("tiny", 1)
+    half = 0.5 * instance.mission.duration_s
+    env = MissionEnv(_changed(instance, available_s=(0.0, half)))
+    env.reset()
+    over = False
+    while not over:
+        action = np.flatnonzero(env.action_masks())[0]
+        _, _, over, _, info = env.step(action)
+        assert info["time_s"] <= half + 1.0
