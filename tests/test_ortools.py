@@ -270,7 +270,7 @@ def test_the_rest_is_flown_by_the_rules(nominal):
 
 
 def test_insertions_are_legal_and_found(nominal):
-    """Of plans that a target was taken out of, some take one again, and all that do can be flown."""
+    """Of plans that a target was taken out of some take one again; all that do can be flown."""
     order = flown(nominal, np.array(plan(nominal, windows=1).sequence))
     assert order is not None
     found = 0
