@@ -40,6 +40,7 @@ def greedy_sequence(rules, beginning, alpha, beta, guarded):
     -------
     sequence : (moves,) int64
     """
+    rules = rule_kernels.lent(rules)
     bodies = rules.service.size
     visited = np.zeros(bodies, dtype=np.bool_)
     ends, lefts = np.empty(beginning.size), np.empty(beginning.size)

@@ -268,6 +268,7 @@ def legal_moves(rules, state, visited, mask):
     -------
     count : int
     """
+    rules = lent(rules)
     count = 0
     for j in range(rules.service.size):
         legal = False
@@ -302,6 +303,7 @@ def replay(rules, sequence, state, visited, ends, lefts):
     state : State
         The state after them.
     """
+    rules = lent(rules)
     total = 0.0
     for index in range(sequence.size):
         j = sequence[index]

@@ -352,6 +352,7 @@ def nearest(rules, stops, times, candidates, time_value, cost):
     cost : (targets,) float64
         Written: least ΔV + time_value · duration; +inf if there is no move.
     """
+    rules = rule_kernels.lent(rules)
     cost[:] = math.inf
     for s in range(stops.size):
         for c in range(candidates.size):
