@@ -419,6 +419,7 @@ def beam_kernel(rules, done, first, guide, guided, weights, halt):
     priced : int
         Number of candidates priced.
     """
+    rules = rule_kernels.lent(rules)
     bodies, width = rules.service.size, weights.width
     level, after = _new_level(width, (bodies + 63) // 64), _new_level(width, (bodies + 63) // 64)
     keys = np.empty(bodies, np.uint64)

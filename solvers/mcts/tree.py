@@ -274,6 +274,7 @@ def step(rules, policy, search, rng, tree, used, root, played, collected, visite
     root, used : int
         The node of that move, and the nodes in use.
     """
+    rules = rule_kernels.lent(rules)
     if used + search.simulations > tree.body.size:
         used, root = copy_root(tree, root), 0
     path = scratch.path
