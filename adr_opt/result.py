@@ -12,7 +12,7 @@ from typing import Any
 from .mission import Mission
 from .plan import InstanceReference, Plan, Route, Status, cost_of, relative_gap
 from .pricing import APPROXIMATE, legs, unvisited
-from .tolerance import meets
+from .tolerance import meets, tolerance
 
 PACKAGES = ("adr-opt", "numpy", "numba", "ortools")
 
@@ -101,6 +101,16 @@ def _lacks(mission: Mission, lacking: tuple[int, ...], status: Status) -> str:
     return f"no plan was found that services all required targets; the best one lacks {names}"
 
 
+def cost_gap(cost: float, bound: float) -> float:
+    """(cost − bound) / cost; 0 where the plan costs nothing."""
+    return (cost - bound) / cost if cost > 0.0 else 0.0
+
+
+def cost_status(cost: float, bound: float) -> Status:
+    """What is proven of the cost of a plan among all that collect as much."""
+    return "optimal" if cost <= bound + tolerance(bound) else "feasible"
+
+
 def status_of(mission: Mission, objective: float, upper_bound: float) -> Status:
     """What is proven of a plan; all prizes collected is a proof without any bound."""
     met = meets(objective, min(upper_bound, mission.total_prize))
@@ -115,6 +125,7 @@ def certify(
     seed: int,
     runtime_s: float,
     upper_bound: float = math.inf,
+    cost_bound: float | None = None,
     counters: Mapping[str, float] | None = None,
     notes: Iterable[str] = (),
 ) -> Result:
@@ -130,6 +141,8 @@ def certify(
     runtime_s : float
     upper_bound : float
         Proven bound on what plans are worth to a planner (:attr:`Mission.bonus`), +inf for none.
+    cost_bound : float, optional
+        Proven: no plan that collects as much costs less. None if nobody asked.
     counters, notes
         As in :class:`Result`.
 
@@ -156,6 +169,9 @@ def certify(
     priced = legs(mission, moves)
     objective = mission.prizes(moves)
     status = status_of(mission, objective, upper_bound)
+    cost = cost_of(mission.instance.objective, priced)
+    if cost_bound is not None:
+        cost_bound = min(cost_bound, cost)  # they may differ by rounding
     bounded = math.isfinite(upper_bound)
     plan = Plan(
         instance=InstanceReference(name=mission.instance.name, sha256=mission.sha256),
@@ -165,7 +181,10 @@ def certify(
         objective=objective,
         upper_bound=upper_bound if bounded else None,
         gap=relative_gap(objective, upper_bound) if bounded else None,
-        cost=cost_of(mission.instance.objective, priced),
+        cost=cost,
+        cost_bound=cost_bound,
+        cost_gap=None if cost_bound is None else cost_gap(cost, cost_bound),
+        cost_status=None if cost_bound is None else cost_status(cost, cost_bound),
         runtime_s=runtime_s,
         versions=versions(),
         notes=said,

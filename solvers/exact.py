@@ -20,7 +20,7 @@ from adr_opt.stop import Clock, Stop
 
 from .beam import TIME_VALUE_M_S_PER_H
 from .beams import usual_settings
-from .proof import Certificate, bound_notes, check_options, prove
+from .proof import Certificate, bound_notes, check_options, prove, prove_cost
 from .relaxation.latest import Latest
 from .timely_beams import Beams
 
@@ -28,6 +28,9 @@ FIRST_WIDTH = 2000
 """Of the first guided beam; each round of proof is preceded by one of twice the width."""
 
 WIDEST = 16_000
+
+COST_SLOT_M_S = 50.0
+"""Slot of ΔV in proofs of the least cost; they take the memory of three tables [m/s]."""
 
 
 @practises(rounds=12)
@@ -41,6 +44,7 @@ def exact(
     jobs: int = 0,
     delta_v_slot_m_s: float = 20.0,
     most_labels: int = 50_000_000,
+    cost: bool = False,
 ) -> Result:
     """The optimal plan and its proof; at the limit the best plan and bound so far.
 
@@ -53,7 +57,10 @@ def exact(
     delta_v_slot_m_s : float
         Slot of ΔV of the completion values [m/s].
     most_labels : int
-        Most labels of one search: about 60 bytes each.
+        Most labels of one search: about 70 bytes each.
+    cost : bool
+        Go on to prove, once the prizes are proven, that no plan that collects as much costs less
+        ΔV.
 
     Raises
     ------
@@ -85,6 +92,13 @@ def exact(
         mission, certificate, stop, enough, search=search,
         jobs=jobs, delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
     )  # fmt: skip
+    cost_bound = None
+    if cost and certificate.proven and certificate.sequence is not None:
+        cost_bound, counted = prove_cost(
+            mission, certificate, stop, jobs=jobs, delta_v_slot_m_s=COST_SLOT_M_S,
+            most_labels=most_labels,
+        )  # fmt: skip
+        counters |= counted
     return certify(
         mission,
         "exact",
@@ -92,6 +106,7 @@ def exact(
         seed=seed,
         runtime_s=time.perf_counter() - began,
         upper_bound=certificate.bound,
+        cost_bound=cost_bound,
         counters=counters,
         notes=bound_notes(mission),
     )

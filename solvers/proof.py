@@ -28,6 +28,7 @@ from adr_opt.stop import Stop
 from adr_opt.tolerance import meets, rounded_down, rounded_up, tolerance
 
 from .incumbent import Incumbent
+from .relaxation.cost import CostProof
 from .relaxation.latest import Latest, latest_of
 from .relaxation.multipliers import Descent
 from .relaxation.routes import Routes
@@ -82,6 +83,11 @@ class Certificate:
     def incumbent(self) -> float:
         """What it is worth; −inf before the first."""
         return self._best.objective
+
+    @property
+    def cost(self) -> float:
+        """What it costs; +inf before the first."""
+        return self._best.cost
 
     def offer(self, sequence: Iterable[int]) -> bool:
         """A sequence that may be the best plan so far; whether it is: see :class:`Incumbent`."""
@@ -311,6 +317,40 @@ def prove(
         proof.advance(enough)
     proof.close()
     return proof.counters
+
+
+def prove_cost(
+    mission: Mission,
+    certificate: Certificate,
+    stop: Stop,
+    *,
+    jobs: int,
+    delta_v_slot_m_s: float,
+    most_labels: int,
+) -> tuple[float, dict[str, float]]:
+    """Prove how much ΔV the plans cost at least that are worth as much as the incumbent.
+
+    Returns
+    -------
+    bound : float
+        [m/s]
+    counters : dict
+    """
+
+    def over() -> bool:
+        return stop.remaining_s() <= 0.0
+
+    if stop.remaining_s() < set_up_s(mission):
+        return 0.0, {}
+    proof = CostProof(
+        mission, certificate.incumbent, certificate.offer, lambda: certificate.cost, over,
+        jobs=jobs or os.cpu_count() or 1,
+        delta_v_slot_m_s=affordable_slot(mission, delta_v_slot_m_s), most_labels=most_labels,
+    )  # fmt: skip
+    while not proof.done and not over():
+        proof.advance()
+    proof.close()
+    return proof.bound, proof.counters
 
 
 def fits_memory(mission: Mission) -> bool:

@@ -12,6 +12,7 @@ from random_rules import random_mission
 import adr_opt
 from adr_opt.mission import Mission
 from adr_opt.result import certify
+from adr_opt.settings import Objective
 from solvers.relaxation.routes import Routes
 from solvers.relaxation.walks import WalkBound
 
@@ -95,3 +96,23 @@ def test_planners_keep_to_all_rules(method, share):
             found += result.objective
         best += max(prizes, 0.0)
     assert found > share * best
+
+
+@pytest.mark.parametrize("part", range(5))
+def test_the_least_cost_is_proven(part):
+    """At the best prizes `exact` proves the least ΔV that enumeration knows, and never more."""
+    proven = 0
+    for seed in range(part, MISSIONS, 5):
+        instance = random_mission(seed).replace(objective=Objective(cost="delta-v"))
+        mission = Mission(instance)
+        prizes, cost, _ = brute_force(mission)
+        if not math.isfinite(prizes):
+            continue
+        plan = adr_opt.solve(mission, "exact", time_limit=60.0, cost=True).plan
+        assert plan.objective == pytest.approx(prizes), seed
+        assert plan.cost_status == "optimal", (seed, plan.cost, plan.cost_bound, cost)
+        assert plan.cost == pytest.approx(cost, rel=2e-6, abs=1e-5), seed
+        assert plan.cost_bound <= cost * (1.0 + 1e-9) + 1e-9, seed
+        assert adr_opt.check(instance, plan) == (), seed
+        proven += plan.cost > 0.0
+    assert proven > 5

@@ -18,9 +18,6 @@ from adr_opt.kernels.memory import write
 
 from .walks import WalkBound
 
-RADIUS = 1.0
-"""Multipliers are looked for within this distance of the best ones [largest prizes]."""
-
 PASSES = 500
 """Rounds of the projection. Giving up early only costs progress: every bound is valid."""
 
@@ -110,9 +107,8 @@ class Descent:
 
     def __init__(self, bound: WalkBound) -> None:
         self._bound = bound
-        size = bound.prize.size
         self.value = np.inf
-        self.multipliers = np.zeros(size)
+        self.multipliers = bound.first_point()
         self.done = False
         self.evaluations = 0
         self._ambition = 0.0
@@ -126,12 +122,13 @@ class Descent:
         point = self.multipliers if self.evaluations == 0 else self._next_point()
         if self.done:
             return self.value
-        value, rounded = bound.evaluate(point)
+        value, rounded, slope = bound.at(point)
         self.evaluations += 1
-        slope = 1.0 - np.bincount(bound.walk, minlength=bound.prize.size)
-        slope[~bound.is_target] = 0.0
+        if value == -np.inf:
+            self.value, self.done = value, True  # there is nothing to bound
+            return value
         if self.evaluations == 1:
-            self._ambition = FIRST_AMBITION * value
+            self._ambition = FIRST_AMBITION * abs(value)
         if value < self.value:
             if value < self.value - 0.7 * self._ambition and self.evaluations > 1:
                 self._ambition *= 1.3
@@ -151,16 +148,16 @@ class Descent:
     def _next_point(self) -> np.ndarray:
         bound = self._bound
         slopes, intercepts = np.array(self._slopes), np.array(self._intercepts)
-        point = np.empty(bound.prize.size)
-        radius = RADIUS * bound.greatest_prize
-        while self._ambition > LEAST_AMBITION * self.value:
+        point = np.empty(bound.dimensions)
+        while self._ambition > LEAST_AMBITION * abs(self.value):
             weights = self._weights.copy()
             offsets = self.value - self._ambition - intercepts
             tolerance = 0.1 * self._ambition
-            if nearest_below(slopes, offsets, weights, self.multipliers, tolerance, radius, point):
+            if nearest_below(
+                slopes, offsets, weights, self.multipliers, tolerance, bound.radius, point
+            ):
                 self._weights = weights
-                point[~bound.is_target] = 0.0
-                return np.clip(point, 0.0, bound.prize + bound.greatest_prize)
+                return bound.allowed(point)
             self._ambition *= 0.5
         self.done = True
         return self.multipliers

@@ -247,6 +247,33 @@ class WalkBound:
         self.walk = self._walk[:0]
         self._pool = ThreadPoolExecutor(jobs) if jobs > 1 else None
 
+    @property
+    def dimensions(self) -> int:
+        """Number of multipliers: one for each body."""
+        return int(self.prize.size)
+
+    @property
+    def radius(self) -> float:
+        """How far from the best multipliers the next ones are looked for."""
+        return self.greatest_prize
+
+    def first_point(self) -> np.ndarray:
+        """Multipliers to begin with: none."""
+        return np.zeros(self.prize.size)
+
+    def allowed(self, point: np.ndarray) -> np.ndarray:
+        """The nearest multipliers at which the bound can be evaluated."""
+        point = np.clip(point, 0.0, self.prize + self.greatest_prize)
+        point[~self.is_target] = 0.0
+        return point
+
+    def at(self, point: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        """The bound near a point, the multipliers for which it holds, and its slope there."""
+        value, rounded = self.evaluate(point)
+        slope = 1.0 - np.bincount(self.walk, minlength=self.prize.size)
+        slope[~self.is_target] = 0.0
+        return value, rounded, slope
+
     def _sweep(self, sweep_until: Callable[..., None], *common: object) -> None:
         """Go backwards in time stage by stage, the bodies shared among the threads."""
         for number in range(self._stages - 1, -1, -1):
