@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
 from ortools.sat.python import cp_model
 
-from adr_opt.kernels import timetable as timetables
+from adr_opt.kernels import connections, transfer
 from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import STATION
 from adr_opt.kernels.rules import Rules
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
@@ -21,9 +20,8 @@ from adr_opt.stop import Stop
 
 from .exact_models.answer import Hear
 from .exact_models.cp_sat_run import run
-from .exact_models.standing import Standing
 from .exact_models.steps import in_steps
-from .proof import bound_notes
+from .proof import Certificate, bound_notes
 
 STEPS_PER_M_S = 1e3
 STEPS_PER_S = 1e1
@@ -36,9 +34,9 @@ class Costs(NamedTuple):
     Attributes
     ----------
     delta_v : (bodies, bodies) int64
-        Least ΔV over all departures.
+        Least ΔV over all connections.
     duration : (bodies, bodies) int64
-        Least time from departure to the end of the service over all departures, another one or
+        Least time from departure to the end of the service over all connections, another one or
         the same.
     """
 
@@ -47,126 +45,187 @@ class Costs(NamedTuple):
 
 
 @kernel
-def _best_legs(rules, delta_v, duration):
-    """Least ΔV [m/s] and least time from departure to end of service [s] of every pair."""
-    table = rules.table
-    for i in range(rules.service.size):
-        for j in range(rules.service.size):
-            for m in range(timetables.events(table, i, j)):
-                cost, arrival = timetables.entry_at(table, i, j, m)
-                end = arrival + rules.service[j]
-                if cost <= rules.budget and end <= rules.duration:
-                    flown = end - timetables.departure_at(table, i, j, m)
-                    delta_v[i, j] = min(delta_v[i, j], cost)
-                    duration[i, j] = min(duration[i, j], flown)
+def _least(i, j, orbits, extra_delta_v, transfer_rule, rules):
+    """Least ΔV [m/s] and least time from departure to end of service [s] of a pair's connections.
+
+    Both are +inf if none fits the mission.
+    """
+    departure, arrival, delta_v, _ = connections.of_pair(
+        orbits[i], orbits[j], extra_delta_v[i, j], transfer_rule, rules.duration, 0.0
+    )
+    cost, flown = math.inf, math.inf
+    for c in range(departure.size):
+        end = max(arrival[c], rules.opens[j]) + rules.service[j]
+        if delta_v[c] <= rules.budget and end <= rules.closes[j]:
+            cost = min(cost, delta_v[c])
+            flown = min(flown, end - departure[c])
+    return cost, flown
 
 
-def static_costs(rules: Rules) -> Costs:
-    """Every leg at its best over all departures that the mission has."""
+@kernel
+def _floor(i, j, orbits, extra_delta_v, transfer_rule, rules):
+    """The same in closed form, for sequences of whatever phase: less, and known at once."""
+    pair = transfer.prepare(orbits[i], orbits[j], extra_delta_v[i, j], transfer_rule)
+    approach = transfer_rule.approach_revolutions * transfer.TWO_PI / pair.rate_j
+    if pair.floor_delta_v > rules.budget:
+        return math.inf, math.inf
+    return pair.floor_delta_v, pair.shortest + approach + rules.service[j]
+
+
+def static_costs(mission: Mission, enough: Callable[[], bool] = lambda: False) -> Costs:
+    """Every leg at its best over all connections that the mission has.
+
+    Parameters
+    ----------
+    mission : Mission
+    enough : callable
+        Asked at each pair. Once it says so, the rest of the pairs get what is known in closed form.
+    """
+    rules, inputs = mission.rules, mission.transfer_inputs
     bodies = rules.service.size
-    delta_v = np.full((bodies, bodies), math.inf)
-    duration = np.full((bodies, bodies), math.inf)
-    _best_legs(rules, delta_v, duration)
+    delta_v, duration = np.full((2, bodies, bodies), math.inf)
+    for i in range(bodies):
+        for j in range(bodies):
+            if i != j and (rules.is_station[j] or j >= rules.first_target):
+                least = _floor if enough() else _least
+                delta_v[i, j], duration[i, j] = least(i, j, *inputs, rules)
     return Costs(_steps(delta_v, STEPS_PER_M_S), _steps(duration, STEPS_PER_S))
 
 
 def _steps(values: np.ndarray, per_unit: float) -> np.ndarray:
     known = np.isfinite(values)
-    return np.where(known, np.floor(np.where(known, values, 0.0) * per_unit), -1).astype(np.int64)
+    steps = np.floor(np.where(known, values, 0.0) * per_unit)
+    return np.where(known, np.maximum(steps, 0.0), -1.0).astype(np.int64)
+
+
+Pair = tuple[int, int]
 
 
 class StaticModel:
     """Orienteering with refuelling on static costs.
 
-    A route begins at the station, services targets, each at most once, and ends anywhere. From a
-    target it goes to the next one straight, or by way of the station with a full tank from there.
+    A route begins at the start and services targets, each at most once, in its window. From a
+    target it goes to the next one straight, or by way of a station with a full tank from there. It
+    ends anywhere, or by way of a station that it may end at.
 
     Parameters
     ----------
     costs : Costs
     worth : (bodies,) int64
         Prizes in steps.
-    budget, duration : int
-        In steps.
+    rules : adr_opt.kernels.rules.Rules
     """
 
-    def __init__(self, costs: Costs, worth: np.ndarray, budget: int, duration: int) -> None:
+    def __init__(self, costs: Costs, worth: np.ndarray, rules: Rules) -> None:
         self._costs = costs
-        self._budget = budget
-        self._duration = duration
-        self._targets = range(1, worth.size)
+        self._rules = rules
+        self._budget = math.ceil(rules.budget * STEPS_PER_M_S)
+        self._duration = math.ceil(rules.duration * STEPS_PER_S)
+        self._targets = range(rules.first_target, worth.size)
+        self._stations = range(rules.stations)
         self.block = cp_model.CpModel()
         self._visit = {j: self.block.new_bool_var("") for j in self._targets}
-        self._used = {j: self.block.new_int_var(0, budget, "") for j in self._targets}
-        self._end = {j: self.block.new_int_var(0, duration, "") for j in self._targets}
+        self._used = {j: self.block.new_int_var(0, self._budget, "") for j in self._targets}
+        self._end = {j: self._time(j) for j in self._targets}
         pairs = [(i, j) for i in self._targets for j in self._targets if i != j]
         flown = costs.delta_v >= 0
-        self._first = self._literals((STATION, j) for j in self._targets if flown[STATION, j])
+        self._first = self._literals(j for j in self._targets if flown[rules.start, j])
         self._straight = self._literals(pair for pair in pairs if flown[pair])
         self._by_station = self._literals(
-            (i, j) for i, j in pairs if flown[i, STATION] and flown[STATION, j]
+            (i, s, j) for i, j in pairs for s in self._stations if flown[i, s] and flown[s, j]
+        )
+        self._last = self._literals(
+            (i, s)
+            for i in self._targets
+            for s in self._stations
+            if flown[i, s] and rules.may_end[s]
         )
         self._one_route()
         self._delta_v_fits()
         self._time_fits()
+        if rules.most_targets < len(self._visit):
+            self.block.add(sum(self._visit.values()) <= rules.most_targets)
         self.block.maximize(sum(int(worth[j]) * visit for j, visit in self._visit.items()))
 
-    def _literals(self, pairs: Iterable[tuple[int, int]]) -> dict[tuple[int, int], cp_model.IntVar]:
-        """A decision for each pair."""
-        return {pair: self.block.new_bool_var("") for pair in pairs}
+    def _literals(self, ways: Iterable) -> dict:
+        """A decision for each way."""
+        return {way: self.block.new_bool_var("") for way in ways}
+
+    def _time(self, j: int) -> cp_model.IntVar:
+        """When a service ends, in steps; anything if it is not made."""
+        rules = self._rules
+        earliest = max(rules.opens[j], rules.ready) + rules.service[j]
+        latest = math.ceil(min(rules.closes[j], rules.duration) * STEPS_PER_S)
+        return self.block.new_int_var(
+            min(max(0, math.floor(earliest * STEPS_PER_S)), latest), latest, ""
+        )
 
     def _one_route(self) -> None:
-        """One route through the targets that are visited; node 0 is before it and after it."""
+        """One route through the targets that are visited; node −1 is before it and after it."""
         arcs: list[tuple[int, int, cp_model.LiteralT]] = [(0, 0, self.block.new_bool_var(""))]
-        arcs += [(j, j, visit.negated()) for j, visit in self._visit.items()]
-        arcs += [(0, j, move) for (_, j), move in self._first.items()]
-        arcs += [(j, 0, self.block.new_bool_var("")) for j in self._targets]
-        for i, j in self._straight | self._by_station:
-            ways = [way[i, j] for way in (self._straight, self._by_station) if (i, j) in way]
+        place = {j: number + 1 for number, j in enumerate(self._targets)}
+        arcs += [(place[j], place[j], visit.negated()) for j, visit in self._visit.items()]
+        arcs += [(0, place[j], move) for j, move in self._first.items()]
+        for j in self._targets:
+            ways = [move for (i, _), move in self._last.items() if i == j]
+            end = self.block.new_bool_var("")
+            if not self._rules.may_end[j]:
+                self.block.add(sum(ways) == end)
+            arcs.append((place[j], 0, end))
+        for i, j in {(i, j) for i, j in self._straight} | {(i, j) for i, _, j in self._by_station}:
+            ways = [
+                self._by_station[i, s, j] for s in self._stations if (i, s, j) in self._by_station
+            ]
+            ways += [self._straight[i, j]] if (i, j) in self._straight else []
             move = self.block.new_bool_var("")
             self.block.add(sum(ways) == move)
-            arcs.append((i, j, move))
+            arcs.append((place[i], place[j], move))
         self.block.add_circuit(arcs)
 
     def _delta_v_fits(self) -> None:
         """What is used since refuelling adds up, and is never more than the budget."""
-        cost, used = self._costs.delta_v, self._used
-        for (_, j), move in self._first.items():
-            self.block.add(used[j] >= cost[STATION, j]).only_enforce_if(move)
+        cost, used, start = self._costs.delta_v, self._used, self._rules.start
+        for j, move in self._first.items():
+            self.block.add(used[j] >= cost[start, j]).only_enforce_if(move)
         for (i, j), move in self._straight.items():
             self.block.add(used[j] >= used[i] + cost[i, j]).only_enforce_if(move)
-        for (i, j), move in self._by_station.items():
-            self.block.add(used[j] >= cost[STATION, j]).only_enforce_if(move)
-            self.block.add(used[i] + cost[i, STATION] <= self._budget).only_enforce_if(move)
+        for (i, s, j), move in self._by_station.items():
+            self.block.add(used[j] >= cost[s, j]).only_enforce_if(move)
+            self.block.add(used[i] + cost[i, s] <= self._budget).only_enforce_if(move)
+        for (i, s), move in self._last.items():
+            self.block.add(used[i] + cost[i, s] <= self._budget).only_enforce_if(move)
         # Implied: all the ΔV comes out of the first tank and one more per refuelling.
-        ways = [(move, cost[i, j]) for (i, j), move in (self._first | self._straight).items()]
+        ways = [(move, cost[start, j]) for j, move in self._first.items()]
+        ways += [(move, cost[pair]) for pair, move in self._straight.items()]
         ways += [
-            (move, cost[i, STATION] + cost[STATION, j] - self._budget)
-            for (i, j), move in self._by_station.items()
+            (move, cost[i, s] + cost[s, j] - self._budget)
+            for (i, s, j), move in self._by_station.items()
         ]
         self.block.add(sum(move * int(need) for move, need in ways) <= self._budget)
 
     def _time_fits(self) -> None:
         """Services end one after the other, and before the mission does."""
-        flown, end = self._costs.duration, self._end
+        flown, end, rules = self._costs.duration, self._end, self._rules
+        ready = math.floor(rules.ready * STEPS_PER_S)
         ways = [(i, j, move, flown[i, j]) for (i, j), move in self._straight.items()]
         ways += [
-            (i, j, move, flown[i, STATION] + flown[STATION, j])
-            for (i, j), move in self._by_station.items()
+            (i, j, move, flown[i, s] + flown[s, j]) for (i, s, j), move in self._by_station.items()
         ]
-        for (_, j), move in self._first.items():
-            self.block.add(end[j] >= flown[STATION, j]).only_enforce_if(move)
+        for j, move in self._first.items():
+            self.block.add(end[j] >= ready + flown[rules.start, j]).only_enforce_if(move)
         for i, j, move, takes in ways:
             self.block.add(end[j] >= end[i] + takes).only_enforce_if(move)
+        for (i, s), move in self._last.items():
+            latest = math.ceil(rules.closes[s] * STEPS_PER_S)
+            self.block.add(end[i] + flown[i, s] <= latest).only_enforce_if(move)
         # Implied: each visit takes its least time at least. Weak, but understood at once.
+        left = self._duration - ready
         flights = np.where(flown >= 0, flown, self._duration).min(axis=0).tolist()
-        self.block.add(
-            sum(visit * flights[j] for j, visit in self._visit.items()) <= self._duration
-        )
+        self.block.add(sum(visit * flights[j] for j, visit in self._visit.items()) <= left)
         # Implied: the route is not longer than the mission.
-        firsts = [(move, flown[i, j]) for (i, j), move in self._first.items()]
-        moves = firsts + [(move, takes) for _, _, move, takes in ways]
-        self.block.add(sum(move * int(takes) for move, takes in moves) <= self._duration)
+        moves = [(move, flown[rules.start, j]) for j, move in self._first.items()]
+        moves += [(move, takes) for _, _, move, takes in ways]
+        self.block.add(sum(move * int(takes) for move, takes in moves) <= left)
 
 
 def routing_bound(
@@ -179,12 +238,13 @@ def routing_bound(
 ) -> Result:
     """No plan is worth more than this: the classical static bound, weak and without a timetable.
 
-    Every leg is taken at its best over all departures, the least ΔV and the least time each by
+    Every leg is taken at its best over all connections, the least ΔV and the least time each by
     itself, without waiting for the node. On these costs the orienteering problem with refuelling
     is given to CP-SAT, and the bound is CP-SAT's upper bound on it. It is valid: every plan is a
     route whose legs take at least that much of both, so it fits, for the same prize. What it
     lacks against the other bounds is what knowing the time is worth. Deterministic but for the
-    time limit; one iteration. It looks for no plan.
+    time limit, half of which is the most that working out the costs may take; one iteration. It
+    looks for no plan.
 
     Parameters
     ----------
@@ -193,36 +253,33 @@ def routing_bound(
         A plan: bodies in order. The bound may prove it optimal.
     """
     began = time.perf_counter()
-    standing = Standing(mission, stop, progress)
+    certificate = Certificate(mission, progress)
     if start is not None:
-        standing.offer(start)
+        certificate.offer(start)
     counters: dict[str, float] = {"branches": 0}
-    if mission.total_prize > 0.0 and not standing.enough():
+    known = certificate.proven or stop(certificate.incumbent, certificate.bound)
+    if mission.total_prize > 0.0 and not known:
         rules = mission.rules
-        worth, unit = in_steps(np.array(rules.prize), standing.step or mission.total_prize)
-        model = StaticModel(
-            static_costs(rules),
-            worth,
-            math.ceil(rules.budget * STEPS_PER_M_S),
-            math.ceil(rules.duration * STEPS_PER_S),
-        )
+        worth, unit = in_steps(rules.prize, mission.prize_step or mission.total_prize)
+        half = 0.5 * stop.remaining_s()
+        model = StaticModel(static_costs(mission, lambda: stop.remaining_s() < half), worth, rules)
 
         def hear(bound: float) -> bool:
-            standing.lower(bound)
-            return standing.proven or standing.remaining_s() <= 0.0
+            certificate.lower(bound)
+            return certificate.proven or stop.remaining_s() <= 0.0
 
         solver, _, bound = run(
-            model.block, unit, seed=seed, hear=Hear(hear, standing.remaining_s), linear=2
+            model.block, unit, seed=seed, hear=Hear(hear, stop.remaining_s), linear=2
         )
-        standing.lower(bound)
+        certificate.lower(bound)
         counters["branches"] = int(solver.num_branches)
     return certify(
         mission,
         "routing-bound",
-        standing.sequence,
+        certificate.sequence,
         seed=seed,
         runtime_s=time.perf_counter() - began,
-        upper_bound=standing.bound,
+        upper_bound=certificate.bound,
         counters=counters,
         notes=bound_notes(mission),
     )

@@ -1,11 +1,10 @@
-"""What makes a choice of arcs a plan."""
+"""What makes a choice of legs a plan."""
 
 from __future__ import annotations
 
-import numpy as np
 from ortools.sat.python import cp_model
 
-from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.rules import Rules
 
 from ..exact_models.network import Network
 from .variables import Variables
@@ -20,8 +19,9 @@ class Constraints:
         Gets the constraints.
     network : Network
     variables : Variables
-    cost : (nodes,) int64
-        ΔV of the leg to each node, in steps.
+    rules : adr_opt.kernels.rules.Rules
+    cost : list of int
+        ΔV of each leg, in steps.
     steps : int
         Whole steps of ΔV in the budget.
     """
@@ -31,73 +31,89 @@ class Constraints:
         block: cp_model.CpModel,
         network: Network,
         variables: Variables,
-        cost: np.ndarray,
+        rules: Rules,
+        cost: list[int],
         steps: int,
     ) -> None:
         self._block = block
         self._network = network
         self._variables = variables
-        self._cost = cost.tolist()
+        self._rules = rules
+        self._cost = cost
         self._steps = steps
+        self._legs_of = _by_pair(network)
         self._one_path()
         self._each_target_once()
+        self._not_too_many_targets()
         self._delta_v_adds_up()
         self._delta_v_fits()
 
     def _one_path(self) -> None:
-        """Begin at the start; leave each node that is entered once, or end there."""
+        """Begin at the start; leave each node that is entered by a leg or wait, or end there."""
         network, variables = self._network, self._variables
         entering: list[list[cp_model.IntVar]] = [[] for _ in range(network.nodes)]
-        for move, node in zip(variables.move, network.successor.tolist(), strict=True):
+        for move, node in zip(variables.move, network.landing.tolist(), strict=True):
             entering[node].append(move)
+        for node, wait in variables.wait.items():
+            entering[int(network.onward[node])].append(wait)
         self._block.add(variables.skip[0] == 0)
         for node in range(network.nodes):
-            leaving = variables.move[network.head[node] : network.head[node + 1]]
+            leaving = variables.move[network.first[node] : network.first[node + 1]]
+            leaving += [kind[node] for kind in (variables.wait, variables.last) if node in kind]
             around = variables.skip[node]
             if node > 0:
                 self._block.add_exactly_one([*entering[node], around])
-            self._block.add_exactly_one([*leaving, variables.last[node], around])
-        self._block.add_exactly_one(variables.last)
+            self._block.add_exactly_one([*leaving, around])
+        self._block.add_exactly_one(variables.last.values())
 
     def _each_target_once(self) -> None:
-        """Move to each target at most once: exactly once if it is serviced."""
-        network, variables = self._network, self._variables
-        moves: dict[int, list[cp_model.IntVar]] = {target: [] for target in variables.visit}
-        for move, body in zip(
-            variables.move, network.body[network.successor].tolist(), strict=True
-        ):
-            if body != STATION:
-                moves[body].append(move)
+        """Go to each target from one body at most: from exactly one if it is serviced."""
+        variables = self._variables
+        for pair, legs in self._legs_of.items():
+            moves = [variables.move[leg] for leg in legs]
+            self._block.add_exactly_one([*moves, variables.go[pair].negated()])
         for target, visit in variables.visit.items():
-            self._block.add_exactly_one([*moves[target], visit.negated()])
+            ways = [go for (_, j), go in variables.go.items() if j == target]
+            self._block.add_exactly_one([*ways, visit.negated()])
+
+    def _not_too_many_targets(self) -> None:
+        """Service no more targets than the chaser may."""
+        visits = list(self._variables.visit.values())
+        if self._rules.most_targets < len(visits):
+            self._block.add(sum(visits) <= self._rules.most_targets)
 
     def _delta_v_adds_up(self) -> None:
         """Reach a target with the ΔV used before it and on the way to it."""
         used = self._variables.used
-        for node, origin, body in self._legs():
-            if body != STATION:
-                before = 0 if origin == STATION else used[origin]
-                made = self._variables.skip[node].negated()
-                self._block.add(used[body] >= before + self._cost[node]).only_enforce_if(made)
+        for (i, j), go in self._variables.go.items():
+            if j in used:
+                needed = used.get(i, 0) + self._way(i, j)
+                self._block.add(used[j] >= needed).only_enforce_if(go)
 
     def _delta_v_fits(self) -> None:
-        """Reach the station within the budget; targets are by the range of ``used``."""
-        for node, origin, body in self._legs():
-            if body == STATION:
-                made = self._variables.skip[node].negated()
-                before = self._variables.used[origin]
-                self._block.add(before + self._cost[node] <= self._steps).only_enforce_if(made)
+        """Reach a station within the budget; targets are by the range of ``used``."""
+        used = self._variables.used
+        for (i, j), go in self._variables.go.items():
+            if j not in used:
+                self._block.add(used[i] + self._way(i, j) <= self._steps).only_enforce_if(go)
 
-    def forbid(self, arcs: list[int]) -> None:
-        """Keep a path from using all of some arcs."""
-        self._block.add_bool_or([self._variables.move[arc].negated() for arc in arcs])
+    def forbid(self, groups: list[list[int]]) -> None:
+        """Keep a path from using a leg of each of some groups."""
+        moves = [self._variables.move[leg] for legs in groups for leg in legs]
+        self._block.add(sum(moves) <= len(groups) - 1)
 
-    def _legs(self):
-        """Nodes but the start, with the bodies that their legs leave and reach."""
-        network = self._network
-        return zip(
-            range(1, network.nodes),
-            network.origin[1:].tolist(),
-            network.body[1:].tolist(),
-            strict=True,
+    def _way(self, i: int, j: int) -> cp_model.LinearExpr:
+        """ΔV of the leg taken from one body to another, in steps."""
+        legs = self._legs_of[i, j]
+        return cp_model.LinearExpr.weighted_sum(
+            [self._variables.move[leg] for leg in legs], [self._cost[leg] for leg in legs]
         )
+
+
+def _by_pair(network: Network) -> dict[tuple[int, int], list[int]]:
+    """Legs by the bodies that they leave and reach."""
+    legs: dict[tuple[int, int], list[int]] = {}
+    pairs = zip(network.origin.tolist(), network.destination.tolist(), strict=True)
+    for leg, pair in enumerate(pairs):
+        legs.setdefault(pair, []).append(leg)
+    return legs

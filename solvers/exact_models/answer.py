@@ -11,15 +11,15 @@ class Answer(NamedTuple):
 
     Attributes
     ----------
-    sequence : tuple of int or None
-        Bodies of the best path it knows.
+    legs : tuple of int or None
+        Of the best path it knows, in any order.
     upper_bound : float
         Proven: no path of the network is worth more. +inf if nothing was proven.
     nodes : int
         Nodes or branches of its search.
     """
 
-    sequence: tuple[int, ...] | None
+    legs: tuple[int, ...] | None
     upper_bound: float
     nodes: int
 

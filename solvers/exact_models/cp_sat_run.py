@@ -38,7 +38,7 @@ def run(
     found : bool
         Whether there is one.
     upper_bound : float
-        +inf if nothing was proven.
+        +inf if nothing was proven, −inf if there is no solution.
     """
     solver = cp_model.CpSolver()
     settings = solver.parameters
@@ -74,4 +74,6 @@ def run(
     found = status in (cp_model.OPTIMAL, cp_model.FEASIBLE)
     if found:
         bounds.append(solver.best_objective_bound)
+    elif status == cp_model.INFEASIBLE:
+        bounds.append(-math.inf)
     return solver, found, min(bounds, default=math.inf) * unit

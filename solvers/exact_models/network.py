@@ -1,60 +1,63 @@
-"""The time-expanded network: every exact state a plan can reach, as plain arrays (MODEL section 3).
+"""The network of all connections, cut down to what a plan can use, as plain arrays (MODEL sec. 4).
 
-A node is a leg flown: from a body, at a departure event, to a body. It fixes where the chaser is
-and since when, exactly, so the moves from a node are one leg per destination: the next departure
-event, as the rules have it, without waiting past an event and without any rounding of time. Plans
-are the paths from the first node that service no target twice and keep to the ΔV. What is left
-out belongs to no plan:
+A node is a body from a departure event on; its legs are all connections that leave from then until
+the next node of the body, and one arc leads there: to wait. Times are exact. Plans are the paths
+from the first node that service no target twice and keep to the ΔV. It is made of the rows of
+:mod:`solvers.relaxation.network`, and what goes on the way belongs to no plan, or to none that the
+rest has not as good a one for:
 
-- legs that end after the mission or cost more than the budget;
-- the immediate return to the target that a leg has left, and refuelling at the station;
-- nodes that no path reaches on the budget, by the least ΔV used since refuelling;
-- refuellings that nothing follows: they collect nothing, and every plan ends as well before them.
+- legs beyond the budget, by the least ΔV used since refuelling at the node they leave; refuelling
+  that is not earned;
+- legs after which nothing of worth can come, or after which the mission cannot end;
+- legs of a pair that another one *dominates*: it can be taken as late, lands no later and costs no
+  more. Being there earlier and richer is never worse, since a chaser may wait.
+
+Nodes between which nothing lands are one, and so are those between which nothing leaves. Merging
+lets legs dominate one another, and dropping these lets nodes be merged; so it is done in turns.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels import timetable as timetables
 from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.rules import Rules
+
+from ..relaxation.network import Network as Rows
 
 GUARD_M_S = 1e-6
 """Guard of sums of ΔV, which may be rounded in another order: what exceeds the budget by less is
 kept. A plan that fits by the rules is never lost, and a path that does not fit is re-timed."""
 
+ENOUGH = 0.98
+"""Nodes and legs are gone through again while no more than this share of the legs is left."""
+
 
 class Network(NamedTuple):
-    """Nodes in order of time, the start first, and the moves between them.
+    """Nodes in order of time, the start first, and the ways between them.
 
     Attributes
     ----------
     body : (nodes,) int32
         Where the chaser is.
-    origin : (nodes,) int32
-        The body that the leg leaves; the station itself for the start.
-    event : (nodes,) int32
-        Departure event of the leg; −1 for the start.
-    ready : (nodes,) float64
-        Since when the chaser is free [s]; ascending.
-    delta_v : (nodes,) float64
-        ΔV of the leg [m/s]; 0 for the start.
-    head : (nodes + 1,) int64
-        The arcs that leave node n are ``head[n]`` to ``head[n + 1]`` − 1.
-    successor : (arcs,) int32
-        Node that an arc leads to.
+    onward : (nodes,) int32
+        Node that waiting leads to: the next one of the body; −1 for none.
+    first : (nodes + 1,) int64
+        The legs that leave node n are ``first[n]`` to ``first[n + 1]`` − 1.
+    landing : (legs,) int32
+        Node at the end of the service that follows the leg.
+    delta_v : (legs,) float64
+        [m/s].
     """
 
     body: np.ndarray
-    origin: np.ndarray
-    event: np.ndarray
-    ready: np.ndarray
+    onward: np.ndarray
+    first: np.ndarray
+    landing: np.ndarray
     delta_v: np.ndarray
-    head: np.ndarray
-    successor: np.ndarray
 
     @property
     def nodes(self) -> int:
@@ -62,215 +65,271 @@ class Network(NamedTuple):
         return int(self.body.size)
 
     @property
-    def arcs(self) -> int:
-        """Number of arcs."""
-        return int(self.successor.size)
+    def legs(self) -> int:
+        """Number of legs."""
+        return int(self.landing.size)
 
     @property
     def tail(self) -> np.ndarray:
-        """Node that an arc leaves, shape (arcs,)."""
-        return np.repeat(np.arange(self.nodes), np.diff(self.head))
+        """Node that a leg leaves, shape (legs,)."""
+        return np.repeat(np.arange(self.nodes), np.diff(self.first))
+
+    @property
+    def origin(self) -> np.ndarray:
+        """Body that a leg leaves, shape (legs,)."""
+        return np.repeat(self.body, np.diff(self.first))
+
+    @property
+    def destination(self) -> np.ndarray:
+        """Body that a leg reaches, shape (legs,)."""
+        destinations: np.ndarray = self.body[self.landing]
+        return destinations
 
 
 @kernel
-def _possible_legs(rules, keys, ends):
-    """Keys (origin, event, destination) and ends of service of all legs of the mission."""
-    table = rules.table
-    bodies = rules.service.size
-    most = table.entries.shape[1]
-    count = 0
-    for i in range(bodies):
-        for j in range(bodies):
-            for m in range(timetables.events(table, i, j)):
-                delta_v, arrival = timetables.entry_at(table, i, j, m)
-                end = arrival + rules.service[j]
-                if delta_v <= rules.budget and end <= rules.duration:
-                    keys[count] = (i * most + m) * bodies + j
-                    ends[count] = end
-                    count += 1
-    return count
-
-
-@kernel
-def _arcs_from(rules, origin, body, time, used, number, successor):
-    """Nodes of the moves from a state, as far as the legs have numbers; returns how many."""
-    table = rules.table
-    bodies = rules.service.size
-    most = table.entries.shape[1]
-    count = 0
-    for j in range(bodies):
-        if j == body or (j == origin and j != STATION):
-            continue
-        m = timetables.next_event(table, body, j, time)
-        if m >= timetables.events(table, body, j):
-            continue
-        node = number[(body * most + m) * bodies + j]
-        if node < 0:
-            continue
-        if used + timetables.entry_at(table, body, j, m)[0] <= rules.budget + GUARD_M_S:
-            successor[count] = node
-            count += 1
-    return count
-
-
-@kernel
-def _reach(rules, keys, ends, order, number, used):
-    """Least ΔV used since refuelling at every leg in order of its end; +inf if out of reach.
-
-    ``number`` holds the place of a leg in ``order``, plus one: place 0 is the start.
-    """
-    bodies = rules.service.size
-    most = rules.table.entries.shape[1]
-    successor = np.empty(bodies, dtype=np.int32)
-    used[:] = np.inf
+def _within_reach(network, is_station, budget, kept, used):
+    """Least ΔV used since refuelling at every node; drops the legs that nothing is left for."""
+    used[:] = math.inf
     used[0] = 0.0
-    arcs = 0
-    for place in range(order.size + 1):
-        if used[place] == np.inf:
-            continue
-        origin, body, time = STATION, STATION, 0.0
-        if place > 0:
-            key = keys[order[place - 1]]
-            origin, body = key // bodies // most, key % bodies
-            time = ends[order[place - 1]]
-        count = _arcs_from(rules, origin, body, time, used[place], number, successor)
-        arcs += count
-        for a in range(count):
-            after = successor[a]
-            key = keys[order[after - 1]]
-            i, m, j = key // bodies // most, key // bodies % most, key % bodies
-            spent = 0.0
-            if j != STATION:
-                spent = used[place] + timetables.entry_at(rules.table, i, j, m)[0]
-            used[after] = min(used[after], spent)
-    return arcs
+    for node in range(network.body.size):
+        for leg in range(network.first[node], network.first[node + 1]):
+            spent = used[node] + network.delta_v[leg]
+            kept[leg] = kept[leg] and spent <= budget + GUARD_M_S
+            if kept[leg]:
+                landing = network.landing[leg]
+                if is_station[network.body[landing]]:
+                    spent = 0.0
+                used[landing] = min(used[landing], spent)
+        onward = network.onward[node]
+        if onward >= 0:
+            used[onward] = min(used[onward], used[node])
 
 
 @kernel
-def _connect(rules, body, origin, ready, used, number, head, successor):
-    """All arcs between the nodes, in order of the node they leave."""
-    arcs = 0
-    for node in range(body.size):
-        head[node] = arcs
-        arcs += _arcs_from(
-            rules, origin[node], body[node], ready[node], used[node], number, successor[arcs:]
-        )
-    head[body.size] = arcs
+def _of_use(network, rules, kept):
+    """Drop the legs after which the mission cannot end, or nothing of worth comes."""
+    ends = np.empty(network.body.size, np.bool_)
+    worthy = np.empty(network.body.size, np.bool_)
+    for node in range(network.body.size - 1, -1, -1):
+        onward = network.onward[node]
+        ends[node] = rules.may_end[network.body[node]] or (onward >= 0 and ends[onward])
+        worthy[node] = onward >= 0 and worthy[onward]
+        for leg in range(network.first[node], network.first[node + 1]):
+            landing = network.landing[leg]
+            j = network.body[landing]
+            # Where a mission must end somewhere it is worth something to get there.
+            worth = rules.prize[j] > 0.0 or (rules.returns and rules.may_end[j])
+            kept[leg] = kept[leg] and ends[landing] and (worth or worthy[landing])
+            ends[node] |= kept[leg]
+            worthy[node] |= kept[leg]
 
 
-def unroll(rules) -> Network:
-    """The whole network of a mission.
+@kernel
+def _merge(network, kept, landed, place, group):
+    """Which nodes are one.
 
     Parameters
     ----------
-    rules : adr_opt.kernels.rules.Rules
+    landed : (nodes,) bool
+        Written: whether the node is the first of those that it is one with.
+    place : (nodes,) int64
+        Written: the node from which something leaves that one is at, or waits for, after landing.
+    group : (nodes,) int64
+        Written: the first node of those that are one with it.
     """
-    bodies, most, _, _ = rules.table.entries.shape
-    size = int(rules.table.total.sum())
-    keys, ends = np.empty(size, dtype=np.int64), np.empty(size)
-    count = _possible_legs(rules, keys, ends)
-    keys, ends = keys[:count], ends[:count]
-    order = np.argsort(ends, kind="stable")
-
-    number = np.full(bodies * most * bodies, -1, dtype=np.int32)
-    number[keys[order]] = np.arange(1, count + 1)
-    used = np.empty(count + 1)
-    arcs = _reach(rules, keys, ends, order, number, used)
-
-    reached = np.flatnonzero(np.isfinite(used))
-    legs = keys[order[reached[1:] - 1]]
-    number[:] = -1
-    number[legs] = np.arange(1, legs.size + 1)
-    origin, event, body = legs // bodies // most, legs // bodies % most, legs % bodies
-    body = np.concatenate(([STATION], body)).astype(np.int32)
-    origin = np.concatenate(([STATION], origin)).astype(np.int32)
-    event = np.concatenate(([-1], event)).astype(np.int32)
-    ready = np.concatenate(([0.0], ends[order[reached[1:] - 1]]))
-    delta_v = np.concatenate(([0.0], rules.table.entries[origin[1:], event[1:], body[1:], 0]))
-    head = np.empty(body.size + 1, dtype=np.int64)
-    # One body's worth of room beyond the last arc: every call is handed what is left.
-    successor = np.empty(arcs + bodies, dtype=np.int32)
-    _connect(rules, body, origin, ready, used[reached], number, head, successor)
-    whole = Network(body, origin, event, ready, delta_v, head, successor[:arcs])
-    return keep(whole, np.ones(arcs, dtype=np.bool_))
+    nodes = network.body.size
+    for node in range(nodes - 1, -1, -1):
+        leaves = False
+        for leg in range(network.first[node], network.first[node + 1]):
+            leaves = leaves or kept[leg]
+        onward = network.onward[node]
+        place[node] = node if leaves or onward < 0 else place[onward]
+    landed[:] = False
+    landed[place[0]] = True
+    for node in range(nodes):
+        for leg in range(network.first[node], network.first[node + 1]):
+            if kept[leg]:
+                landed[place[network.landing[leg]]] = True
+    for node in range(nodes):
+        group[node] = node
+    for node in range(nodes):
+        onward = network.onward[node]
+        if onward >= 0 and not landed[onward]:
+            group[onward] = group[node]
 
 
 @kernel
-def _useful(body, head, successor, kept, useful):
-    """Nodes on a path of kept arcs from the start to a target; drops the other arcs."""
-    useful[:] = False
-    useful[0] = True
-    for node in range(body.size):
-        for a in range(head[node], head[node + 1]):
-            if useful[node] and kept[a]:
-                useful[successor[a]] = True
-    for node in range(body.size - 1, -1, -1):
-        goes_on = False
-        for a in range(head[node], head[node + 1]):
-            kept[a] = kept[a] and useful[node] and useful[successor[a]]
-            goes_on = goes_on or kept[a]
-        if node > 0 and body[node] == STATION and not goes_on:
-            useful[node] = False
+def _dominated(pair, landing, delta_v, dominated):
+    """Which legs another one makes superfluous.
+
+    They are sorted: by pair, from the last node they leave to the first, by landing, by ΔV.
+    """
+    lands, costs = np.empty(landing.size, np.int64), np.empty(landing.size)
+    size = 0
+    for leg in range(landing.size):
+        if leg > 0 and pair[leg] != pair[leg - 1]:
+            size = 0
+        # Stairs: later is cheaper. The last of those that land no later is the cheapest of them.
+        at = np.searchsorted(lands[:size], landing[leg], side="right")
+        dominated[leg] = at > 0 and costs[at - 1] <= delta_v[leg]
+        if dominated[leg]:
+            continue
+        low = at - 1 if at > 0 and lands[at - 1] == landing[leg] else at
+        high = low
+        while high < size and costs[high] >= delta_v[leg]:
+            high += 1
+        shift = 1 - (high - low)
+        if shift > 0:
+            for q in range(size, low, -1):
+                lands[q], costs[q] = lands[q - 1], costs[q - 1]
+        elif shift < 0:
+            for q in range(high, size):
+                lands[q + shift], costs[q + shift] = lands[q], costs[q]
+        lands[low], costs[low] = landing[leg], delta_v[leg]
+        size += shift
 
 
-def keep(network: Network, kept: np.ndarray) -> Network:
-    """The network of some of its arcs, without nodes that have become useless.
+def all_of(rows: Rows, rules: Rules) -> Network:
+    """Rows, legs and waits of a mission as a network in order of time: nothing is cut.
+
+    Parameters
+    ----------
+    rows : solvers.relaxation.network.Network
+    rules : adr_opt.kernels.rules.Rules
+    """
+    order = np.argsort(rows.departure, kind="stable")
+    # What comes before the start in time cannot be reached from it.
+    order = order[int(np.flatnonzero(order == rows.root)[0]) :]
+    number = np.full(rows.departure.size, -1, dtype=np.int32)
+    number[order] = np.arange(order.size)
+    count = np.diff(rows.first)[order]
+    first = np.concatenate(([0], np.cumsum(count)))
+    legs = np.repeat(rows.first[:-1][order] - first[:-1], count) + np.arange(int(first[-1]))
+    onward = number[np.minimum(order + 1, rows.departure.size - 1)]
+    onward[np.isinf(rows.departure[order])] = -1
+    bodies = np.repeat(np.arange(rules.service.size, dtype=np.int32), np.diff(rows.start))
+    return Network(bodies[order], onward, first, number[rows.landing[legs]], rows.delta_v[legs])
+
+
+def of_rows(rows: Rows, rules: Rules) -> Network:
+    """The network of a mission.
+
+    Parameters
+    ----------
+    rows : solvers.relaxation.network.Network
+    rules : adr_opt.kernels.rules.Rules
+    """
+    whole = all_of(rows, rules)
+    # Refuelling is earned by a target since the last: at a target it always is, elsewhere never.
+    earned = (whole.origin >= rules.first_target) | ~rules.is_station[whole.destination]
+    return keep(whole, earned, rules)
+
+
+def keep(network: Network, kept: np.ndarray, rules: Rules) -> Network:
+    """The network of some of its legs, without what has become superfluous.
 
     Parameters
     ----------
     network : Network
-    kept : (arcs,) bool
+    kept : (legs,) bool
+    rules : adr_opt.kernels.rules.Rules
     """
+    while True:
+        before = network.legs
+        network = _cut(network, kept, rules)
+        if network.legs > ENOUGH * before or network.legs == 0:
+            return network
+        kept = np.ones(network.legs, dtype=np.bool_)
+
+
+def _cut(network: Network, kept: np.ndarray, rules: Rules) -> Network:
+    """Drop what is of no use, merge, and drop what is dominated then."""
     kept = kept.copy()
-    useful = np.empty(network.nodes, dtype=np.bool_)
-    _useful(network.body, network.head, network.successor, kept, useful)
-    number = np.cumsum(useful) - 1
-    head = np.concatenate(([0], np.cumsum(kept)))[network.head]
-    head = np.append(head[:-1][useful], head[-1])
+    nodes = network.nodes
+    _within_reach(network, rules.is_station, rules.budget, kept, np.empty(nodes))
+    _of_use(network, rules, kept)
+    landed, place = np.empty(nodes, dtype=np.bool_), np.empty(nodes, dtype=np.int64)
+    group = np.empty(nodes, dtype=np.int64)
+    _merge(network, kept, landed, place, group)
+    tail = group[network.tail[kept]]
+    landing, delta_v = place[network.landing[kept]], network.delta_v[kept]
+    pair = network.origin[kept] * np.int64(rules.service.size) + network.destination[kept]
+    order = np.lexsort((delta_v, landing, -tail, pair))
+    dominated = np.empty(order.size, dtype=np.bool_)
+    _dominated(pair[order], landing[order], delta_v[order], dominated)
+    left = np.sort(order[~dominated])
+    left = left[np.argsort(tail[left], kind="stable")]
+    number = np.cumsum(landed) - 1
+    tail = number[tail[left]]
+    heads = np.flatnonzero(landed)
+    count = np.bincount(tail, minlength=heads.size)
     return Network(
-        network.body[useful],
-        network.origin[useful],
-        network.event[useful],
-        network.ready[useful],
-        network.delta_v[useful],
-        head.astype(np.int64),
-        number[network.successor[kept]].astype(np.int32),
+        network.body[heads],
+        _next_of_body(network.body[heads]),
+        np.concatenate(([0], np.cumsum(count))).astype(np.int64),
+        number[landing[left]].astype(np.int32),
+        delta_v[left],
     )
 
 
-def path_of(network: Network, sequence) -> list[int]:
-    """The arcs of a plan, or of its longest beginning that is in the network.
+def _next_of_body(body: np.ndarray) -> np.ndarray:
+    """The next node of the body after each; −1 for none."""
+    onward = np.full(body.size, -1, dtype=np.int32)
+    order = np.argsort(body, kind="stable")
+    same = body[order[1:]] == body[order[:-1]]
+    onward[order[:-1][same]] = order[1:][same]
+    return onward
+
+
+def path_of(network: Network, order, rules: Rules) -> list[int]:
+    """The legs of an order of bodies, or of its longest beginning that is in the network.
 
     Parameters
     ----------
     network : Network
-    sequence : iterable of int
-        Bodies in order.
+    order : iterable of int
+        Bodies.
+    rules : adr_opt.kernels.rules.Rules
     """
-    node, arcs = 0, []
-    for j in sequence:
-        leaving = np.arange(network.head[node], network.head[node + 1])
-        found = leaving[network.body[network.successor[leaving]] == j]
-        if found.size == 0:
+    tail, origin, destination = network.tail, network.origin, network.destination
+    # Ways to be at a body: node, least ΔV used by then since refuelling, and the leg taken there.
+    nodes, used = np.array([0]), np.array([0.0])
+    legs, before = np.array([-1]), np.array([-1])
+    stages = []
+    body = rules.start
+    for j in order:
+        leaving = np.flatnonzero((origin == body) & (destination == j))
+        way = np.searchsorted(nodes, tail[leaving], side="right") - 1
+        spent = np.where(way >= 0, used[way], math.inf) + network.delta_v[leaving]
+        fit = np.flatnonzero(spent <= rules.budget + GUARD_M_S)
+        if fit.size == 0:
             break
-        arcs.append(int(found[0]))
-        node = int(network.successor[found[0]])
-    return arcs
+        stages.append((legs, before))
+        left = np.zeros(fit.size) if rules.is_station[j] else spent[fit]
+        sort = np.lexsort((left, network.landing[leaving[fit]]))
+        fit, left = fit[sort], left[sort]
+        # Of those that land no later, the one with the least used.
+        better = left < np.concatenate(([math.inf], np.minimum.accumulate(left)[:-1]))
+        fit, used = fit[better], left[better]
+        legs, before = leaving[fit], way[fit]
+        nodes, body = network.landing[legs], j
+    stages.append((legs, before))
+    path = []
+    at = 0
+    for legs, before in reversed(stages[1:]):
+        path.append(int(legs[at]))
+        at = before[at]
+    return path[::-1]
 
 
 def bodies_along(network: Network, chosen) -> tuple[int, ...]:
-    """The bodies of the path that follows some arcs from the start, in order.
+    """The bodies of the path that takes some legs, in order.
 
     Parameters
     ----------
     network : Network
     chosen : iterable of int
-        Arcs, in any order; at most one leaves each node.
+        Legs, in any order.
     """
-    tail = network.tail
-    following = {int(tail[a]): int(network.successor[a]) for a in chosen}
-    node, moves = 0, []
-    while node in following:
-        node = following[node]
-        moves.append(int(network.body[node]))
-    return tuple(moves)
+    # Legs of a path lie one after the other in time, and so are numbered.
+    return tuple(int(network.body[network.landing[leg]]) for leg in sorted(chosen))

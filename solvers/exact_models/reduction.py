@@ -1,15 +1,18 @@
-"""Which arcs a plan better than the best known one can use: reduced costs of the network.
+"""Which legs a plan better than the best known one can use: reduced costs of the network.
 
 With a multiplier π_j ≥ 0 on "target j at most once", every plan is worth at most
 
     Σ over all targets π_j + Σ over its targets (prize_j − π_j) ,
 
-and so every plan that uses an arc is worth at most Σ π plus the best path through that arc, where
-a path may service a target again. The best path up to each node and from each node come out of
-one sweep forwards and one backwards, over (node, ΔV used since refuelling). Times are exact; ΔV
-is counted in slots, those of a leg rounded down and so is the budget, which only adds paths. An
-arc goes if what comes out is less than a better plan is worth. The paths know which target they
-come from, so an immediate return is not among them.
+and so every plan that uses a leg is worth at most Σ π plus the best path through that leg, where a
+path may service a target again. The best path up to each node and from each node come out of one
+sweep forwards and one backwards, over (node, ΔV used since refuelling). Times are exact; ΔV is
+counted in slots, those of a leg rounded down and so is the budget, which only adds paths. A leg
+goes if what comes out is less than a better plan is worth.
+
+Paths do not go back at once to where they come from, unless it is from a station: each state keeps
+the best path and the best one of those that come from another body than it, so that whatever the
+next body is, one of the two may go there (as in :mod:`solvers.relaxation.walks`).
 """
 
 from __future__ import annotations
@@ -18,105 +21,165 @@ import math
 
 import numpy as np
 
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.compile import inlined, kernel
+from adr_opt.kernels.rules import Rules
 
+from ..relaxation.network import SLACK
 from .network import Network
 
-MOST_STATES = 40_000_000
+MOST_STATES = 10_000_000
 """States of a sweep; slots of ΔV are widened until they are no more."""
 
 FINEST_SLOT_M_S = 0.5
-SLACK_SLOTS = 1e-9
 ROUNDING = 1e-9
 """Relative guard of sums of prizes; what misses the goal by less is kept."""
 
+BITS = 16
+"""A value is packed with the body before, or after: ``value << BITS | body``."""
 
-def affordable_slot(network: Network, budget: float) -> float:
+NOBODY = 2**BITS - 1
+"""In place of that body: the path may go, or have come, anywhere."""
+
+NEVER = -(2**61)
+LARGEST = 2**40
+"""No sum of values exceeds it in size, and NEVER is far below whatever is added to it."""
+
+
+def finest_slot(network: Network, budget: float) -> float:
     """The finest slot of ΔV that a sweep over the network can afford [m/s]."""
     return max(FINEST_SLOT_M_S, budget * network.nodes / MOST_STATES)
 
 
+@inlined
+def _other_than(best, second, body):
+    """The better one of two packed values that is not packed with a body."""
+    return second if best & NOBODY == body else best
+
+
+@inlined
+def _put(best, second, value):
+    """Two packed values, the best and the best one with another body, after a third came."""
+    if value > best:
+        return value, (second if (value ^ best) & NOBODY == 0 else best)
+    if (value ^ best) & NOBODY != 0 and value > second:
+        return best, value
+    return best, second
+
+
 @kernel
-def _forwards(network, cost, gain, top, best):
+def _forwards(network, is_station, cost, gain, top, best, second):
     """Most collected up to every (node, slots used), the node's own gain included."""
-    best[:] = -np.inf
-    best[0, 0] = 0.0
+    best[:] = NEVER
+    second[:] = NEVER
+    best[0, 0] = NOBODY
     for node in range(network.body.size):
-        for a in range(network.head[node], network.head[node + 1]):
-            after = network.successor[a]
-            if network.body[after] == STATION:
-                most = -np.inf
-                for s in range(top + 1 - cost[after]):
-                    most = max(most, best[node, s])
-                best[after, 0] = max(best[after, 0], most)
-            else:
-                shift, worth = cost[after], gain[network.body[after]]
+        i = network.body[node]
+        label = NOBODY if is_station[i] else i
+        onward = network.onward[node]
+        if onward >= 0:
+            for s in range(top + 1):
+                one, two = _put(best[onward, s], second[onward, s], best[node, s])
+                best[onward, s], second[onward, s] = _put(one, two, second[node, s])
+        for leg in range(network.first[node], network.first[node + 1]):
+            landing, shift = network.landing[leg], cost[leg]
+            j = network.body[landing]
+            if is_station[j]:
+                most = NEVER
                 for s in range(top + 1 - shift):
-                    best[after, s + shift] = max(best[after, s + shift], best[node, s] + worth)
+                    most = max(most, best[node, s])
+                value = (most & ~NOBODY) + label
+                best[landing, 0], second[landing, 0] = _put(
+                    best[landing, 0], second[landing, 0], value
+                )
+                continue
+            for s in range(top + 1 - shift):
+                value = _other_than(best[node, s], second[node, s], j)
+                value = (value & ~NOBODY) + gain[j] + label
+                best[landing, s + shift], second[landing, s + shift] = _put(
+                    best[landing, s + shift], second[landing, s + shift], value
+                )
 
 
 @kernel
-def _backwards(network, cost, gain, top, best, through):
-    """Most of a path through every arc; turns ``best``, as forwards, into what is left to come.
+def _backwards(network, is_station, may_end, cost, gain, top, best, second, through):
+    """Most of a path through every leg; turns ``best``, as forwards, into what is left to come.
 
-    Rows of ``best`` are read last when the node's own arcs are done, so each is then overwritten
+    Rows of ``best`` are read last when the node's own legs are done, so each is then overwritten
     with the most that can be collected after the node, by slots used.
     """
-    rest = np.empty(top + 1)
+    ahead, instead = np.empty(top + 1, np.int64), np.empty(top + 1, np.int64)
     for node in range(network.body.size - 1, -1, -1):
-        rest[:] = 0.0
-        for a in range(network.head[node], network.head[node + 1]):
-            after = network.successor[a]
-            shift, worth = cost[after], gain[network.body[after]]
-            refuelled = network.body[after] == STATION
-            most = -np.inf
+        i = network.body[node]
+        behind = NOBODY if is_station[i] else i
+        onward = network.onward[node]
+        # To stop here goes nowhere: no leg has NOBODY as its destination.
+        stop = NOBODY if may_end[i] else NEVER
+        for s in range(top + 1):
+            ahead[s], instead[s] = stop, NEVER
+            if onward >= 0:
+                ahead[s], instead[s] = _put(stop, NEVER, best[onward, s])
+                ahead[s], instead[s] = _put(ahead[s], instead[s], second[onward, s])
+        for leg in range(network.first[node], network.first[node + 1]):
+            landing, shift = network.landing[leg], cost[leg]
+            j = network.body[landing]
+            most = NEVER
             for s in range(top + 1 - shift):
-                ahead = worth + best[after, 0 if refuelled else s + shift]
-                most = max(most, best[node, s] + ahead)
-                rest[s] = max(rest[s], ahead)
-            through[a] = most
-        best[node] = rest
+                left = 0 if is_station[j] else s + shift
+                rest = best[landing, left]
+                if behind != NOBODY:
+                    rest = _other_than(rest, second[landing, left], behind)
+                rest = (rest & ~NOBODY) + gain[j]
+                before = _other_than(best[node, s], second[node, s], j) & ~NOBODY
+                most = max(most, before + rest)
+                ahead[s], instead[s] = _put(ahead[s], instead[s], rest + j)
+            through[leg] = most >> BITS
+        for s in range(top + 1):
+            best[node, s], second[node, s] = ahead[s], instead[s]
 
 
 def best_through(
-    network: Network, prize: np.ndarray, multipliers: np.ndarray, budget: float, slot: float
+    network: Network, rules: Rules, multipliers: np.ndarray, slot: float
 ) -> np.ndarray:
-    """No plan that uses an arc is worth more than this.
+    """No plan that uses a leg is worth more than this.
 
     Parameters
     ----------
     network : Network
-    prize, multipliers : (bodies,) float64
-        Multipliers are at least 0, and 0 for the station.
-    budget : float
-        [m/s].
+    rules : adr_opt.kernels.rules.Rules
+    multipliers : (bodies,) float64
+        At least 0, and 0 where there is no target.
     slot : float
         Slot of ΔV [m/s].
 
     Returns
     -------
-    (arcs,) float64
+    (legs,) float64
+        −inf where no path goes through the leg.
     """
-    top = math.floor(budget / slot + SLACK_SLOTS)
-    cost = np.maximum(0, np.floor(network.delta_v / slot - SLACK_SLOTS)).astype(np.int64)
+    top = math.floor(rules.budget / slot + SLACK)
+    cost = np.maximum(0, np.floor(network.delta_v / slot - SLACK)).astype(np.int64)
     cost = np.minimum(cost, top)
-    gain = prize - multipliers
-    gain[STATION] = 0.0
-    through: np.ndarray = np.empty(network.arcs)
-    best = np.empty((network.nodes, top + 1))
-    _forwards(network, cost, gain, top, best)
-    _backwards(network, cost, gain, top, best, through)
-    through += multipliers.sum()
+    worth = rules.prize - multipliers
+    worth[: rules.first_target] = 0.0
+    # A walk has no more legs than there are nodes. Units are a power of two: exact numbers.
+    greatest = float(np.abs(worth).max(initial=0.0)) or 1.0
+    unit = 2.0 ** -math.floor(math.log2(LARGEST / network.nodes / greatest))
+    gain = np.ceil(worth / unit).astype(np.int64) << BITS
+    best, second = (np.empty((network.nodes, top + 1), dtype=np.int64) for _ in range(2))
+    most = np.empty(network.legs, dtype=np.int64)
+    _forwards(network, rules.is_station, cost, gain, top, best, second)
+    _backwards(network, rules.is_station, rules.may_end, cost, gain, top, best, second, most)
+    through: np.ndarray = most * unit + float(multipliers.sum())
+    through[most < -LARGEST] = -math.inf
     return through
 
 
 def can_reach(through: np.ndarray, goal: float) -> np.ndarray:
-    """Arcs that a plan worth the goal may use, shape (arcs,) bool.
+    """Legs that a plan worth the goal may use, shape (legs,) bool.
 
     Parameters
     ----------
-    through : (arcs,) float64
+    through : (legs,) float64
         As :func:`best_through` gives it.
     goal : float
     """

@@ -1,12 +1,13 @@
 """``.lp`` and ``.mps``: the model of method `mip`, for any solver that reads such files.
 
 ``matrix`` finds these two by their entry points in the group ``adr_opt.models``. The model is the
-exact one of :mod:`solvers.mip.constraints` on the whole network, nothing removed: its optimum is
-that of the mission, and the bound of any relaxation of it holds for the mission.
+exact one of :mod:`solvers.mip.constraints` on the network of all connections that a plan can need:
+its optimum is that of the mission, and the bound of any relaxation of it holds for the mission.
 """
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -14,19 +15,18 @@ from pathlib import Path
 from shutil import copyfileobj
 from typing import Any
 
-import numpy as np
-
 from adr_opt.errors import InputError, MissingExtra
 from adr_opt.mission import Mission
 
-from ..exact_models.network import Network, unroll
+from ..exact_models.network import Network, of_rows
+from ..relaxation.network import build
 
 MOST_MOVES = 500_000
 """Larger models are refused: a move takes about 240 bytes of a .lp file, 350 of a .mps file, and
 2 kB of memory while it is written."""
 
-COLUMN = re.compile(r"move\((\d+)_(\d+)_(\d+)\)")
-"""Name of the column of a move: node left, node reached, body reached."""
+COLUMN = re.compile(r"move\((\d+)_(\d+)_(\d+)_(\d+)\)")
+"""Name of the column of a move: its number, node left, node reached, body reached."""
 
 
 def write_lp(mission: Mission, path: Path) -> None:
@@ -56,13 +56,13 @@ def write_mps(mission: Mission, path: Path) -> None:
 def _write(mission: Mission, path: Path, file_format: str, mark: str) -> None:
     if find_spec("pyomo") is None:
         raise MissingExtra(f"writing a .{file_format} file", "pyomo", "mip")
-    network = unroll(mission.rules)
+    network = of_rows(build(mission, math.inf, jobs=1), mission.rules)
     name = mission.instance.name
-    if network.arcs == 0:
+    if network.legs == 0:
         raise InputError(f"{name!r} has no legal move: there is nothing to write a model of")
-    if network.arcs > MOST_MOVES:
+    if network.legs > MOST_MOVES:
         raise InputError(
-            f"the model of {name!r} has {network.arcs} moves, more than the {MOST_MOVES} that fit "
+            f"the model of {name!r} has {network.legs} moves, more than the {MOST_MOVES} that fit "
             f"a .{file_format} file; take fewer targets or a shorter mission"
         )
     body = path.with_name(f"{path.name}.body")
@@ -87,9 +87,9 @@ def _block(mission: Mission, network: Network) -> Any:
 
     rules = mission.rules
     block = pyo.ConcreteModel()
-    variables = Variables(block, network)
-    Constraints(block, network, variables, rules.budget or 1.0)
-    Objective(block, network, variables, np.array(rules.prize))
+    variables = Variables(block, network, rules)
+    Constraints(block, network, variables, rules)
+    Objective(block, network, variables, rules.prize)
     return block
 
 
@@ -98,13 +98,13 @@ def _names(network: Network) -> Callable[[Any], str]:
     from pyomo.core.base.label import LPFileLabeler
 
     plain = LPFileLabeler()
-    tail, head = network.tail.tolist(), network.successor.tolist()
-    body = network.body[network.successor].tolist()
+    tail, landing = network.tail.tolist(), network.landing.tolist()
+    body = network.destination.tolist()
 
     def name(component: Any) -> str:
         if component.parent_component().local_name == "move":
-            arc = component.index()
-            return f"move({tail[arc]}_{head[arc]}_{body[arc]})"
+            leg = component.index()
+            return f"move({leg}_{tail[leg]}_{landing[leg]}_{body[leg]})"
         return str(plain(component))
 
     return name
@@ -117,11 +117,22 @@ def _heading(mission: Mission, network: Network) -> list[str]:
     return [
         f"{re.sub(r'[^ -~]', ' ', name)}: adr-opt instance with sha256 {instance.sha256}",
         "maximise the sum of the prizes of the targets visited; every departure is exact",
-        f"{network.nodes} nodes: node 0 is the start, every other one a leg that can be flown",
-        "move(a_b_c) = 1: after node a the leg of node b is flown, to body c",
+        f"{network.nodes} nodes, numbered in order of time: node 0 is the start, every other one a "
+        "body from a time on",
+        "move(n_a_b_c) = 1: leg n is flown, from node a to node b, of body c",
+        "wait(a) = 1: from node a on, the chaser waits for the next node of its body",
         "used(i_j): share of the budget used since refuelling when body i is left for body j",
-        "body 0 is the station, then the targets in order; follow the moves from node 0",
+        f"bodies are {_bodies(mission)}; moves in order of n are the order of the plan",
     ]
+
+
+def _bodies(mission: Mission) -> str:
+    """Which numbers stand for what."""
+    rules = mission.rules
+    parts = ["the station" if rules.stations == 1 else "the stations"] if rules.stations else []
+    if rules.first_target > rules.stations:
+        parts.append("the orbit of the start")
+    return ", ".join([*parts, "the targets"]) + ", numbered from 0 in order"
 
 
 def order_of(columns: dict[str, float]) -> tuple[int, ...]:
@@ -132,14 +143,9 @@ def order_of(columns: dict[str, float]) -> tuple[int, ...]:
     columns : dict
         Columns that are not moves are ignored.
     """
-    following = {}
+    moves = []
     for column, value in columns.items():
         found = COLUMN.fullmatch(column)
         if found is not None and value > 0.5:
-            node, after, body = map(int, found.groups())
-            following[node] = after, body
-    node, order = 0, []
-    while node in following:
-        node, body = following[node]
-        order.append(body)
-    return tuple(order)
+            moves.append((int(found[1]), int(found[4])))
+    return tuple(body for _, body in sorted(moves))

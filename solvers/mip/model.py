@@ -9,8 +9,10 @@ import numpy as np
 import pyomo.environ as pyo
 from pyomo.repn.plugins.standard_form import LinearStandardFormCompiler
 
+from adr_opt.kernels.rules import Rules
+
 from ..exact_models.answer import Answer, Hear
-from ..exact_models.network import Network, bodies_along
+from ..exact_models.network import Network
 from .constraints import Constraints
 from .objective import Objective
 from .variables import Variables
@@ -34,36 +36,24 @@ class Model:
     Parameters
     ----------
     network : Network
-    prize : (bodies,) float64
+    rules : adr_opt.kernels.rules.Rules
     unit : float
         The objective is counted in multiples of this.
-    budget : float
-        [m/s].
     start : list of int
-        Arcs of a plan to begin from, from the start on.
+        Legs of a plan to begin from, from the start on.
     """
 
-    def __init__(
-        self,
-        network: Network,
-        prize: np.ndarray,
-        unit: float,
-        budget: float,
-        start: list[int],
-    ) -> None:
-        self._network = network
+    def __init__(self, network: Network, rules: Rules, unit: float, start: list[int]) -> None:
         self._unit = unit
-        # Without a budget no move costs anything, and there are no parts of it.
-        budget = budget or 1.0
         self._block = pyo.ConcreteModel()
-        self._variables = Variables(self._block, network)
-        self._constraints = Constraints(self._block, network, self._variables, budget)
-        self._objective = Objective(self._block, network, self._variables, prize / unit)
-        self._variables.begin_from(network, start, budget)
+        self._variables = Variables(self._block, network, rules)
+        self._constraints = Constraints(self._block, network, self._variables, rules)
+        self._objective = Objective(self._block, network, self._variables, rules.prize / unit)
+        self._variables.begin_from(network, start, rules)
 
-    def forbid(self, arcs: list[int]) -> None:
-        """Let no path use all of these arcs, from the next solve on."""
-        self._constraints.forbid(arcs)
+    def forbid(self, groups: list[list[int]]) -> None:
+        """Let no path use a leg of each of these groups, from the next solve on."""
+        self._constraints.forbid(groups)
 
     def solve(self, *, seed: int, hear: Hear) -> Answer:
         """Solve the model.
@@ -97,15 +87,16 @@ class Model:
         solver.cbMipInterrupt += interrupt
         solver.solve()
         info = solver.getInfo()
-        sequence = None
+        if solver.getModelStatus() == highspy.HighsModelStatus.kInfeasible:
+            return Answer(None, -math.inf, max(0, info.mip_node_count))
+        legs = None
         if info.primal_solution_status == 2:
             values = solver.getSolution().col_value
             place = {id(column): number for number, column in enumerate(form.columns)}
-            chosen = [
-                arc for arc, move in self._variables.move.items() if values[place[id(move)]] > 0.5
-            ]
-            sequence = bodies_along(self._network, chosen)
-        return Answer(sequence, self._bound(info.mip_dual_bound), max(0, info.mip_node_count))
+            legs = tuple(
+                leg for leg, move in self._variables.move.items() if values[place[id(move)]] > 0.5
+            )
+        return Answer(legs, self._bound(info.mip_dual_bound), max(0, info.mip_node_count))
 
     def _bound(self, dual_bound: float) -> float:
         """A bound of HiGHS in prizes, on the safe side of its tolerances."""

@@ -30,11 +30,11 @@ class Objective:
         prize: np.ndarray,
     ) -> None:
         self._block = block
-        self._collect(variables, prize[network.body[network.successor]].tolist())
+        self._collect(variables, prize[network.destination].tolist())
 
     def _collect(self, variables: Variables, worth: list[float]) -> None:
-        """Collect the prize of each body that is moved to; that of the station is 0."""
+        """Collect the prize of each body that is moved to; only those of targets are not 0."""
         self._block.prizes = pyo.Objective(
-            expr=sum(prize * variables.move[arc] for arc, prize in enumerate(worth) if prize),
+            expr=sum(prize * variables.move[leg] for leg, prize in enumerate(worth) if prize),
             sense=pyo.maximize,
         )

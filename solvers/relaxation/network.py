@@ -106,13 +106,15 @@ def _from_body(i, orbits, extra_delta_v, transfer_rule, rules):
         reachable = j != i and j >= rules.first_target
         if rules.is_station[j]:
             reachable = i >= rules.first_target
-        last = rules.closes[j] - rules.service[j] if reachable else -1.0
+        # The same lists as schedules are made of: what a leg that comes too late dominates is gone.
+        last = rules.duration if reachable else -1.0
         departure, arrival, delta_v, _ = connections.of_pair(
             orbits[i], orbits[j], extra_delta_v[i, j], transfer_rule, last, 0.0
         )
-        possible = delta_v <= rules.budget
+        end = np.maximum(arrival, rules.opens[j]) + rules.service[j]
+        possible = (delta_v <= rules.budget) & (end <= rules.closes[j])
         departures.append(departure[possible])
-        ends.append(np.maximum(arrival[possible], rules.opens[j]) + rules.service[j])
+        ends.append(end[possible])
         costs.append(delta_v[possible])
     rows, legs = 0, 0
     for j in range(bodies):
