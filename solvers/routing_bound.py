@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from collections.abc import Callable, Hashable, Iterable
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from ortools.sat.python import cp_model
@@ -98,7 +98,7 @@ def _steps(values: np.ndarray, per_unit: float) -> np.ndarray:
     return np.where(known, np.maximum(steps, 0.0), -1.0).astype(np.int64)
 
 
-Pair = tuple[int, int]
+Way = TypeVar("Way", bound=Hashable)
 
 
 class StaticModel:
@@ -147,7 +147,7 @@ class StaticModel:
             self.block.add(sum(self._visit.values()) <= rules.most_targets)
         self.block.maximize(sum(int(worth[j]) * visit for j, visit in self._visit.items()))
 
-    def _literals(self, ways: Iterable) -> dict:
+    def _literals(self, ways: Iterable[Way]) -> dict[Way, cp_model.IntVar]:
         """A decision for each way."""
         return {way: self.block.new_bool_var("") for way in ways}
 
@@ -268,9 +268,7 @@ def routing_bound(
             certificate.lower(bound)
             return certificate.proven or stop.remaining_s() <= 0.0
 
-        solver, _, bound = run(
-            model.block, unit, seed=seed, hear=Hear(hear, stop.remaining_s), linear=2
-        )
+        solver, _, bound = run(model.block, unit, seed=seed, hear=Hear(hear, stop.remaining_s))
         certificate.lower(bound)
         counters["branches"] = int(solver.num_branches)
     return certify(

@@ -17,16 +17,18 @@ from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 import adr_opt
 from adr_opt.errors import InputError, MissingExtra
 from adr_opt.kernels.constants import SLACK_M_S
+from adr_opt.kernels.rules import Rules
 from adr_opt.mission import Mission
 from adr_opt.planner import silent
 from adr_opt.result import certify
 from adr_opt.stop import Interrupted, MaxIterations, MaxRuntime
 from solvers.cpsat import cpsat
-from solvers.exact_models import course
-from solvers.exact_models.network import bodies_along, path_of, unroll
-from solvers.exact_models.reduction import best_through
+from solvers.exact_models import course, network
+from solvers.exact_models.network import all_of, bodies_along, keep, of_rows, path_of
+from solvers.exact_models.reduction import best_through, can_reach
 from solvers.exact_models.steps import in_steps
 from solvers.mip import mip
+from solvers.relaxation.network import build
 from solvers.routing_bound import routing_bound, static_costs
 
 INSTANCES = Path(__file__).parents[1] / "instances" / "tiny"
@@ -76,6 +78,63 @@ def random_mission(seed, *, zones=True):
     )
 
 
+def with_rules(mission, **changes):
+    """The mission with some of its rules replaced, which bodies are stations and targets too."""
+    rules = mission.rules._replace(**changes)
+    bodies = np.arange(rules.service.size)
+    prize = np.where(bodies < rules.first_target, 0.0, rules.prize)
+    may_end = rules.may_end
+    rules = rules._replace(
+        is_station=bodies < rules.stations, prize=prize, returns=not may_end.all()
+    )
+    mission.__dict__["rules"] = rules
+    return mission
+
+
+def featured_mission(seed):
+    """A random mission with several stations or none, a start of its own, windows, ends by turns.
+
+    What an instance cannot say is said by its rules. Equal orbits in every fifth.
+    """
+    rng = np.random.default_rng([7, seed])
+    mission = random_mission(seed)
+    if seed % 5 == 0:
+        targets = mission.instance.targets
+        same = tuple(target.replace(orbit=targets[0].orbit) for target in targets[:2])
+        mission = Mission(mission.instance.replace(targets=same + targets[2:]), threads=1)
+    rules: Rules = mission.rules
+    bodies = rules.service.size
+    stations = int(rng.integers(0, min(3, bodies - 1)))
+    own = stations == 0 or rng.random() < 0.4
+    first_target = stations + own
+    start = stations if own else int(rng.integers(stations))
+    ready = float(rng.choice([0.0, 0.2])) * rules.duration * float(rng.random())
+    opens, closes = np.zeros(bodies), np.full(bodies, rules.duration)
+    if rng.random() < 0.5:
+        opens = rng.uniform(0.0, 0.6, bodies) * rules.duration
+        closes = np.minimum(rules.duration, opens + rng.uniform(0.05, 0.9, bodies) * rules.duration)
+    may_end = np.ones(bodies, dtype=np.bool_)
+    if stations and rng.random() < 0.5:
+        may_end[:] = False
+        may_end[: stations if rng.random() < 0.5 else 1] = True
+    return with_rules(
+        mission,
+        stations=stations,
+        first_target=first_target,
+        start=start,
+        ready=ready,
+        most_targets=int(rng.choice([bodies, bodies, 1, 2])),
+        opens=opens,
+        closes=closes,
+        may_end=may_end,
+    )
+
+
+def network_of(mission):
+    """The network of a mission, as the models get it."""
+    return of_rows(build(mission, math.inf, jobs=1), mission.rules)
+
+
 def has_proven(result, mission, optimum):
     """Whether a result is a certificate that the optimum is what it is."""
     near = 1e-6 * max(1.0, optimum)
@@ -84,6 +143,18 @@ def has_proven(result, mission, optimum):
     assert optimum - 1e-9 <= result.upper_bound <= optimum + near
     assert adr_opt.check(mission.instance, result.plan) == ()
     return True
+
+
+def has_proven_of_rules(result, mission, optimum):
+    """The same where `check` does not know the rules: the order is timed instead."""
+    if optimum == -math.inf:
+        assert (result.sequence, result.upper_bound) == (None, -math.inf)
+        return True
+    near = 1e-6 * max(1.0, optimum)
+    assert abs(result.objective - optimum) <= near
+    assert optimum - 1e-9 <= result.upper_bound <= optimum + near
+    assert mission.time(result.sequence).made == len(result.sequence)
+    return mission.rules.may_end[result.sequence[-1] if result.sequence else mission.rules.start]
 
 
 @exact_methods
@@ -120,53 +191,188 @@ def test_random_missions(method, seed):
 @pytest.mark.parametrize("seed", range(12))
 def test_reduced_networks(method, seed, monkeypatch):
     """With arcs removed by reduced costs, goal by goal, the methods still equal brute force."""
-    monkeypatch.setattr(course, "WHOLE_ARCS", 0)
+    monkeypatch.setattr(course, "WHOLE_LEGS", 0)
     mission = random_mission(seed)
     optimum, _, best = brute_force(mission)
     assert has_proven(prove(method, mission, jobs=1), mission, optimum)
     assert has_proven(prove(method, mission, jobs=1, start=best), mission, optimum)
 
 
-@pytest.mark.parametrize("seed", range(60))
-def test_network_holds_the_plans(seed):
-    """The best plan is a path of the network with its exact times and costs, move by move."""
-    mission = random_mission(seed)
-    _, _, best = brute_force(mission)
-    network = unroll(mission.rules)
-    arcs = path_of(network, best)
-    nodes = network.successor[arcs]
-    timing = mission.time(best)
-    assert len(arcs) == len(best)
-    assert np.array_equal(network.ready[nodes], timing.ends)
-    assert network.delta_v[nodes].sum() == pytest.approx(timing.delta_v)
-    assert bodies_along(network, arcs[::-1]) == best
-
-
-@pytest.mark.parametrize("seed", range(60))
-def test_reduced_costs_never_remove_the_best_plan(seed):
-    """For any multipliers and slots every arc of the best plan may belong to one worth as much."""
-    mission = random_mission(seed)
+@exact_methods
+@pytest.mark.parametrize("whole", [True, False])
+@pytest.mark.parametrize("seed", range(40))
+def test_missions_with_other_rules(method, whole, seed, monkeypatch):
+    """With several stations or none, windows, ends, a start of its own and few targets, too."""
+    monkeypatch.setattr(course, "WHOLE_LEGS", 10**9 if whole and method is mip else 0)
+    mission = featured_mission(seed)
     optimum, _, best = brute_force(mission)
-    rules, network = mission.rules, unroll(mission.rules)
+    start = best if seed % 2 and optimum > -math.inf else None
+    assert has_proven_of_rules(prove(method, mission, jobs=1, start=start), mission, optimum)
+
+
+def test_other_rules_matter():
+    """The missions above are not all alike: there are some of every kind, and many have plans."""
+    missions = [featured_mission(seed) for seed in range(40)]
+    optima = np.array([brute_force(mission)[0] for mission in missions])
+    for kind in (
+        lambda rules: rules.stations == 0,
+        lambda rules: rules.stations == 2,
+        lambda rules: rules.start == rules.stations > 0,
+        lambda rules: rules.returns,
+        lambda rules: rules.ready > 0.0,
+        lambda rules: rules.most_targets == 1,
+        lambda rules: rules.opens.max() > 0.0,
+    ):
+        of_kind = np.array([kind(mission.rules) for mission in missions])
+        assert np.sum(optima[of_kind] > 0.0) >= 3
+
+
+def fits(found, legs, rules):
+    """Whether legs of a network keep to the tank, as the rules count it."""
+    left = rules.budget
+    for leg in legs:
+        if found.delta_v[leg] > left:
+            return False
+        left -= found.delta_v[leg]
+        if rules.is_station[found.body[found.landing[leg]]]:
+            left = rules.budget
+    return True
+
+
+@pytest.mark.parametrize("mission_of", [random_mission, featured_mission])
+@pytest.mark.parametrize("seed", range(60))
+def test_network_holds_the_plans(seed, mission_of):
+    """The best plan is a path of the network, whole or cut down, and such a path can be flown."""
+    mission = mission_of(seed)
+    _, _, best = brute_force(mission)
+    rules = mission.rules
+    whole = all_of(build(mission, math.inf, jobs=1), rules)
+    cut = network_of(mission)
+    assert cut.legs <= whole.legs
+    worthy = [j for j, prize in enumerate(rules.prize) if prize > 0.0]
+    for found in (whole, cut):
+        legs = path_of(found, best, rules)
+        if found is whole or (best and best[-1] in worthy):
+            assert len(legs) == len(best)
+        assert fits(found, legs, rules)
+        assert bodies_along(found, legs[::-1]) == best[: len(legs)]
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_paths_are_schedules(seed):
+    """Every path of the network that visits no target twice can be flown as the rules have it."""
+    mission = featured_mission(seed)
+    rules, found = mission.rules, network_of(mission)
+    rng = np.random.default_rng(seed)
+    for _ in range(5):
+        node, left, order, done = 0, rules.budget, [], False
+        while not done:
+            nodes = [node]
+            while found.onward[nodes[-1]] >= 0:
+                nodes.append(int(found.onward[nodes[-1]]))
+            legs = np.concatenate(
+                [np.arange(found.first[node], found.first[node + 1]) for node in nodes]
+            )
+            fresh = ~np.isin(found.destination[legs], [j for j in order if j >= rules.first_target])
+            legs = legs[(found.delta_v[legs] <= left) & fresh]
+            done = legs.size == 0 or len(order) == rules.most_targets
+            if not done:
+                leg = rng.choice(legs)
+                node = int(found.landing[leg])
+                order.append(int(found.body[node]))
+                left = rules.budget if rules.is_station[order[-1]] else left - found.delta_v[leg]
+        assert mission.time(order).made == len(order)
+
+
+def test_a_network_without_what_is_needed_is_caught(monkeypatch):
+    """If legs dominated one another whatever they cost, some best plan would be lost."""
+    missions = [random_mission(seed) for seed in range(40)]
+    plans = [brute_force(mission)[2] for mission in missions]
+
+    def whatever_it_costs(pair, landing, delta_v, dominated):
+        right(pair, landing, np.zeros_like(delta_v), dominated)
+
+    right = network._dominated
+    monkeypatch.setattr(network, "_dominated", whatever_it_costs)
+    lost = 0
+    for mission, best in zip(missions, plans, strict=True):
+        lost += len(path_of(network_of(mission), best, mission.rules)) < len(best)
+    assert lost > 0
+
+
+@pytest.mark.parametrize("mission_of", [random_mission, featured_mission])
+@pytest.mark.parametrize("seed", range(60))
+def test_reduced_costs_never_remove_the_best_plan(seed, mission_of):
+    """For any multipliers and slots every leg of the best plan may belong to one worth as much."""
+    mission = mission_of(seed)
+    optimum, _, best = brute_force(mission)
+    rules, found = mission.rules, network_of(mission)
+    legs = path_of(found, best, rules)
+    if len(legs) < len(best):
+        pytest.skip("a plan without what it needs not")
     rng = np.random.default_rng(seed)
     for highest, slot in ((0.0, 1.0), (0.3, 17.0), (4.0, 200.0)):
         multipliers = rng.uniform(0.0, highest, rules.prize.size)
+        multipliers[: rules.first_target] = 0.0
+        through = best_through(found, rules, multipliers, slot)
+        assert np.all(through[legs] >= optimum - 1e-9)
+        part = keep(found, can_reach(through, optimum), rules)
+        assert len(path_of(part, best, rules)) == len(best)
+
+
+def walks(found, rules, gain):
+    """Value of all walks of a network without refuelling that do not go back at once, by leg."""
+    most = np.full(found.legs, -math.inf)
+
+    def go(node, left, value, before, behind, path):
+        if path and rules.may_end[found.body[node]]:
+            most[path] = np.maximum(most[path], value)
+        while node >= 0:
+            for leg in range(found.first[node], found.first[node + 1]):
+                j = found.destination[leg]
+                if found.delta_v[leg] <= left and j != before:
+                    after = found.landing[leg]
+                    ahead = left - found.delta_v[leg]
+                    go(after, ahead, value + gain[j], behind, j, [*path, leg])
+            node = found.onward[node]
+
+    go(0, rules.budget, 0.0, -1, rules.start, [])
+    return most
+
+
+def test_reduced_costs_are_those_of_walks():
+    """With fine slots, what comes out is the most of a walk through each leg that goes not back."""
+    compared = 0
+    for seed in range(60):
+        mission = random_mission(seed)
+        limits = mission.instance.mission.replace(duration_s=0.6 * DAY_S, delta_v_m_s=700.0)
+        mission = with_rules(
+            Mission(mission.instance.replace(mission=limits), threads=1),
+            stations=0, first_target=1, start=0,
+        )  # fmt: skip
+        found = network_of(mission)
+        if not 0 < found.legs < 400:
+            continue
+        multipliers = np.random.default_rng(seed).uniform(0.0, 1.0, mission.rules.prize.size)
         multipliers[0] = 0.0
-        through = best_through(network, np.array(rules.prize), multipliers, rules.budget, slot)
-        assert np.all(through[path_of(network, best)] >= optimum - 1e-9)
+        expected = walks(found, mission.rules, mission.rules.prize - multipliers)
+        through = best_through(found, mission.rules, multipliers, 0.01)
+        assert np.all(through >= expected + multipliers.sum() - 1e-9)
+        compared += np.sum(np.abs(through - expected - multipliers.sum()) < 1e-6)
+        assert np.mean(through <= expected + multipliers.sum() + 1e-6) > 0.9
+    assert compared > 100
 
 
 def test_reduced_costs_that_round_up_are_caught():
-    """With the ΔV of legs too large by a slot, some arc of some best plan would be removed."""
+    """With the ΔV of legs too large by a slot, some leg of some best plan would be removed."""
     caught = 0
     for seed in range(60):
         mission = random_mission(seed)
         optimum, _, best = brute_force(mission)
-        rules, network = mission.rules, unroll(mission.rules)
-        broken = network._replace(delta_v=network.delta_v + 100.0)
-        nothing = np.zeros(rules.prize.size)
-        through = best_through(broken, np.array(rules.prize), nothing, rules.budget, 100.0)
-        caught += np.any(through[path_of(network, best)] < optimum - 1e-9)
+        rules, found = mission.rules, network_of(mission)
+        broken = found._replace(delta_v=found.delta_v + 100.0)
+        through = best_through(broken, rules, np.zeros(rules.prize.size), 100.0)
+        caught += np.any(through[path_of(found, best, rules)] < optimum - 1e-9)
     assert caught > 0
 
 
@@ -180,10 +386,33 @@ def test_routing_bound_is_valid(seed):
     assert result.plan is None
 
 
+@pytest.mark.parametrize("seed", range(80))
+def test_routing_bound_is_valid_with_other_rules(seed):
+    """So it does with several stations or none, windows, ends, and a start of its own."""
+    mission = featured_mission(1000 + seed)
+    optimum, _, best = brute_force(mission)
+    assert prove(routing_bound, mission).upper_bound >= optimum - 1e-9
+    if optimum > -math.inf:
+        assert prove(routing_bound, mission, start=best).upper_bound >= optimum - 1e-9
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_static_costs_out_of_time(seed):
+    """Costs known in closed form, where time is short, are nowhere above the best of all legs."""
+    mission = featured_mission(seed)
+    costs, quick = static_costs(mission), static_costs(mission, lambda: True)
+    there = costs.delta_v >= 0
+    assert np.all(quick.delta_v[there] >= 0)
+    assert np.all(quick.delta_v[there] <= costs.delta_v[there])
+    assert np.all(quick.duration[there] <= costs.duration[there])
+
+
 def test_routing_bound_is_not_trivial():
-    """On the tiny family the static bound is less than all prizes, and a start may meet it."""
+    """With half the time it is less than all prizes on the tiny family; a start may meet it."""
     for path in TINY:
-        mission = Mission(adr_opt.load(path), threads=1)
+        instance = adr_opt.load(path)
+        limits = instance.mission.replace(duration_s=0.5 * instance.mission.duration_s)
+        mission = Mission(instance.replace(mission=limits), threads=1)
         assert prove(routing_bound, mission).upper_bound < mission.total_prize
     mission = Mission(hand_made(), threads=1)
     result = prove(routing_bound, mission, start=OPTIMAL_PLAN)
@@ -197,13 +426,13 @@ def test_static_costs_that_are_not_the_best_are_caught(monkeypatch):
     missions.append(Mission(hand_made(), threads=1))
     optima = [brute_force(mission)[0] for mission in missions]
 
-    def stranded(rules):
-        costs = static_costs(rules)
+    def stranded(mission, enough):
+        costs = static_costs(mission, enough)
         costs.delta_v[1:, 0] = -1
         return costs
 
-    def slow(rules):
-        costs = static_costs(rules)
+    def slow(mission, enough):
+        costs = static_costs(mission, enough)
         return costs._replace(duration=np.where(costs.duration > 0, 2 * costs.duration, -1))
 
     for broken in (stranded, slow):
@@ -289,7 +518,7 @@ def test_too_short_a_time_limit(method):
 @exact_methods
 def test_an_interruption_ends_the_solver(method, monkeypatch):
     """Someone who says enough from outside, without a time limit, does not wait for the proof."""
-    monkeypatch.setattr(course, "WHOLE_ARCS", 10**9)
+    monkeypatch.setattr(course, "WHOLE_LEGS", 10**9)
     instance = adr_opt.generate("reduced-time", 0, targets=14)
     mission = Mission(instance.with_limits(duration_s=2.0 * DAY_S))
     stop = Interrupted()

@@ -27,7 +27,7 @@ from .answer import Answer, Hear
 from .network import Network, bodies_along, keep, of_rows, path_of
 from .reduction import best_through, can_reach, finest_slot
 
-WHOLE_LEGS = 4_000
+WHOLE_LEGS = 1_000
 """Up to so many legs the network is solved whole: no bound but the solver's has a part in it."""
 
 SIFTED_FIRST = 100_000
@@ -248,7 +248,8 @@ class _Course:
     def _solve(self, network: Network, goal: float) -> None:
         """Hand a network to the solver that holds every plan worth a goal."""
         certificate, rules = self._certificate, self._mission.rules
-        answer = Answer((), 0.0, 0)
+        stays = bool(rules.may_end[rules.start])
+        answer = Answer((), 0.0 if stays else -math.inf, 0)
         if network.legs:
             self.counters["solves"] += 1
             self.counters["solved_arcs"] = network.legs

@@ -17,7 +17,7 @@ SEEDS = 2**31
 
 
 def run(
-    model: cp_model.CpModel, unit: float, *, seed: int, hear: Hear, linear: int = 1
+    model: cp_model.CpModel, unit: float, *, seed: int, hear: Hear
 ) -> tuple[cp_model.CpSolver, bool, float]:
     """Maximise a model with one thread; with several, one seed would not give one answer.
 
@@ -28,8 +28,6 @@ def run(
         What one step of the objective is worth.
     seed : int
     hear : Hear
-    linear : int
-        CP-SAT's level of linear relaxation, 0 to 2.
 
     Returns
     -------
@@ -44,7 +42,7 @@ def run(
     settings = solver.parameters
     settings.num_workers = 1
     settings.random_seed = seed % SEEDS
-    settings.linearization_level = linear
+    settings.linearization_level = 2  # several times as quick as 1 here
     settings.catch_sigint_signal = False
     remaining = hear.remaining_s()
     if math.isfinite(remaining):
