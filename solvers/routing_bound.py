@@ -258,9 +258,9 @@ def routing_bound(
         certificate.offer(start)
     counters: dict[str, float] = {"branches": 0}
     known = certificate.proven or stop(certificate.incumbent, certificate.bound)
-    if mission.total_prize > 0.0 and not known:
+    if mission.total_worth > 0.0 and not known:
         rules = mission.rules
-        worth, unit = in_steps(rules.prize, mission.prize_step or mission.total_prize)
+        worth, unit = in_steps(rules.prize, mission.prize_step or mission.total_worth)
         half = 0.5 * stop.remaining_s()
         model = StaticModel(static_costs(mission, lambda: stop.remaining_s() < half), worth, rules)
 

@@ -15,9 +15,10 @@ from brute_force import brute_force
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 
 import adr_opt
+from adr_opt.bodies import Station
+from adr_opt.chasers import AtStation, Chaser, InOrbit
 from adr_opt.errors import InputError, MissingExtra
 from adr_opt.kernels.constants import SLACK_M_S
-from adr_opt.kernels.rules import Rules
 from adr_opt.mission import Mission
 from adr_opt.planner import silent
 from adr_opt.result import certify
@@ -78,55 +79,47 @@ def random_mission(seed, *, zones=True):
     )
 
 
-def with_rules(mission, **changes):
-    """The mission with some of its rules replaced, which bodies are stations and targets too."""
-    rules = mission.rules._replace(**changes)
-    bodies = np.arange(rules.service.size)
-    prize = np.where(bodies < rules.first_target, 0.0, rules.prize)
-    may_end = rules.may_end
-    rules = rules._replace(
-        is_station=bodies < rules.stations, prize=prize, returns=not may_end.all()
-    )
-    mission.__dict__["rules"] = rules
-    return mission
-
-
 def featured_mission(seed):
     """A random mission with several stations or none, a start of its own, windows, ends by turns.
 
-    What an instance cannot say is said by its rules. Equal orbits in every fifth.
+    Some of its targets are required, some share an orbit, some are worth nothing.
     """
     rng = np.random.default_rng([7, seed])
-    mission = random_mission(seed)
+    instance = random_mission(seed).instance
+    targets = instance.targets
     if seed % 5 == 0:
-        targets = mission.instance.targets
-        same = tuple(target.replace(orbit=targets[0].orbit) for target in targets[:2])
-        mission = Mission(mission.instance.replace(targets=same + targets[2:]), threads=1)
-    rules: Rules = mission.rules
-    bodies = rules.service.size
-    stations = int(rng.integers(0, min(3, bodies - 1)))
-    own = stations == 0 or rng.random() < 0.4
-    first_target = stations + own
-    start = stations if own else int(rng.integers(stations))
-    ready = float(rng.choice([0.0, 0.2])) * rules.duration * float(rng.random())
-    opens, closes = np.zeros(bodies), np.full(bodies, rules.duration)
-    if rng.random() < 0.5:
-        opens = rng.uniform(0.0, 0.6, bodies) * rules.duration
-        closes = np.minimum(rules.duration, opens + rng.uniform(0.05, 0.9, bodies) * rules.duration)
-    may_end = np.ones(bodies, dtype=np.bool_)
+        targets = (targets[0], targets[1].replace(orbit=targets[0].orbit), *targets[2:])
+    duration = instance.mission.duration_s
+    stations = instance.stations[: int(rng.integers(0, 2))]
+    if len(targets) > 2 and rng.random() < 0.4:
+        stations += (Station(name="second", orbit=targets[-1].orbit),)
+        targets = targets[:-1]
+    start = InOrbit(orbit=instance.stations[0].orbit)
+    if stations and rng.random() < 0.6:
+        start = AtStation(station=stations[int(rng.integers(len(stations)))].name)
+    end = "anywhere"
     if stations and rng.random() < 0.5:
-        may_end[:] = False
-        may_end[: stations if rng.random() < 0.5 else 1] = True
-    return with_rules(
-        mission,
-        stations=stations,
-        first_target=first_target,
+        end = AtStation(station=stations[int(rng.integers(len(stations)))].name)
+    if rng.random() < 0.5:
+        opens = rng.uniform(0.0, 0.6, len(targets)) * duration
+        closes = opens + rng.uniform(0.05, 0.9, len(targets)) * duration
+        targets = tuple(
+            target.replace(window_s=(float(opens[at]), float(closes[at]) if at % 3 else None))
+            for at, target in enumerate(targets)
+        )
+    if rng.random() < 0.3:
+        targets = (*targets[:-1], targets[-1].replace(required=True))
+    begin = float(rng.choice([0.0, 0.2])) * duration * float(rng.random())
+    chaser = Chaser(
+        name="chaser",
         start=start,
-        ready=ready,
-        most_targets=int(rng.choice([bodies, bodies, 1, 2])),
-        opens=opens,
-        closes=closes,
-        may_end=may_end,
+        end=end,
+        available_s=(begin, None if seed % 2 else 0.9 * duration),
+        max_targets=[None, None, 1, 2][int(rng.integers(4))],
+        tank=instance.chaser.tank,
+    )
+    return Mission(
+        instance.replace(stations=stations, targets=targets, chasers=(chaser,)), threads=1
     )
 
 
@@ -136,25 +129,17 @@ def network_of(mission):
 
 
 def has_proven(result, mission, optimum):
-    """Whether a result is a certificate that the optimum is what it is."""
+    """Whether a result is a certificate that the optimum is what it is [worth to a planner]."""
+    optimum = mission.shown(optimum)
+    if optimum == -math.inf:
+        assert (result.status, result.upper_bound) == ("infeasible", -math.inf)
+        return result.plan is None
     near = 1e-6 * max(1.0, optimum)
     assert result.status == "optimal"
     assert abs(result.objective - optimum) <= near
     assert optimum - 1e-9 <= result.upper_bound <= optimum + near
     assert adr_opt.check(mission.instance, result.plan) == ()
     return True
-
-
-def has_proven_of_rules(result, mission, optimum):
-    """The same where `check` does not know the rules: the order is timed instead."""
-    if optimum == -math.inf:
-        assert (result.sequence, result.upper_bound) == (None, -math.inf)
-        return True
-    near = 1e-6 * max(1.0, optimum)
-    assert abs(result.objective - optimum) <= near
-    assert optimum - 1e-9 <= result.upper_bound <= optimum + near
-    assert mission.time(result.sequence).made == len(result.sequence)
-    return mission.rules.may_end[result.sequence[-1] if result.sequence else mission.rules.start]
 
 
 @exact_methods
@@ -201,16 +186,16 @@ def test_reduced_networks(method, seed, monkeypatch):
 @exact_methods
 @pytest.mark.parametrize("whole", [True, False])
 @pytest.mark.parametrize("seed", range(40))
-def test_missions_with_other_rules(method, whole, seed, monkeypatch):
+def test_missions_with_every_feature(method, whole, seed, monkeypatch):
     """With several stations or none, windows, ends, a start of its own and few targets, too."""
     monkeypatch.setattr(course, "WHOLE_LEGS", 10**9 if whole and method is mip else 0)
     mission = featured_mission(seed)
     optimum, _, best = brute_force(mission)
     start = best if seed % 2 and optimum > -math.inf else None
-    assert has_proven_of_rules(prove(method, mission, jobs=1, start=start), mission, optimum)
+    assert has_proven(prove(method, mission, jobs=1, start=start), mission, optimum)
 
 
-def test_other_rules_matter():
+def test_features_matter():
     """The missions above are not all alike: there are some of every kind, and many have plans."""
     missions = [featured_mission(seed) for seed in range(40)]
     optima = np.array([brute_force(mission)[0] for mission in missions])
@@ -221,7 +206,8 @@ def test_other_rules_matter():
         lambda rules: rules.returns,
         lambda rules: rules.ready > 0.0,
         lambda rules: rules.most_targets == 1,
-        lambda rules: rules.opens.max() > 0.0,
+        lambda rules: rules.opens.max() > rules.ready,
+        lambda rules: rules.closes.min() < rules.duration,
     ):
         of_kind = np.array([kind(mission.rules) for mission in missions])
         assert np.sum(optima[of_kind] > 0.0) >= 3
@@ -344,12 +330,12 @@ def test_reduced_costs_are_those_of_walks():
     """With fine slots, what comes out is the most of a walk through each leg that goes not back."""
     compared = 0
     for seed in range(60):
-        mission = random_mission(seed)
-        limits = mission.instance.mission.replace(duration_s=0.6 * DAY_S, delta_v_m_s=700.0)
-        mission = with_rules(
-            Mission(mission.instance.replace(mission=limits), threads=1),
-            stations=0, first_target=1, start=0,
-        )  # fmt: skip
+        instance = random_mission(seed).instance.with_limits(
+            duration_s=0.6 * DAY_S, delta_v_m_s=700.0
+        )
+        start = InOrbit(orbit=instance.stations[0].orbit)
+        alone = instance.replace(stations=(), chasers=(instance.chaser.replace(start=start),))
+        mission = Mission(alone, threads=1)
         found = network_of(mission)
         if not 0 < found.legs < 400:
             continue
@@ -387,13 +373,14 @@ def test_routing_bound_is_valid(seed):
 
 
 @pytest.mark.parametrize("seed", range(80))
-def test_routing_bound_is_valid_with_other_rules(seed):
+def test_routing_bound_is_valid_with_every_feature(seed):
     """So it does with several stations or none, windows, ends, and a start of its own."""
     mission = featured_mission(1000 + seed)
     optimum, _, best = brute_force(mission)
-    assert prove(routing_bound, mission).upper_bound >= optimum - 1e-9
-    if optimum > -math.inf:
-        assert prove(routing_bound, mission, start=best).upper_bound >= optimum - 1e-9
+    least = mission.shown(optimum) - 1e-9
+    assert prove(routing_bound, mission).upper_bound >= least
+    if least > -math.inf:
+        assert prove(routing_bound, mission, start=best).upper_bound >= least
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -411,8 +398,8 @@ def test_routing_bound_is_not_trivial():
     """With half the time it is less than all prizes on the tiny family; a start may meet it."""
     for path in TINY:
         instance = adr_opt.load(path)
-        limits = instance.mission.replace(duration_s=0.5 * instance.mission.duration_s)
-        mission = Mission(instance.replace(mission=limits), threads=1)
+        half = instance.with_limits(duration_s=0.5 * instance.mission.duration_s)
+        mission = Mission(half, threads=1)
         assert prove(routing_bound, mission).upper_bound < mission.total_prize
     mission = Mission(hand_made(), threads=1)
     result = prove(routing_bound, mission, start=OPTIMAL_PLAN)
