@@ -200,11 +200,17 @@ class _Course:
         del bound
         if rows.landing.size > SIFTED_FIRST:
             if self.remaining_s() < SIFTING_S_PER_LEG * rows.landing.size:
+                self.notes.append(
+                    f"the network of {rows.landing.size} connections was not handed to the solver: "
+                    "too little time was left"
+                )
                 return
             network = self._network(rows)
         while not self.enough():
             goal = certificate.threshold
             part = self._reduced(network, multipliers, goal)
+            if self.remaining_s() <= 0.0:
+                return
             if part.legs > most_arcs:
                 self.notes.append(
                     f"{part.legs} arcs may belong to a plan worth {goal:g}, which is more than "
@@ -240,6 +246,8 @@ class _Course:
         rules = self._mission.rules
         slot = math.inf
         while network.legs and finest_slot(network, rules.budget) < FINER * slot:
+            if self.remaining_s() <= 0.0:
+                break
             slot = finest_slot(network, rules.budget)
             through = best_through(network, rules, multipliers, slot)
             network = keep(network, can_reach(through, goal), rules)
