@@ -131,8 +131,7 @@ def network_of(mission):
 
 
 def has_proven(result, mission, optimum):
-    """Whether a result is a certificate that the optimum is what it is [worth to a planner]."""
-    optimum = mission.shown(optimum)
+    """Whether a result is a certificate that the optimum is what it is."""
     if optimum == -math.inf:
         assert (result.status, result.upper_bound) == ("infeasible", -math.inf)
         return result.plan is None
@@ -200,7 +199,7 @@ def test_missions_with_every_feature(method, whole, seed, monkeypatch):
 def test_features_matter():
     """The missions above are not all alike: there are some of every kind, and many have plans."""
     missions = [featured_mission(seed) for seed in range(40)]
-    optima = np.array([mission.shown(brute_force(mission)[0]) for mission in missions])
+    optima = np.array([brute_force(mission)[0] for mission in missions])
     assert np.sum(optima == -math.inf) >= 3
     for kind in (
         lambda rules: rules.stations == 0,
@@ -297,8 +296,9 @@ def test_reduced_costs_never_remove_the_best_plan(seed, mission_of):
     optimum, _, best = brute_force(mission)
     rules, found = mission.rules, network_of(mission)
     legs = path_of(found, best, rules)
-    if len(legs) < len(best):
-        pytest.skip("a plan without what it needs not")
+    if len(legs) < len(best) or optimum == -math.inf:
+        pytest.skip("no plan, or one with moves that are of no use")
+    optimum = mission.worth(optimum)
     rng = np.random.default_rng(seed)
     for highest, slot in ((0.0, 1.0), (0.3, 17.0), (4.0, 200.0)):
         multipliers = rng.uniform(0.0, highest, rules.prize.size)
@@ -380,7 +380,7 @@ def test_routing_bound_is_valid_with_every_feature(seed):
     """So it does with several stations or none, windows, ends, and a start of its own."""
     mission = featured_mission(1000 + seed)
     optimum, _, best = brute_force(mission)
-    least = mission.shown(optimum) - 1e-9
+    least = optimum - 1e-9
     assert prove(routing_bound, mission).upper_bound >= least
     if least > -math.inf:
         assert prove(routing_bound, mission, start=best).upper_bound >= least

@@ -6,8 +6,7 @@ from the first node that service no target twice and keep to the ΔV. It is made
 :mod:`solvers.relaxation.network`, and what goes on the way belongs to no plan, or to none that the
 rest has not as good a one for:
 
-- legs beyond the budget, by the least ΔV used since refuelling at the node they leave; refuelling
-  that is not earned;
+- legs beyond the budget, by the least ΔV used since refuelling at the node they leave;
 - legs after which nothing of worth can come, or after which the mission cannot end;
 - legs of a pair that another one *dominates*: it can be taken as late, lands no later and costs no
   more. Being there earlier and richer is never worse, since a chaser may wait.
@@ -220,9 +219,7 @@ def of_rows(rows: Rows, rules: Rules) -> Network:
     rules : adr_opt.kernels.rules.Rules
     """
     whole = all_of(rows, rules)
-    # Refuelling is earned by a target since the last: at a target it always is, elsewhere never.
-    earned = (whole.origin >= rules.first_target) | ~rules.is_station[whole.destination]
-    return keep(whole, earned, rules)
+    return keep(whole, np.ones(whole.legs, dtype=np.bool_), rules)
 
 
 def keep(network: Network, kept: np.ndarray, rules: Rules) -> Network:
