@@ -16,22 +16,18 @@ import adr_opt
 
 
 def solve(model: str) -> list[int]:
-    """The best order; each column move(a_b_c) at 1 goes from node a to node b, at body c."""
+    """The best order; each column move(a_b_c) at 1 goes from node a on to body c, nodes in time."""
     highs = highspy.Highs()
     highs.setOptionValue("output_flag", False)
     highs.readModel(model)
     highs.run()
-    following = {}
     columns = zip(highs.getLp().col_names_, highs.getSolution().col_value, strict=True)
-    for name, value in columns:
-        if name.startswith("move(") and value > 0.5:
-            node, after, body = map(int, name[5:-1].split("_"))
-            following[node] = after, body
-    node, order = 0, []
-    while node in following:
-        node, body = following[node]
-        order.append(body)
-    return order
+    moves = [
+        [int(number) for number in name[5:-1].split("_")]
+        for name, value in columns
+        if name.startswith("move(") and value > 0.5
+    ]
+    return [body for _, _, body in sorted(moves)]
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from brute_force import brute_force
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
+from random_rules import random_mission as all_rules
 
 import adr_opt
 from adr_opt.bodies import Station
@@ -194,6 +195,18 @@ def test_missions_with_every_feature(method, whole, seed, monkeypatch):
     optimum, _, best = brute_force(mission)
     start = best if seed % 2 and optimum > -math.inf else None
     assert has_proven(prove(method, mission, jobs=1, start=start), mission, optimum)
+
+
+@all_methods
+@pytest.mark.parametrize("part", range(4))
+def test_all_rules_at_random(method, part):
+    """On the missions that all planners and bounds are tried on, they equal enumeration, too."""
+    for seed in range(3000 + part, 3060, 4):
+        mission = Mission(all_rules(seed), threads=1)
+        optimum, _, _ = brute_force(mission)
+        result = prove(method, mission)
+        assert result.upper_bound >= optimum - 1e-9
+        assert method is routing_bound or has_proven(result, mission, optimum)
 
 
 def test_features_matter():

@@ -28,7 +28,7 @@ def cpsat(
     most_arcs: int = 60_000,
     evaluations: int = 150,
 ) -> Result:
-    """The best plan and an upper bound, by constraint programming on the exact timetable.
+    """The best plan and an upper bound, by constraint programming on all connections.
 
     See :func:`solvers.exact_models.course.prove` for the course and :mod:`solvers.mip` for the
     same network as a mixed-integer program. A small mission (some ten targets for a day or two) is

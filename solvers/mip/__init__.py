@@ -51,7 +51,7 @@ def mip(
     most_arcs: int = 60_000,
     evaluations: int = 150,
 ) -> Result:
-    """The best plan and an upper bound, by mixed-integer programming on the exact timetable.
+    """The best plan and an upper bound, by mixed-integer programming on all connections.
 
     See :func:`solvers.exact_models.course.prove` for the course and :mod:`solvers.cpsat` for the
     same network in constraint programming. A small mission (some ten targets for a day or two) is

@@ -15,6 +15,8 @@ from pathlib import Path
 from shutil import copyfileobj
 from typing import Any
 
+import numpy as np
+
 from adr_opt.errors import InputError, MissingExtra
 from adr_opt.mission import Mission
 
@@ -25,8 +27,9 @@ MOST_MOVES = 500_000
 """Larger models are refused: a move takes about 240 bytes of a .lp file, 350 of a .mps file, and
 2 kB of memory while it is written."""
 
-COLUMN = re.compile(r"move\((\d+)_(\d+)_(\d+)_(\d+)\)")
-"""Name of the column of a move: its number, node left, node reached, body reached."""
+COLUMN = re.compile(r"move\((\d+)_(\d+)_(\d+)\)")
+"""Name of the column of a move: node left, node reached, body reached. There is but one leg of a
+pair of nodes, since another one would cost more or less."""
 
 
 def write_lp(mission: Mission, path: Path) -> None:
@@ -56,7 +59,11 @@ def write_mps(mission: Mission, path: Path) -> None:
 def _write(mission: Mission, path: Path, file_format: str, mark: str) -> None:
     if find_spec("pyomo") is None:
         raise MissingExtra(f"writing a .{file_format} file", "pyomo", "mip")
-    network = of_rows(build(mission, math.inf, jobs=1), mission.rules)
+    rules = mission.rules
+    if not rules.prize.any():
+        # Where nothing is worth anything, every move is.
+        rules = rules._replace(prize=(np.arange(rules.prize.size) >= rules.first_target) + 0.0)
+    network = of_rows(build(mission, math.inf, jobs=1), rules)
     name = mission.instance.name
     if network.legs == 0:
         raise InputError(f"{name!r} has no legal move: there is nothing to write a model of")
@@ -104,7 +111,7 @@ def _names(network: Network) -> Callable[[Any], str]:
     def name(component: Any) -> str:
         if component.parent_component().local_name == "move":
             leg = component.index()
-            return f"move({leg}_{tail[leg]}_{landing[leg]}_{body[leg]})"
+            return f"move({tail[leg]}_{landing[leg]}_{body[leg]})"
         return str(plain(component))
 
     return name
@@ -114,15 +121,18 @@ def _heading(mission: Mission, network: Network) -> list[str]:
     """What a reader of the file alone has to know."""
     instance = mission.instance
     name = instance.name.encode("ascii", "backslashreplace").decode()
+    required = [f"a required target counts {mission.bonus!r} more than its prize"]
+    required = required if mission.required else []
     return [
         f"{re.sub(r'[^ -~]', ' ', name)}: adr-opt instance with sha256 {instance.sha256}",
         "maximise the sum of the prizes of the targets visited; every departure is exact",
+        *required,
         f"{network.nodes} nodes, numbered in order of time: node 0 is the start, every other one a "
         "body from a time on",
-        "move(n_a_b_c) = 1: leg n is flown, from node a to node b, of body c",
+        "move(a_b_c) = 1: a leg is flown from node a to node b, of body c",
         "wait(a) = 1: from node a on, the chaser waits for the next node of its body",
         "used(i_j): share of the budget used since refuelling when body i is left for body j",
-        f"bodies are {_bodies(mission)}; moves in order of n are the order of the plan",
+        f"bodies are {_bodies(mission)}; moves in order of a are the order of the plan",
     ]
 
 
@@ -147,5 +157,5 @@ def order_of(columns: dict[str, float]) -> tuple[int, ...]:
     for column, value in columns.items():
         found = COLUMN.fullmatch(column)
         if found is not None and value > 0.5:
-            moves.append((int(found[1]), int(found[4])))
+            moves.append((int(found[1]), int(found[3])))
     return tuple(body for _, body in sorted(moves))
