@@ -14,6 +14,7 @@ import pytest
 from brute_force import brute_force
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 from random_rules import random_mission as all_rules
+from test_proofs_hold import resonant
 
 import adr_opt
 from adr_opt.bodies import Station
@@ -207,6 +208,35 @@ def test_all_rules_at_random(method, part):
         result = prove(method, mission)
         assert result.upper_bound >= optimum - 1e-9
         assert method is routing_bound or has_proven(result, mission, optimum)
+
+
+@all_methods
+@pytest.mark.parametrize("seed", range(100, 125))
+def test_limits_that_the_best_plan_just_meets(method, seed, monkeypatch):
+    """Where rounding decides whether the best plan fits, enumeration decides the same."""
+    monkeypatch.setattr(course, "WHOLE_LEGS", 0 if seed % 2 else 1000)
+    instance = resonant(seed)
+    mission = Mission(instance, threads=1)
+    _, _, best = brute_force(mission)
+    if not best:
+        pytest.skip("nothing can be reached")
+    schedule, tanks = mission.time(best), [0.0]
+    for j, delta_v in zip(best, schedule.delta_vs, strict=True):
+        tanks[-1] += float(delta_v)
+        if mission.rules.is_station[j]:
+            tanks.append(0.0)
+    rng = np.random.default_rng(seed)
+    limits = []
+    for limit in (max(tanks), float(schedule.ends[-1])):
+        near = np.nextafter(limit, rng.choice([-np.inf, np.inf]))
+        short = limit - rng.choice([0.0, 1e-12, 1e-9, 1.5e-6, 5e-5])
+        limits.append(max(0.0, float(rng.choice([limit, near, short]))))
+    tight = instance.with_limits(delta_v_m_s=limits[0], duration_s=limits[1])
+    mission = Mission(tight, threads=1)
+    optimum, _, _ = brute_force(mission)
+    result = prove(method, mission)
+    assert result.upper_bound >= optimum - 1e-9
+    assert method is routing_bound or has_proven(result, mission, optimum)
 
 
 def test_features_matter():

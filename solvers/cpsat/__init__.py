@@ -31,7 +31,7 @@ def cpsat(
     """The best plan and an upper bound, by constraint programming on all connections.
 
     See :func:`solvers.exact_models.course.prove` for the course and :mod:`solvers.mip` for the
-    same network as a mixed-integer program. A small mission (some ten targets for a day or two) is
+    same network as a mixed-integer program. A small mission (some four targets for a day) is
     solved whole; a large one as far as reduced costs leave a network of ``most_arcs``, otherwise
     the bound is that of the multipliers. CP-SAT works with one thread: with several, one seed
     would not give one plan. An iteration is an evaluation of the multipliers' bound or one call
