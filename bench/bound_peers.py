@@ -5,9 +5,9 @@
 Upper bounds on the real mission, one core each by default, clocks from a ready timetable and with
 the time to build the model. Prizes that are multiples of a step round every bound down.
 
-**HiGHS** solves the linear relaxation of the time-expanded network. A column is a leg at one
-departure event; a node is what a chaser that has just been serviced at a body can still take: all
-the body's legs from there on, as waiting is allowed. Nodes whose times lie within one bucket are
+**HiGHS** solves the linear relaxation of the time-expanded network. A column is a
+connection; a node is what a chaser that has just serviced a body can still take: all connections of
+the body from there on. Nodes whose times lie within one bucket are
 one node (0 s: none are merged). Flow is conserved, each target is entered at most once, and the
 ΔV of all legs is at most the budget × (1 + refuellings). Each of these is a relaxation. The bound
 is worked out anew from HiGHS's dual values, whatever they are, so it is valid also where HiGHS was
@@ -33,8 +33,8 @@ from machine import heading
 
 import adr_opt
 from adr_opt.errors import InputError
-from adr_opt.kernels.constants import STATION
 from adr_opt.tolerance import rounded_down
+from solvers.relaxation.network import build
 
 SOLVERS = ("ipm", "simplex", "pdlp")
 
@@ -83,17 +83,20 @@ def linear_relaxation(mission: adr_opt.Mission, bucket_s: float = 0.0) -> Linear
     """
     sparse: Any = peers.need("scipy.sparse")
     rules = mission.rules
-    network, delta_v, shortest = build_network(mission, 1.0)
-    if bucket_s > shortest:
-        raise InputError(f"bucket of {bucket_s!r} s: must be ≤ {shortest:.0f}, the shortest leg")
+    network = build(mission, 1.0, jobs=1)
+    if bucket_s > network.shortest:
+        raise InputError(
+            f"bucket of {bucket_s!r} s: must be ≤ {network.shortest:.0f}, the shortest leg"
+        )
     bodies = rules.service.size
     # Node of a row: the last row at or before it at which a chaser can arrive. Any leg of the
     # node, or of a later one, may be taken from there.
     rows = int(network.start[-1])
-    legs = np.flatnonzero(network.landing >= 0)
+    origin = np.repeat(np.arange(rows), np.diff(network.first))
     opens = np.zeros(rows, dtype=np.bool_)
     opens[network.start[:-1]] = True
-    opens[network.landing[legs]] = True
+    opens[network.root] = True
+    opens[network.landing] = True
     if bucket_s > 0.0:
         times = np.where(np.isfinite(network.departure), network.departure, rules.duration)
         bucket = np.floor(times / bucket_s)
@@ -110,28 +113,29 @@ def linear_relaxation(mission: adr_opt.Mission, bucket_s: float = 0.0) -> Linear
     body_of = np.repeat(np.arange(bodies), np.diff(network.start))[opens]
     waits = np.flatnonzero(body_of[1:] == body_of[:-1])
 
-    destination = network.destination[legs]
-    leg = np.arange(legs.size)
-    wait = legs.size + np.arange(waits.size)
-    to_target, to_station = destination != STATION, destination == STATION
-    spent = delta_v[legs] - rules.budget * to_station
+    destination = network.destination[origin]
+    leg = np.arange(origin.size)
+    wait = leg.size + np.arange(waits.size)
+    to_station = rules.is_station[destination]
+    to_target = ~to_station
+    spent = network.delta_v - rules.budget * to_station
     entries = (
-        (node[legs], leg, np.ones(legs.size)),
-        (node[network.landing[legs]], leg, -np.ones(legs.size)),
+        (node[origin], leg, np.ones(leg.size)),
+        (node[network.landing], leg, -np.ones(leg.size)),
         (waits, wait, np.ones(waits.size)),
         (waits + 1, wait, -np.ones(waits.size)),
-        (nodes + destination[to_target] - 1, leg[to_target], np.ones(to_target.sum())),
-        (np.full(legs.size, nodes + bodies - 1), leg, spent),
+        (nodes + destination[to_target], leg[to_target], np.ones(to_target.sum())),
+        (np.full(leg.size, nodes + bodies), leg, spent),
     )
     at, column, value = (np.concatenate([entry[part] for entry in entries]) for part in range(3))
-    columns = legs.size + waits.size
-    limit = np.zeros(nodes + bodies)
-    limit[node[network.start[STATION]]] = 1.0
-    limit[nodes : nodes + bodies - 1] = 1.0
+    columns = leg.size + waits.size
+    limit = np.zeros(nodes + bodies + 1)
+    limit[node[network.root]] = 1.0
+    limit[nodes : nodes + bodies] = 1.0
     limit[-1] = rules.budget
     gain = np.zeros(columns)
     gain[leg] = rules.prize[destination]
-    matrix = sparse.csc_array((value, (at, column)), shape=(nodes + bodies, columns))
+    matrix = sparse.csc_array((value, (at, column)), shape=(nodes + bodies + 1, columns))
     return LinearRelaxation(gain, matrix, limit)
 
 

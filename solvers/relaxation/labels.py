@@ -363,7 +363,7 @@ def learn(network, labels, body, count, least, least_worth, most_walks, neighbou
 
 @kernel
 def most_of(network, labels, body, count, least, least_worth):
-    """Greatest value of the walks of enough worth that end where a mission may; at least a least."""
+    """Greatest value of the walks that count, see :func:`_counts`; ``least`` if all are below."""
     best = least
     for label in range(count):
         if _counts(network, labels, body, label, least, least_worth):
