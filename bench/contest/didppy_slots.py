@@ -41,6 +41,21 @@ def _ends(rules, times, delta_v, end):
                         end[i, j, s] = done
 
 
+def _best_ends(
+    mission: adr_opt.Mission, times: np.ndarray, delta_v: np.ndarray, end: np.ndarray
+) -> None:
+    """The same with the least ΔV and the first end of all connections that depart from a time on."""
+    table, rules = mission.timetable, mission.rules
+    legs = table.matrices(times, choose="earliest").duration + times[:, None, None]
+    done = np.maximum(legs, rules.opens) + rules.service
+    done = np.where(done > rules.closes, np.inf, done)
+    costs = table.matrices(times, choose="cheapest").delta_v
+    for i in range(rules.service.size):
+        done[:, i, i] = costs[:, i, i] = np.inf
+    end[:] = done.transpose(1, 2, 0)
+    delta_v[:] = np.where(np.isfinite(end), costs.transpose(1, 2, 0), np.inf)
+
+
 def didppy_promise(
     mission: adr_opt.Mission,
     *,
@@ -61,9 +76,9 @@ def didppy_promise(
         Slot of time [s].
     relaxed : bool
         Round so that every plan of the mission is one of the model; then, and only then, the bound
-        holds for the mission. A state's slot is the one in which the chaser is free. From anywhere
-        in it the next event is the next one of its beginning or of its end, so there are two
-        moves to each destination; ΔV is rounded down.
+        holds for the mission. A state's slot is the one in which the chaser is free, and counts
+        from its beginning; a move ends as soon, and costs as little, as any connection that departs
+        from then on; both are rounded down.
     earlier_is_better : bool
         Let a state dominate another that is later. The model is not so (who is early may have to
         take a worse event), so the search is no longer complete and the bound is dropped.
@@ -91,7 +106,11 @@ def didppy_promise(
     late = slots  # the slot of what is not possible
     delta_v = np.empty((bodies, bodies, slots + 1))
     end = np.empty_like(delta_v)
-    _ends(rules, slot_s * np.arange(slots + 1), delta_v, end)
+    times = slot_s * np.arange(slots + 1)
+    if relaxed:
+        _best_ends(mission, times, delta_v, end)
+    else:
+        _ends(rules, times, delta_v, end)
     possible = np.isfinite(end)
     # Rounding to m/s; the small slack is on the side that the model is on.
     if relaxed:
@@ -120,34 +139,24 @@ def didppy_promise(
     over = model.add_int_var(target=0)
     arrival = model.add_element_table(arrive.tolist())
     needed = model.add_int_table(cost.tolist())
-    one = model.add_element_table([*range(1, slots + 1), slots])
 
     number: dict[str, int] = {}
     rest = dp.IntExpr.state_cost() if whole else dp.FloatExpr.state_cost()
     for j in range(bodies):
-        for which in range(1 + relaxed):
-            at = one[slot] if which else slot
-            ends = arrival[body, j, at]
-            conditions = [over == 0, ends < late, needed[body, j, at] <= left]
-            if which:
-                # Two events only where the beginning and the end of the slot differ.
-                conditions.append(
-                    (arrival[body, j, slot] != ends)
-                    | (needed[body, j, slot] != needed[body, j, at])
-                )
-            effects: list[Any] = [(body, j), (slot, ends)]
-            if j == STATION:
-                conditions.append(body != STATION)
-                effects.append((left, tank))
-            else:
-                conditions.append(todo.contains(j))
-                effects += [(left, left - needed[body, j, at]), (todo, todo.remove(j))]
-            name = f"{j}/{which}"
-            number[name] = j
-            gain = rest if j == STATION else prizes[j] + rest
-            model.add_transition(
-                dp.Transition(name=name, cost=gain, preconditions=conditions, effects=effects)
-            )
+        ends = arrival[body, j, slot]
+        conditions = [over == 0, ends < late, needed[body, j, slot] <= left]
+        effects: list[Any] = [(body, j), (slot, ends)]
+        if j == STATION:
+            conditions.append(body != STATION)
+            effects.append((left, tank))
+        else:
+            conditions.append(todo.contains(j))
+            effects += [(left, left - needed[body, j, slot]), (todo, todo.remove(j))]
+        number[str(j)] = j
+        gain = rest if j == STATION else prizes[j] + rest
+        model.add_transition(
+            dp.Transition(name=str(j), cost=gain, preconditions=conditions, effects=effects)
+        )
     # A plan may end at any time.
     model.add_transition(
         dp.Transition(name="end", cost=rest, preconditions=[over == 0], effects=[(over, 1)])
@@ -157,10 +166,7 @@ def didppy_promise(
     # Σ least times ≤ time left, and refuelling buys at most tank − c₀ of ΔV for τ₀ of time: one
     # knapsack in which a target weighs τ + λ c and the state has room for its time + λ its ΔV.
     stays = arrive[:, :, :-1] - np.arange(slots)
-    if relaxed:
-        stays = np.minimum(stays, arrive[:, :, 1:] - np.arange(slots))
-    reach = possible[:, :, :-1] | (possible[:, :, 1:] if relaxed else False)
-    tau = np.where(reach, stays, late).min(axis=(0, 2))
+    tau = np.where(possible[:, :, :-1], stays, late).min(axis=(0, 2))
     least = cost.min(axis=(0, 2))
     bought = tank - int(least[STATION])
     rate = float(tau[STATION]) / bought if bought > 0 and tau[STATION] < late else 0.0
