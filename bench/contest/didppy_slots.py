@@ -44,7 +44,7 @@ def _ends(rules, times, delta_v, end):
 def _best_ends(
     mission: adr_opt.Mission, times: np.ndarray, delta_v: np.ndarray, end: np.ndarray
 ) -> None:
-    """The same with the least ΔV and the first end of all connections that depart from a time on."""
+    """The same with the least ΔV and the first end of all that depart from a time on."""
     table, rules = mission.timetable, mission.rules
     legs = table.matrices(times, choose="earliest").duration + times[:, None, None]
     done = np.maximum(legs, rules.opens) + rules.service
