@@ -16,12 +16,12 @@ from adr_opt.result import Result, certify
 from adr_opt.stop import MaxIterations, Stop
 
 from .beam import TIME_VALUE_M_S_PER_H
-from .beams import BeamSettings
+from .beams import usual_settings
 from .proof import Certificate, Proof, bound_notes, check_options, fits_memory, set_up_s
 from .recreate import recreate
 from .relaxation.latest import Latest
 from .timely_beams import PILOT_WIDTH, Beams
-from .worth import worth_of
+from .varied_beams import varied
 
 USUAL_WIDTH = 2000
 """Of the first beam, the one that the planner ``beam`` searches."""
@@ -32,8 +32,8 @@ VARIED_WIDTH = 1000
 UNHURRIED = 0.25
 """Share of the time left that the first beam may take beside a proof."""
 
-LEAST_UNGUARDED = 1000
-"""Narrower beams are guarded, because they strand themselves."""
+MOST_GUIDED = 16
+"""Guided beams in a round."""
 
 WIDEST = 30_000
 
@@ -54,7 +54,6 @@ class _Search:
         self._rng = np.random.default_rng(seed)
         self._beams = Beams(mission, stop)
         self._widest = 0
-        self._guided = USUAL_WIDTH
         self.counters = {"beams": 0, "recreations": 0}
 
     def needed_s(self, width: int) -> float:
@@ -65,39 +64,32 @@ class _Search:
         """Search one beam with the usual settings, unless as wide a one was searched before."""
         if width > self._widest:
             self._widest = width
-            self.beam(width, vary=False)
+            self.beam(width)
 
-    def guided(self, latest: Latest) -> None:
-        """Search one beam by the times that a proof knows, wider than the one before."""
-        width, self._guided = self._guided, min(2 * self._guided, WIDEST)
-        self.beam(width, vary=self._guided == WIDEST, guide=latest)
+    def guided(self, latest: Latest, beams: int) -> None:
+        """Search some beams by the times that a proof knows."""
+        for _ in range(beams):
+            if self._certificate.proven:
+                break
+            self.varied(USUAL_WIDTH, latest)
 
-    def beam(self, width: int, vary: bool, guide: Latest | None = None) -> None:
-        """Search one beam, with the usual settings or with others near them, unguarded if wide."""
-        # The draws do not depend on the clock, so that time limits do not shift them.
-        worth = worth_of(self._mission)
-        kilometre, crowding, noise, seed = worth.kilometre_per_s, 1.7, 0.0, 0
-        guarded = True
-        if vary:
-            kilometre *= self._rng.uniform(0.6, 1.5)
-            crowding = self._rng.uniform(1.2, 2.5)
-            noise = self._rng.uniform(0.0, 0.4)
-            seed = int(self._rng.integers(2**31))
-            if width >= LEAST_UNGUARDED:
-                guarded = False
+    def beam(self, width: int) -> None:
+        """Search one beam with the usual settings."""
         if self._stop.remaining_s() <= 0.0:
             return
-        settings = BeamSettings(
-            width=width,
-            time_weight=worth.hour,
-            delta_v_weight=kilometre,
-            crowding=crowding,
-            noise=noise * worth.prize,
-            guarded=guarded,
-        )
-        if guide is not None:
-            guide = guide._replace(goal=self._certificate.goal)
-        self._certificate.offer(self._beams.search(settings, guide=guide, seed=seed))
+        self._certificate.offer(self._beams.search(usual_settings(self._mission, width)))
+        self.counters["beams"] += 1
+
+    def varied(self, width: int, latest: Latest | None = None) -> None:
+        """Search one beam with settings near the usual ones."""
+        # The draws do not depend on the clock, so that time limits do not shift them.
+        mission, settings, seed = varied(self._mission, width, self._rng)
+        if self._stop.remaining_s() <= 0.0:
+            return
+        if latest is not None:
+            latest = latest._replace(goal=self._certificate.goal)
+        found = self._beams.search(settings, guide=latest, seed=seed, mission=mission)
+        self._certificate.offer(found)
         self.counters["beams"] += 1
 
     def improve(self, recreations: int, width: int) -> None:
@@ -260,10 +252,10 @@ def auto(
                 else:
                     prover.advance()
             if prover is not None and prover.latest is not None and rounds > 1:
-                search.guided(prover.latest)
+                search.guided(prover.latest, min(2**rounds, MOST_GUIDED))
             else:
                 search.usual(max(USUAL_WIDTH, scaled(width)))
-            search.beam(scaled(width), vary=True)
+            search.varied(scaled(width))
             search.improve(recreations, scaled(width // 20))
             if advancing is not None:
                 advancing.result()

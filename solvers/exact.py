@@ -12,22 +12,24 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable
 
+import numpy as np
+
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress, get, silent
 from adr_opt.practice import practises
 from adr_opt.result import Result, certify
 from adr_opt.stop import Clock, Stop
 
-from .beam import TIME_VALUE_M_S_PER_H
-from .beams import usual_settings
 from .proof import Certificate, bound_notes, check_options, prove, prove_cost
 from .relaxation.latest import Latest
 from .timely_beams import Beams
+from .varied_beams import varied
 
-FIRST_WIDTH = 2000
-"""Of the first guided beam; each round of proof is preceded by one of twice the width."""
+WIDTH = 2000
+"""Of the guided beams that are searched before each round of proof."""
 
-WIDEST = 16_000
+FIRST_BEAMS, MOST_BEAMS = 8, 128
+"""How many before the first round, twice as many before each further one."""
 
 COST_SLOT_M_S = 50.0
 """Slot of ΔV in proofs of the least cost; they take the memory of three tables [m/s]."""
@@ -80,13 +82,20 @@ def exact(
         if not certificate.proven and not enough():
             found = get(name)(mission, seed=seed, stop=Clock(stop), progress=silent)
             certificate.offer(found.sequence or ())
-    hurried = mission.with_time_value(TIME_VALUE_M_S_PER_H)
-    beams, width = Beams(hurried, Clock(stop)), FIRST_WIDTH
+    beams, rng = Beams(mission, Clock(stop)), np.random.default_rng(seed)
+
+    number = FIRST_BEAMS
 
     def search(latest: Latest) -> None:
-        nonlocal width
-        certificate.offer(beams.search(usual_settings(hurried, width), guide=latest))
-        width = min(2 * width, WIDEST)
+        nonlocal number
+        goal = certificate.goal
+        for _ in range(number):
+            if certificate.incumbent >= goal or stop.remaining_s() <= 0.0:
+                break
+            hurried, settings, noise = varied(mission, WIDTH, rng)
+            guide = latest._replace(goal=goal)
+            certificate.offer(beams.search(settings, guide=guide, seed=noise, mission=hurried))
+        number = min(2 * number, MOST_BEAMS)
 
     counters = prove(
         mission, certificate, stop, enough, search=search,

@@ -313,7 +313,7 @@ def prove(
     proof.begin()
     while not proof.done and not enough():
         if proof.latest is not None and not certificate.proven:
-            search(proof.latest._replace(goal=certificate.goal))
+            search(proof.latest)
         proof.advance(enough)
     proof.close()
     return proof.counters

@@ -41,15 +41,20 @@ class Beams:
         return self._pace_s * width
 
     def search(
-        self, settings: BeamSettings, *, guide: Latest | None = None, seed: int = 0
+        self,
+        settings: BeamSettings,
+        *,
+        guide: Latest | None = None,
+        seed: int = 0,
+        mission: Mission | None = None,
     ) -> npt.NDArray[np.int64]:
-        """The best plan of one search."""
+        """The best plan of one search; ``mission`` may be the same one with another choice."""
         affordable = PUNCTUAL * max(0.0, self._stop.remaining_s())
         if self.needed_s(settings.width) > affordable:
             settings = replace(settings, width=max(1, int(affordable / self._pace_s)))
         began = time.perf_counter()
         found, _, _, states = beam_search(
-            self._mission, settings, guide=guide, seed=seed, stop=self._stop
+            mission or self._mission, settings, guide=guide, seed=seed, stop=self._stop
         )
         self.states += states
         if settings.width >= PILOT_WIDTH:
