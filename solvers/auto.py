@@ -211,11 +211,11 @@ def auto(
     """
     check_options("auto", delta_v_slot_m_s, jobs, most_labels)
     began = time.perf_counter()
-    mission = mission.with_time_value(time_value_m_s_per_h)
+    given, mission = mission, mission.with_time_value(time_value_m_s_per_h)
     cores = jobs or os.cpu_count() or 1
     certificate = Certificate(mission, progress)
     search = _Search(mission, seed, stop, certificate)
-    greedy = get("greedy-guarded")(mission, seed=seed, stop=MaxIterations(1), progress=silent)
+    greedy = get("greedy-guarded")(given, seed=seed, stop=MaxIterations(1), progress=silent)
     certificate.offer(greedy.sequence or ())
     if start is not None:
         certificate.offer(start)
