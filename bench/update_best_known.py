@@ -6,7 +6,8 @@
     python bench/update_best_known.py --plan nominal-042 --out plan.json
 
 An instance, given as a file, by its name in the library or with its family, is solved with a
-planner and a bound side by side; a plan file, or what `bound --json` printed, is taken as it is. A
+planner and a bound side by side, or by a planner that proves by itself (`--method exact --bound
+none`); a plan file, or what `bound --json` printed, is taken as it is. A
 row changes only for the better: a plan that collects more (or as much with less ΔV) and that
 `check` finds nothing wrong with, a bound that is lower. Each row is written when it is found;
 `--missing` leaves out the instances that have a plan and a bound already, so that an interrupted
@@ -49,6 +50,9 @@ from adr_opt.tolerance import RELATIVE, meets, tolerance
 
 FOLDER = Path(__file__).resolve().parents[1] / "instances"
 WHO = "the adr-opt developers"
+ALONE = "none"
+"""Stands for no bound beside the planner, whose own one counts."""
+
 PLAN_FORMATS = "adr-opt-plan/"
 """Begins the format of plan files, of this one and of former ones."""
 
@@ -370,16 +374,18 @@ def claim_of(given: str, arguments: argparse.Namespace) -> Claim:
 
 
 def solved(instance: Instance, arguments: argparse.Namespace) -> Claim:
-    """What planner and bound find side by side."""
+    """What planner and bound find side by side, or a planner that proves by itself."""
+    alone = arguments.bound == ALONE
     result = front.run(
         PLANNERS,
         instance,
         arguments.method,
-        bound=arguments.bound,
+        bound=None if alone else arguments.bound,
         time_limit=arguments.time_limit,
         seed=arguments.seed,
     )
-    return Claim(instance, result.plan, result.upper_bound, arguments.bound, versions())
+    by = arguments.method if alone else arguments.bound
+    return Claim(instance, result.plan, result.upper_bound, by, versions())
 
 
 def write_plan(folder: Path, name: str, out: Path) -> None:
@@ -444,7 +450,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--missing", action="store_true", help="skip what has plan and bound")
     parser.add_argument("--time-limit", type=float, default=60.0, metavar="S", help="per instance")
     parser.add_argument("--method", default="auto", help="planner for instances")
-    parser.add_argument("--bound", default="lagrangian", help="bound for instances")
+    parser.add_argument(
+        "--bound", default="lagrangian", help="bound beside it; none: the planner's own"
+    )
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--folder", type=Path, default=FOLDER, help="folder of the table")
     parser.add_argument("--plan", metavar="NAME", help="write the best-known plan to --out instead")
