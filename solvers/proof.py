@@ -299,8 +299,9 @@ def prove(
     search : callable
         Looks for a better plan before each round.
     """
-    late = stop.remaining_s() < set_up_s(mission)
-    if certificate.proven or enough() or late or not fits_memory(mission):
+    if certificate.proven or enough() or stop.remaining_s() < set_up_s(mission):
+        return {"evaluations": 0, "searches": 0, "labels": 0}
+    if not fits_memory(mission):
         return {"evaluations": 0, "searches": 0, "labels": 0}
     proof = Proof(
         mission,
