@@ -66,6 +66,11 @@ def pairs(seed: int = 0):
         yield i, j, pair, departure, lead
 
 
+def best_sequence(pair, rule, departure, lead):
+    """The sequence chosen by someone whom no window keeps waiting and no deadline hurries."""
+    return transfer.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
+
+
 def test_node_line():
     """The line of nodes lies in both planes, and theta is the angle between the normals."""
     rng = np.random.default_rng(1)
@@ -128,7 +133,7 @@ def test_phase_condition():
     rule = make_rule()
     found = 0
     for i, j, pair, departure, lead in pairs(3):
-        best = transfer.best_sequence(pair, rule, departure, lead)
+        best = best_sequence(pair, rule, departure, lead)
         if not math.isfinite(best.delta_v):
             continue
         found += 1
@@ -172,7 +177,7 @@ def test_choice_is_the_least_cost_of_all(time_value):
     for number, (i, j, pair, departure, lead) in enumerate(pairs(4)):
         if number % 15:
             continue
-        best = transfer.best_sequence(pair, rule, departure, lead)
+        best = best_sequence(pair, rule, departure, lead)
         costs = sorted(every_sequence(pair, rule, lead))
         if not costs:
             assert math.isinf(best.delta_v), (i, j)
@@ -182,6 +187,41 @@ def test_choice_is_the_least_cost_of_all(time_value):
         ), (i, j, departure)
         if len(costs) == 1 or costs[1][0] > costs[0][0] + 1e-6:
             assert best.revolutions == costs[0][2], (i, j, departure)
+
+
+@pytest.mark.parametrize("time_value", [0.0, 20.0, 300.0])
+def test_choice_keeps_to_a_window(time_value):
+    """A sequence too long for the deadline is out, and one too short for the opening waits."""
+    rule = make_rule(time_value_m_s_per_h=time_value)
+    rng = np.random.default_rng(10)
+    waits = out = none = 0
+    for number, (i, j, pair, departure, lead) in enumerate(pairs(4)):
+        if number % 15:
+            continue
+        every = list(every_sequence(pair, rule, lead))
+        if not every:
+            continue
+        # Between the shortest and the longest sequence, but not where rounding decides.
+        shortest, longest = min(row[1] for row in every), max(row[1] for row in every)
+        earliest, latest = rng.uniform(shortest - 1e3, longest + 1e3, 2)
+        best = transfer.best_sequence(pair, rule, departure, lead, earliest, latest)
+        costs = sorted(
+            (delta_v + rule.time_value * max(time, earliest), time, k)
+            for _, time, k, delta_v in every
+            if time <= latest
+        )
+        out += len(costs) < len(every)
+        if not costs:
+            assert math.isinf(best.delta_v), (i, j)
+            none += 1
+            continue
+        stated = best.delta_v + rule.time_value * max(best.flight_time, earliest)
+        assert stated == pytest.approx(costs[0][0], rel=1e-10), (i, j, departure)
+        assert best.flight_time <= latest
+        waits += best.flight_time < earliest
+    assert waits > 10
+    assert out > 50
+    assert none > 0
 
 
 def test_floor_is_below_every_sequence():
@@ -198,7 +238,7 @@ def test_burns_add_up_to_the_cost():
     """The magnitudes of the burn vectors sum to the ΔV, in time order from the departure on."""
     rule = make_rule(laps=1.5)
     for i, j, pair, departure, lead in pairs(6):
-        best = transfer.best_sequence(pair, rule, departure, lead)
+        best = best_sequence(pair, rule, departure, lead)
         if not math.isfinite(best.delta_v):
             continue
         times, vectors, phases = burn_kernels.burns(
@@ -223,7 +263,7 @@ def test_blocked_sequences_touch_a_zone_and_others_do_not():
     for number, (i, j, pair, departure, lead) in enumerate(pairs(8)):
         if number % 6 or number > 1800:
             continue
-        best = transfer.best_sequence(pair, rule, departure, lead)
+        best = best_sequence(pair, rule, departure, lead)
         if not math.isfinite(best.delta_v):
             continue
         bottom = rng.uniform(min(i[0], j[0]) - 30e3, max(i[0], j[0]) + 30e3)
@@ -290,12 +330,12 @@ def test_zone_makes_the_next_best_fly():
     for number, (_, _, pair, departure, lead) in enumerate(pairs(9)):
         if number % 10:
             continue
-        best = transfer.best_sequence(pair, rule, departure, lead)
+        best = best_sequence(pair, rule, departure, lead)
         if not math.isfinite(best.delta_v) or best.revolutions == 0:
             continue
         r = best.phasing_radius
         zoned = make_rule(zones=[(r - 50.0, r + 50.0, -1e9, 1e9)])
-        other = transfer.best_sequence(pair, zoned, departure, lead)
+        other = best_sequence(pair, zoned, departure, lead)
         if not math.isfinite(other.delta_v):
             continue
         detours += 1
