@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hand_made import BEYOND, FAR, NORTH, OPTIMAL_PLAN, OPTIMUM, PERIOD_S, SOUTH, STATION, hand_made
+from random_rules import random_mission
 
 import adr_opt
+from adr_opt.chasers import AtStation, InOrbit
 from adr_opt.kernels import rules as kernels
 
 
@@ -16,11 +18,13 @@ def mission() -> adr_opt.Mission:
 
 
 def legal(mission, body, time, left, since_refuel, visited=()) -> set[int]:
+    """All legal moves of a chaser that has done some targets."""
     rules = mission.rules
     done = np.zeros(len(mission.names), dtype=bool)
     done[list(visited)] = True
     mask = np.empty_like(done)
-    count = kernels.legal_moves(rules, body, time, left, since_refuel, done, mask)
+    state = kernels.State(body, time, left, since_refuel, len(visited))
+    count = kernels.legal_moves(rules, state, done, mask)
     assert count == mask.sum()
     return set(np.flatnonzero(mask))
 
@@ -100,27 +104,104 @@ def test_replay_stops_at_the_first_illegal_move(mission):
         assert mission.time(sequence).made == made, sequence
 
 
-def test_steps_agree_with_legal_moves():
-    """Random walks over legal moves replay exactly; one illegal move is never accepted."""
+def replayed(mission, sequence):
+    """How many moves of a sequence can be made, their ΔV, and the state then."""
+    rules = mission.rules
+    visited = np.zeros(len(mission.names), dtype=bool)
+    moves = np.array(sequence, dtype=np.int64)
+    ends, lefts = np.empty((2, moves.size))
+    return kernels.replay(rules, moves, kernels.beginning(rules), visited, ends, lefts)
+
+
+def random_walks(walks=8):
+    """Random walks over legal moves of missions with all kinds of rules: mission, sequence, state.
+
+    Legal moves are looked up anew before each move.
+    """
     rng = np.random.default_rng(0)
-    for seed in range(5):
-        mission = adr_opt.Mission(adr_opt.generate("tiny", seed, zones=2))
+    instances = [random_mission(seed) for seed in range(40)]
+    instances += [adr_opt.generate("tiny", seed, zones=2) for seed in range(5)]
+    instances.append(hand_made(periods=60.0, delta_v_m_s=900.0))
+    for instance in instances:
+        mission = adr_opt.Mission(instance)
         rules = mission.rules
-        size = len(mission.names)
-        for _ in range(40):
-            sequence, visited, since = [], set(), 0
-            body, time, left = STATION, 0.0, rules.budget
+        for _ in range(walks):
+            sequence, state = [], kernels.beginning(rules)
             while True:
-                moves = legal(mission, body, time, left, since, visited)
-                for j in set(range(size)) - moves:
-                    assert mission.time([*sequence, j]).made == len(sequence)
+                done = {j for j in sequence if not rules.is_station[j]}
+                moves = legal(mission, state.body, state.time, state.left, state.since, done)
+                yield mission, sequence, state, moves
                 if not moves:
                     break
-                j = int(rng.choice(sorted(moves)))
-                sequence.append(j)
-                timing = mission.time(sequence)
-                assert timing.made == len(sequence)
-                body, time, left = j, float(timing.ends[-1]), float(timing.lefts[-1])
-                since = 0 if j == STATION else since + 1
-                visited |= {j} - {STATION}
-            assert time <= rules.duration
+                sequence = [*sequence, int(rng.choice(sorted(moves)))]
+                made, _, state = replayed(mission, sequence)
+                assert made == len(sequence)
+
+
+def test_steps_agree_with_legal_moves():
+    """Random walks over legal moves replay exactly; one illegal move is never accepted."""
+    longest = 0
+    for mission, sequence, state, moves in random_walks():
+        for j in set(range(len(mission.names))) - moves:
+            assert replayed(mission, [*sequence, j])[0] == len(sequence)
+        targets = [j for j in sequence if not mission.rules.is_station[j]]
+        assert len(set(targets)) == len(targets) == state.serviced
+        assert state.time <= mission.rules.duration
+        longest = max(longest, len(sequence))
+    assert longest > 4
+
+
+def test_what_steps_can_do_a_schedule_can_do_as_cheaply():
+    """The best schedule of an order makes at least the moves that the layer's connections make.
+
+    And if it makes them all it costs no more, since those connections are some of all.
+    """
+    compared = cheaper = 0
+    for mission, sequence, state, moves in random_walks(3):
+        if moves or not sequence:
+            continue
+        schedule = mission.time(sequence)
+        _, delta_v, _ = replayed(mission, sequence)
+        cost = state.time if mission.instance.objective.cost == "duration" else delta_v
+        assert schedule.made == len(sequence)
+        assert schedule.cost <= cost + 1e-6
+        compared += 1
+        cheaper += schedule.cost < cost - 1e-3
+    assert compared > 50
+    assert cheaper > 20
+
+
+def test_guard_asks_every_station():
+    """The way back is open if it leads to any station, and shut if the only near one is useless."""
+    instance = hand_made()
+    (station,) = instance.stations
+    near = station.replace(name="near beyond", orbit=instance.targets[1].orbit)
+    remote = station.replace(name="remote", orbit=instance.targets[3].orbit)
+    for others, expected in (((), False), ((near,), True), ((remote,), False)):
+        mission = adr_opt.Mission(instance.replace(stations=(station, *others)))
+        body = mission.names.index("beyond")
+        assert kernels.has_way_back(mission.rules, kernels.State(body, 2e4, 40.0, 1, 1)) == expected
+    adrift = instance.chaser.replace(start=InOrbit(orbit=station.orbit))
+    mission = adr_opt.Mission(instance.replace(stations=(), chasers=(adrift,)))
+    assert kernels.has_way_back(mission.rules, kernels.State(BEYOND, 2e4, 40.0, 1, 1))
+
+
+def test_guard_lets_go_at_the_end(mission):
+    """When no service fits after a refuelling any more, no way back is asked for."""
+    last = mission.rules.duration - mission.rules.shortest_sortie
+    for time, expected in ((last - 5.0 * PERIOD_S, False), (last - 2.0 * PERIOD_S, True)):
+        state = kernels.State(BEYOND, time, 40.0, 1, 1)
+        assert kernels.has_way_back(mission.rules, state) == expected
+
+
+def test_no_move_leads_away_from_the_end_for_good():
+    """Where the mission has to end at a station, a move after which none is reached is illegal."""
+    instance = hand_made()
+    ends = instance.chaser.replace(end=AtStation(station="station"))
+    mission = adr_opt.Mission(instance.replace(chasers=(ends,)))
+    # Of 300 m/s some 263 go to beyond, and as much would be the way back.
+    assert legal(mission, STATION, 0.0, 300.0, 0) == {NORTH, SOUTH}
+    # In the last eight periods two moves have time, and three do not.
+    late = mission.rules.duration - 8.0 * PERIOD_S
+    assert legal(mission, STATION, late, 1e5, 0) == {NORTH, BEYOND, SOUTH, FAR}
+    assert legal(mission, NORTH, late + 3.0 * PERIOD_S, 1e5, 1, [NORTH]) == {STATION}

@@ -228,16 +228,17 @@ def may_go(rules, state, visited, destination):
 def has_way_back(rules, state):
     """The guard: whether a chaser at a target can still refuel, or need not any more.
 
-    It need not when nothing could be serviced after refuelling before the mission ends. A mission
-    without stations knows no guard.
+    It need not when nothing could be serviced after refuelling, at any station, before the mission
+    ends. A mission without stations knows no guard.
     """
-    if rules.stations == 0:
-        return True
+    worth_it = False
     for s in range(rules.stations):
         _, back, refuelled = fits(rules, state.body, state.time, state.left, s)
-        if back <= state.left or refuelled > rules.duration - rules.shortest_sortie:
+        if back <= state.left:
             return True
-    return False
+        if refuelled <= rules.duration - rules.shortest_sortie:
+            worth_it = True
+    return not worth_it
 
 
 @kernel
