@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import every_sequence
+import judge
 import pytest
-from hand_made import OPTIMAL_PLAN, hand_made
+from hand_made import OPTIMAL_PLAN, PERIOD_S, hand_made
 from plans import with_legs
 
 import adr_opt
@@ -58,15 +60,51 @@ def test_every_number_of_a_leg_is_checked(mission, plan, field, by, rule):
         assert rule in rules_broken(mission, wrong), number
 
 
-def test_later_event_is_not_the_next(mission, plan):
-    """A departure one event late is a crossing of the node, but not the next one."""
-    half = adr_opt.Timetable(mission.instance).table.spacing[0]
+def test_any_event_from_ready_on_may_be_taken(plan):
+    """A leg may leave at a later crossing of the node, but not at one before the chaser is ready.
+
+    Half a revolution later bodies that move alike are all on the other side of the Earth.
+    """
+    instance = hand_made(periods=20.0)
+    plan = plan.replace(instance=plan.instance.replace(sha256=instance.sha256))
     leg = plan.legs[3]
-    late = leg.replace(
-        departure_s=leg.departure_s + half, arrival_s=leg.arrival_s + half, end_s=leg.end_s + half
-    )
-    violations = adr_opt.check(mission.instance, with_legs(plan, (*plan.legs[:3], late)))
-    assert any("next event" in violation.message for violation in violations)
+    for events, refused in ((1, False), (3, False), (-1, True)):
+        by = events * 0.5 * PERIOD_S
+        burns = tuple(
+            burn.replace(
+                time_s=burn.time_s + by, delta_v_m_s=tuple(-part for part in burn.delta_v_m_s)
+            )
+            for burn in leg.burns
+        )
+        moved = leg.replace(
+            departure_s=leg.departure_s + by,
+            arrival_s=leg.arrival_s + by,
+            end_s=leg.end_s + by,
+            burns=burns,
+        )
+        violations = adr_opt.check(instance, with_legs(plan, (*plan.legs[:3], moved)))
+        assert [violation.rule for violation in violations] == ["departure"] * refused, events
+        assert all("before the chaser is ready" in violation.message for violation in violations)
+
+
+def test_any_flyable_sequence_may_be_taken():
+    """Every (k, m) of a departure is accepted, at its own ΔV, and none at another one's."""
+    instance = adr_opt.generate("tiny", 1).with_limits(delta_v_m_s=1e4)
+    accepted = 0
+    for sequence in every_sequence.of_pair(instance, 0, 2, 0.0, 6000.0)[0]:
+        plan = judge.plan_of(instance, [(0, 2, sequence)])
+        assert adr_opt.check(instance, plan) == ()
+        accepted += 1
+        leg = plan.legs[0]
+        for changes in (
+            {
+                "delta_v_m_s": leg.delta_v_m_s - 0.01,
+                "delta_v_left_m_s": leg.delta_v_left_m_s + 0.01,
+            },
+            {"phasing_revolutions": leg.phasing_revolutions + 1},
+        ):
+            assert adr_opt.check(instance, with_legs(plan, (leg.replace(**changes),))) != ()
+    assert accepted > 5
 
 
 def test_burns_are_checked(mission, plan):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from functools import cache
@@ -10,9 +11,11 @@ import numpy as np
 import pytest
 from altitude_profile import Burns, coasts, crosses, on_circle, profile
 from brute_force import brute_force
+from every_sequence import Flown, of_pair
 from hand_made import OPTIMAL_PLAN, PERIOD_S, hand_made
 
 import adr_opt
+from adr_opt.connections import Connecting
 from adr_opt.errors import MissingExtra
 from adr_opt.generator import by_name
 from adr_opt.instance import Instance
@@ -22,7 +25,7 @@ from adr_opt.mission import Mission
 from adr_opt.orbit import Orbit
 from adr_opt.plan import InstanceReference, Leg
 from adr_opt.planner import BOUNDS, PLANNERS, names
-from adr_opt.settings import KeepOutZone
+from adr_opt.settings import KeepOutZone, Objective
 
 MARGIN_M, MARGIN_S = 1.0, 0.01
 """Rounding, far below what a zone measures."""
@@ -101,76 +104,72 @@ def test_zones_bite() -> None:
     assert crossed > 10
 
 
-def entries(plain: Mission, zoned: Mission, number: int) -> Iterator[tuple[bool, bool, Leg, Leg]]:
-    """Entries of the timetable at random, with and without zones: differs, exists, both legs."""
+def burns_of(instance: Instance, i: int, j: int, sequence: Flown) -> Burns:
+    elements, extra = instance.orbits(), instance.eccentricity_delta_v()
+    times, vectors, phases = burn_kernels.burns_between(
+        elements[i], elements[j], extra[i, j], instance.transfer_rule(),
+        sequence.departure, sequence.arrival, sequence.revolutions,
+    )  # fmt: skip
+    return [
+        (float(time), (float(vector[0]), float(vector[1]), float(vector[2])), PHASES[phase])
+        for time, vector, phase in zip(times, vectors, phases, strict=True)
+    ]
+
+
+def random_pairs(instance: Instance, number: int) -> Iterator[tuple[int, int, float]]:
+    """Two bodies and a time, at random."""
     rng = np.random.default_rng(3)
-    first, second = plain.timetable.table, zoned.timetable.table
-    elements, extra, rule = plain.transfer_inputs
-    _, _, zoned_rule = zoned.transfer_inputs
-    size = len(plain.names)
     for _ in range(number):
-        i, j = rng.choice(size, 2, replace=False)
-        event = int(rng.integers(0, first.total[i, j]))
-        made = []
-        for rules in (rule, zoned_rule):
-            revolutions, times, vectors, phases = burn_kernels.burns_of_event(
-                elements[i], elements[j], extra[i, j], rules, event
-            )
-            made.append((revolutions, times, vectors, phases))
-        exists = bool(np.isfinite(second.entries[i, event, j, 0]))
-        differs = not np.array_equal(first.entries[i, event, j], second.entries[i, event, j])
-        yield (
-            differs,
-            exists,
-            *(
-                Leg(
-                    origin=plain.names[i],
-                    destination=plain.names[j],
-                    ready_s=0.0,
-                    departure_s=float(times[0]),
-                    arrival_s=float(times[-1]),
-                    end_s=float(times[-1]),
-                    delta_v_m_s=float(np.linalg.norm(vectors, axis=1).sum()),
-                    delta_v_left_m_s=0.0,
-                    phasing_revolutions=int(revolutions),
-                    burns=[
-                        {
-                            "time_s": float(t),
-                            "delta_v_m_s": tuple(map(float, v)),
-                            "phase": PHASES[p],
-                        }
-                        for t, v, p in zip(times, vectors, phases, strict=True)
-                    ],
-                )
-                if revolutions >= 0
-                else None
-                for revolutions, times, vectors, phases in made
-            ),
-        )
+        i, j = rng.choice(len(instance.names), 2, replace=False)
+        yield int(i), int(j), float(rng.uniform(0.0, instance.mission.duration_s))
 
 
 def test_a_sequence_is_dropped_exactly_if_it_crosses() -> None:
-    """Over hundreds of entries, the timetable differs from the one without zones just there."""
-    plain, zoned = mission(2, 0), mission(2, 12)
-    zones = zoned.instance.keep_out_zones
-    changed = detours = nothing = 0
-    for differs, exists, without, within in entries(plain, zoned, 800):
-        if without is None:
-            assert not exists
-            continue
-        if differs:
-            assert crossing(plain.instance, without, zones, 1), without
-            changed += 1
-            nothing += not exists
-        else:
-            assert not crossing(plain.instance, without, zones, -1), without
-        if exists:
-            assert within is not None
-            assert not crossing(zoned.instance, within, zones, -1), within
-            detours += differs
-    assert changed > 50
-    assert detours > 10
-    assert nothing > 10
+    """Of thousands of sequences, those are left out whose altitude profile enters an open zone."""
+    plain, zoned = mission(2, 0).instance, mission(2, 12).instance
+    of = orbits(plain.name)
+    dropped = left = 0
+    for i, j, since in random_pairs(plain, 60):
+        until = since + 6000.0
+        kept = {
+            (sequence.departure, sequence.arrival, sequence.revolutions)
+            for event in of_pair(zoned, i, j, since, until)
+            for sequence in event
+        }
+        origin, destination = of[plain.names[i]], of[plain.names[j]]
+        for sequence in itertools.chain(*of_pair(plain, i, j, since, until)):
+            burns = burns_of(plain, i, j, sequence)
+            there = (sequence.departure, sequence.arrival, sequence.revolutions) in kept
+            sign = -1 if there else 1
+            crossed = crosses(
+                origin, destination, burns, zoned.keep_out_zones, sign * MARGIN_M, sign * MARGIN_S
+            )
+            assert crossed != there, (i, j, sequence)
+            dropped, left = dropped + crossed, left + there
+    assert dropped > 200
+    assert left > 200
+
+
+def test_no_connection_crosses() -> None:
+    """None of the connections that schedules choose from leads through an open zone."""
+    instance = mission(2, 12).instance
+    of = orbits(instance.name)
+    timetable = Connecting(instance)
+    count = 0
+    for i, j, _ in random_pairs(instance, 10):
+        origin, destination = of[instance.names[i]], of[instance.names[j]]
+        found = timetable.of_pair(i, j, 0.0)
+        rows = zip(found.departure, found.arrival, found.delta_v, found.revolutions, strict=True)
+        for departure, arrival, delta_v, revolutions in itertools.islice(rows, 0, None, 10):
+            sequence = Flown(departure, arrival, delta_v, int(revolutions), math.nan)
+            burns = burns_of(instance, i, j, sequence)
+            assert not crosses(
+                origin, destination, burns, instance.keep_out_zones, -MARGIN_M, -MARGIN_S
+            )
+            spent = sum(math.hypot(*vector) for _, vector, _ in burns)
+            assert spent == pytest.approx(delta_v, abs=1e-6)
+            count += 1
+    assert count > 300
 
 
 def test_check_finds_the_legs_that_cross() -> None:
@@ -214,16 +213,30 @@ def test_waiting_and_service_are_exempt() -> None:
 
 
 @pytest.mark.parametrize(
-    ("start", "end", "made"),
-    [(-1.0, 1e-6, 0), (1.9, 2.5, 0), (2.1, 3.6, 1), (5.4, 5.45, 1), (8.9, 9.0, 2)],
+    ("start", "end", "leg", "departs", "ends"),
+    [
+        (-1.0, 1e-6, 0, 0.5, 14.0),
+        (1.9, 2.4, 0, 2.5, 16.0),
+        (2.1, 3.6, 1, 4.0, 14.0),
+        (5.4, 5.45, 1, 5.5, 15.5),
+        (8.9, 8.95, 2, 9.0, 15.5),
+    ],
 )
-def test_departure_and_arrival_are_not_exempt(start: float, end: float, made: int) -> None:
-    """A leg may neither leave nor reach an orbit that is closed then.
+def test_departure_and_arrival_are_not_exempt(
+    start: float, end: float, leg: int, departs: float, ends: float
+) -> None:
+    """A leg may neither leave nor reach an orbit that is closed then: the chaser waits.
 
-    There is no waiting for it to open: the transfer at that departure event does not exist.
+    It leaves at the first departure event at which the whole leg is clear.
     """
-    mission = closed(start, end)
-    assert mission.time(OPTIMAL_PLAN).made == made
+    instance = hand_made(periods=20.0).replace(
+        keep_out_zones=(zone(start * PERIOD_S, end * PERIOD_S),),
+        objective=Objective(cost="duration"),
+    )
+    schedule = Mission(instance).time(OPTIMAL_PLAN)
+    assert schedule.departures[leg] / PERIOD_S == pytest.approx(departs, abs=1e-6)
+    assert schedule.ends[-1] / PERIOD_S == pytest.approx(ends, abs=1e-3)
+    assert schedule.lefts == pytest.approx([168.4, 300.0, 168.4, 36.8], abs=0.2)
 
 
 def test_a_chaser_shut_in_for_good_stays() -> None:
