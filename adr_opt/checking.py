@@ -274,6 +274,14 @@ def _check_transfer(
             "eccentricity",
             f"eccentricity_delta_v_m_s = {leg.eccentricity_delta_v_m_s!r}, but it is {extra!r}",
         )
+    if transfer.is_blocked(pair, rule, laps, radius, departure) and not any(
+        True for _ in crossed(instance, leg)
+    ):
+        yield Violation(
+            number,
+            "zone",
+            "touches the edge of a keep-out zone while that is closed; edges belong to zones",
+        )
     times, vectors, phases = burn_kernels.burns(
         elements[i], elements[j], pair, rule, departure, laps, radius
     )

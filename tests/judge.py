@@ -19,7 +19,6 @@ from every_sequence import Flown
 
 import adr_opt
 from adr_opt.instance import Instance
-from adr_opt.keep_out import crossed
 from adr_opt.kernels import burns, orbits
 from adr_opt.plan import Burn, InstanceReference, Leg, Plan, Route, Unvisited
 
@@ -99,7 +98,7 @@ def _extend(
 
 
 def _legs(instance: Instance, i: int, j: int) -> list[Flown]:
-    """The sequences of a pair that cross no zone, but those that another one dominates."""
+    """The sequences of a pair that no zone forbids, but those that another one dominates."""
     last = instance.mission.duration_s
     open_everywhere = instance.replace(keep_out_zones=())
     events = every_sequence.of_pair(open_everywhere, i, j, -NEAR_S, last)
@@ -110,8 +109,8 @@ def _legs(instance: Instance, i: int, j: int) -> list[Flown]:
         ):
             continue
         if instance.keep_out_zones:
-            (stated,) = plan_of(instance, ((i, j, leg),)).legs
-            if any(crossed(instance, stated)):
+            violations = adr_opt.check(instance, plan_of(instance, ((i, j, leg),)))
+            if any(violation.rule == "zone" for violation in violations):
                 continue
         kept.append(leg)
     return kept

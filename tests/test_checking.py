@@ -11,6 +11,7 @@ from plans import with_legs
 import adr_opt
 from adr_opt.plan import Plan, Unvisited
 from adr_opt.result import certify
+from adr_opt.settings import KeepOutZone
 
 
 @pytest.fixture(scope="module")
@@ -105,6 +106,22 @@ def test_any_flyable_sequence_may_be_taken():
         ):
             assert adr_opt.check(instance, with_legs(plan, (leg.replace(**changes),))) != ()
     assert accepted > 5
+
+
+def test_the_edges_of_zones_are_checked(plan):
+    """A leg that arrives in the moment in which a zone closes is refused, and not one before it."""
+    last = plan.legs[-1]
+    for early, refused in ((0.0, True), (1e-3, False)):
+        zone = KeepOutZone(
+            min_altitude_m=699e3,
+            max_altitude_m=701e3,
+            start_s=last.arrival_s + early,
+            end_s=last.arrival_s + 1e3,
+        )
+        instance = hand_made().replace(keep_out_zones=(zone,))
+        stated = plan.replace(instance=plan.instance.replace(sha256=instance.sha256))
+        found = [(one.leg, one.rule) for one in adr_opt.check(instance, stated)]
+        assert found == [(4, "zone")] * refused
 
 
 def test_burns_are_checked(mission, plan):
