@@ -103,7 +103,8 @@ def _plan(
         if not math.isfinite(weight) or weight < 0.0:
             raise InputError(f"option {what} = {weight!r} of method {name!r}: must be ≥ 0")
     start = time.perf_counter()
-    if time_value_m_s_per_h >= 0.0:
+    # What is below 0 stands for the default; what is no number is for the mission to refuse.
+    if not time_value_m_s_per_h < 0.0:
         mission = mission.with_time_value(time_value_m_s_per_h)
     rules = mission.rules
     nothing = np.empty(0, dtype=np.int64)

@@ -20,7 +20,7 @@ from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
 from solvers import auto as auto_module
 from solvers import timely_beams
 from solvers.auto import auto
-from solvers.beam import beam
+from solvers.beam import TIME_VALUE_M_S_PER_H, beam
 
 TINY = sorted((Path(__file__).parents[1] / "instances" / "tiny").glob("*.json"))
 
@@ -149,7 +149,7 @@ def test_interrupted_at_once() -> None:
     assert time.perf_counter() - began < 5.0
     assert result.plan is not None
     assert adr_opt.check(mission.instance, result.plan) == ()
-    greedy = adr_opt.solve(mission, "greedy-guarded")
+    greedy = adr_opt.solve(mission, "greedy-guarded", time_value_m_s_per_h=TIME_VALUE_M_S_PER_H)
     assert result.objective == greedy.objective
     assert result.counters["rounds"] == 0
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from brute_force import brute_force
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
+from on_a_layer import best_on_layer
 
 import adr_opt
 from adr_opt.errors import InputError
@@ -22,7 +23,7 @@ from adr_opt.planner import silent
 from adr_opt.result import Result
 from adr_opt.stop import Interrupted, MaxIterations, MaxRuntime
 from solvers import timely_beams
-from solvers.beam import beam
+from solvers.beam import TIME_VALUE_M_S_PER_H, beam
 from solvers.beams import BeamSettings, beam_search, usual_settings
 from solvers.relaxation.latest import latest_of
 from solvers.relaxation.walks import WalkBound
@@ -58,10 +59,9 @@ def nominal() -> Mission:
 
 
 @pytest.mark.parametrize("width", [5, 50, 3000])
-@pytest.mark.parametrize("guided", [False, True])
-def test_finds_the_worked_out_optimum(width: int, guided: bool) -> None:
+def test_finds_the_worked_out_optimum(width: int) -> None:
     """A beam of width 5 or more finds the only optimal plan of the hand-made instance."""
-    result = plan(Mission(hand_made(), threads=1), width=width, guided=guided)
+    result = plan(Mission(hand_made(), threads=1), width=width)
     assert result.sequence == OPTIMAL_PLAN
     assert result.objective == OPTIMUM
 
@@ -142,14 +142,14 @@ def test_time_enough_changes_nothing(nominal: Mission) -> None:
 
 
 def test_wide_enough_for_small_fields() -> None:
-    """Width 200 finds nearly all that there is on tiny instances, and never more."""
+    """Width 200 finds nearly all that its layer has on tiny instances, and never more."""
     instances = [adr_opt.load(path) for path in TINY] + [variant(seed) for seed in range(20)]
     found = possible = 0.0
     for instance in instances:
         mission = Mission(instance, threads=1)
-        best, _, _ = brute_force(mission)
+        best = best_on_layer(mission, TIME_VALUE_M_S_PER_H)
         value = plan(mission, width=200).objective
-        assert value <= best + 1e-9
+        assert value <= best + 1e-9 <= brute_force(mission)[0] + 2e-9
         found, possible = found + value, possible + best
     assert found >= 0.98 * possible
 
@@ -216,21 +216,21 @@ def test_prefix_is_kept(nominal: Mission, keep: int) -> None:
     settings = BeamSettings(100, 0.17, 0.38)
     whole = plan(nominal, width=100).sequence
     assert whole is not None
-    prefix = np.array(whole[:keep], dtype=np.int64)
+    prefix = whole[:keep]
     found, value, delta_v, _ = beam_search(nominal, settings, prefix=prefix)
     assert tuple(found[:keep]) == whole[:keep]
     timing = nominal.time(found)
     assert timing.made == len(found) > keep
     assert timing.objective == value
-    assert timing.delta_v == pytest.approx(delta_v)
+    # The plan as a whole may be flown at a better schedule than the search knows.
+    assert timing.delta_v <= delta_v + 1e-6
 
 
 def test_prefix_of_everything() -> None:
     """A beginning that visits all targets comes back as it is."""
     mission = Mission(hand_made(periods=40.0), threads=1)
     _, _, whole = brute_force(mission)
-    prefix = np.array(whole, dtype=np.int64)
-    found, value, _, _ = beam_search(mission, BeamSettings(10, 0.17, 0.38), prefix=prefix)
+    found, value, _, _ = beam_search(mission, BeamSettings(10, 0.17, 0.38), prefix=whole)
     assert tuple(found) == whole
     assert value == 3.0
 

@@ -61,16 +61,20 @@ def test_time_alone_is_a_cost() -> None:
     mission = Mission(adr_opt.generate("nominal", 0), threads=1)
     first = {}
     for name, weights in (("ΔV", {}), ("time", {"alpha": 0.0, "beta": 1.0})):
-        leg = plan(mission, "greedy", **weights).plan.legs[0]  # type: ignore[union-attr]
-        first[name] = (leg.delta_v_m_s, leg.arrival_s)
+        sequence = plan(mission, "greedy", **weights).sequence
+        assert sequence
+        first[name] = mission.timetable.lookup(STATION, sequence[0], 0.0)
     assert first["time"][1] < first["ΔV"][1]
     assert first["time"][0] > first["ΔV"][0]
+    arrivals = [mission.timetable.lookup(STATION, j, 0.0)[1] for j in range(1, 51)]
+    assert first["time"][1] == min(arrivals)
 
 
 def test_first_move_is_the_cheapest(fields: list[Mission]) -> None:
-    """Published greedy's first leg costs no more ΔV than any other leg from the station."""
+    """No target is cheaper to go to at first by the connections that greedy chooses from."""
     mission = fields[0]
-    delta_v = [mission.time([j]).delta_v for j in range(1, len(mission.names))]
+    targets = range(1, len(mission.names))
+    delta_v = [mission.timetable.lookup(STATION, j, 0.0)[0] for j in targets]
     result = plan(mission, "greedy")
     assert result.sequence is not None
     assert result.sequence[0] == 1 + int(np.argmin(delta_v))
@@ -101,3 +105,19 @@ def test_bad_weights_are_refused(hand: Mission, method: str, option: str, value:
     """A weight that is negative or no number is refused, and the sentence names it."""
     with pytest.raises(InputError, match=f"option {option} = .* of method '{method}'"):
         plan(hand, method, **{option: value})
+
+
+@pytest.mark.parametrize("method", ["greedy", "greedy-guarded"])
+def test_another_time_value_is_another_layer(fields: list[Mission], method: str) -> None:
+    """A time value makes greedy choose from other connections; the instance's own is the default.
+
+    What is no finite number is refused.
+    """
+    mission = fields[0]
+    usual = plan(mission, method)
+    own = mission.instance.time_value_m_s_per_h
+    assert plan(mission, method, time_value_m_s_per_h=own).sequence == usual.sequence
+    assert plan(mission, method, time_value_m_s_per_h=1000.0).sequence != usual.sequence
+    for value in (math.nan, math.inf):
+        with pytest.raises(InputError, match="time_value_m_s_per_h"):
+            plan(mission, method, time_value_m_s_per_h=value)

@@ -11,6 +11,7 @@ import numpy.typing as npt
 import pytest
 from brute_force import brute_force
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
+from on_a_layer import replayed
 
 import adr_opt
 from adr_opt.errors import InputError
@@ -120,15 +121,15 @@ def test_annealing_with_one_move_keeps_plans_legal(
     targets = order.size
     weights = (np.arange(len(NAMES)) >= kind).astype(float)
     best, prize, last, accepted = anneal(
-        field.rules, order, length, make_labels(targets, field.rules.budget),
-        make_labels(targets, field.rules.budget), 20.0 / field.rules.duration, weights, 0.3, 0.01,
+        field.rules, order, length, make_labels(field),
+        make_labels(field), 20.0 / field.rules.duration, weights, 0.3, 0.01,
         4000, np.random.default_rng(kind),
     )  # fmt: skip
     timing = field.time(best)
     assert timing.made == len(best)
     assert timing.objective == prize >= field.time(start).objective
     assert sorted(order) == list(range(1, targets + 1))
-    labels = make_labels(targets, field.rules.budget)
+    labels = make_labels(field)
     end = time_order(field.rules, order, last, 0, labels, targets, np.empty(targets + 1), math.inf)
     assert end <= field.rules.duration
     assert accepted > 0
@@ -141,21 +142,21 @@ def ends_by_brute_force(mission: Mission, order: list[int]) -> list[float]:
         sequence = [order[0]]
         for target, by_station in zip(order[1:], stops, strict=True):
             sequence += [STATION, target] if by_station else [target]
-        timing = mission.time(sequence)
-        if timing.made == len(sequence):
-            ends.append(float(timing.ends[-1]))
+        made, end = replayed(mission, sequence)
+        if made == len(sequence):
+            ends.append(end)
     return ends
 
 
 def test_labels_find_the_best_refuelling_stops(field: Mission) -> None:
     """The end of an order is that of the best of all its refuelling choices, but for rare cases.
 
-    A chaser may not let a departure go by, so one that is later and poorer can meet a cheaper
-    departure; labels do not look for that. They never claim an end that no choice has.
+    A layer knows one connection at a time, so a chaser that is later and poorer can meet a cheaper
+    one; labels do not look for that. They never claim an end that no choice has.
     """
     rng = np.random.default_rng(1)
     targets = len(field.names) - 1
-    labels = make_labels(targets, field.rules.budget)
+    labels = make_labels(field)
     legal = missed = refuellings = 0
     for _ in range(300):
         order = rng.permutation(np.arange(1, targets + 1))
@@ -170,9 +171,8 @@ def test_labels_find_the_best_refuelling_stops(field: Mission) -> None:
         if end < math.inf:
             sequence = with_refuelling(order, length, labels)
             assert [j for j in sequence if j != STATION] == order[:length].tolist()
-            timing = field.time(sequence)
-            assert timing.made == len(sequence)
-            assert timing.ends[-1] == end
+            assert replayed(field, sequence.tolist()) == (len(sequence), end)
+            assert field.time(sequence).made == len(sequence)
             refuellings += int((sequence == STATION).sum())
     assert legal > 100
     assert refuellings > 50
@@ -183,7 +183,7 @@ def test_timing_from_the_middle_equals_timing_from_the_start(field: Mission) -> 
     """Labels before a change may be kept: the rest comes out as if all were timed anew."""
     rng = np.random.default_rng(2)
     targets = len(field.names) - 1
-    kept, fresh = (make_labels(targets, field.rules.budget) for _ in range(2))
+    kept, fresh = (make_labels(field) for _ in range(2))
     unused = np.empty(targets + 1)
     compared = 0
     for _ in range(300):
@@ -248,10 +248,11 @@ def test_annealing_alone_recovers_a_target_left_out(
 ) -> None:
     """Without the last target of a plan, annealing finds a plan as good as before again."""
     search = LocalSearch(field, guarded[:-1], 0)
-    short = search.prize
-    search.anneal(20_000, 0.3, 0.01)
-    assert search.prize > short
-    assert field.time(search.sequence).objective == search.prize
+    short = search.best.objective
+    assert search.anneal(20_000, 0.3, 0.01)
+    assert search.best.objective > short
+    assert search.best.sequence is not None
+    assert field.time(search.best.sequence).objective == search.best.objective
 
 
 @pytest.mark.parametrize(
