@@ -98,12 +98,16 @@ def _why(mission: Mission, moves: list[int], made: int) -> str:
         body, time, left = moves[made - 1], float(timing.ends[-1]), float(timing.lefts[-1])
     j = moves[made]
     name = repr(mission.names[j])
-    if rules.is_station[j] and (j == body or body == rules.start):
+    if rules.is_station[j] and (rules.is_station[body] or body == rules.start):
         return "refuels, but no target was visited since the last refuelling"
     if j == body:
         return f"goes from {name} to itself"
     if not rules.is_station[j] and j in moves[:made]:
         return f"goes to {name}, which was visited before"
+    if not rules.is_station[j] and sum(i >= rules.first_target for i in moves[:made]) == (
+        rules.most_targets
+    ):
+        return f"goes to {name}, one more target than the {rules.most_targets} of the chaser"
     found = mission.schedules.connections(body, j).after(time)
     if not found.departure.size:
         return f"goes to {name}, to which there is no transfer any more"

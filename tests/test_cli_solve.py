@@ -327,7 +327,9 @@ def test_an_illegal_start_plan_is_refused_or_repaired(cli: Cli, tiny_file: Path)
     assert repaired.status == 0
     note = f"only the first 1 of the start plan's {len(legs)} legs could be kept"
     assert note in repaired.err
-    assert load_plan("new.json").legs == (first,)
+    # What is left is flown at a schedule of its own.
+    assert load_plan("new.json").destinations == (first.destination,)
+    assert cli("check", tiny_file, "new.json").status == 0
     assert note in load_plan("new.json").notes
 
 
@@ -387,8 +389,8 @@ def test_a_start_sequence_that_breaks_a_limit_says_which() -> None:
     instance = adr_opt.generate("tiny", 0)
     for limits, named in (
         ({"delta_v_m_s": 1.0}, r"needs .* m/s, but only 1 m/s are left"),
-        ({"duration_s": 9000.0}, "ends at .* s, after the mission's 9000 s"),
-        ({"duration_s": 10.0}, "to which there is no transfer then"),
+        ({"duration_s": 20000.0}, "ends at .* s at the earliest, too late"),
+        ({"duration_s": 10.0}, "to which there is no transfer any more"),
     ):
         changed = instance.with_limits(**limits)
         with pytest.raises(adr_opt.InputError, match=named):

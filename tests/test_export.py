@@ -315,7 +315,7 @@ def test_same_file_from_instance_and_mission(mission: Mission, tmp_path: Path, s
         ("costs.tsp", DEPARTURES, {}, r"a \.tsp file holds one departure, but 3 are given"),
         ("costs.vrp", DEPARTURES, {}, r"a \.vrp file holds one departure, but 3 are given"),
         ("costs.oplib", DEPARTURES, {}, r"a \.oplib file holds one departure, but 3 are given"),
-        ("costs.parquet", [0.0], {}, "holds every departure event; leave out the ready times"),
+        ("costs.parquet", [0.0], {}, "holds every connection; leave out the ready times"),
         ("costs.tsp", [0.0], {"quantity": "price"}, "quantity = 'price': use one of"),
         ("costs.tsp", [0.0], {"scale": 0.0}, "scale = 0.0: must be a positive number"),
         ("costs.vrp", [0.0], {"scale": 1e12}, "31 bits"),

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import json
-import math
 import re
 import sys
+from collections import defaultdict
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -174,45 +176,45 @@ def test_a_format_shows_up_by_being_installed(
 
 @pytest.fixture(scope="module")
 def mission() -> Mission:
-    """Make a tiny mission with zones in which some events have no transfer."""
+    """Make a tiny mission with zones in which some departures have no transfer."""
     instance = adr_opt.generate("tiny", 0, zones=2)
     narrow = instance.transfer.replace(max_altitude_m=810e3, max_phasing_revolutions=2)
     return Mission(instance.replace(transfer=narrow))
 
 
-def test_parquet_holds_every_event(mission: Mission, tmp_path: Path) -> None:
-    """Every row is what the timetable says when asked just before that event, and none is missing.
+def test_parquet_holds_every_connection(mission: Mission, tmp_path: Path) -> None:
+    """The rows are the connections of all pairs, no more and no less.
 
-    Rows are in order of origin, destination and event.
+    They are in order of origin, destination and departure.
     """
     pq = pytest.importorskip("pyarrow.parquet")
     path = tmp_path / "timetable.parquet"
     write_timetable(mission, path)
-    read = pq.read_table(path)
-    assert read.num_rows == mission.timetable.entries
     assert pq.ParquetFile(path).num_row_groups == len(mission.names)
-    rows = read.to_pylist()
-    index = {name: number for number, name in enumerate(mission.names)}
-    keys = [(index[row["origin"]], index[row["destination"]], row["event"]) for row in rows]
-    assert keys == sorted(set(keys))
-    known = set(keys)
-    assert all(event == 0 or (i, j, event - 1) in known for i, j, event in keys)
-    table = mission.timetable
-    without = 0
-    for (i, j, _), row in zip(keys, rows, strict=True):
-        found = table.lookup(i, j, row["departure_s"])
-        assert (row["delta_v_m_s"], row["arrival_s"]) == found
-        if math.isinf(found[0]):
-            assert row["phasing_revolutions"] == -1
-            without += 1
-        else:
-            assert 0 <= row["phasing_revolutions"] <= 2
-            assert row["departure_s"] < row["arrival_s"]
-    assert 0 < without < len(rows)
+    columns = ("departure_s", "arrival_s", "delta_v_m_s", "phasing_revolutions")
+    expected = []
+    for origin, destination in itertools.permutations(mission.names, 2):
+        found = mission.timetable.connections(origin, destination)
+        numbers = (found.departure, found.arrival, found.delta_v, found.revolutions)
+        for row in zip(*(each.tolist() for each in numbers), strict=True):
+            expected.append(
+                {
+                    "origin": origin,
+                    "destination": destination,
+                    **dict(zip(columns, row, strict=True)),
+                }
+            )
+    assert pq.read_table(path).to_pylist() == expected
+    assert len(expected) > 100
+    assert {row["phasing_revolutions"] for row in expected} <= {0, 1, 2}
+    assert all(row["departure_s"] < row["arrival_s"] for row in expected)
 
 
-def test_a_plan_can_be_timed_from_the_parquet_file(tmp_path: Path) -> None:
-    """With the file alone the legs of a plan have their times, ΔV and revolutions."""
+def test_the_best_mission_is_known_from_the_parquet_file(tmp_path: Path) -> None:
+    """With the file alone an order of bodies is flown at the ΔV that the planner found, nearly.
+
+    Up to the resolution that connections are told apart to.
+    """
     pq = pytest.importorskip("pyarrow.parquet")
     instance = adr_opt.generate("tiny", 4)
     path = tmp_path / "timetable.parquet"
@@ -223,19 +225,32 @@ def test_a_plan_can_be_timed_from_the_parquet_file(tmp_path: Path) -> None:
     plan = adr_opt.solve(instance, method="beam").plan
     assert plan is not None
     assert len(plan.legs) >= 3
-    body, now = stated[b"station"].decode(), 0.0
+    rows: dict[tuple[str, str], list[dict[str, Any]]] = defaultdict(list)
+    for row in read.to_pylist():
+        rows[row["origin"], row["destination"]].append(row)
+    # Ways to have come so far: when free, ΔV spent; stations fill the tank.
+    ways = [(0.0, 0.0, 0.0)]
+    body = stated[b"station"].decode()
     for leg in plan.legs:
-        row = next(
-            row
-            for row in read.to_pylist()
-            if (row["origin"], row["destination"]) == (body, leg.destination)
-            and row["departure_s"] >= now
-        )
-        assert row["departure_s"] == leg.departure_s
-        assert row["arrival_s"] == leg.arrival_s
-        assert row["delta_v_m_s"] == leg.delta_v_m_s
-        assert row["phasing_revolutions"] == leg.phasing_revolutions
-        body, now = leg.destination, row["arrival_s"] + service[leg.destination]
+        after = []
+        for free, tank, spent in ways:
+            for row in rows[body, leg.destination]:
+                end = row["arrival_s"] + service[leg.destination]
+                used = tank + row["delta_v_m_s"]
+                if (
+                    row["departure_s"] >= free
+                    and end <= instance.mission.duration_s
+                    and used <= instance.chaser.tank.delta_v_m_s
+                ):
+                    refuels = leg.destination in instance.station_names
+                    after.append((end, 0.0 if refuels else used, spent + row["delta_v_m_s"]))
+        ways = []
+        for way in sorted(after):
+            if not any(other[1] <= way[1] and other[2] <= way[2] for other in ways):
+                ways.append(way)
+        body = leg.destination
+    best = min(spent for _, _, spent in ways)
+    assert plan.cost - 1e-9 <= best <= plan.cost + 0.1 * len(plan.legs)
 
 
 def test_parquet_states_units_and_settings(mission: Mission, tmp_path: Path) -> None:
@@ -246,7 +261,6 @@ def test_parquet_states_units_and_settings(mission: Mission, tmp_path: Path) -> 
     units = {field.name: (field.metadata or {}).get(b"units") for field in schema}
     assert units == {
         "origin": None,
-        "event": b"1",
         "destination": None,
         "departure_s": b"s",
         "delta_v_m_s": b"m s-1",
@@ -284,11 +298,11 @@ def test_formats_with_and_without_ready_times(cli: Cli, tiny_file: Path) -> None
     outcome = cli("matrix", tiny_file, "--out", "t.parquet", "--json")
     assert outcome.status == 0
     assert json.loads(outcome.out)["bodies"][0] == "station"
-    assert "every departure event" in outcome.err
+    assert "every connection" in outcome.err
     assert cli("matrix", tiny_file, "--at", "0", "--out", "c.oplib").status == 0
     for arguments, named in (
         (["--at", "0", "--out", "t.parquet"], "leave out --every and --at"),
-        (["--every", "3600", "--out", "t.lp"], "a .lp file holds every departure event"),
+        (["--every", "3600", "--out", "t.lp"], "a .lp file holds every connection"),
         (["--out", "c.oplib"], "either with --every S or with --at S"),
         (["--out", "c.csv"], "suffix '.csv' is unknown"),
         (["--at", "0", "--at", "1", "--out", "c.oplib"], "holds one departure, but 2"),

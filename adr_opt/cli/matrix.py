@@ -83,10 +83,10 @@ def command(
     has_times = every_s is not None or bool(at_s)
     if is_whole and has_times:
         raise InputError(
-            f"{out}: a {suffix} file holds every departure event; leave out --every and --at"
+            f"{out}: a {suffix} file holds every connection; leave out --every and --at"
         )
     if is_whole and choose is not None:
-        raise InputError(f"{out}: a {suffix} file holds every departure event; leave out --choose")
+        raise InputError(f"{out}: a {suffix} file holds every connection; leave out --choose")
     if not is_whole and not has_times:
         raise InputError("give the ready times either with --every S or with --at S")
 
@@ -95,7 +95,7 @@ def command(
     written: dict[str, Any] = {"instance": instance.name, "path": out}
     if is_whole:
         write_timetable(instance, out)
-        what = "every departure event"
+        what = "every connection"
     else:
         departures = _departures(instance, every_s, at_s)
         write_matrix(instance, out, departures, quantity=quantity, scale=scale, choose=choose)

@@ -1,8 +1,7 @@
-"""``.parquet``: the whole exact timetable, a row for every departure event (extra ``[io]``).
+"""``.parquet``: all connections, a row for each (extra ``[io]``).
 
-MODEL section 3: between two departure events nothing depends on the time but the wait, so these
-rows are all there is to know. A chaser that is ready at a time takes the first row of its pair
-that departs then or later, whether or not there is a transfer at that event.
+MODEL section 4: a chaser that is ready at a time may take any row of its pair that departs then or
+later. Connections that another one dominates, up to the instance's resolution, are left out.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import MissingExtra
+from ..limits import limits_of
 from ..mission import Mission
 from .attributes import attributes
 
@@ -51,10 +51,11 @@ def schema(mission: Mission) -> pyarrow.Schema:
     for (name, (meaning, unit)), kind in zip(COLUMNS.items(), types, strict=True):
         stated = {"long_name": meaning} | ({} if unit is None else {"units": unit})
         fields.append(pa.field(name, kind, nullable=False, metadata=stated))
+    prizes = [0.0] * instance.first_target + [target.prize for target in instance.targets]
     bodies = [
         {"name": name, "prize": float(prize), "service_s": float(service)}
         for name, prize, service in zip(
-            mission.names, mission.rules.prize, mission.rules.service, strict=True
+            mission.names, prizes, limits_of(instance).service, strict=True
         )
     ]
     stated = attributes(instance) | {

@@ -25,7 +25,7 @@ ONE_DEPARTURE = (".tsp", ".vrp", ".oplib")
 
 
 def whole_suffixes() -> tuple[str, ...]:
-    """Suffixes of formats that hold every departure event, those of installed models included."""
+    """Suffixes of formats that hold every connection, those of installed models included."""
     return (".parquet", *models.suffixes())
 
 
@@ -93,7 +93,7 @@ def write_matrix(
     times = np.atleast_1d(np.asarray(departures, dtype=float))
     if suffix in whole_suffixes():
         raise InputError(
-            f"{path}: a {suffix} file holds every departure event; leave out the ready times"
+            f"{path}: a {suffix} file holds every connection; leave out the ready times"
         )
     if times.size == 0:
         raise InputError("departures: there are none; give at least one ready time")
@@ -126,7 +126,7 @@ def write_matrix(
 
 
 def write_timetable(instance_or_mission: Instance | Mission, path: str | os.PathLike[str]) -> None:
-    """Write every departure event of every transfer, whole or not at all.
+    """Write every connection of every pair, whole or not at all.
 
     Parameters
     ----------
