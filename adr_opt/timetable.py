@@ -106,7 +106,7 @@ class Matrices:
 
 
 class Timetable:
-    """Every transfer of an instance at every departure event (MODEL section 3).
+    """The connection that a choice takes, of every pair at every time (MODEL section 4).
 
     Parameters
     ----------
@@ -230,9 +230,8 @@ class Timetable:
     ) -> Connections:
         """Every transfer of a pair that a chaser may want, who is free to wait.
 
-        Other than :meth:`lookup`, which flies at the next event what the instance's time value
-        picks, these are *all* sequences of all departure events but those that another one
-        dominates: it departs no earlier, arrives no later and costs no more
+        Other than :meth:`lookup`, which gives the one that the time value picks, these are *all*
+        sequences of all departure events but those that another one dominates: it departs no earlier, arrives no later and costs no more
         (:mod:`adr_opt.kernels.connections`). Worked out for this pair on every call.
 
         Parameters
