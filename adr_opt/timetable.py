@@ -231,7 +231,8 @@ class Timetable:
         """Every transfer of a pair that a chaser may want, who is free to wait.
 
         Other than :meth:`lookup`, which gives the one that the time value picks, these are *all*
-        sequences of all departure events but those that another one dominates: it departs no earlier, arrives no later and costs no more
+        sequences of all departure events but those that another one dominates: it departs no
+        earlier, arrives no later and costs no more
         (:mod:`adr_opt.kernels.connections`). Worked out for this pair on every call.
 
         Parameters
