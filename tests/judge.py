@@ -104,7 +104,7 @@ def _legs(instance: Instance, i: int, j: int) -> list[Flown]:
     events = every_sequence.of_pair(open_everywhere, i, j, -NEAR_S, last)
     kept: list[Flown] = []
     for leg in sorted(itertools.chain(*events), key=lambda leg: (leg.arrival, leg.delta_v)):
-        if leg.arrival > last or any(
+        if leg.arrival > last + NEAR_S or any(
             other.departure >= leg.departure and other.delta_v <= leg.delta_v for other in kept
         ):
             continue
