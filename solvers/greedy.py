@@ -19,6 +19,9 @@ from adr_opt.stop import Stop
 THE_INSTANCES_OWN = -1.0
 """Stands for the instance's default time value."""
 
+GUARDED_BETA = 0.0125
+"""Default worth of time of the guarded planner: 45 m/s an hour [m/s per s]."""
+
 
 @kernel
 def greedy_sequence(rules, beginning, alpha, beta, guarded):
@@ -147,11 +150,12 @@ def greedy_guarded(
     stop: Stop,
     progress: Progress,
     alpha: float = 1.0,
-    beta: float = 0.0,
+    beta: float = GUARDED_BETA,
     time_value_m_s_per_h: float = THE_INSTANCES_OWN,
 ) -> Result:
     """Greedy that takes a target only if the chaser can refuel after it, or need not any more.
 
-    The same rule and options as :func:`greedy` with one guard; as quick.
+    The same rule as :func:`greedy` with one guard and, by default, a price on time, so that a
+    cheap transfer is not waited for while a zone is closed; as quick.
     """
     return _plan("greedy-guarded", mission, seed, progress, alpha, beta, time_value_m_s_per_h)
