@@ -17,9 +17,6 @@ from .kernels.constants import SLACK_S
 
 FloatArray = npt.NDArray[np.float64]
 
-DELTA_V_RESOLUTION_M_S = 0.1
-"""A connection that saves no more than this is not worth having [m/s]."""
-
 CHOICES = {"earliest": (0.0, 1.0), "cheapest": (1.0, 0.0)}
 """Weights of ΔV and of the time of arrival that a name stands for."""
 
@@ -69,6 +66,7 @@ class Connecting:
         self._orbits = instance.orbits()
         self._extra = instance.eccentricity_delta_v()
         self._rule = instance.transfer_rule()
+        self._resolution = instance.transfer.delta_v_resolution_m_s
         self._end = instance.mission.duration_s + SLACK_S
 
     def of_pair(self, i: int, j: int, resolution_m_s: float) -> Connections:
@@ -108,7 +106,7 @@ class Connecting:
                 if i == j:
                     delta_v[:, i, j] = duration[:, i, j] = 0.0
                     continue
-                found = self.of_pair(i, j, DELTA_V_RESOLUTION_M_S)
+                found = self.of_pair(i, j, self._resolution)
                 best = kernels.best_from(
                     found.departure, found.arrival, found.delta_v, worth, time_value
                 )

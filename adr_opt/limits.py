@@ -10,6 +10,7 @@ from .instance import Instance
 from .kernels.constants import SLACK_S
 from .kernels.orbits import period
 from .kernels.timetable import Limits
+from .plan import Leg
 from .records import Window
 
 
@@ -31,6 +32,15 @@ def limits_of(instance: Instance) -> Limits:
     for array in (service, opens, closes):
         array.setflags(write=False)
     return Limits(service, opens, closes, begin, duration)
+
+
+def service_begins(instance: Instance, leg: Leg) -> float:
+    """When the service at the end of a leg begins: on arrival, or once the window opens [s].
+
+    Of a plan that is wrong about its times no later than the leg ends.
+    """
+    opens = {target.name: target.window_s[0] for target in instance.targets}
+    return max(leg.arrival_s, min(opens.get(leg.destination, 0.0), leg.end_s))
 
 
 def _seconds(window: Window) -> tuple[float, float]:

@@ -16,7 +16,6 @@ import numpy.typing as npt
 from .available_memory import available_bytes
 from .connections import (
     CHOICES,
-    DELTA_V_RESOLUTION_M_S,
     Choice,
     Connecting,
     Connections,
@@ -86,12 +85,11 @@ class Matrices:
     departures : (departures,) float64
         Ready times since the epoch [s].
     names : tuple of str
-        Bodies, the station first.
+        Bodies, the stations first.
     delta_v : (departures, bodies, bodies) float64
         [m/s].
     duration : (departures, bodies, bodies) float64
-        From ready to arrival: wait for the node, transfer, approach; without service [s].
-
+        From ready to arrival: wait, transfer, approach; without service [s].
     choice : str
         Which transfer they are of, in words.
 
@@ -102,11 +100,15 @@ class Matrices:
     names: tuple[str, ...]
     delta_v: FloatArray
     duration: FloatArray
-    choice: str = "of the next departure event"
+    choice: str
 
 
 class Timetable:
-    """The connection that a choice takes, of every pair at every time (MODEL section 4).
+    """The transfers of an instance: the one chosen at every time, and all connections of a pair.
+
+    What a chaser takes that is ready at a time, and does not look ahead, is a choice among all
+    connections that depart then or later (MODEL section 4); the table holds that of one value of
+    time, exactly.
 
     Parameters
     ----------
@@ -209,7 +211,11 @@ class Timetable:
     def lookup(
         self, origin: int | str, destination: int | str, time_s: float
     ) -> tuple[float, float]:
-        """The transfer of a chaser that is ready at ``origin`` at ``time_s``.
+        """The transfer chosen for a chaser that is ready at ``origin`` at ``time_s``.
+
+        Of all connections that depart then or later, and leave time for service within the window
+        of the destination, the one with the least ΔV + time value · (time until service may
+        begin).
 
         Returns
         -------
@@ -226,14 +232,15 @@ class Timetable:
         destination: int | str,
         after: float = 0.0,
         *,
-        resolution_m_s: float = DELTA_V_RESOLUTION_M_S,
+        resolution_m_s: float | None = None,
     ) -> Connections:
         """Every transfer of a pair that a chaser may want, who is free to wait.
 
-        Other than :meth:`lookup`, which gives the one that the time value picks, these are *all*
+        Other than :meth:`lookup`, which tells one that a time value picks, these are *all*
         sequences of all departure events but those that another one dominates: it departs no
-        earlier, arrives no later and costs no more
-        (:mod:`adr_opt.kernels.connections`). Worked out for this pair on every call.
+        earlier, arrives no later and costs no more (:mod:`adr_opt.kernels.connections`). They
+        arrive before the end of the mission; windows are not looked at. Worked out for this pair
+        on every call.
 
         Parameters
         ----------
@@ -241,14 +248,17 @@ class Timetable:
             Bodies by index or name.
         after : float
             Only departures at or after this time since the epoch [s].
-        resolution_m_s : float
-            A connection that saves no more than this counts as dominated [m/s].
+        resolution_m_s : float, optional
+            A connection that saves no more than this counts as dominated; the instance's
+            ``delta_v_resolution_m_s`` by default, 0 for all that save anything [m/s].
 
         Raises
         ------
         InputError
             An unknown body, or a number that is negative or not finite.
         """
+        if resolution_m_s is None:
+            resolution_m_s = self.instance.transfer.delta_v_resolution_m_s
         for name, value in (("after", after), ("resolution_m_s", resolution_m_s)):
             if not (math.isfinite(value) and value >= 0.0):
                 raise InputError(f"{name} = {value!r}: must be a finite number ≥ 0")
@@ -271,8 +281,8 @@ class Timetable:
         choose : {"earliest", "cheapest"} or float, optional
             Choose one of all :meth:`connections` that depart at the ready time or later: the one
             that arrives first, the one that costs least, or the one with the least ΔV plus so many
-            m/s per hour until arrival. Waiting counts to the duration. By default the transfer of
-            the next departure event, as plans fly it.
+            m/s per hour until arrival. Windows are not looked at. By default what :meth:`lookup`
+            tells, which looks at them. Waiting counts to the duration.
 
         Raises
         ------
@@ -287,11 +297,17 @@ class Timetable:
         duration = np.empty_like(delta_v)
         if choose is None:
             kernels.sample(self.table, times, delta_v, duration)
-            return Matrices(times, self.names, delta_v, duration)
+            words = f"{_words(self.time_value_m_s_per_h)}, service in time"
+            return Matrices(times, self.names, delta_v, duration, words)
         weights = weights_of(choose)
         self._connecting.choose(times, *weights, delta_v, duration)
-        words = choose if choose in CHOICES else f"least ΔV + {float(choose):g} m/s per hour"
-        return Matrices(times, self.names, delta_v, duration, f"{words}, waiting allowed")
+        return Matrices(times, self.names, delta_v, duration, _words(choose))
+
+
+def _words(choose: Choice) -> str:
+    """Which transfers a choice stands for, as files state it."""
+    words = choose if choose in CHOICES else f"least ΔV + {float(choose):g} m/s per hour"
+    return f"{words}, waiting allowed"
 
 
 def _too_large(instance: Instance, size: Size) -> str:

@@ -37,7 +37,7 @@ MOST_BYTES = 2**34
     "--choose",
     metavar="HOW",
     help="At ready times, of all transfers that a chaser may wait for: 'earliest', 'cheapest', or "
-    "m/s that an hour is worth. By default that of the next departure event.",
+    "m/s that an hour is worth. By default 75 of those, and service in time.",
 )
 @click.option(
     "--scale", type=float, help="Weight of one m/s or one second in .tsp, .vrp and .oplib."

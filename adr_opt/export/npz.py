@@ -13,7 +13,7 @@ from ..timetable import Matrices
 def write(path: Path, mission: Mission, matrices: Matrices) -> None:
     """Write the arrays.
 
-    ``departures_s`` (departures,) [s], ``names`` (bodies,) with the station first,
+    ``departures_s`` (departures,) [s], ``names`` (bodies,) with the stations first,
     ``delta_v_m_s`` and ``duration_s`` (departures, bodies, bodies) [m/s], [s], ``service_s``
     (bodies,) [s], and the scalars ``instance`` (its name), ``sha256`` and ``transfers`` (which
     ones, in words). +inf stands where there is no transfer; durations are from ready to arrival,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -140,8 +141,27 @@ def comment(instance: Instance, weights: Weights) -> str:
         f"transfers {weights.choice}, ready at {weights.departure!r} s after "
         f"{instance.model_dump(mode='json')['epoch']}; "
         f"{weights.no_transfer} = no transfer; {contents}"
-        f"node 1 is the station, then the targets in order; instance sha256 {instance.sha256}"
+        f"{_nodes(instance)}; instance sha256 {instance.sha256}"
     )
+
+
+def _nodes(instance: Instance) -> str:
+    """Which body is which node."""
+    stations, first = len(instance.stations), instance.first_target
+    if first == 1:
+        before = "the station" if stations else "the start"
+        return f"node 1 is {before}, then the targets in order"
+    start = ", the last of these the start" if first > stations else ""
+    return f"nodes 1 to {first} are the stations in order{start}, then the targets in order"
+
+
+def check_one_depot(instance: Instance, path: Path) -> None:
+    """Raise :class:`InputError` where a mission does not begin at its only station."""
+    if instance.first_target != 1 or not instance.stations:
+        raise InputError(
+            f"{path}: a {path.suffix.lower()} file holds one depot, where the chaser starts and "
+            f"refuels, which is not so in {instance.name!r}; write .npz, .nc or .tsp"
+        )
 
 
 def rows(values: npt.NDArray[np.int64]) -> list[str]:

@@ -15,13 +15,16 @@ from ..instance import Instance
 from ..mission import Mission
 from ..timetable import FloatArray, Matrices
 from . import models, netcdf, npz, oplib, parquet, tsp, vrp
-from .weights import check_quantity, check_scale
+from .weights import check_one_depot, check_quantity, check_scale
 
 SAMPLED = (".npz", ".nc")
 """Formats of matrices at any number of departures."""
 
 ONE_DEPARTURE = (".tsp", ".vrp", ".oplib")
 """Formats of one matrix at one departure."""
+
+ONE_DEPOT = (".vrp", ".oplib")
+"""Formats of routes that begin and end at node 1."""
 
 
 def whole_suffixes() -> tuple[str, ...]:
@@ -82,7 +85,8 @@ def write_matrix(
     InputError
         Unknown suffix or quantity, a departure that is not a finite time ≥ 0, no departure, more
         than one where the format holds one, a format without departures, weights or prizes that
-        do not fit, or a file that cannot be written.
+        do not fit, a format with one depot for a mission that does not start at its only
+        station, or a file that cannot be written.
     MissingExtra
         ``.nc`` without xarray and h5netcdf.
     """
@@ -107,6 +111,8 @@ def write_matrix(
     check_writable(path)
 
     mission = _mission(instance_or_mission)
+    if suffix in ONE_DEPOT:
+        check_one_depot(mission.instance, Path(path))
     matrices = mission.timetable.matrices(times, choose)
 
     def write(temporary: Path) -> None:

@@ -134,4 +134,6 @@ def burns_between(orbit_i, orbit_j, extra_delta_v, rule, departure, arrival, rev
     pair = transfer.prepare(orbit_i, orbit_j, extra_delta_v, rule)
     flight = arrival - departure - rule.approach_revolutions * transfer.TWO_PI / pair.rate_j
     r = transfer.phasing_radius(pair, rule, revolutions, flight)
-    return burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r)
+    times, vectors, phases = burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r)
+    times[times.size - 1] = arrival  # to the last digit
+    return times, vectors, phases

@@ -10,7 +10,7 @@ PHASES = (
 """The phases of burns (MODEL section 2), with the wait before them and the service after them."""
 
 LABELS = {
-    "wait": "wait for the node",
+    "wait": "wait",
     "hohmann-1": "first Hohmann",
     "phasing": "phasing",
     "co-elliptic": "to co-elliptic",

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 from ..flight.flyable import refuse_foreign
 from ..instance import Instance
+from ..limits import service_begins
 from ..plan import Leg, Plan
 
 
@@ -39,7 +40,8 @@ class Segment:
 def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
     """The phases of a plan in time order, those that take no time left out.
 
-    Read off the plan as it is: a burn begins its phase, which lasts until the next burn.
+    Read off the plan as it is: a burn begins its phase, which lasts until the next burn. A chaser
+    that arrives before a window opens waits at its destination.
 
     Parameters
     ----------
@@ -51,13 +53,16 @@ def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
     return tuple(
         segment
         for number, leg in enumerate(plan.legs, start=1)
-        for segment in _of_leg(number, leg, leg.destination in instance.station_names)
+        for segment in _of_leg(instance, number, leg)
         if segment.duration_s > 0.0
     )
 
 
-def _of_leg(number: int, leg: Leg, refuels: bool) -> Iterator[Segment]:
+def _of_leg(instance: Instance, number: int, leg: Leg) -> Iterator[Segment]:
+    begins = service_begins(instance, leg)
+    stay = "refuelling" if leg.destination in instance.station_names else "service"
     yield Segment(number, "wait", leg.ready_s, leg.departure_s)
     for burn, after in pairwise(leg.burns):
         yield Segment(number, burn.phase, burn.time_s, after.time_s)
-    yield Segment(number, "refuelling" if refuels else "service", leg.arrival_s, leg.end_s)
+    yield Segment(number, "wait", leg.arrival_s, begins)
+    yield Segment(number, stay, begins, leg.end_s)

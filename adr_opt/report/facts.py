@@ -23,8 +23,8 @@ class Facts:
     delta_v_m_s : float
         Of all legs [m/s].
     budgets_m_s : float
-        The full budget, once at the start and once for every refuelling [m/s].
-    refuellings : int
+        The full budget, once at the start and once for every refuelling that a leg follows [m/s].
+    refuellings, stations : int
     used_s, duration_s : float
         End of the last service, and of the mission [s].
     """
@@ -38,6 +38,7 @@ class Facts:
     delta_v_m_s: float
     budgets_m_s: float
     refuellings: int
+    stations: int
     used_s: float
     duration_s: float
 
@@ -50,6 +51,7 @@ class Facts:
 def facts(instance: Instance, plan: Plan) -> Facts:
     """Read the headline figures off a plan."""
     refuellings = sum(name in instance.station_names for name in plan.destinations)
+    followed = sum(name in instance.station_names for name in plan.destinations[:-1])
     names = {target.name for target in instance.targets}
     return Facts(
         visits=len(names & set(plan.destinations)),
@@ -59,8 +61,9 @@ def facts(instance: Instance, plan: Plan) -> Facts:
         upper_bound=plan.upper_bound,
         gap=plan.gap,
         delta_v_m_s=plan.delta_v_m_s,
-        budgets_m_s=instance.chaser.tank.delta_v_m_s * (1 + refuellings),
+        budgets_m_s=instance.chaser.tank.delta_v_m_s * (1 + followed),
         refuellings=refuellings,
+        stations=len(instance.stations),
         used_s=plan.legs[-1].end_s if plan.legs else 0.0,
         duration_s=instance.mission.duration_s,
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from datetime import UTC
 
+from ..chasers import AtStation, InOrbit
 from ..checking import Violation
 from ..flight import Flight
 from ..instance import Instance
@@ -12,7 +13,7 @@ from ..plan import Plan
 from ..plot.palette import COLOURS, LABELS
 from ..wording import counted, status_words
 from .facts import Facts
-from .text import NOTHING, escape, in_days, number
+from .text import NOTHING, clock, escape, in_days, number
 
 DAY_S = 86400.0
 
@@ -74,12 +75,13 @@ def headline(found: Facts) -> str:
         bound = number(found.upper_bound, 2)
     if found.gap is not None:
         gap = f"{100.0 * found.gap:.1f}\u202f%"
+    where = "the station" if found.stations == 1 else counted(found.stations, "station")
     cards = [
         ("targets visited", str(found.visits), f"of {found.targets}"),
         ("upper bound", bound, "proven of the model" if bound != NOTHING else "none given"),
         ("gap", gap, "of the upper bound" if gap != NOTHING else "needs a bound"),
         ("ΔV used", f"{number(found.delta_v_m_s, 0)}", f"of {number(found.budgets_m_s, 0)} m/s"),
-        ("refuellings", str(found.refuellings), "at the station"),
+        ("refuellings", str(found.refuellings), f"at {where}"),
         (
             "duration used",
             f"{found.used_s / DAY_S:.2f}",
@@ -170,8 +172,7 @@ def origin(instance: Instance, plan: Plan) -> str:
             "transfers",
             "co-elliptic sequences that wait for the line of nodes, phasing circles between "
             f"{number(settings.min_altitude_m / 1000.0)} and "
-            f"{number(settings.max_altitude_m / 1000.0)} km, "
-            f"time valued at {number(instance.time_value_m_s_per_h)} m/s per hour",
+            f"{number(settings.max_altitude_m / 1000.0)} km",
         ),
         (
             "motion",
@@ -183,8 +184,39 @@ def origin(instance: Instance, plan: Plan) -> str:
             f"{plan.runtime_s:.2f} s",
         ),
     ]
+    asked = _asked(instance)
+    if asked:
+        rows.insert(3, ("rules", escape("; ".join(asked))))
     if plan.versions:
         versions = ", ".join(f"{name} {version}" for name, version in plan.versions.items())
         rows.append(("made with", escape(versions)))
     rows += [("note", escape(note)) for note in plan.notes]
     return "".join(f"<div><dt>{title}</dt><dd>{text}</dd></div>" for title, text in rows)
+
+
+def _asked(instance: Instance) -> list[str]:
+    """What an instance asks for besides the usual: times, ends, numbers."""
+    chaser, mission = instance.chaser, instance.mission
+    windows = sum(target.window_s != (0.0, None) for target in instance.targets)
+    required = sum(target.required for target in instance.targets)
+    since, until = chaser.available_s
+    asked = []
+    if since > 0.0:
+        asked.append(f"the chaser may fly from {clock(since)} on")
+    if until is not None:
+        asked.append(f"the chaser may fly until {clock(until)}")
+    if isinstance(chaser.start, InOrbit):
+        asked.append("it starts in an orbit of its own")
+    if isinstance(chaser.end, AtStation):
+        asked.append(f"it has to end at {chaser.end.station}")
+    if chaser.max_targets is not None:
+        asked.append(f"it may service {counted(chaser.max_targets, 'target')}")
+    if required:
+        asked.append(f"{counted(required, 'target')} required")
+    if windows:
+        asked.append(f"{counted(windows, 'target')} with a window of time")
+    if mission.service_s is not None:
+        asked.append(f"service takes {number(mission.service_s, 1)} s")
+    if instance.objective.cost == "duration":
+        asked.append("of plans that collect as much the one that ends first is best")
+    return asked

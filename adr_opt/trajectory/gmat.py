@@ -183,4 +183,8 @@ def _name(instance: Instance, body: str) -> str:
     """A name that GMAT takes: letters, digits and underscores, different for every body."""
     slug = re.sub(r"[^A-Za-z0-9]+", "_", body).strip("_")
     number = instance.names.index(body)
-    return "Station" if number == 0 else f"T{number}_{slug}".rstrip("_")
+    if number < len(instance.stations):
+        return "Station" if len(instance.stations) == 1 else f"S{number}_{slug}".rstrip("_")
+    if number < instance.first_target:
+        return "Start"
+    return f"T{number}_{slug}".rstrip("_")

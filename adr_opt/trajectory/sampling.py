@@ -12,12 +12,15 @@ from ..errors import InputError
 from ..flight.flyable import refuse_what_cannot_be_flown
 from ..instance import Instance
 from ..kernels.burns import PHASES as BURN_PHASES
+from ..limits import service_begins
 from ..plan import Leg, Plan
 from .bodies import body_states
 from .kepler import Array, propagate
 
 PHASES = ("wait", *BURN_PHASES, "service")
-"""Phases of a leg in their order: waiting at the origin, five of flight, service at the end."""
+"""Phases of a leg in their order: waiting at the origin, five of flight, service at the end.
+
+A chaser that arrives before a window opens waits once more, at its destination."""
 
 FEWEST_INTERVALS = 8
 """Of an arc, however short: enough for any interpolation that readers of the files do."""
@@ -182,9 +185,11 @@ def _arcs(instance: Instance, number: int, leg: Leg, step_s: float) -> tuple[Arc
             position, velocity = positions[-1], velocities[-1]
     except ArithmeticError as error:
         raise InputError(f"leg {number}: cannot be flown: {error}; correct its burns") from None
-    times = _times(leg.arrival_s, leg.end_s, step_s)
-    if times is not None:
-        found.append(_arc("service", times, *body_states(instance, leg.destination, times)))
+    begins = service_begins(instance, leg)
+    for phase, since, until in (("wait", leg.arrival_s, begins), ("service", begins, leg.end_s)):
+        times = _times(since, until, step_s)
+        if times is not None:
+            found.append(_arc(phase, times, *body_states(instance, leg.destination, times)))
     if not found:
         raise InputError(f"leg {number}: takes no time; correct its times")
     return tuple(found)

@@ -52,19 +52,26 @@ def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
                     "hovertemplate": f"{LABELS[phase]}, %{{text}}<extra></extra>",
                 }
             )
-    last = {track.leg: track for track in tracks if track.phase in ("service", "refuelling")}
+    stays = {
+        track.leg: track
+        for track in tracks
+        if track.times_s[0] == plan.legs[track.leg - 1].arrival_s
+    }
+    refuels = {
+        at for at, leg in enumerate(plan.legs, start=1) if leg.destination in instance.station_names
+    }
     traces.append(
         {
             "type": "scatter3d", "mode": "markers", "name": "arrivals",
-            **_columns(np.array([track.around_m[0] for track in last.values()])),
-            "customdata": list(last),
+            **_columns(np.array([track.around_m[0] for track in stays.values()])),
+            "customdata": list(stays),
             "text": [
                 f"{leg_title(plan, leg)}<br>arrives {clock(track.times_s[0])}"
-                for leg, track in last.items()
+                for leg, track in stays.items()
             ],
             "marker": {
                 "size": 4,
-                "color": [COLOURS[track.phase] for track in last.values()],
+                "color": [COLOURS["refuelling" if leg in refuels else "service"] for leg in stays],
             },
             "hovertemplate": "%{text}<extra></extra>",
         }

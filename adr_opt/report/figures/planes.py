@@ -22,11 +22,12 @@ def planes(instance: Instance, plan: Plan) -> Figure:
     inclination = np.array([orbit.inclination_deg for orbit in instance.body_orbits])
     index = {name: number for number, name in enumerate(instance.names)}
     legs = [(n, leg) for n, leg in enumerate(plan.legs, start=1) if leg.destination in index]
-    route = [0, *(index[leg.destination] for _, leg in legs)]
-    visits = [(n, index[leg.destination]) for n, leg in legs if index[leg.destination] > 0]
+    route = [instance.start, *(index[leg.destination] for _, leg in legs)]
+    first, stations = instance.first_target, list(range(len(instance.stations)))
+    visits = [(n, index[leg.destination]) for n, leg in legs if index[leg.destination] >= first]
     reasons = {entry.target: entry.reason for entry in plan.unvisited}
-    seen = {0, *(body for _, body in visits)}
-    missed = [body for body in range(raan.size) if body not in seen]
+    seen = {body for _, body in visits}
+    missed = [body for body in range(first, raan.size) if body not in seen]
 
     def points(name: str, bodies: list[int], said: list[str], **more: Any) -> dict[str, Any]:
         return {
@@ -64,7 +65,7 @@ def planes(instance: Instance, plan: Plan) -> Figure:
             customdata=[n for n, _ in visits], marker={"color": VISITED, "size": 9},
         ),
         points(
-            "station", [0], [body_text(0)],
+            "station", stations, [body_text(body) for body in stations],
             marker={"color": STATION, "size": 12, "symbol": "square"},
         ),
     ]  # fmt: skip
