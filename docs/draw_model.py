@@ -1,4 +1,4 @@
-"""Draw the pictures of docs/model.md and docs/index.md.
+"""Draw the pictures of docs/model.md, docs/waiting.md and docs/index.md.
 
     python docs/draw_model.py              # into docs/pictures
     python docs/draw_model.py --out DIR
@@ -20,8 +20,9 @@ import numpy as np
 
 import adr_opt
 from adr_opt import plot
-from adr_opt.kernels.constants import EARTH_RADIUS_M, STATION
-from adr_opt.plan import Leg
+from adr_opt.kernels import timetable as kernels
+from adr_opt.kernels import transfer
+from adr_opt.kernels.constants import EARTH_RADIUS_M
 from adr_opt.result import certify
 from adr_opt.settings import KeepOutZone
 
@@ -110,11 +111,18 @@ def sequence() -> Any:
     return figure
 
 
-def _leg(instance: adr_opt.Instance, target: int) -> tuple[adr_opt.Plan, Leg]:
-    """The mission that goes from the station to one target, and its leg."""
-    result = certify(adr_opt.Mission(instance), "drawn", (target,), seed=0, runtime_s=0.0)
+def _leg(instance: adr_opt.Instance, target: int) -> tuple[adr_opt.Instance, adr_opt.Plan]:
+    """A mission from the station to one target, by the connection that is chosen at the epoch.
+
+    Of a whole week the cheapest leg is flown, which waits for days. Of a mission that ends with the
+    leg that the usual value of time chooses, it is that leg.
+    """
+    mission = adr_opt.Mission(instance)
+    _, arrival = mission.timetable.lookup(0, target, 0.0)
+    short = instance.with_limits(duration_s=float(arrival + mission.rules.service[target]))
+    result = certify(adr_opt.Mission(short), "drawn", (target,), seed=0, runtime_s=0.0)
     assert result.plan is not None
-    return result.plan, result.plan.legs[0]
+    return short, result.plan
 
 
 def _heights(instance: adr_opt.Instance, plan: adr_opt.Plan) -> Iterator[tuple[str, Any, Any]]:
@@ -128,8 +136,7 @@ def _heights(instance: adr_opt.Instance, plan: adr_opt.Plan) -> Iterator[tuple[s
 
 def leg() -> Any:
     """Altitude of a real leg against time."""
-    instance = adr_opt.generate("nominal", 0)
-    plan, _ = _leg(instance, 5)
+    instance, plan = _leg(adr_opt.generate("nominal", 0), 5)
     figure, ax = plt.subplots(figsize=(WIDTH_IN, 3.5))
     for phase, hours, altitudes in _heights(instance, plan):
         label = plot.LABELS[phase]
@@ -145,12 +152,12 @@ def timetable() -> Any:
     """ΔV and duration of one pair at every ready time of its first hours."""
     instance = adr_opt.generate("nominal", 0)
     table = adr_opt.Timetable(instance, threads=1)
-    origin, destination, end = STATION, 5, 8.0 * 3600.0
+    origin, destination, end = 0, 5, 16.0 * 3600.0
     ready = np.arange(0.0, end, 20.0)
     found = np.array([table.lookup(origin, destination, t) for t in ready])
-    # A departure event is where the arrival of a chaser that is ready then changes.
+    # Where a chaser that is ready later arrives later, another connection is chosen.
     changes = np.flatnonzero(np.diff(found[:, 1])) + 1
-    events = ready[changes] / 3600.0
+    events = [event / 3600.0 for event in _events(table, origin, destination) if event < end]
     hours = ready / 3600.0
     figure, (above, below) = plt.subplots(2, 1, figsize=(WIDTH_IN, 4.6), sharex=True)
     for begin, stop in zip([0, *changes], [*changes, len(ready)], strict=True):
@@ -163,8 +170,95 @@ def timetable() -> Any:
             ax.axvline(event, color=FAINT, lw=0.8, ls=(0, (2, 2)), zorder=0)
         ax.set_ylim(0.0, 1.12 * ax.get_ylim()[1])
     above.set_ylabel("ΔV [m/s]")
-    below.set(xlabel="ready at the station [h]", ylabel="until arrival [h]", xlim=(0.0, 8.0))
+    below.set(xlabel="ready at the station [h]", ylabel="until arrival [h]", xlim=(0.0, 16.0))
     figure.tight_layout()
+    return figure
+
+
+def _events(table: adr_opt.Timetable, origin: int, destination: int) -> list[float]:
+    """The departure events of a pair [s]."""
+    total = kernels.events(table.table, origin, destination)
+    return [kernels.departure_at(table.table, origin, destination, m) for m in range(total)]
+
+
+def _is_blocked(
+    instance: adr_opt.Instance, origin: int, destination: int, event: int, departure: float
+) -> bool:
+    """Whether keep-out zones leave no sequence at all at a departure event."""
+    orbits, rule = instance.orbits(), instance.transfer_rule()
+    pair = transfer.prepare(orbits[origin], orbits[destination], 0.0, rule)
+    _, half_turns = transfer.first_departure(pair)
+    lead = transfer.target_lead(pair, departure, half_turns + event)
+    found = transfer.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
+    return not math.isfinite(found.delta_v)
+
+
+def connections() -> Any:
+    """The connections of a pair, and what three choices take of them at every ready time."""
+    instance = adr_opt.generate("nominal", 0)
+    table = adr_opt.Timetable(instance, threads=1)
+    origin, destination, end = 0, 5, 36.0 * 3600.0
+    found = table.connections(origin, destination)
+    figure, ax = plt.subplots(figsize=(WIDTH_IN, 3.7))
+    ax.scatter(
+        found.departure / 3600.0, found.delta_v, s=9.0, color=FAINT, lw=0.0, label="connections"
+    )
+    ready = np.arange(0.0, end, 60.0)
+    for choose, phase, label in (
+        ("earliest", "hohmann-1", "the earliest"),
+        (75.0, "phasing", "75 m/s per hour"),
+        ("cheapest", "terminal", "the cheapest"),
+    ):
+        chosen = table.matrices(ready, choose=choose).delta_v[:, origin, destination]
+        ax.step(ready / 3600.0, chosen, color=plot.COLOURS[phase], lw=1.8, label=label)
+    most = float(found.delta_v[found.departure < end].min()) * 4.0
+    ax.set(xlabel="ready, or departing [h]", ylabel="ΔV [m/s]", xlim=(0.0, end / 3600.0))
+    ax.set_ylim(0.0, max(most, 600.0))
+    ax.legend(ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.2), handlelength=1.4)
+    return figure
+
+
+def waiting() -> Any:
+    """A zone that is waited out: every departure is blocked until it opens, the next is taken."""
+    free = adr_opt.generate("nominal", 0)
+    zone = KeepOutZone(min_altitude_m=685e3, max_altitude_m=715e3, start_s=0.0, end_s=2.2e4)
+    closed = free.replace(keep_out_zones=(zone,))
+    target = 5
+    figure, ax = plt.subplots(figsize=(WIDTH_IN, 3.9))
+    flown = []
+    for instance, colour, label in (
+        (free, FAINT, "without the zone"),
+        (closed, plot.COLOURS["phasing"], "with it"),
+    ):
+        short, plan = _leg(instance, target)
+        leg = plan.legs[0]
+        flown.append(leg)
+        label = f"{label}: {leg.delta_v_m_s:.0f} m/s, arrives after {leg.arrival_s / 3600:.1f} h"
+        pieces = [piece for piece in _heights(short, plan) if piece[0] not in ("wait", "service")]
+        hours = np.concatenate([piece[1] for piece in pieces])
+        altitudes = np.concatenate([piece[2] for piece in pieces])
+        ax.plot(hours, altitudes, color=colour, lw=2.4, label=label)
+    home = (free.body_orbits[0].semi_major_axis_m - EARTH_RADIUS_M) / 1000.0
+    taken = flown[1].departure_s / 3600.0
+    ax.plot([0.0, taken], [home, home], color=plot.COLOURS["wait"], lw=2.4, label="wait")
+    events = _events(adr_opt.Timetable(closed, threads=1), 0, target)
+    blocked = [
+        departure / 3600.0
+        for event, departure in enumerate(events)
+        if departure < flown[1].departure_s and _is_blocked(closed, 0, target, event, departure)
+    ]
+    ax.plot(
+        blocked, [home] * len(blocked), "x", color=ZONE, ms=8, mew=2.2, zorder=6,
+        label=f"{len(blocked)} departures that it blocks",
+    )  # fmt: skip
+    ax.plot([taken], [home], "o", color=INK, ms=7, zorder=6, label="the departure that is taken")
+    ax.fill_between(
+        [zone.start_s / 3600.0, zone.end_s / 3600.0],
+        zone.min_altitude_m / 1000.0, zone.max_altitude_m / 1000.0,
+        color=ZONE, alpha=0.25, lw=0.0, label="keep-out zone",
+    )  # fmt: skip
+    ax.set(xlabel="hours since the epoch", ylabel="altitude [km]")
+    ax.legend(ncols=2, loc="upper center", bbox_to_anchor=(0.46, -0.2), handlelength=1.2)
     return figure
 
 
@@ -178,9 +272,10 @@ def detour() -> Any:
         (free, FAINT, "without the zone"),
         (closed, plot.COLOURS["phasing"], "with it"),
     ):
-        plan, leg = _leg(instance, 5)
+        short, plan = _leg(instance, 5)
+        leg = plan.legs[0]
         label = f"{label}: {leg.delta_v_m_s:.0f} m/s, arrives after {leg.arrival_s / 3600:.1f} h"
-        pieces = [piece for piece in _heights(instance, plan) if piece[0] != "service"]
+        pieces = [piece for piece in _heights(short, plan) if piece[0] != "service"]
         hours = np.concatenate([piece[1] for piece in pieces])
         altitudes = np.concatenate([piece[2] for piece in pieces])
         ax.plot(hours, altitudes, color=colour, lw=2.4, label=label)
@@ -196,7 +291,7 @@ def detour() -> Any:
 
 def mission() -> Any:
     """A whole small mission: altitude against time, phases coloured."""
-    instance = adr_opt.generate("tiny", 0)
+    instance = adr_opt.generate("tiny", 0).with_limits(delta_v_m_s=400.0)
     plan = adr_opt.solve(instance, method="greedy-guarded").plan
     assert plan is not None
     figure, (above, below) = plt.subplots(
@@ -216,6 +311,8 @@ PICTURES: dict[str, Callable[[], Any]] = {
     "leg": leg,
     "timetable": timetable,
     "detour": detour,
+    "connections": connections,
+    "waiting": waiting,
     "mission": mission,
 }
 

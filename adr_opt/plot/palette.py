@@ -37,9 +37,9 @@ VISITED = COLOURS["service"]
 UNVISITED = COLOURS["wait"]
 
 REASONS = {
-    "no-transfer": "no body has a transfer to it at any departure of the mission",
-    "duration": "one more leg to it would end after the mission does",
-    "delta-v": "one more leg to it would need more ΔV than is left",
+    "no-transfer": "no body has a transfer to it that leaves time for service",
+    "duration": "one more leg to it would end too late for the mission, or for its window",
+    "delta-v": "one more leg to it, in time, would need more ΔV than is left",
     "not-worth-it": "it could still be added at the end, and the plan does not",
     "not-considered": "it was not planned with: the time or the memory did not allow it",
 }

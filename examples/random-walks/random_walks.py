@@ -5,7 +5,6 @@ import time
 
 import numpy as np
 
-from adr_opt.kernels.constants import STATION
 from adr_opt.result import certify
 
 
@@ -17,13 +16,13 @@ def random_walks(mission, *, seed, stop, progress, walks=100):
     walks : int
         Number of missions to draw.
     """
-    rng = np.random.default_rng(seed)
+    rng, rules = np.random.default_rng(seed), mission.rules
     began = time.perf_counter()
     best, most, walk = [], 0.0, 0
     while walk < walks and not stop(most, math.inf):
         moves, collected = [], 0.0
-        for target in rng.permutation(np.arange(1, len(mission.names))):
-            for more in ([target], [STATION, target]):
+        for target in rng.permutation(np.arange(rules.first_target, len(mission.names))):
+            for more in ([target], *([station, target] for station in range(rules.stations))):
                 timing = mission.time(moves + more)
                 if timing.made == len(moves + more):
                     moves, collected = moves + more, timing.objective
