@@ -2,7 +2,7 @@
 
 Conventions, everywhere: SI units (metres, seconds, metres per second, radians), with the unit in a
 name where it can be mistaken; degrees only in instance files; times count from the epoch of the
-instance; altitudes are radii minus 6378.137 km; bodies are numbered with the station first (0).
+instance; altitudes are radii minus 6378.137 km; bodies are numbered from 0, the stations first.
 
 >>> import adr_opt
 >>> instance = adr_opt.generate("tiny", seed=0)

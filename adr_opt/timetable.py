@@ -134,7 +134,7 @@ class Timetable:
     limits : adr_opt.kernels.timetable.Limits
         Times at the bodies.
     names : tuple of str
-        Bodies, the station first.
+        Bodies, the stations first.
 
     Raises
     ------

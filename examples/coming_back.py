@@ -10,7 +10,7 @@ from adr_opt.result import certify
 
 
 def come_back(solver: str, mission: adr_opt.Mission, order: Iterable[int]) -> adr_opt.Plan:
-    """Make a plan of an order of bodies (0 the station) and print how many visits survive."""
+    """Make a plan of an order of bodies (by number) and print how many visits survive."""
     order = [int(body) for body in order]
     result = certify(mission, solver, mended(mission, order), seed=0, runtime_s=0.0)
     if result.plan is None or adr_opt.check(mission.instance, result.plan):

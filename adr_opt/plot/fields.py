@@ -78,7 +78,7 @@ def planes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
 def matrix(ax: Any, matrices: Matrices, departure: int = 0, quantity: str = "delta_v") -> Any:
     """Add ΔV [m/s] or duration [h] of all transfers at one ready time as an image.
 
-    Rows are origins, columns destinations, the station first; pairs without a transfer stay empty.
+    Rows are origins, columns destinations, the stations first; pairs without a transfer stay empty.
     The image is ``ax.images[-1]``, for a colour bar.
 
     Parameters

@@ -53,7 +53,7 @@ def body_states(
 def body_positions(
     instance: Instance, times_s: npt.ArrayLike, *, true_orbits: bool = False
 ) -> Array:
-    """Positions of all bodies, the station first, shape (bodies, n, 3) [m]."""
+    """Positions of all bodies, the stations first, shape (bodies, n, 3) [m]."""
     return np.stack(
         [
             body_states(instance, name, times_s, true_orbits=true_orbits)[0]
