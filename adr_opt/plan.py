@@ -73,8 +73,9 @@ class Unvisited(Record):
     The reason is read off the end of the plan: ``no-transfer`` if no body of the mission has a
     connection to the target that leaves time for service, else ``duration`` if none from where the
     plan ends does, or ``delta-v`` if all of those need more ΔV than is left, else
-    ``not-worth-it``: one more leg fits, and the plan does not fly it. ``not-considered`` is a target that was not planned with, because
-    the time or the memory did not allow it; a note of the plan says more.
+    ``not-worth-it``: one more leg fits, and the plan does not fly it. ``not-considered`` is a
+    target that was not planned with, because the time or the memory did not allow it; a note of
+    the plan says more.
     """
 
     target: Name

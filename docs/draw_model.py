@@ -197,23 +197,26 @@ def connections() -> Any:
     """The connections of a pair, and what three choices take of them at every ready time."""
     instance = adr_opt.generate("nominal", 0)
     table = adr_opt.Timetable(instance, threads=1)
-    origin, destination, end = 0, 5, 36.0 * 3600.0
+    origin, destination, end, dearest = 0, 5, 36.0 * 3600.0, 600.0
     found = table.connections(origin, destination)
     figure, ax = plt.subplots(figsize=(WIDTH_IN, 3.7))
-    ax.scatter(
-        found.departure / 3600.0, found.delta_v, s=9.0, color=FAINT, lw=0.0, label="connections"
-    )
-    ready = np.arange(0.0, end, 60.0)
+    shown = (found.departure < end) & (found.delta_v < dearest)
+    ax.plot(
+        found.departure[shown] / 3600.0, found.delta_v[shown],
+        ls="none", marker=".", ms=3.5, color=FAINT, label="connections",
+    )  # fmt: skip
+    ready = np.arange(0.0, end, 600.0)
     for choose, phase, label in (
         ("earliest", "hohmann-1", "the earliest"),
         (75.0, "phasing", "75 m/s per hour"),
         ("cheapest", "terminal", "the cheapest"),
     ):
         chosen = table.matrices(ready, choose=choose).delta_v[:, origin, destination]
-        ax.step(ready / 3600.0, chosen, color=plot.COLOURS[phase], lw=1.8, label=label)
-    most = float(found.delta_v[found.departure < end].min()) * 4.0
+        ax.step(
+            ready / 3600.0, chosen, where="post", color=plot.COLOURS[phase], lw=1.8, label=label
+        )
     ax.set(xlabel="ready, or departing [h]", ylabel="ΔV [m/s]", xlim=(0.0, end / 3600.0))
-    ax.set_ylim(0.0, max(most, 600.0))
+    ax.set_ylim(0.0, dearest)
     ax.legend(ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.2), handlelength=1.4)
     return figure
 

@@ -322,6 +322,17 @@ def test_the_first_example_of_each_page_runs(
     assert plan.load_plan("plan.json").legs
 
 
+def test_what_the_page_on_waiting_prints(capsys: pytest.CaptureFixture[str]) -> None:
+    """Each block of Python on the page prints what the page says that it prints."""
+    page = read("docs/waiting.md")
+    pairs = re.findall(r"```python\n(.*?)```\n\nprints\n\n```text\n(.*?)```", page, re.DOTALL)
+    assert len(pairs) == page.count("```python") == 3
+    names: dict[str, Any] = {}
+    for code, printed in pairs:
+        exec(code, names)
+        assert capsys.readouterr().out == printed
+
+
 def test_the_environment_of_the_readme_runs() -> None:
     """The environment in five lines runs as it stands."""
     pytest.importorskip("gymnasium")

@@ -149,6 +149,75 @@ def test_highs_loses_nothing(tmp_path: Path) -> None:
         assert as_it_is(mission, order) == order
 
 
+def test_the_mission_with_deadlines_is_what_its_script_prints(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The committed file is that of the script, byte for byte."""
+    runpy.run_path(str(FOLDER / "deadlines/make_mission.py"), run_name="__main__")
+    assert capsys.readouterr().out == (FOLDER / "deadlines/mission.json").read_text("utf-8")
+
+
+def test_the_mission_with_deadlines_from_plan_to_export(cli: Cli, tmp_path: Path) -> None:
+    """The commands of docs/rules.md work, one after the other, and the plan obeys every rule."""
+    for package in ("boinor", "plotly"):
+        pytest.importorskip(package)
+    (tmp_path / "examples").symlink_to(FOLDER)
+    page = (FOLDER.parent / "docs/rules.md").read_text(encoding="utf-8")
+    lines = re.findall(r"^    python -m adr_opt (.+)$", page, re.MULTILINE)
+    assert [line.split()[0] for line in lines] == [
+        "solve", "bound", "check", "fly", "report", "export", "export", "export"
+    ]  # fmt: skip
+    said = {}
+    for line in lines:
+        outcome = cli(*shlex.split(line))
+        assert outcome.status == 0, (line, outcome.err)
+        said[line.split()[0]] = outcome.out
+    plan = adr_opt.load_plan("plan.json")
+    assert (plan.status, plan.objective, plan.upper_bound) == ("optimal", 8.0, 8.0)
+    assert "prize 8," in page
+    assert "bound 8," in page
+    assert "upper bound 8, optimal" in said["bound"]
+    assert "every tank holds" in said["fly"]
+    for suffix in ("html", "czml", "script", "oem"):
+        assert (tmp_path / f"mission.{suffix}").stat().st_size > 0
+
+    hour = 3600.0
+    ends = {leg.destination: leg.end_s for leg in plan.legs}
+    begins = {leg.destination: max(leg.arrival_s, 30.0 * hour) for leg in plan.legs}
+    assert plan.legs[0].departure_s >= 6.0 * hour
+    assert plan.legs[-1].end_s <= 66.0 * hour
+    assert plan.legs[-1].destination == "station"
+    assert "debris-015" in ends
+    assert ends["debris-005"] <= 24.0 * hour
+    assert ends["debris-007"] <= 40.0 * hour
+    period = ends["debris-007"] - begins["debris-007"]
+    assert 1.5 * hour < period < 1.8 * hour
+
+
+def test_every_rule_of_the_deadlines_costs_something() -> None:
+    """Without any one rule more is collected, or the required target left out and ΔV saved."""
+    instance = adr_opt.load(FOLDER / "deadlines/mission.json")
+    chaser = instance.chaser
+    freed = {
+        "windows": instance.replace(
+            targets=tuple(target.replace(window_s=(0.0, None)) for target in instance.targets)
+        ),
+        "availability": instance.replace(chasers=(chaser.replace(available_s=(0.0, None)),)),
+        "end": instance.replace(chasers=(chaser.replace(end="anywhere"),)),
+    }
+    for rule, free in freed.items():
+        assert adr_opt.solve(free, "exact", time_limit=60).objective > 8.0, rule
+    idle = instance.replace(
+        targets=tuple(target.replace(required=False) for target in instance.targets)
+    )
+    asked, unasked = (adr_opt.solve(each, "exact", time_limit=60).plan for each in (instance, idle))
+    assert asked is not None
+    assert unasked is not None
+    assert unasked.objective == asked.objective
+    assert "debris-015" not in unasked.destinations
+    assert unasked.cost < asked.cost
+
+
 def test_any_order_comes_back_as_a_legal_plan(capsys: pytest.CaptureFixture[str]) -> None:
     """Random orders are mended to legal ones that keep at least their legal beginning."""
     come_back = import_module("coming_back").come_back
