@@ -91,8 +91,8 @@ class SequenceSettings(Record):
 class TransferSettings(SequenceSettings):
     """Parameters of the transfers (MODEL sections 2 to 4).
 
-    Beside those of the co-elliptic sequence: a connection that another one dominates up to
-    ``delta_v_resolution_m_s`` does not count, and departures lie no closer than
+    Beside those of the co-elliptic sequence: listings and matrices leave out a connection that
+    another one dominates up to ``delta_v_resolution_m_s``, and departures lie no closer than
     ``departure_spacing_s``. The last two are the grid and the longest time of transfers that drift.
     """
 
@@ -119,7 +119,7 @@ class Objective(Record):
 
 
 class KeepOutZone(Record):
-    """A closed altitude band that is forbidden during a closed time window (MODEL section 5)."""
+    """A closed altitude band that is forbidden during a closed time window (MODEL section 6)."""
 
     min_altitude_m: NonNegative
     max_altitude_m: NonNegative
