@@ -160,7 +160,7 @@ def test_every_leg_and_every_unvisited_target_is_in_a_table(mission) -> None:
     words = outline(text).text
     for entry in plan.unvisited:
         assert f"{entry.target} {entry.reason}" in words
-    assert "one more leg to it would end after the mission does" in words
+    assert "one more leg to it would end too late for the mission" in words
 
 
 @pytest.mark.parametrize(
