@@ -120,7 +120,7 @@ def flown(orbit_i, orbit_j, rule, ready):
     event = max(0, math.ceil((ready - first) / half_period))
     departure = first + event * half_period
     lead = transfer.target_lead(pair, departure, half_turns + event)
-    chosen = transfer.best_sequence(pair, rule, departure, lead)
+    chosen = transfer.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
     if not math.isfinite(chosen.delta_v):
         return None
     times, vectors, phases = burn_kernels.burns(

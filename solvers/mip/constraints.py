@@ -9,6 +9,10 @@ from adr_opt.kernels.rules import Rules
 from ..exact_models.network import GUARD_M_S, Network
 from .variables import Variables
 
+ROUNDING = 1e-6
+"""Tanks are larger by this share, so that no tolerance of HiGHS loses a plan that just fits; a path
+that does not fit is forbidden when it is found."""
+
 
 class Constraints:
     """The constraints of the model, one method each.
@@ -93,7 +97,7 @@ class Constraints:
 
     def _delta_v_fits(self) -> None:
         """Keep what is used before a move and on it within the budget."""
-        slack = GUARD_M_S / self._rules.budget
+        slack = GUARD_M_S / self._rules.budget + ROUNDING
         self._block.fits = pyo.ConstraintList()
         for pair in self._variables.pairs:
             legs = self._variables.legs_of[pair].tolist()

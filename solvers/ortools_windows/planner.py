@@ -95,7 +95,7 @@ def ortools(
         LAG * float(rules.prize.sum()) / max(1, int(np.count_nonzero(rules.prize))),
     )
     if start is None:
-        greedy = get("greedy-guarded")(layer, seed=seed, stop=stop, progress=silent)
+        greedy = get("greedy-guarded")(mission, seed=seed, stop=stop, progress=silent)
         first = greedy.sequence or ()
     else:
         first = start_sequence(mission, start)
