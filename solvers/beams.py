@@ -27,13 +27,13 @@ import numpy.typing as npt
 
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import inlined, kernel
-from adr_opt.kernels.memory import write
+from adr_opt.kernels.memory import borrowed, write
 from adr_opt.kernels.rules import State
 from adr_opt.mission import Mission
 from adr_opt.stop import Stop
 
 from .halting import halted_by
-from .relaxation.latest import Latest, latest_time, no_latest
+from .relaxation.latest import Latest, latest_time, lent, no_latest
 from .worth import worth_of
 
 CANDIDATES = 8
@@ -232,6 +232,22 @@ def _new_candidates(room):
 
 
 @inlined
+def _lent(level, cand):
+    """A level and candidates without ownership, for use within a kernel: no look is counted."""
+    return (
+        Level(
+            borrowed(level.body), borrowed(level.since), borrowed(level.time),
+            borrowed(level.left), borrowed(level.spent), borrowed(level.prize),
+            borrowed(level.ahead), borrowed(level.key), borrowed(level.visited),
+        ),
+        Candidates(
+            borrowed(cand.score), borrowed(cand.parent), borrowed(cand.move), borrowed(cand.via),
+            borrowed(cand.end), borrowed(cand.left), borrowed(cand.spent),
+        ),
+    )  # fmt: skip
+
+
+@inlined
 def _is_in(level, s, j):
     """Whether a state has visited a target."""
     return (level.visited[s, j >> 6] >> np.uint64(j & 63)) & np.uint64(1) != 0
@@ -248,6 +264,8 @@ def _succeed(rules, guide, guided, weights, level, size, serviced, keys, wanted,
     priced : int
         Successors looked at.
     """
+    rules, (level, cand) = rule_kernels.lent(rules), _lent(level, cand)
+    keys, guide = borrowed(keys), lent(guide)
     room = cand.score.size
     bodies = rules.service.size
     ways = np.empty(rules.stations + 1, np.int64)
@@ -324,6 +342,8 @@ def _keep(
         at each body (bodies,) int64; stranded candidates (room,) int64; and, written, the
         candidate that each state kept was, (width,) int64.
     """
+    rules, (level, cand) = rule_kernels.lent(rules), _lent(level, cand)
+    after = _lent(after, cand)[0]
     head, chain, held, waiting, which = desk
     order = np.argsort(cand.score[:count], kind="mergesort")
     head[:] = -1
@@ -419,7 +439,6 @@ def beam_kernel(rules, done, first, guide, guided, weights, halt):
     priced : int
         Number of candidates priced.
     """
-    rules = rule_kernels.lent(rules)
     bodies, width = rules.service.size, weights.width
     level, after = _new_level(width, (bodies + 63) // 64), _new_level(width, (bodies + 63) // 64)
     keys = np.empty(bodies, np.uint64)
