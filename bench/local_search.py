@@ -18,8 +18,8 @@ from machine import heading
 
 import adr_opt
 from adr_opt.kernels.constants import STATION
-from solvers.beams import BeamSettings, beam_search
-from solvers.orders import make_labels, time_order, with_refuelling
+from solvers.search.beams import BeamSettings, beam_search
+from solvers.search.orders import make_labels, time_order, with_refuelling
 
 
 class State:

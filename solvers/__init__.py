@@ -1,5 +1,13 @@
-"""The answers: one module (or folder) per planner, one per bound.
+"""The answers: planners and bounds, found by the entry points ``adr_opt.planners`` and ``…bounds``.
 
-Imports :mod:`adr_opt`, never another planner's insides; :mod:`adr_opt` finds the planners by the
-entry-point groups ``adr_opt.planners`` and ``adr_opt.bounds``.
+1. :mod:`.planners`, :mod:`.bounds`: what a user calls, a module or a folder each; none imports
+   another one.
+2. :mod:`.training`: how policies come about.
+3. :mod:`.models`: the mission as a network for solvers of integer programs.
+4. :mod:`.learned`: trained policies at work.
+5. :mod:`.search`: beams, orders of targets, ruin and recreate.
+6. :mod:`.relaxation`: the network with waiting arcs, its walks and labels, and proofs by them.
+7. :mod:`.certificate`, :mod:`.incumbent`: the best plan and the bound, compared in one place.
+
+Each imports only from further down.
 """

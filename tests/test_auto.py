@@ -19,8 +19,9 @@ from adr_opt.result import Result
 from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
 from solvers import auto as auto_module
 from solvers import timely_beams
-from solvers.auto import auto
-from solvers.beam import TIME_VALUE_M_S_PER_H, beam
+from solvers.planners.auto import auto
+from solvers.planners.beam import beam
+from solvers.search.beams import TIME_VALUE_M_S_PER_H
 
 TINY = sorted((Path(__file__).parents[1] / "instances" / "tiny").glob("*.json"))
 

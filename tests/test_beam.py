@@ -23,10 +23,10 @@ from adr_opt.planner import silent
 from adr_opt.result import Result
 from adr_opt.stop import Interrupted, MaxIterations, MaxRuntime
 from solvers import timely_beams
-from solvers.beam import TIME_VALUE_M_S_PER_H, beam
-from solvers.beams import BeamSettings, beam_search, usual_settings
+from solvers.planners.beam import beam
 from solvers.relaxation.latest import latest_of
 from solvers.relaxation.walks import WalkBound
+from solvers.search.beams import TIME_VALUE_M_S_PER_H, BeamSettings, beam_search, usual_settings
 
 TINY = sorted((Path(__file__).parents[1] / "instances" / "tiny").glob("*.json"))
 

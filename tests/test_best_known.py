@@ -366,7 +366,7 @@ def test_instances_are_solved(
 ) -> None:
     """An instance file is solved with planner and bound, and its row gets both."""
     groups = {
-        planner.PLANNERS: [("greedy-guarded", "solvers.greedy:greedy_guarded")],
+        planner.PLANNERS: [("greedy-guarded", "solvers.planners.greedy:greedy_guarded")],
         planner.BOUNDS: [("trivial", f"{__name__}:trivial")],
     }
     monkeypatch.setattr(

@@ -18,7 +18,7 @@ from adr_opt.mission import Mission
 from adr_opt.planner import silent
 from adr_opt.result import Result
 from adr_opt.stop import MaxIterations, MaxRuntime
-from solvers.exact import exact
+from solvers.planners.exact import exact
 
 TINY = sorted((Path(__file__).parents[1] / "instances" / "tiny").glob("*.json"))
 

@@ -20,7 +20,7 @@ import adr_opt
 from adr_opt.export import models, parquet, write_timetable
 from adr_opt.export.write import ONE_DEPARTURE, SAMPLED, whole_suffixes
 from adr_opt.mission import Mission
-from solvers.mip import files
+from solvers.planners.mip import files
 
 MODELS = pytest.mark.parametrize("suffix", [".lp", ".mps"])
 
@@ -96,7 +96,7 @@ def test_a_model_without_a_budget_is_caught(
 ) -> None:
     """Without the rows that keep the ΔV used within the budget, the file promises too much."""
     pytest.importorskip("pyomo")
-    from solvers.mip.constraints import Constraints
+    from solvers.planners.mip.constraints import Constraints
 
     monkeypatch.setattr(Constraints, "_delta_v_fits", lambda self: None)
     mission = crowded_mission()

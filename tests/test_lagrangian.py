@@ -11,13 +11,13 @@ from adr_opt.errors import InputError
 from adr_opt.kernels.compile import kernel
 from adr_opt.mission import Mission
 from adr_opt.stop import MaxIterations, MaxRuntime
-from solvers.greedy import greedy_sequence
-from solvers.lagrangian import lagrangian
+from solvers.bounds.lagrangian import lagrangian
 from solvers.relaxation import simd
 from solvers.relaxation.latest import latest_of, latest_time
 from solvers.relaxation.multipliers import Descent
 from solvers.relaxation.routes import Routes
 from solvers.relaxation.walks import WalkBound
+from solvers.search.greedy_order import greedy_sequence
 
 SLOTS_M_S = (7.0, 40.0, 150.0)
 

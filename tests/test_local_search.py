@@ -20,11 +20,11 @@ from adr_opt.mission import Mission
 from adr_opt.planner import get, silent
 from adr_opt.result import Result
 from adr_opt.stop import Interrupted, MaxIterations
-from solvers.local_search import local_search
-from solvers.local_search.annealing import anneal
-from solvers.local_search.moves import NAMES, apply_move
-from solvers.local_search.planner import WEIGHTS, LocalSearch
-from solvers.orders import make_labels, time_order, with_refuelling
+from solvers.planners.local_search import local_search
+from solvers.planners.local_search.annealing import anneal
+from solvers.planners.local_search.moves import NAMES, apply_move
+from solvers.planners.local_search.planner import WEIGHTS, LocalSearch
+from solvers.search.orders import make_labels, time_order, with_refuelling
 
 TARGETS = 12
 

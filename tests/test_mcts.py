@@ -15,9 +15,9 @@ from adr_opt.mission import Mission
 from adr_opt.planner import silent
 from adr_opt.result import Result
 from adr_opt.stop import Interrupted, MaxIterations
-from solvers.mcts import mcts, planner
-from solvers.mcts import policy as policies
-from solvers.mcts.settings import PUBLISHED
+from solvers.planners.mcts import mcts, planner
+from solvers.planners.mcts import policy as policies
+from solvers.planners.mcts.settings import PUBLISHED
 
 EVERY_WORD = [
     {"rollout": "guarded"},

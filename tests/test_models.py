@@ -25,14 +25,14 @@ from adr_opt.mission import Mission
 from adr_opt.planner import silent
 from adr_opt.result import certify
 from adr_opt.stop import Interrupted, MaxIterations, MaxRuntime
-from solvers.cpsat import cpsat
-from solvers.exact_models import course, network
-from solvers.exact_models.network import all_of, bodies_along, keep, of_rows, path_of
-from solvers.exact_models.reduction import best_through, can_reach
-from solvers.exact_models.steps import in_steps
-from solvers.mip import mip
+from solvers.bounds.routing_bound import routing_bound, static_costs
+from solvers.models import course, network
+from solvers.models.network import all_of, bodies_along, keep, of_rows, path_of
+from solvers.models.reduction import best_through, can_reach
+from solvers.models.steps import in_steps
+from solvers.planners.cpsat import cpsat
+from solvers.planners.mip import mip
 from solvers.relaxation.network import build
-from solvers.routing_bound import routing_bound, static_costs
 
 INSTANCES = Path(__file__).parents[1] / "instances" / "tiny"
 TINY = sorted(INSTANCES.glob("tiny-[0-9][0-9][0-9].json"))
@@ -454,7 +454,7 @@ def test_routing_bound_is_not_trivial():
 
 def test_static_costs_that_are_not_the_best_are_caught(monkeypatch):
     """Without the station, or with legs at twice their least time, the bound falls too low."""
-    module = importlib.import_module("solvers.routing_bound")
+    module = importlib.import_module("solvers.bounds.routing_bound")
     missions = [Mission(adr_opt.load(path), threads=1) for path in TINY]
     missions.append(Mission(hand_made(), threads=1))
     optima = [brute_force(mission)[0] for mission in missions]
@@ -608,7 +608,7 @@ def test_bad_options_are_refused(method, option):
 
 def test_missing_extra(monkeypatch):
     """Without highspy the method says which extra to install."""
-    module = sys.modules["solvers.mip"]
+    module = sys.modules["solvers.planners.mip"]
     found = module.find_spec
     monkeypatch.setattr(
         module, "find_spec", lambda name: None if name == "highspy" else found(name)

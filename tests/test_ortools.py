@@ -15,10 +15,10 @@ from adr_opt.kernels.rules import State, replay
 from adr_opt.mission import Mission
 from adr_opt.planner import get, silent
 from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
-from solvers.ortools_windows import ortools
-from solvers.ortools_windows.fill import best_insertion
-from solvers.ortools_windows.network import Worth, fly_rest
-from solvers.ortools_windows.order import flown
+from solvers.planners.ortools_windows import ortools
+from solvers.planners.ortools_windows.fill import best_insertion
+from solvers.planners.ortools_windows.network import Worth, fly_rest
+from solvers.planners.ortools_windows.order import flown
 
 
 @pytest.fixture(scope="module")

@@ -31,9 +31,10 @@ from adr_opt.result import certify  # noqa: E402
 from solvers.learned import SHIPPED, Policy, load_policy  # noqa: E402
 from solvers.learned.decoding import Field, finish  # noqa: E402
 from solvers.learned.promises import follow_chains, promises  # noqa: E402
-from solvers.ppo import configs, ppo  # noqa: E402
-from solvers.ppo.export import write_onnx  # noqa: E402
-from solvers.ppo.network import SetNetwork  # noqa: E402
+from solvers.planners.ppo import ppo  # noqa: E402
+from solvers.training import configs  # noqa: E402
+from solvers.training.export import write_onnx  # noqa: E402
+from solvers.training.network import SetNetwork  # noqa: E402
 
 STATES = 1000
 
@@ -68,7 +69,7 @@ def small_published(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A policy of the published kind for five targets."""
     from dataclasses import replace
 
-    from solvers.ppo.trainer import model_of
+    from solvers.training.trainer import model_of
 
     config = replace(configs.config("published"), fields=Fields(targets=(5, 5)), missions=2)
     env = MissionVecEnv(2, config.fields, observation="published", slots=1)
@@ -438,7 +439,7 @@ def test_corrupted_policy_files(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", configs.CONFIGS)
 def test_policies_of_all_configurations_are_taken(name: str, tmp_path: Path) -> None:
     """What the exporter writes before and after a training is made of known operators only."""
-    from solvers.ppo.trainer import model_of
+    from solvers.training.trainer import model_of
 
     config = configs.config(name)
     env = MissionVecEnv(2, config.fields, observation=config.observation, slots=1)

@@ -117,8 +117,8 @@ def installed(monkeypatch: pytest.MonkeyPatch) -> None:
     """The fakes above and the greedy planners, as if they were installed."""
     found = {
         planner.PLANNERS: {
-            "greedy": "solvers.greedy:greedy",
-            "greedy-guarded": "solvers.greedy:greedy_guarded",
+            "greedy": "solvers.planners.greedy:greedy",
+            "greedy-guarded": "solvers.planners.greedy:greedy_guarded",
             "fake": f"{__name__}:fake_planner",
         },
         planner.BOUNDS: {"fake-bound": f"{__name__}:fake_bound"},

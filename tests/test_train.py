@@ -30,10 +30,10 @@ from adr_opt.env import fields  # noqa: E402
 from adr_opt.env.vector import MissionVecEnv  # noqa: E402
 from adr_opt.library import load_library  # noqa: E402
 from solvers.learned import load_policy  # noqa: E402
-from solvers.ppo import configs, trainer  # noqa: E402
-from solvers.ppo.checkpoints import read_checkpoint, read_state, write_checkpoint  # noqa: E402
-from solvers.ppo.held import FAMILIES, HELD_FIELDS, HELD_SEED  # noqa: E402
-from solvers.ppo.runs import Run, locked  # noqa: E402
+from solvers.training import configs, trainer  # noqa: E402
+from solvers.training.checkpoints import read_checkpoint, read_state, write_checkpoint  # noqa: E402
+from solvers.training.held import FAMILIES, HELD_FIELDS, HELD_SEED  # noqa: E402
+from solvers.training.runs import Run, locked  # noqa: E402
 
 
 def _call(folder: Path, *more: str) -> list[str]:
@@ -226,7 +226,7 @@ def test_a_full_disk_ends_a_training_in_a_sentence(
         "steps": 3200, "seed": 0, "jobs": 1, "device": "cpu", "evaluate_every": 10**9,
         "enough": lambda: False, "report": lambda done, means: done and full_disk(),
     }  # fmt: skip
-    monkeypatch.setattr("solvers.ppo.held.HELD_FIELDS", 1)
+    monkeypatch.setattr("solvers.training.held.HELD_FIELDS", 1)
     for checkpoint_s in (0.0, 1e9):
         with pytest.raises(adr_opt.errors.InputError, match="cannot be written"):
             trainer.train(config, tmp_path / str(checkpoint_s), checkpoint_s=checkpoint_s, **calls)
@@ -236,7 +236,7 @@ def test_a_full_disk_ends_a_training_in_a_sentence(
 def test_two_trainings_never_share_a_folder(tmp_path: Path) -> None:
     """While one runs in a folder another is refused, and one that was killed locks nobody out."""
     code = (
-        "import sys, time; from pathlib import Path; from solvers.ppo.runs import locked\n"
+        "import sys, time; from pathlib import Path; from solvers.training.runs import locked\n"
         "with locked(Path(sys.argv[1])): print('in', flush=True); time.sleep(600)"
     )
     other = subprocess.Popen([sys.executable, "-c", code, tmp_path], stdout=subprocess.PIPE)

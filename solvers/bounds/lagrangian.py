@@ -1,0 +1,63 @@
+"""An upper bound by Lagrangian relaxation, tightened by ng-routes (MODEL section 8)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from adr_opt.mission import Mission
+from adr_opt.planner import Progress
+from adr_opt.practice import practises
+from adr_opt.result import Result
+from adr_opt.stop import Stop
+
+from ..relaxation.proof import bounded
+
+
+@practises(rounds=12)
+def lagrangian(
+    mission: Mission,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    start: Iterable[int] | None = None,
+    jobs: int = 0,
+    delta_v_slot_m_s: float = 20.0,
+    most_labels: int = 8_000_000,
+) -> Result:
+    """No plan is worth more than this.
+
+    Rounds of :class:`solvers.relaxation.proof.Proof`: multipliers, then searches for plans worth a
+    little less than the bound. If the answer is a plan that meets the bound, it is optimal and is
+    returned. Every value on the way is a valid bound and the least is kept; the trivial one is the
+    sum of all prizes. Where all prizes are multiples of a step the bound is rounded down to one,
+    because the objective is.
+
+    Deterministic but for the time limit. An iteration is one evaluation of the bound, one search,
+    or :data:`solvers.relaxation.routes.EFFORT` labels of a search. Ends by itself when the bound is
+    met, or when it can do no more.
+
+    Parameters
+    ----------
+    mission : Mission
+    seed : int
+        Not used.
+    stop, progress
+    start : sequence of int, optional
+        A plan: bodies in order. The bound may prove it optimal.
+    jobs : int
+        Threads, 0 for all cores. The result does not depend on it.
+    delta_v_slot_m_s : float
+        Slot of ΔV [m/s]: a finer one gives a tighter bound and takes longer.
+    most_labels : int
+        Most labels of a search.
+
+    Raises
+    ------
+    InputError
+        An option is out of range.
+    """
+    return bounded(
+        "lagrangian", mission, stop, progress, seed=seed, start=start, jobs=jobs,
+        delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
+    )  # fmt: skip

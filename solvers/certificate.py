@@ -1,0 +1,95 @@
+"""Incumbent and bound of a proof under way, and what to ask for next."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Iterable
+
+from adr_opt.mission import Mission
+from adr_opt.planner import Progress
+from adr_opt.tolerance import meets, rounded_down, rounded_up, tolerance
+
+from .incumbent import Incumbent
+
+MARGIN = 1e-3
+"""Plans worth a step more are asked for from this much below; more than the rounding [steps]."""
+
+STRIDE = 0.01
+"""Ask for a plan worth so much less than the bound (relative)."""
+
+
+class Certificate:
+    """Incumbent and bound, and who is told of them."""
+
+    def __init__(self, mission: Mission, progress: Progress) -> None:
+        self._mission = mission
+        self._progress = progress
+        self._telling = threading.RLock()
+        self._told = (-math.inf, math.inf)
+        self._best = Incumbent(mission)
+        self.bound = math.inf
+        self.lower(mission.total_worth)
+
+    @property
+    def sequence(self) -> tuple[int, ...] | None:
+        """The best plan; None before the first."""
+        return self._best.sequence
+
+    @property
+    def incumbent(self) -> float:
+        """What it is worth; −inf before the first."""
+        return self._best.objective
+
+    @property
+    def cost(self) -> float:
+        """What it costs; +inf before the first."""
+        return self._best.cost
+
+    def offer(self, sequence: Iterable[int]) -> bool:
+        """A sequence that may be the best plan so far; whether it is: see :class:`Incumbent`."""
+        before = self.incumbent
+        better = self._best.offer(sequence)
+        if self.incumbent > before:
+            self.tell(self.incumbent, self.bound)
+        return better
+
+    def tell(self, incumbent: float, bound: float) -> None:
+        """Report what was found here, or elsewhere and is still to be offered here.
+
+        Two threads may tell at once, and neither knows all that the other has told; what is heard
+        never gets worse all the same.
+        """
+        with self._telling:
+            told = (max(incumbent, self._told[0]), min(bound, self._told[1]))
+            if told != self._told:
+                self._told = told
+                self._progress(*told)
+
+    def lower(self, bound: float) -> None:
+        """A bound that was proven, rounded down to the step of the prizes; −inf for no plan."""
+        bound = max(rounded_down(bound, self._mission.prize_step), self.incumbent)
+        if bound < 0.0:
+            bound = -math.inf  # every plan is worth at least nothing, so there is none
+        if bound < self.bound:
+            self.bound = bound
+            self.tell(self.incumbent, self.bound)
+
+    @property
+    def proven(self) -> bool:
+        """Whether the incumbent meets the bound."""
+        return meets(self.incumbent, self.bound)
+
+    @property
+    def goal(self) -> float:
+        """What the next plan has to be worth to be better."""
+        return self.incumbent + (self._mission.prize_step or tolerance(self.bound))
+
+    @property
+    def threshold(self) -> float:
+        """What to ask for next: more than the incumbent, at most the bound."""
+        step = self._mission.prize_step
+        value = min(self.bound, rounded_up((1.0 - STRIDE) * self.bound, step))
+        if step:
+            return max(value, self.incumbent + step) - MARGIN * step
+        return max(value, self.incumbent + 0.5 * tolerance(self.bound))

@@ -1,0 +1,310 @@
+"""The course of a proof by a solver for networks, the same for every solver."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from typing import Protocol
+
+import numpy as np
+
+from adr_opt.errors import InputError
+from adr_opt.kernels.rules import Rules
+from adr_opt.mission import Mission
+from adr_opt.planner import Progress
+from adr_opt.result import Result, certify
+from adr_opt.stop import Stop
+
+from ..certificate import Certificate
+from ..relaxation.multipliers import Descent
+from ..relaxation.network import Network as Rows
+from ..relaxation.proof import affordable_slot, bound_notes, set_up_s
+from ..relaxation.walks import TimeIsOver, WalkBound
+from ..search.greedy_order import greedy_sequence
+from .answer import Answer, Hear
+from .network import Network, bodies_along, keep, of_rows, path_of
+from .reduction import best_through, can_reach, finest_slot
+
+WHOLE_LEGS = 1_000
+"""Up to so many legs the network is solved whole: no bound but the solver's has a part in it."""
+
+SIFTED_FIRST = 100_000
+SIFTING_S_PER_LEG = 3e-6
+"""Networks of so many legs are cut down before multipliers are looked for, since they may turn out
+to be small; of larger ones this takes too long to do without need, and cannot be broken off [s]."""
+
+SHARE = 0.3
+"""Part of the time left that multipliers may take."""
+
+SLOT_M_S = 20.0
+"""ΔV slots of the multipliers' bound, widened where its values would not fit into memory."""
+
+FINER = 0.8
+"""Reduced costs are worked out again where slots can be finer by this factor."""
+
+
+class Model(Protocol):
+    """A network written for a solver."""
+
+    def solve(self, *, seed: int, hear: Hear) -> Answer:
+        """Solve it, or as much as the time allows."""
+        ...
+
+    def forbid(self, groups: list[list[int]]) -> None:
+        """Let no path use a leg of each of these groups, from the next solve on."""
+        ...
+
+
+MakeModel = Callable[[Network, Rules, float, list[int]], Model]
+"""Network, rules, unit of the objective, legs of a plan to begin from."""
+
+
+def prove(
+    method: str,
+    make_model: MakeModel,
+    mission: Mission,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    start: Iterable[int] | None,
+    jobs: int,
+    most_arcs: int,
+    evaluations: int,
+) -> Result:
+    """Prove how much the best plan is worth.
+
+    A small network is solved whole. From a larger one, arcs are dropped that no plan worth a goal
+    can use; the goal is a little below the bound and above the incumbent. If the solver finds such
+    a plan, it is the best one there is; if it proves that there is none, every plan is worth less
+    than the goal, the bound comes down, and the next goal is set. What the solver finds is an order
+    of bodies, which is then timed anew.
+
+    Parameters
+    ----------
+    method : str
+        Name of the method.
+    make_model : callable
+        Writes a network for the solver.
+    mission, seed, stop, progress, start
+        As for any planner. Without a start, the guarded greedy planner gives one.
+    jobs : int
+        Threads for the multipliers, 0 for all cores.
+    most_arcs : int
+        Larger networks are not handed to the solver.
+    evaluations : int
+        Most evaluations of the multipliers' bound.
+
+    Raises
+    ------
+    InputError
+        An option is out of range.
+    """
+    for name, value, least in (
+        ("jobs", jobs, 0),
+        ("most_arcs", most_arcs, 1),
+        ("evaluations", evaluations, 1),
+    ):
+        if value < least:
+            raise InputError(f"option {name} = {value} of method {method!r}: must be ≥ {least}")
+    began = time.perf_counter()
+    certificate = Certificate(mission, progress)
+    course = _Course(mission, make_model, certificate, stop, seed)
+    if start is None:
+        nothing = np.empty(0, dtype=np.int64)
+        start = mission.closed(greedy_sequence(mission.rules, nothing, 1.0, 0.0, True))
+    certificate.offer(start)
+    if not course.enough():
+        with suppress(TimeIsOver):
+            course.run(jobs or os.cpu_count() or 1, most_arcs, evaluations)
+        if not (certificate.proven or course.notes or course.remaining_s() <= 0.0):
+            course.notes.append(
+                f"the solver cannot tell the bound of {certificate.bound:g} from the plan within "
+                "its tolerances: other proving methods may"
+            )
+    return certify(
+        mission,
+        method,
+        certificate.sequence,
+        seed=seed,
+        runtime_s=time.perf_counter() - began,
+        upper_bound=certificate.bound,
+        counters=course.counters,
+        notes=[*course.notes, *bound_notes(mission)],
+    )
+
+
+class _Course:
+    """One proof."""
+
+    def __init__(
+        self,
+        mission: Mission,
+        make_model: MakeModel,
+        certificate: Certificate,
+        stop: Stop,
+        seed: int,
+    ) -> None:
+        self._mission = mission
+        self._make_model = make_model
+        self._certificate = certificate
+        self._stop = stop
+        self._seed = seed
+        self._ended = False
+        self.notes: list[str] = []
+        self.counters: dict[str, float] = {
+            "network_nodes": 0,
+            "network_arcs": 0,
+            "solved_arcs": 0,
+            "solves": 0,
+            "solver_nodes": 0,
+            "forbidden": 0,
+            "evaluations": 0,
+        }
+
+    def enough(self) -> bool:
+        """Asks ``stop``, once per iteration."""
+        known = self._certificate
+        self._ended = self._ended or known.proven or self._stop(known.incumbent, known.bound)
+        return self._ended
+
+    def remaining_s(self) -> float:
+        """Seconds that may still be used."""
+        return 0.0 if self._ended else self._stop.remaining_s()
+
+    def run(self, jobs: int, most_arcs: int, evaluations: int) -> None:
+        """Work until the incumbent meets the bound, or as far as size and time allow.
+
+        Raises
+        ------
+        TimeIsOver
+            An evaluation of the multipliers' bound was broken off.
+        """
+        mission, certificate = self._mission, self._certificate
+        if self.remaining_s() < set_up_s(mission):
+            return
+        slot = affordable_slot(mission, SLOT_M_S)
+        bound = WalkBound(mission, slot, jobs, lambda: self.remaining_s() <= 0.0)
+        try:
+            rows = bound.network
+            if rows.landing.size <= SIFTED_FIRST:
+                network = self._network(rows)
+                if network.legs <= min(WHOLE_LEGS, most_arcs):
+                    self._solve(network, -math.inf)
+                    return
+            multipliers = self._multipliers(bound, evaluations)
+        finally:
+            bound.close()
+        del bound
+        if rows.landing.size > SIFTED_FIRST:
+            if self.remaining_s() < SIFTING_S_PER_LEG * rows.landing.size:
+                self.notes.append(
+                    f"the network of {rows.landing.size} connections was not handed to the solver: "
+                    "too little time was left"
+                )
+                return
+            network = self._network(rows)
+        while not self.enough():
+            goal = certificate.threshold
+            part = self._reduced(network, multipliers, goal)
+            if self.remaining_s() <= 0.0:
+                return
+            if part.legs > most_arcs:
+                self.notes.append(
+                    f"{part.legs} arcs may belong to a plan worth {goal:g}, which is more than "
+                    f"most_arcs = {most_arcs}: they were not handed to the solver"
+                )
+                return
+            before = certificate.bound
+            self._solve(part, goal)
+            if certificate.bound >= before:
+                return
+
+    def _network(self, rows: Rows) -> Network:
+        """The network of a mission, counted."""
+        network = of_rows(rows, self._mission.rules)
+        self.counters |= {"network_nodes": network.nodes, "network_arcs": network.legs}
+        return network
+
+    def _multipliers(self, bound: WalkBound, evaluations: int) -> np.ndarray:
+        """Multipliers for which the best walk is worth little; lowers the bound."""
+        certificate = self._certificate
+        end = time.monotonic() + SHARE * self.remaining_s()
+        descent = Descent(bound)
+        while descent.evaluations < evaluations and not descent.done:
+            descent.step()
+            self.counters["evaluations"] = descent.evaluations
+            certificate.lower(descent.value)
+            if self.enough() or time.monotonic() > end:
+                break
+        return descent.multipliers
+
+    def _reduced(self, network: Network, multipliers: np.ndarray, goal: float) -> Network:
+        """The network of the legs that a plan worth the goal may use, by finer and finer slots."""
+        rules = self._mission.rules
+        slot = math.inf
+        while network.legs and finest_slot(network, rules.budget) < FINER * slot:
+            if self.remaining_s() <= 0.0:
+                break
+            slot = finest_slot(network, rules.budget)
+            through = best_through(network, rules, multipliers, slot)
+            network = keep(network, can_reach(through, goal), rules)
+        return network
+
+    def _solve(self, network: Network, goal: float) -> None:
+        """Hand a network to the solver that holds every plan worth a goal."""
+        certificate, rules = self._certificate, self._mission.rules
+        stays = bool(rules.may_end[rules.start])
+        answer = Answer((), 0.0 if stays else -math.inf, 0)
+        if network.legs:
+            self.counters["solves"] += 1
+            self.counters["solved_arcs"] = network.legs
+            known = path_of(network, certificate.sequence or (), rules)
+            unit = self._mission.prize_step or float(rules.prize.max())
+            model = self._make_model(network, rules, unit, known)
+
+            def hear(bound: float) -> bool:
+                certificate.lower(max(bound, goal))
+                return self.remaining_s() <= 0.0
+
+            while True:
+                answer = model.solve(seed=self._seed, hear=Hear(hear, self.remaining_s))
+                self.counters["solver_nodes"] += answer.nodes
+                too_dear = _too_dear(network, rules, answer.legs or ())
+                if not too_dear or self.remaining_s() <= 0.0:
+                    break
+                # Within the solver's tolerances it fits the tank. There are few such paths.
+                model.forbid(too_dear)
+                self.counters["forbidden"] += 1
+        if answer.legs is not None:
+            certificate.offer(bodies_along(network, answer.legs))
+        # Plans that are not in the network are worth less than the goal.
+        certificate.lower(max(answer.upper_bound, goal))
+
+
+def _too_dear(network: Network, rules: Rules, path: tuple[int, ...]) -> list[list[int]]:
+    """Legs that exceed a tank when one is taken of each group; none if a path keeps to it.
+
+    Each group goes from one body to the next of the path's first tank that does not reach, and
+    costs no less than the leg taken.
+    """
+    left, tank = rules.budget, list[int]()
+    for leg in sorted(path):
+        tank.append(leg)
+        if network.delta_v[leg] > left:
+            origin, destination = network.origin, network.destination
+            return [
+                np.flatnonzero(
+                    (origin == origin[taken])
+                    & (destination == destination[taken])
+                    & (network.delta_v >= network.delta_v[taken])
+                ).tolist()
+                for taken in tank
+            ]
+        left -= network.delta_v[leg]
+        if rules.is_station[network.body[network.landing[leg]]]:
+            left, tank = rules.budget, []
+    return []

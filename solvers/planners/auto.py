@@ -1,0 +1,279 @@
+"""The default planner: anytime, and it knows when to stop."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import Iterable
+from concurrent.futures import Future, ThreadPoolExecutor
+
+import numpy as np
+
+from adr_opt.mission import Mission
+from adr_opt.planner import Progress, get, silent
+from adr_opt.result import Result, certify
+from adr_opt.stop import MaxIterations, Stop
+
+from ..certificate import Certificate
+from ..relaxation.latest import Latest
+from ..relaxation.proof import Proof, bound_notes, check_options, fits_memory, set_up_s
+from ..search.beams import TIME_VALUE_M_S_PER_H, usual_settings
+from ..search.recreate import recreate
+from ..search.timely_beams import PILOT_WIDTH, Beams
+from ..search.varied_beams import varied
+
+USUAL_WIDTH = 2000
+"""Of the first beam, the one that the planner ``beam`` searches."""
+
+VARIED_WIDTH = 1000
+"""Of the first varied beam."""
+
+UNHURRIED = 0.25
+"""Share of the time left that the first beam may take beside a proof."""
+
+MOST_GUIDED = 16
+"""Guided beams in a round."""
+
+WIDEST = 30_000
+
+USUAL_TARGETS = 50
+"""Fields of this size get beams of the widths above; larger ones narrower ones."""
+
+LEAST_PROOF_S, LEAST_SET_UPS = 1.0, 2.0
+"""With less time left, or less than so many times what setting it up takes, no proof is begun."""
+
+
+class _Search:
+    """The searching half: beams, and ruin and recreate."""
+
+    def __init__(self, mission: Mission, seed: int, stop: Stop, certificate: Certificate) -> None:
+        self._mission = mission
+        self._stop = stop
+        self._certificate = certificate
+        self._rng = np.random.default_rng(seed)
+        self._beams = Beams(mission, stop)
+        self._widest = 0
+        self.counters = {"beams": 0, "recreations": 0}
+
+    def needed_s(self, width: int) -> float:
+        """Seconds that a beam takes."""
+        return self._beams.needed_s(width)
+
+    def usual(self, width: int) -> None:
+        """Search one beam with the usual settings, unless as wide a one was searched before."""
+        if width > self._widest:
+            self._widest = width
+            self.beam(width)
+
+    def guided(self, latest: Latest, beams: int) -> None:
+        """Search some beams by the times that a proof knows."""
+        for _ in range(beams):
+            if self._certificate.proven:
+                break
+            self.varied(USUAL_WIDTH, latest)
+
+    def beam(self, width: int) -> None:
+        """Search one beam with the usual settings."""
+        if self._stop.remaining_s() <= 0.0:
+            return
+        self._certificate.offer(self._beams.search(usual_settings(self._mission, width)))
+        self.counters["beams"] += 1
+
+    def varied(self, width: int, latest: Latest | None = None) -> None:
+        """Search one beam with settings near the usual ones."""
+        # The draws do not depend on the clock, so that time limits do not shift them.
+        mission, settings, seed = varied(self._mission, width, self._rng)
+        if self._stop.remaining_s() <= 0.0:
+            return
+        if latest is not None:
+            latest = latest._replace(goal=self._certificate.goal)
+        found = self._beams.search(settings, guide=latest, seed=seed, mission=mission)
+        self._certificate.offer(found)
+        self.counters["beams"] += 1
+
+    def improve(self, recreations: int, width: int) -> None:
+        """Ruin and recreate the incumbent."""
+        rng = np.random.default_rng(int(self._rng.integers(2**31)))
+        for _ in range(recreations):
+            if self._stop.remaining_s() <= 0.0:
+                break
+            found = recreate(
+                self._mission, self._certificate.sequence or (), width, rng, self._stop
+            )
+            self._certificate.offer(found)
+            self.counters["recreations"] += 1
+
+
+class _Prover:
+    """The proving half: works on a certificate of its own, compared between rounds."""
+
+    def __init__(
+        self,
+        mission: Mission,
+        certificate: Certificate,
+        stop: Stop,
+        jobs: int,
+        delta_v_slot_m_s: float,
+        most_labels: int,
+    ) -> None:
+        def tell(incumbent: float, bound: float) -> None:
+            certificate.tell(incumbent, bound)
+
+        self._mission = mission
+        self._shared = certificate
+        self._stop = stop
+        self._options = {
+            "jobs": jobs, "delta_v_slot_m_s": delta_v_slot_m_s, "most_labels": most_labels,
+        }  # fmt: skip
+        self._own = Certificate(mission, tell)
+        self._proof: Proof | None = None
+
+    @property
+    def done(self) -> bool:
+        """Whether the proof can do no more."""
+        return self._proof is not None and self._proof.done
+
+    @property
+    def latest(self) -> Latest | None:
+        """What guides a search, once it is known."""
+        return None if self._proof is None else self._proof.latest
+
+    def advance(self) -> None:
+        """One round; the first one is a first sweep alone."""
+        if self._proof is None:
+            least_s = max(LEAST_PROOF_S, LEAST_SET_UPS * set_up_s(self._mission))
+            if self._stop.remaining_s() < least_s:
+                return
+            self._proof = Proof(self._mission, self._own, self._stop, **self._options)  # type: ignore[arg-type]
+            self._proof.begin()
+            return
+        self._proof.advance(lambda: self._stop.remaining_s() <= 0.0)
+
+    def fetch(self) -> None:
+        """Hear of the incumbent, before a round."""
+        self._own.offer(self._shared.sequence or ())
+
+    def deliver(self) -> None:
+        """Tell what the round has found."""
+        if self._own.sequence is not None:
+            self._shared.offer(self._own.sequence)
+        self._shared.lower(self._own.bound)
+
+    def close(self) -> dict[str, float]:
+        """End the threads; what was done."""
+        if self._proof is None:
+            return {}
+        self._proof.close()
+        return self._proof.counters
+
+
+def auto(
+    mission: Mission,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    start: Iterable[int] | None = None,
+    jobs: int = 0,
+    prove: bool = True,
+    time_value_m_s_per_h: float = TIME_VALUE_M_S_PER_H,
+    delta_v_slot_m_s: float = 20.0,
+    most_labels: int = 8_000_000,
+) -> Result:
+    """The best plan that the time allows, and a proof where one is found.
+
+    Begins with the guarded greedy plan and the searches of ``beam``, behind which it never falls
+    for that reason. Then rounds, each with more effort than the one before: a round of proof
+    (:class:`solvers.relaxation.proof.Proof`: it bounds the objective, and its searches for plans
+    worth more than the incumbent are exhaustive, so they find what beams miss) side by side with
+    wider beams and with ruin-and-recreate. Ends when the incumbent meets the bound, or when
+    ``stop`` says so. The same seed and the same number of iterations (rounds) give the same plan;
+    ``jobs`` does not change it.
+
+    Parameters
+    ----------
+    start : sequence of int, optional
+        A plan to begin from: bodies in order.
+    jobs : int
+        Cores, 0 for all.
+    prove : bool
+        Whether to work on the bound; without it only beams and local search are used.
+    time_value_m_s_per_h : float
+        As for ``beam``.
+    delta_v_slot_m_s, most_labels
+        As for the bound ``lagrangian``.
+
+    Raises
+    ------
+    InputError
+        An option is out of range.
+    """
+    check_options("auto", delta_v_slot_m_s, jobs, most_labels)
+    began = time.perf_counter()
+    given, mission = mission, mission.with_time_value(time_value_m_s_per_h)
+    cores = jobs or os.cpu_count() or 1
+    certificate = Certificate(mission, progress)
+    search = _Search(mission, seed, stop, certificate)
+    greedy = get("greedy-guarded")(given, seed=seed, stop=MaxIterations(1), progress=silent)
+    certificate.offer(greedy.sequence or ())
+    if start is not None:
+        certificate.offer(start)
+    prover = None
+    if prove and fits_memory(mission):
+        prover = _Prover(mission, certificate, stop, cores, delta_v_slot_m_s, most_labels)
+
+    def is_over() -> bool:
+        return certificate.proven or stop(certificate.incumbent, certificate.bound)
+
+    # Large fields get narrower beams, so that a round takes about as long on all of them.
+    scale = min(1.0, (USUAL_TARGETS / max(1, len(mission.instance.targets))) ** 2)
+
+    def scaled(width: int) -> int:
+        return max(10, int(scale * width))
+
+    rounds = 0
+    if not is_over():
+        search.usual(PILOT_WIDTH)
+    # Beside a proof a beam is slower, so where time is short it comes before; on one core the proof
+    # would come before it, and take what there is.
+    hurried = cores == 1 or search.needed_s(USUAL_WIDTH) > UNHURRIED * stop.remaining_s()
+    if hurried and not certificate.proven:
+        search.usual(USUAL_WIDTH)
+    width, recreations = VARIED_WIDTH, 20
+    with ThreadPoolExecutor(1) as pool:
+        while not is_over():
+            rounds += 1
+            advancing: Future[None] | None = None
+            if prover is not None and not prover.done:
+                prover.fetch()
+                if cores > 1:
+                    advancing = pool.submit(prover.advance)
+                else:
+                    prover.advance()
+            if prover is not None and prover.latest is not None and rounds > 1:
+                search.guided(prover.latest, min(2**rounds, MOST_GUIDED))
+            else:
+                search.usual(max(USUAL_WIDTH, scaled(width)))
+            search.varied(scaled(width))
+            search.improve(recreations, scaled(width // 20))
+            if advancing is not None:
+                advancing.result()
+            if prover is not None:
+                prover.deliver()
+            width = min(2 * width, WIDEST)
+            recreations *= 2
+    counters: dict[str, float] = {"rounds": rounds, **search.counters}
+    if prover is not None:
+        counters |= prover.close()
+    bounded = certificate.bound < mission.total_worth
+    return certify(
+        mission,
+        "auto",
+        certificate.sequence,
+        seed=seed,
+        runtime_s=time.perf_counter() - began,
+        upper_bound=certificate.bound if bounded else math.inf,
+        counters=counters,
+        notes=bound_notes(mission) if bounded else (),
+    )

@@ -1,0 +1,60 @@
+"""Method `cpsat`: the time-expanded network as a model for OR-Tools CP-SAT."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from adr_opt.mission import Mission
+from adr_opt.planner import Progress
+from adr_opt.practice import practises
+from adr_opt.result import Result
+from adr_opt.stop import Stop
+
+from ...models.course import prove
+from .model import Model
+
+__all__ = ["cpsat"]
+
+
+@practises(rounds=6, evaluations=4)
+def cpsat(
+    mission: Mission,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    start: Iterable[int] | None = None,
+    jobs: int = 0,
+    most_arcs: int = 60_000,
+    evaluations: int = 150,
+) -> Result:
+    """The best plan and an upper bound, by constraint programming on all connections.
+
+    See :func:`solvers.models.course.prove` for the course and :mod:`solvers.planners.mip` for the
+    same network as a mixed-integer program. A small mission (some four targets for a day) is
+    solved whole; a large one as far as reduced costs leave a network of ``most_arcs``, otherwise
+    the bound is that of the multipliers. CP-SAT works with one thread: with several, one seed
+    would not give one plan. An iteration is an evaluation of the multipliers' bound or one call
+    of CP-SAT.
+
+    Parameters
+    ----------
+    mission, seed, stop, progress
+    start : sequence of int, optional
+        A plan: bodies in order. As much of it as is in the network is given as hints.
+    jobs : int
+        Threads for the multipliers, 0 for all cores. The result does not depend on it.
+    most_arcs : int
+        Larger networks are not handed to CP-SAT.
+    evaluations : int
+        Most evaluations of the multipliers' bound.
+
+    Raises
+    ------
+    InputError
+        An option is out of range.
+    """
+    return prove(
+        "cpsat", Model, mission, seed=seed, stop=stop, progress=progress, start=start, jobs=jobs,
+        most_arcs=most_arcs, evaluations=evaluations,
+    )  # fmt: skip

@@ -1,0 +1,67 @@
+"""The network as a constraint programming model: CP-SAT solves it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from ortools.sat.python import cp_model
+
+from adr_opt.kernels.rules import Rules
+
+from ...models.answer import Answer, Hear
+from ...models.cp_sat_run import run
+from ...models.network import Network
+from ...models.steps import in_steps
+from .constraints import Constraints
+from .objective import Objective
+from .variables import Variables
+
+STEPS_PER_M_S = 1e5
+"""ΔV is counted in steps of 0.01 mm/s. Those of a leg are rounded down and the budget up, so that
+no plan is lost; that is a relaxation by less than a step per leg, and paths are re-timed."""
+
+
+class Model:
+    """The best path of a network, as a constraint programming model.
+
+    Parameters
+    ----------
+    network : Network
+    rules : adr_opt.kernels.rules.Rules
+    unit : float
+        The objective is counted in multiples of this.
+    start : list of int
+        Legs of a plan to begin from, from the start on.
+    """
+
+    def __init__(self, network: Network, rules: Rules, unit: float, start: list[int]) -> None:
+        steps = math.ceil(rules.budget * STEPS_PER_M_S)
+        cost = np.floor(network.delta_v * STEPS_PER_M_S).astype(np.int64).tolist()
+        worth, self._unit = in_steps(rules.prize, unit)
+        self._block = cp_model.CpModel()
+        self._variables = Variables(self._block, network, rules, steps)
+        self._constraints = Constraints(self._block, network, self._variables, rules, cost, steps)
+        self._objective = Objective(self._block, self._variables, worth)
+        self._variables.begin_from(self._block, network, start, cost)
+
+    def forbid(self, groups: list[list[int]]) -> None:
+        """Let no path use a leg of each of these groups, from the next solve on."""
+        self._constraints.forbid(groups)
+
+    def solve(self, *, seed: int, hear: Hear) -> Answer:
+        """Solve the model.
+
+        Parameters
+        ----------
+        seed : int
+        hear : Hear
+            Told of bounds and asked for the time left.
+        """
+        solver, found, bound = run(self._block, self._unit, seed=seed, hear=hear)
+        legs = None
+        if found:
+            legs = tuple(
+                leg for leg, move in enumerate(self._variables.move) if solver.boolean_value(move)
+            )
+        return Answer(legs, bound, int(solver.num_branches))

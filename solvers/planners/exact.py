@@ -1,0 +1,123 @@
+"""The exact method: label setting on exact times with ng-route memory that grows on demand.
+
+A beam finds a plan; :class:`solvers.relaxation.proof.Proof` asks, exhaustively, for a better one.
+Its searches set labels forwards over the departure events themselves, with exact times and exact
+ΔV, pruned by completion values and by dominance, and remember visited targets only as far as
+earlier walks have shown that they must (decremental state-space relaxation: Righini and Salani
+2008; ng-routes: Baldacci, Mingozzi and Roberti 2011). Where the best walk repeats no target it is a
+plan.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+
+import numpy as np
+
+from adr_opt.mission import Mission
+from adr_opt.planner import Progress, get, silent
+from adr_opt.practice import practises
+from adr_opt.result import Result, certify
+from adr_opt.stop import Clock, Stop
+
+from ..certificate import Certificate
+from ..relaxation.latest import Latest
+from ..relaxation.proof import bound_notes, check_options, prove, prove_cost
+from ..search.timely_beams import Beams
+from ..search.varied_beams import varied
+
+WIDTH = 2000
+"""Of the guided beams that are searched before each round of proof."""
+
+FIRST_BEAMS, MOST_BEAMS = 8, 128
+"""How many before the first round, twice as many before each further one."""
+
+COST_SLOT_M_S = 50.0
+"""Slot of ΔV in proofs of the least cost; they take the memory of three tables [m/s]."""
+
+
+@practises(rounds=12)
+def exact(
+    mission: Mission,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    start: Iterable[int] | None = None,
+    jobs: int = 0,
+    delta_v_slot_m_s: float = 20.0,
+    most_labels: int = 50_000_000,
+    cost: bool = False,
+) -> Result:
+    """The optimal plan and its proof; at the limit the best plan and bound so far.
+
+    Parameters
+    ----------
+    start : sequence of int, optional
+        A plan to begin with, compared with one found by beam search.
+    jobs : int
+        Cores for the bound, 0 for all. The result does not depend on it.
+    delta_v_slot_m_s : float
+        Slot of ΔV of the completion values [m/s].
+    most_labels : int
+        Most labels of one search: about 70 bytes each.
+    cost : bool
+        Go on to prove, once the prizes are proven, that no plan that collects as much costs less
+        ΔV.
+
+    Raises
+    ------
+    InputError
+        An option is out of range.
+    """
+    check_options("exact", delta_v_slot_m_s, jobs, most_labels)
+    began = time.perf_counter()
+    certificate = Certificate(mission, progress)
+    if start is not None:
+        certificate.offer(start)
+
+    def enough() -> bool:
+        return stop(certificate.incumbent, certificate.bound)
+
+    for name in ("greedy-guarded", "beam"):
+        if not certificate.proven and not enough():
+            found = get(name)(mission, seed=seed, stop=Clock(stop), progress=silent)
+            certificate.offer(found.sequence or ())
+    beams, rng = Beams(mission, Clock(stop)), np.random.default_rng(seed)
+
+    number = FIRST_BEAMS
+
+    def search(latest: Latest) -> None:
+        nonlocal number
+        goal = certificate.goal
+        for _ in range(number):
+            if certificate.incumbent >= goal or stop.remaining_s() <= 0.0:
+                break
+            hurried, settings, noise = varied(mission, WIDTH, rng)
+            guide = latest._replace(goal=goal)
+            certificate.offer(beams.search(settings, guide=guide, seed=noise, mission=hurried))
+        number = min(2 * number, MOST_BEAMS)
+
+    counters = prove(
+        mission, certificate, stop, enough, search=search,
+        jobs=jobs, delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
+    )  # fmt: skip
+    cost_bound = None
+    if cost and certificate.proven and certificate.sequence is not None:
+        cost_bound, counted = prove_cost(
+            mission, certificate, stop, jobs=jobs, delta_v_slot_m_s=COST_SLOT_M_S,
+            most_labels=most_labels,
+        )  # fmt: skip
+        counters |= counted
+    return certify(
+        mission,
+        "exact",
+        certificate.sequence or (),
+        seed=seed,
+        runtime_s=time.perf_counter() - began,
+        upper_bound=certificate.bound,
+        cost_bound=cost_bound,
+        counters=counters,
+        notes=bound_notes(mission),
+    )

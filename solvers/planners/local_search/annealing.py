@@ -1,0 +1,125 @@
+"""Simulated annealing over orders of targets (Kirkpatrick, Gelatt and Vecchi 1983)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from adr_opt.kernels import rules as rule_kernels
+from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.memory import write
+
+from ...search.orders import Labels, time_order, with_refuelling
+from . import moves
+
+PATIENCE_S = 4000.0
+"""A later end is not made up for any more once the order is the same again: a node or so."""
+
+
+@kernel
+def _copy_labels(source, destination, first, last):
+    for position in range(first, last + 1):
+        destination.size[position] = source.size[position]
+        write(destination.end[position], source.end[position])
+        write(destination.left[position], source.left[position])
+        write(destination.parent[position], source.parent[position])
+        write(destination.via[position], source.via[position])
+
+
+@kernel
+def anneal(rules, order, length, labels, kept, worth, weights, hot, cold, iterations, rng):
+    """Anneal an order: its value is the prizes collected less what the time used is worth.
+
+    Parameters
+    ----------
+    rules : Rules
+    order : (targets,) int64
+        Permutation of all targets; its first ``length`` are visited, as far as they can be timed.
+        Left as the last order accepted.
+    length : int
+    labels, kept : Labels
+        Desks.
+    worth : float
+        Worth of a second [prizes per s].
+    weights : (kinds,) float64
+        Cumulative probabilities of the moves, see :data:`.moves.NAMES`.
+    hot, cold : float
+        Temperatures at the beginning and at the end [prizes].
+    iterations : int
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    best : (moves,) int64
+        Bodies in the order of the best plan: most prize, then the earliest end.
+    prize : float
+    length : int
+        Of the last order accepted.
+    accepted : int
+    """
+    rules = rule_kernels.lent(rules)
+    trial = order.copy()
+    reference = np.empty(order.size + 1)
+    end = time_order(rules, order, length, 0, labels, order.size, reference, np.inf)
+    while length > 0 and end == np.inf:
+        # A schedule over all connections may get farther than the choice of the timetable does.
+        length -= 1
+        end = time_order(rules, order, length, 0, labels, order.size, reference, np.inf)
+    if length == 0:
+        end = rules.ready
+    _copy_labels(labels, kept, 0, length)
+    write(reference, labels.end[: length + 1, 0])
+    prize = 0.0
+    for p in range(length):
+        prize += rules.prize[order[p]]
+    best = with_refuelling(order, length, labels)
+    best_prize, best_end = prize, end
+    accepted = 0
+    for iteration in range(iterations):
+        temperature = hot * (cold / hot) ** (iteration / iterations)
+        draw = rng.random()
+        kind = 0
+        while kind < weights.size - 1 and draw > weights[kind]:
+            kind += 1
+        first, behind, new_length = moves.apply_move(kind, trial, length, rng)
+        if behind == 0:
+            continue
+        slack = -temperature * math.log(1.0 - rng.random())
+        new_prize = prize
+        if new_length != length or kind == moves.REPLACE or kind == moves.SUBSTITUTE:
+            new_prize = 0.0
+            for p in range(new_length):
+                new_prize += rules.prize[trial[p]]
+        # The latest end that is accepted.
+        latest = end + (new_prize - prize + slack) / worth
+        new_end = np.inf
+        if new_length > rules.most_targets:
+            new_end = np.inf
+        elif new_length == 0:
+            new_end = rules.ready
+        elif new_length == length:
+            new_end = time_order(
+                rules, trial, new_length, first, labels, behind, reference,
+                latest - end + PATIENCE_S,
+            )  # fmt: skip
+        else:
+            new_end = time_order(
+                rules, trial, new_length, first, labels, order.size, reference, np.inf
+            )
+        if new_end <= latest:
+            accepted += 1
+            write(order, trial)
+            length, prize, end = new_length, new_prize, new_end
+            _copy_labels(labels, kept, first + 1, length)
+            write(reference, kept.end[: length + 1, 0])
+            if prize > best_prize or (prize == best_prize and end < best_end):
+                best_prize, best_end = prize, end
+                best = with_refuelling(order, length, labels)
+        else:
+            write(trial, order)
+            _copy_labels(kept, labels, first + 1, length)
+    return best, best_prize, length, accepted
+
+
+__all__ = ["Labels", "anneal"]

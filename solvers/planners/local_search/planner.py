@@ -1,0 +1,156 @@
+"""The planner ``local-search``."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterable
+
+import numpy as np
+
+from adr_opt.errors import InputError
+from adr_opt.mission import Mission
+from adr_opt.planner import Progress, at_most, get, silent
+from adr_opt.result import Result, certify
+from adr_opt.stop import MaxIterations, Stop
+
+from ...incumbent import Incumbent
+from ...search.orders import make_labels
+from ...search.recreate import recreate
+from ...search.worth import worth_of
+from .annealing import anneal
+from .moves import NAMES
+
+WEIGHTS = {
+    "swap": 0.12,
+    "replace": 0.18,
+    "relocate": 0.32,
+    "reverse": 0.15,
+    "insert": 0.07,
+    "remove": 0.01,
+    "substitute": 0.15,
+}
+"""Probabilities of the moves."""
+
+
+class LocalSearch:
+    """A plan under improvement.
+
+    Parameters
+    ----------
+    mission : Mission
+    sequence : sequence of int
+        The plan to begin with: bodies in order.
+    seed : int
+    """
+
+    def __init__(self, mission: Mission, sequence: Iterable[int], seed: int) -> None:
+        self._mission = mission
+        self._rng = np.random.default_rng(seed)
+        self._labels, self._kept = make_labels(mission), make_labels(mission)
+        weights = np.array([WEIGHTS[name] for name in NAMES])
+        self._weights = np.cumsum(weights) / weights.sum()
+        self._mean = worth_of(mission).prize
+        self.best = Incumbent(mission)
+        self.best.offer(sequence)
+
+    def anneal(self, iterations: int, hot: float, cold: float) -> bool:
+        """Anneal the best plan; whether it got better."""
+        rules = self._mission.rules
+        targets = range(rules.first_target, rules.service.size)
+        visited = [j for j in self.best.sequence or () if not rules.is_station[j]]
+        others = sorted(set(targets) - set(visited))
+        order = np.array(visited + others, dtype=np.int64)
+        worth = max(self.best.objective, self._mean) / rules.duration
+        best, _, _, _ = anneal(
+            rules, order, len(visited), self._labels, self._kept, worth, self._weights,
+            hot * self._mean, cold * self._mean, iterations, self._rng,
+        )  # fmt: skip
+        return self.best.offer(best)
+
+    def recreate(self, width: int, stop: Stop) -> bool:
+        """Keep a random beginning of the best plan and build a new end; whether it got better."""
+        sequence = self.best.sequence or ()
+        return self.best.offer(recreate(self._mission, sequence, width, self._rng, stop))
+
+
+@at_most(chunk=10_000_000, width=1_000_000)
+def local_search(
+    mission: Mission,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    start: Iterable[int] | None = None,
+    chunk: int = 20_000,
+    hot: float = 0.3,
+    cold: float = 0.01,
+    width: int = 100,
+    recreations: int = 4,
+) -> Result:
+    """Improve a plan, by default the guarded greedy one.
+
+    An iteration, after which ``stop`` is asked, is one annealing from the best plan and some
+    ruin-and-recreate steps. Runs until ``stop`` says so, or all prizes are collected. Best as a
+    finisher: a beam search finds better plans from nothing.
+
+    Parameters
+    ----------
+    start : sequence of int, optional
+        The plan to improve: bodies in order.
+    chunk : int
+        Moves tried in one annealing.
+    hot, cold : float
+        Its temperatures at the beginning and the end [mean prizes].
+    width : int
+        Width of the beams that recreate.
+    recreations : int
+        Ruin-and-recreate steps in one iteration.
+
+    Raises
+    ------
+    InputError
+        An option is out of range.
+    """
+    for name, value in (("chunk", chunk), ("width", width)):
+        if value < 1:
+            raise InputError(f"option {name} = {value} of method 'local-search': must be ≥ 1")
+    if recreations < 0:
+        raise InputError(
+            f"option recreations = {recreations} of method 'local-search': must be ≥ 0"
+        )
+    if not 0.0 < cold <= hot < math.inf:
+        raise InputError(
+            f"options hot = {hot!r} and cold = {cold!r} of method 'local-search': "
+            "must be 0 < cold ≤ hot"
+        )
+    began = time.perf_counter()
+    if start is None:
+        greedy = get("greedy-guarded")
+        start = greedy(mission, seed=seed, stop=MaxIterations(1), progress=silent).sequence or ()
+    search = LocalSearch(mission, start, seed)
+    progress(search.best.objective, math.inf)
+    iterations = improved = 0
+    possible = mission.instance.mission.duration_s > 0.0 and mission.total_worth > 0.0
+    while (
+        possible
+        and search.best.objective < mission.total_worth
+        and not stop(search.best.objective, math.inf)
+    ):
+        before = search.best.objective
+        improved += search.anneal(chunk, hot, cold)
+        for _ in range(recreations):
+            if stop.remaining_s() <= 0.0:
+                break
+            improved += search.recreate(width, stop)
+        iterations += 1
+        if search.best.objective > before:
+            progress(search.best.objective, math.inf)
+    return certify(
+        mission,
+        "local-search",
+        search.best.sequence or (),
+        seed=seed,
+        runtime_s=time.perf_counter() - began,
+        counters={"iterations": iterations, "improved": improved},
+    )

@@ -1,0 +1,275 @@
+"""The planner: play a mission step by step, or mission after mission."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from adr_opt.errors import InputError
+from adr_opt.kernels import rules as rule_kernels
+from adr_opt.mission import Mission
+from adr_opt.planner import Progress, at_most
+from adr_opt.result import Result, certify
+from adr_opt.stop import Stop
+
+from ...incumbent import Incumbent
+from ...learned.prior import Prior
+from ...search.recreate import recreate
+from . import policy as policies
+from . import tree as trees
+from .settings import FROM_PRESET, Settings, choose
+
+LARGEST_TREE = 10_000_000
+"""Most moves that a kept tree may list before it is begun anew: bounds its memory."""
+
+POLISH_WIDTH = 30
+"""Width of the beams that polish: a few milliseconds each on nominal missions."""
+
+
+@dataclass
+class _Player:
+    """One search: its settings as the kernels take them, its memory and its counters."""
+
+    mission: Mission
+    settings: Settings
+    rng: np.random.Generator
+    stop: Stop
+    progress: Progress
+    prior: Prior | None = None
+
+    def __post_init__(self) -> None:
+        settings = self.settings
+        bodies = len(self.mission.names)
+        guarded = settings.moves == "guarded"
+        width = min(settings.width, bodies)
+        self.policy = policies.Policy(
+            min(settings.depth, 2 * bodies),
+            settings.rollout == "guarded",
+            settings.time_value_m_s_per_h / 3600.0,
+            settings.temperature_m_s,
+        )
+        self.search = trees.Search(
+            settings.simulations,
+            settings.c,
+            guarded,
+            width,
+            settings.scale == "range",
+            settings.best_share,
+            settings.play == "value",
+            settings.tree == "kept",
+        )
+        listed = width + 1 if guarded else bodies
+        nodes = settings.simulations
+        if self.search.keep:
+            nodes = max(nodes, min(nodes * 2 * bodies, LARGEST_TREE // listed))
+        self.tree = trees.allocate(nodes + 1, listed)
+        self.scratch = policies.scratch(bodies)
+        self.record = trees.new_record(bodies)
+        self.best_played = -math.inf
+        self.answer: npt.NDArray[np.int64] = np.zeros(0, dtype=np.int64)
+        self.missions = self.steps = 0
+
+    @property
+    def incumbent(self) -> float:
+        """Prizes of the plan that would be returned now; −inf before the first step."""
+        if self.settings.answer == "best":
+            return float(self.record.best[1])
+        return self.best_played
+
+    def _new_mission(self) -> int:
+        """Begin a tree at the start; what the scale has seen is forgotten with it."""
+        rules = self.mission.rules
+        trees.write_node(self.tree, 0, rule_kernels.beginning(rules), 0.0)
+        self.record.returns[:] = math.inf, -math.inf
+        return 1
+
+    def play(self) -> bool:
+        """Play one mission to its end.
+
+        Returns
+        -------
+        enough : bool
+            ``stop`` ended it.
+        """
+        rules, tree, sequence = self.mission.rules, self.tree, self.scratch.sequence
+        visited = np.zeros(len(self.mission.names), dtype=np.bool_)
+        root, played, collected = 0, 0, 0.0
+        used = self._new_mission()
+        while True:
+            if self.stop(self.incumbent, math.inf):
+                return True
+            before = self.incumbent
+            if self.prior is not None and tree.untried[root] == trees.NOT_LISTED:
+                liked = self.prior.moves(
+                    int(tree.body[root]), float(tree.time[root]), float(tree.left[root]),
+                    int(tree.since[root]), visited,
+                )[: tree.moves.shape[1]]  # fmt: skip
+                # Moves are tried from the end of the list.
+                tree.moves[root, : liked.size] = liked[::-1]
+                tree.untried[root] = liked.size
+            body, root, used = trees.step(
+                rules, self.policy, self.search, self.rng, tree, used, root, played, collected,
+                visited, self.scratch, self.record,
+            )  # fmt: skip
+            self.steps += 1
+            if body != trees.NONE:
+                # Simulations write into the sequence beyond what is played, never before it.
+                sequence[played] = body
+                played += 1
+                collected += float(rules.prize[body])
+                visited[body] = not rules.is_station[body]
+            if self.settings.answer == "played" and collected > self.best_played:
+                self.best_played, self.answer = collected, sequence[:played].copy()
+            if self.incumbent > before:
+                self.progress(self.incumbent, math.inf)
+            if body == trees.NONE:
+                self.missions += 1
+                return False
+
+    def plan(self) -> npt.NDArray[np.int64]:
+        """The sequence to return."""
+        if self.settings.answer == "best":
+            return self.record.sequence[: int(self.record.best[0])]
+        return self.answer
+
+
+@at_most(simulations=1_000_000)
+def mcts(
+    mission: Mission,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    preset: str = "published",
+    simulations: int = FROM_PRESET,
+    depth: int = FROM_PRESET,
+    c: float = float(FROM_PRESET),
+    rollout: str = "preset",
+    moves: str = "preset",
+    width: int = FROM_PRESET,
+    time_value_m_s_per_h: float = float(FROM_PRESET),
+    temperature_m_s: float = float(FROM_PRESET),
+    scale: str = "preset",
+    best_share: float = float(FROM_PRESET),
+    play: str = "preset",
+    tree: str = "preset",
+    missions: int = FROM_PRESET,
+    answer: str = "preset",
+    polish: int = 0,
+    policy: str = "",
+) -> Result:
+    """Monte Carlo tree search (UCT): as published, or tuned.
+
+    ``published`` plays one mission: 200 simulations a step, uniform rollouts 15 moves deep,
+    c = 1.5, the most visited child is played and a new tree begun; the trajectory played is the
+    plan. It ends by itself within tens of milliseconds. ``tuned`` looks along full missions with
+    guarded rollouts on a narrow tree, plays mission after mission until ``stop`` says enough (or
+    every prize is collected), and returns the best sequence that any simulation saw. ``stop`` is
+    asked once before every step; a mission stopped halfway counts as far as it was played.
+
+    Parameters
+    ----------
+    preset : {"published", "tuned"}
+        Sets every option below that is left at −1 or ``"preset"``.
+    simulations : int
+        Simulations per step.
+    depth : int
+        Most moves of a rollout.
+    c : float
+        Exploration constant: Q + c sqrt(ln N / n).
+    rollout : {"uniform", "guarded"}
+        Any legal move with equal probability; or a target from which the station can still be
+        reached, the cheaper the likelier, and the station when there is none.
+    moves : {"legal", "guarded"}
+        Branches of the tree: every legal move in random order; or the cheapest ``width`` targets
+        that pass the same guard, cheapest first, and the station.
+    width : int
+        See ``moves``.
+    time_value_m_s_per_h, temperature_m_s : float
+        Cost of a guarded move, ΔV + time value · (time to the end of service), and the scale of
+        its weight exp(−cost / temperature) in rollouts.
+    scale : {"none", "range"}
+        Returns as they are, in prizes; or divided by the range of returns of the mission, so
+        that c means the same at every size of prize.
+    best_share : float
+        Q is the mean return plus this share of the way to the best, in [0, 1].
+    play : {"visits", "value"}
+        The child with most visits, or with the highest Q.
+    tree : {"new", "kept"}
+        Every step begins a new tree, or goes on below the child played.
+    missions : int
+        Most missions to play.
+    answer : {"played", "best"}
+        The best mission played, or the best sequence of any simulation (ties: less ΔV).
+    polish : int
+        Open-loop polish at the end, as long as there is time: so often, keep the beginning of
+        the plan up to a random move and build a new end by a narrow beam
+        (:mod:`solvers.search.recreate`). Not part of the published method.
+
+    Raises
+    ------
+    InputError
+        An option out of its range.
+    """
+    settings = choose(
+        preset,
+        {
+            "simulations": simulations,
+            "depth": depth,
+            "c": c,
+            "rollout": rollout,
+            "moves": moves,
+            "width": width,
+            "time_value_m_s_per_h": time_value_m_s_per_h,
+            "temperature_m_s": temperature_m_s,
+            "scale": scale,
+            "best_share": best_share,
+            "play": play,
+            "tree": tree,
+            "missions": missions,
+            "answer": answer,
+        },
+    )
+    if polish < 0:
+        raise InputError(f"option polish = {polish} of method 'mcts': must be ≥ 0")
+    start = time.perf_counter()
+    prior = Prior(mission, policy) if policy and mission.instance.targets else None
+    if prior is not None:
+        settings = replace(settings, tree="new")
+    player = _Player(mission, settings, np.random.default_rng(seed), stop, progress, prior)
+    while player.missions < settings.missions and player.incumbent < mission.total_worth:
+        if player.play():
+            break
+    plan, polished = _polish(mission, mission.closed(player.plan()), polish, seed, stop)
+    return certify(
+        mission,
+        "mcts",
+        plan,
+        seed=seed,
+        runtime_s=time.perf_counter() - start,
+        counters={
+            "missions": player.missions,
+            "steps": player.steps,
+            "simulations": player.steps * settings.simulations,
+            "polished": polished,
+        },
+    )
+
+
+def _polish(
+    mission: Mission, plan: tuple[int, ...], steps: int, seed: int, stop: Stop
+) -> tuple[tuple[int, ...], int]:
+    """Ruin and recreate a plan; returns the best one and how often it got better."""
+    rng = np.random.default_rng(seed)
+    polished = 0
+    best = Incumbent(mission)
+    best.offer(plan)
+    for _ in range(steps):
+        if stop.remaining_s() <= 0.0:
+            break
+        polished += best.offer(recreate(mission, best.sequence or (), POLISH_WIDTH, rng))
+    return best.sequence or (), polished

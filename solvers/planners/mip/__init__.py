@@ -1,0 +1,85 @@
+"""Method `mip`: the time-expanded network as a mixed-integer program for HiGHS."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from importlib.metadata import version
+from importlib.util import find_spec
+
+from ortools.sat.python import cp_model  # noqa: F401 — loaded before highspy, see below
+
+from adr_opt.errors import InputError, MissingExtra
+from adr_opt.mission import Mission
+from adr_opt.planner import Progress
+from adr_opt.practice import practises
+from adr_opt.result import Result
+from adr_opt.stop import Stop
+
+from ...models.course import MakeModel, prove
+
+__all__ = ["mip"]
+
+PACKAGES = ("pyomo", "highspy", "scipy")
+
+
+def _model() -> MakeModel:
+    """The model class; its module needs the extra, so it is loaded when it is asked for."""
+    for package in PACKAGES:
+        if find_spec(package) is None:
+            raise MissingExtra("method 'mip'", package, "mip")
+    # OR-Tools and some versions of highspy bring shared libraries of one name; the second one to
+    # be loaded fails (google/or-tools#5246). OR-Tools is needed by others, so it comes first.
+    try:
+        from .model import Model
+    except ImportError as error:
+        raise InputError(
+            f"method 'mip' cannot load highspy {version('highspy')} beside OR-Tools ({error}): "
+            "install a version of highspy without a shared library, such as 1.14"
+        ) from error
+    return Model
+
+
+@practises(rounds=6, evaluations=4)
+def mip(
+    mission: Mission,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    start: Iterable[int] | None = None,
+    jobs: int = 0,
+    most_arcs: int = 60_000,
+    evaluations: int = 150,
+) -> Result:
+    """The best plan and an upper bound, by mixed-integer programming on all connections.
+
+    See :func:`solvers.models.course.prove` for the course and :mod:`solvers.planners.cpsat` for the
+    same network in constraint programming. A small mission (some four targets for a day) is
+    solved whole; a large one as far as reduced costs leave a network of ``most_arcs``, otherwise
+    the bound is that of the multipliers. HiGHS can be interrupted while it branches, not while it
+    solves its first linear program. An iteration is an evaluation of the multipliers' bound or one
+    call of HiGHS.
+
+    Parameters
+    ----------
+    mission, seed, stop, progress
+    start : sequence of int, optional
+        A plan: bodies in order. HiGHS begins from as much of it as is in the network.
+    jobs : int
+        Threads for the multipliers, 0 for all cores. The result does not depend on it.
+    most_arcs : int
+        Larger networks are not handed to HiGHS.
+    evaluations : int
+        Most evaluations of the multipliers' bound.
+
+    Raises
+    ------
+    MissingExtra
+        Pyomo, highspy or SciPy is not installed.
+    InputError
+        An option is out of range, or highspy cannot be loaded.
+    """
+    return prove(
+        "mip", _model(), mission, seed=seed, stop=stop, progress=progress, start=start, jobs=jobs,
+        most_arcs=most_arcs, evaluations=evaluations,
+    )  # fmt: skip

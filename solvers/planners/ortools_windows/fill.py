@@ -1,0 +1,72 @@
+"""Fill a plan up: greedy appending at its end, then the insertions that keep the rest legal."""
+
+import math
+
+import numpy as np
+
+from adr_opt.kernels import rules as rule_kernels
+from adr_opt.kernels.compile import kernel
+
+from ...search.greedy_order import greedy_sequence
+from .network import state_at
+
+
+@kernel
+def best_insertion(rules, sequence, bodies, times, lefts, count):
+    """The target that can be inserted while all moves after it stay legal.
+
+    Of the largest prize that fits, the place with the earliest end of the plan.
+
+    Parameters
+    ----------
+    sequence : (moves,) int64
+    bodies, times, lefts : (moves + 1,)
+        Where the chaser is before each move, the end included; since when [s]; ΔV left [m/s].
+    count : int
+        Targets of the sequence.
+
+    Returns
+    -------
+    target, place : int
+        Target −1 for none.
+    """
+    rules = rule_kernels.lent(rules)
+    given = np.zeros(rules.service.size, dtype=np.bool_)
+    for j in sequence:
+        given[j] = True
+    best, best_place, best_prize, best_end = -1, -1, 0.0, math.inf
+    if count >= rules.most_targets:
+        return best, best_place
+    for place in range(sequence.size + 1):
+        for new in range(rules.first_target, given.size):
+            prize = rules.prize[new]
+            if given[new] or prize <= 0.0 or prize < best_prize:
+                continue
+            state = state_at(rules, bodies[place], times[place], lefts[place])
+            legal, _, state = rule_kernels.step(rules, state, new)
+            at = place
+            while legal and at < sequence.size:
+                legal, _, state = rule_kernels.step(rules, state, sequence[at])
+                at += 1
+            if legal and (prize > best_prize or state.time < best_end):
+                best, best_place, best_prize, best_end = new, place, prize, state.time
+    return best, best_place
+
+
+def appended(rules, sequence, time_value):
+    """A sequence and what a greedy chaser appends; unchanged if the choice cannot fly it.
+
+    Parameters
+    ----------
+    rules : Rules
+    sequence : (moves,) int64
+    time_value : float
+        [m/s per s].
+
+    Returns
+    -------
+    (moves,) int64
+    """
+    longer = greedy_sequence(rules, sequence, 1.0, time_value, True)
+    whole = longer.size >= sequence.size
+    return longer if whole and (longer[: sequence.size] == sequence).all() else sequence

@@ -1,0 +1,357 @@
+"""A proof under way: bound and incumbent, brought together round by round.
+
+The room shared by the Lagrangian bound, by the exact method and by ``auto``. One round has two
+parts. Multipliers of "each target at most once" are moved so that the best walk of the
+time-expanded network is worth little (:mod:`solvers.relaxation.walks`). Then plans worth a little
+less than the bound are asked for (:mod:`solvers.relaxation.routes`): if there are none, the bound
+comes down; if the answer is a plan, it is a better incumbent. Every value on the way is a valid
+bound and the least is kept; the trivial one is the sum of all prizes.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+
+import numpy as np
+
+from adr_opt.available_memory import available_bytes
+from adr_opt.errors import InputError
+from adr_opt.mission import Mission
+from adr_opt.planner import Progress
+from adr_opt.result import Result, certify
+from adr_opt.stop import Stop
+
+from ..certificate import Certificate
+from .cost import CostProof
+from .latest import Latest, latest_of
+from .multipliers import Descent
+from .routes import Routes
+from .walks import TimeIsOver, WalkBound
+
+SMALL = 1e-3
+"""Multipliers below this share of the largest prize are dropped rather than halved."""
+
+FIRST_EVALUATIONS, FIRST_LABELS = 3, 200_000
+"""Effort of the first round, in evaluations of the bound and in labels of a search."""
+
+GROWTH = 4
+"""Each round of searches may make so many times the labels of the one before."""
+
+SET_UP_S_PER_EVENT = 4e-6
+"""Time that setting up a proof takes, which cannot be broken off, for each timetable entry."""
+
+ROOM_BYTES = 0.6e9
+"""Memory that the values of all states may take; ΔV slots are widened to fit."""
+
+BYTES_PER_EVENT = 800
+"""Memory that the network takes for each timetable entry: some 21 connections."""
+
+MEMORY_SHARE = 0.5
+"""Part of the free memory that the network may take."""
+
+
+class Proof:
+    """Rounds of bound and search for one mission.
+
+    Parameters
+    ----------
+    mission : Mission
+    certificate : Certificate
+        Told of every bound and plan; asked for the incumbent.
+    stop : Stop
+        Its time alone counts here: a round is broken off when none is left.
+    jobs : int
+        Threads of an evaluation of the bound. The result does not depend on it.
+    delta_v_slot_m_s : float
+        Slot of ΔV of the bound, widened where its values would not fit into memory [m/s].
+    most_labels : int
+        Most labels of a search.
+
+    Attributes
+    ----------
+    done : bool
+        Nothing is left to do: proven, or out of labels.
+    latest : Latest or None
+        What guides a search for better plans, once the first sweep is done.
+    """
+
+    def __init__(
+        self,
+        mission: Mission,
+        certificate: Certificate,
+        stop: Stop,
+        *,
+        jobs: int,
+        delta_v_slot_m_s: float,
+        most_labels: int,
+    ) -> None:
+        self._certificate = certificate
+        self._slot = affordable_slot(mission, delta_v_slot_m_s)
+        self._bound = WalkBound(mission, self._slot, jobs, lambda: stop.remaining_s() <= 0.0)
+        self._routes = Routes(self._bound)
+        self._descent = Descent(self._bound)
+        self._most_labels = most_labels
+        self._evaluations = FIRST_EVALUATIONS
+        self._labels = min(FIRST_LABELS, most_labels)
+        self.latest: Latest | None = None
+        self._mission = mission
+        self.done = certificate.proven
+
+    def begin(self) -> None:
+        """The first sweep: a first bound, and what guides a search."""
+        with suppress(TimeIsOver):
+            self._step()
+
+    def _step(self) -> None:
+        """One evaluation of the bound."""
+        descent = self._descent
+        value = descent.step()
+        self._certificate.lower(descent.value)
+        if self.latest is None and math.isfinite(value):
+            self.latest = latest_of(self._bound, self._mission, descent.multipliers, value)
+
+    def advance(self, enough: Callable[[], bool]) -> None:
+        """One round, with more effort than the one before.
+
+        Parameters
+        ----------
+        enough : callable
+            Asked at every evaluation and every few labels; the round is left when it says so.
+        """
+        with suppress(TimeIsOver):
+            self._round(enough)
+
+    def _round(self, enough: Callable[[], bool]) -> None:
+        certificate, descent = self._certificate, self._descent
+        for _ in range(self._evaluations):
+            if descent.done or certificate.proven or enough():
+                break
+            self._step()
+        if certificate.proven:
+            self.done = True
+            return
+        if enough():
+            return
+        nothing_left = self._search(enough)
+        self.done = (
+            nothing_left
+            or certificate.proven
+            or (self._labels == self._most_labels and descent.done and not enough())
+        )
+        self._evaluations *= 2
+        self._labels = min(GROWTH * self._labels, self._most_labels)
+
+    def _search(self, enough: Callable[[], bool]) -> bool:
+        """Ask for plans worth less and less until one is found or the labels are too many.
+
+        Returns
+        -------
+        done : bool
+            There is nothing left to ask for.
+        """
+        certificate, routes = self._certificate, self._routes
+        multipliers = self._descent.multipliers
+        routes.use(multipliers)
+        while not certificate.proven:
+            threshold = certificate.threshold
+            finished, value, plan, grown = routes.search(threshold, self._labels, enough)
+            if not finished:
+                return False
+            if plan is not None:
+                certificate.offer(plan)
+            # Every plan left out of the search is worth less than the threshold.
+            certificate.lower(max(value, threshold))
+            if certificate.proven or enough():
+                return certificate.proven
+            if value >= threshold and grown == 0:
+                if not multipliers.any():
+                    return True
+                # Plans reach the threshold only by multipliers of targets that they leave out.
+                small = SMALL * routes.greatest_prize
+                multipliers = np.where(multipliers > small, 0.5 * multipliers, 0.0)
+                routes.use(multipliers)
+        return True
+
+    @property
+    def counters(self) -> dict[str, float]:
+        """What was done so far."""
+        return {
+            "delta_v_slot_m_s": self._slot,
+            "evaluations": self._descent.evaluations,
+            "searches": self._routes.searches,
+            "labels": self._routes.labels_made,
+        }
+
+    def close(self) -> None:
+        """End the threads."""
+        self._bound.close()
+
+
+def prove(
+    mission: Mission,
+    certificate: Certificate,
+    stop: Stop,
+    enough: Callable[[], bool],
+    *,
+    jobs: int,
+    delta_v_slot_m_s: float,
+    most_labels: int,
+    search: Callable[[Latest], None] = lambda latest: None,
+) -> dict[str, float]:
+    """Rounds of proof until nothing is left to do or it is enough; returns the counters.
+
+    Parameters
+    ----------
+    mission, certificate, stop, delta_v_slot_m_s, most_labels
+        As :class:`Proof` takes them.
+    enough : callable
+        Asked once per iteration.
+    jobs : int
+        Threads, 0 for all cores.
+    search : callable
+        Looks for a better plan before each round.
+    """
+    if certificate.proven or enough() or stop.remaining_s() < set_up_s(mission):
+        return {"evaluations": 0, "searches": 0, "labels": 0}
+    if not fits_memory(mission):
+        return {"evaluations": 0, "searches": 0, "labels": 0}
+    proof = Proof(
+        mission,
+        certificate,
+        stop,
+        jobs=jobs or os.cpu_count() or 1,
+        delta_v_slot_m_s=delta_v_slot_m_s,
+        most_labels=most_labels,
+    )
+    proof.begin()
+    while not proof.done and not enough():
+        if proof.latest is not None and not certificate.proven:
+            search(proof.latest)
+        proof.advance(enough)
+    proof.close()
+    return proof.counters
+
+
+def prove_cost(
+    mission: Mission,
+    certificate: Certificate,
+    stop: Stop,
+    *,
+    jobs: int,
+    delta_v_slot_m_s: float,
+    most_labels: int,
+) -> tuple[float, dict[str, float]]:
+    """Prove how much ΔV the plans cost at least that are worth as much as the incumbent.
+
+    Returns
+    -------
+    bound : float
+        [m/s]
+    counters : dict
+    """
+
+    def over() -> bool:
+        return stop.remaining_s() <= 0.0
+
+    if stop.remaining_s() < set_up_s(mission):
+        return 0.0, {}
+    proof = CostProof(
+        mission, certificate.incumbent, certificate.offer, lambda: certificate.cost, over,
+        jobs=jobs or os.cpu_count() or 1,
+        delta_v_slot_m_s=affordable_slot(mission, delta_v_slot_m_s), most_labels=most_labels,
+    )  # fmt: skip
+    while not proof.done and not over():
+        proof.advance()
+    proof.close()
+    return proof.bound, proof.counters
+
+
+def fits_memory(mission: Mission) -> bool:
+    """Whether there is memory for the network of a proof."""
+    return BYTES_PER_EVENT * mission.timetable.entries <= MEMORY_SHARE * available_bytes()
+
+
+def set_up_s(mission: Mission) -> float:
+    """About how long setting up a proof takes [s]."""
+    return SET_UP_S_PER_EVENT * mission.timetable.entries
+
+
+def bounded(
+    method: str,
+    mission: Mission,
+    stop: Stop,
+    progress: Progress,
+    *,
+    seed: int,
+    start: Iterable[int] | None,
+    jobs: int,
+    delta_v_slot_m_s: float,
+    most_labels: int,
+) -> Result:
+    """The result of a bound that is nothing but rounds of proof, from a start plan if there is one.
+
+    Raises
+    ------
+    InputError
+        An option is out of range.
+    """
+    check_options(method, delta_v_slot_m_s, jobs, most_labels)
+    began = time.perf_counter()
+    certificate = Certificate(mission, progress)
+    if start is not None:
+        certificate.offer(start)
+
+    def enough() -> bool:
+        return stop(certificate.incumbent, certificate.bound)
+
+    counters = prove(
+        mission, certificate, stop, enough, jobs=jobs, delta_v_slot_m_s=delta_v_slot_m_s,
+        most_labels=most_labels,
+    )  # fmt: skip
+    return certify(
+        mission,
+        method,
+        certificate.sequence,
+        seed=seed,
+        runtime_s=time.perf_counter() - began,
+        upper_bound=certificate.bound,
+        counters=counters,
+        notes=bound_notes(mission),
+    )
+
+
+def affordable_slot(mission: Mission, slot: float) -> float:
+    """The slot asked for, widened until the values of all states fit into memory."""
+    events = mission.timetable.entries + len(mission.names)
+    budget = mission.rules.budget
+    while slot < budget and 8.0 * events * (budget / slot + 16.0) > ROOM_BYTES:
+        slot *= 2.0
+    return slot
+
+
+def bound_notes(mission: Mission) -> list[str]:
+    """What a reader of a bound has to know."""
+    step = mission.prize_step
+    notes = [f"the bound is rounded down: all objectives are multiples of {step:g}"] if step else []
+    if not fits_memory(mission):
+        notes.append(
+            f"nothing was proven: there is no memory for the network of all connections at "
+            f"{mission.timetable.entries} departures; take fewer targets or a shorter mission"
+        )
+    return notes
+
+
+def check_options(method: str, delta_v_slot_m_s: float, jobs: int, most_labels: int) -> None:
+    """Raise :class:`InputError` if an option is out of range."""
+    if not (math.isfinite(delta_v_slot_m_s) and delta_v_slot_m_s > 0.0):
+        raise InputError(
+            f"option delta_v_slot_m_s = {delta_v_slot_m_s!r} of method {method!r}: must be > 0"
+        )
+    if jobs < 0:
+        raise InputError(f"option jobs = {jobs} of method {method!r}: must be ≥ 0")
+    if most_labels < 1:
+        raise InputError(f"option most_labels = {most_labels} of method {method!r}: must be ≥ 1")

@@ -1,0 +1,8 @@
+"""Searches for good plans, shared by the planners.
+
+1. :mod:`.greedy_order`: the cheapest legal target again and again.
+2. :mod:`.worth`: what an hour and a km/s are worth, by which partial plans are compared.
+3. :mod:`.beams`, :mod:`.varied_beams`, :mod:`.timely_beams`: beams, with drawn settings, in time.
+4. :mod:`.orders`: an order of targets, and where to refuel best.
+5. :mod:`.recreate`: a new end for a plan.
+"""
