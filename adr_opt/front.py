@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -15,9 +14,20 @@ from .errors import InputError
 from .generator import LARGEST_SEED
 from .instance import Instance
 from .mission import Mission
+from .options import read
 from .plan import Plan
-from .planner import BOUNDS, PLANNERS, Planner, Progress, check_size, get, names, silent
-from .planner import options as options_of
+from .planner import (
+    BOUNDS,
+    PLANNERS,
+    Planner,
+    Progress,
+    get,
+    names,
+    options_of,
+    silent,
+    takes_jobs,
+    takes_start,
+)
 from .practice import Practice, habits, practice_mission
 from .pricing import APPROXIMATE
 from .result import Result, certify, status_of
@@ -378,12 +388,10 @@ def warm_up(
     mission = practice_mission()
     prepared = prepare(group, method, options=options)
     # Numbers say how much is done, texts and switches what is done.
-    chosen: dict[str, Any] = {
-        name: value for name, value in prepared.arguments.items() if isinstance(value, (str, bool))
-    }
-    if starts and takes_start(prepared.function):
-        chosen["start"] = (1,)
-    key = (group, method, *sorted(chosen.items()))
+    given = prepared.arguments["options"]
+    chosen = {name: value for name, value in vars(given).items() if isinstance(value, (str, bool))}
+    begins = {"start": (1,)} if starts and takes_start(prepared.function) else {}
+    key = (group, method, *begins, *sorted(chosen.items()))
     habit = habits(prepared.function)
     with _warming:
         if key in _warm:
@@ -391,8 +399,8 @@ def warm_up(
         _warm.add(key)
         try:
             prepared.function(
-                mission, seed=0, stop=Practice(habit.rounds, *stops), progress=silent,
-                **{**habit.options, **chosen},
+                mission, seed=0, stop=Practice(habit.rounds, *stops), progress=silent, **begins,
+                options=read(type(given), {**habit.options, **chosen}),
             )  # fmt: skip
         except Exception as error:
             return error
@@ -420,23 +428,12 @@ def prepare(
         raise InputError(f"seed = {seed}: must be between 0 and {LARGEST_SEED}")
     function = method_of(method, group)
     chosen = dict(options or {})
-    for option in chosen:
-        known = options_of(function)
-        if option not in known:
-            listed = ", ".join(known) or "it has none"
-            raise InputError(
-                f"option {option!r} of method {method!r} is unknown; use one of: {listed}"
-            )
-        check_size(method, function, option, chosen[option])
     if jobs is not None:
         if not takes_jobs(function):
             raise InputError(
                 f"jobs = {jobs}: method {method!r} uses one core; leave it out"
                 f"{_others(group, takes_jobs)}"
             )
-        if jobs < 0:
-            raise InputError(f"jobs = {jobs}: must be a number of cores, or 0 for all of them")
-        check_size(method, function, "jobs", jobs)
         if "jobs" in chosen:
             raise InputError("jobs is given twice, also as an option of the method; give it once")
         chosen["jobs"] = jobs
@@ -446,7 +443,8 @@ def prepare(
         raise InputError(
             f"method {method!r} takes no start plan; leave it out{_others(group, takes_start)}"
         )
-    return Prepared(method, function, {"seed": seed, **chosen}, plans=group == PLANNERS)
+    arguments = {"seed": seed, "options": read(options_of(function), chosen)}
+    return Prepared(method, function, arguments, plans=group == PLANNERS)
 
 
 def method_of(name: str, group: str = PLANNERS) -> Planner:
@@ -469,16 +467,6 @@ def method_of(name: str, group: str = PLANNERS) -> Planner:
             f"method {name!r} is declared, but cannot be imported ({error}); "
             "install the package that declares it anew"
         ) from error
-
-
-def takes_start(function: Planner) -> bool:
-    """Whether a method can begin from a known plan."""
-    return "start" in inspect.signature(function).parameters
-
-
-def takes_jobs(function: Planner) -> bool:
-    """Whether a method can use several cores."""
-    return "jobs" in options_of(function)
 
 
 def _others(group: str, able: Callable[[Planner], bool]) -> str:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from copy import copy
+from dataclasses import field, fields, make_dataclass
+from functools import partial, wraps
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol
 
 from .errors import InputError
 from .mission import Mission
+from .options import MOST_JOBS, Options, option
 from .result import Result
 from .stop import Stop
 
@@ -16,8 +20,8 @@ PLANNERS = "adr_opt.planners"
 BOUNDS = "adr_opt.bounds"
 """Entry-point groups; a package that declares one of them shows up by being installed."""
 
-MOST_JOBS = 1024
-"""Most threads of a method."""
+FIXED = frozenset({"seed", "stop", "progress", "start"})
+"""Parameters of methods that are no options."""
 
 
 class Progress(Protocol):
@@ -32,14 +36,13 @@ class Planner(Protocol):
     """A planner or a bound: same mission, seed and work, same result.
 
     A method that can begin from a known plan has a parameter ``start``, a sequence of bodies or
-    None; one that can use several cores has an option ``jobs``, 0 for all of them.
-
-    Options are keyword-only parameters after ``progress``, each with a default whose type is the
-    option's type; ``methods`` lists them from the signature.
+    None; one that has options has a parameter ``options``, whose default is those of its own
+    subclass of :class:`adr_opt.options.Options`. One that can use several cores has an option
+    ``jobs``, 0 for all of them.
     """
 
     def __call__(
-        self, mission: Mission, *, seed: int, stop: Stop, progress: Progress, **options: Any
+        self, mission: Mission, *, seed: int, stop: Stop, progress: Progress, **more: Any
     ) -> Result:
         """Plan (or bound) a mission until it is enough."""
         ...
@@ -71,67 +74,59 @@ def get(name: str, group: str = PLANNERS) -> Planner:
         known = ", ".join(found) or "none is installed"
         raise InputError(f"method {name!r} is unknown; use one of: {known}")
     planner: Planner = found[name].load()
-    return planner
+    return planner if _options(planner) else _with_options(name, planner)
 
 
-def options(planner: Planner) -> dict[str, inspect.Parameter]:
-    """The options of a planner, read off its signature."""
-    fixed = {"seed", "stop", "progress", "start"}
-    return {
-        name: parameter
-        for name, parameter in inspect.signature(planner).parameters.items()
-        if parameter.kind is inspect.Parameter.KEYWORD_ONLY and name not in fixed
-    }
+def options_of(planner: Planner) -> type[Options]:
+    """The class of the options of a method that :func:`get` has found."""
+    found = _options(planner)
+    assert found is not None
+    return type(found)
 
 
-LARGEST_WHOLE = 10**9
-"""Largest value of an option that is a whole number, unless :func:`at_most` says less."""
-
-Function = TypeVar("Function", bound=Callable[..., Any])
-
-
-def at_most(**largest: int) -> Callable[[Function], Function]:
-    """Declare the largest values of options that cost memory, or time that no stop ends."""
-
-    def declare(planner: Function) -> Function:
-        planner.__dict__["at_most"] = largest
-        return planner
-
-    return declare
+def takes_start(planner: Planner) -> bool:
+    """Whether a method can begin from a known plan."""
+    return "start" in inspect.signature(planner).parameters
 
 
-def check_size(name: str, planner: Planner, option: str, value: Any) -> None:
-    """Refuse a whole number that is larger than the option can be.
-
-    Raises
-    ------
-    InputError
-        The sentence says how large it may be.
-    """
-    most = {"jobs": MOST_JOBS, **getattr(planner, "at_most", {})}.get(option, LARGEST_WHOLE)
-    if isinstance(value, int) and abs(value) > most:
-        raise InputError(f"option {option} = {value} of method {name!r}: must be at most {most}")
+def takes_jobs(planner: Planner) -> bool:
+    """Whether a method can use several cores."""
+    return any(each.name == "jobs" for each in fields(options_of(planner)))
 
 
-def parse_option(name: str, planner: Planner, option: str, text: str) -> Any:
-    """The value of an option given as text, by the type of its default.
+def _options(planner: Planner) -> Options | None:
+    """The default options of a method, if it has a class for them."""
+    parameter = inspect.signature(planner).parameters.get("options")
+    default = None if parameter is None else parameter.default
+    return default if isinstance(default, Options) else None
 
-    Raises
-    ------
-    InputError
-        No such option, or not a value of its type.
-    """
-    known = options(planner)
-    if option not in known:
-        listed = ", ".join(known) or "it has none"
-        raise InputError(f"option {option!r} of method {name!r} is unknown; use one of: {listed}")
-    default = known[option].default
-    try:
-        if isinstance(default, bool):
-            return {"true": True, "false": False}[text.lower()]
-        if isinstance(default, (int, float)):
-            return type(default)(text)
-    except (ValueError, KeyError):
-        kind = {bool: "true or false", int: "an integer", float: "a number"}[type(default)]
-        raise InputError(f"option {option} = {text!r} of method {name!r}: give {kind}") from None
-    return text
+
+def _with_options(name: str, planner: Callable[..., Result]) -> Planner:
+    """A method whose options are keyword-only parameters, called with an object of a class."""
+    signature = inspect.signature(planner)
+    fixed: list[inspect.Parameter] = []
+    declared: list[tuple[str, type, Any]] = []
+    for parameter in signature.parameters.values():
+        default: Any = parameter.default
+        if parameter.kind is not parameter.KEYWORD_ONLY or parameter.name in FIXED:
+            if parameter.kind is not parameter.VAR_KEYWORD:
+                fixed.append(parameter)
+        elif parameter.name == "jobs":
+            jobs = option(default, "Cores, 0 for all.", least=0, most=MOST_JOBS)
+            declared.append((parameter.name, int, jobs))
+        else:
+            # A list, for example, cannot be the default of a field.
+            made = field(default_factory=partial(copy, default))
+            declared.append((parameter.name, type(default), made))
+    kind = make_dataclass(
+        "ItsOptions", declared, bases=(Options,), frozen=True, namespace={"_method": name}
+    )
+
+    @wraps(planner)
+    def called(*given: Any, options: Any = None, **more: Any) -> Result:
+        values = {} if options is None else vars(options)
+        return planner(*given, **more, **values)
+
+    shown = inspect.Parameter("options", inspect.Parameter.KEYWORD_ONLY, default=kind())
+    called.__dict__["__signature__"] = signature.replace(parameters=[*fixed, shown])
+    return called

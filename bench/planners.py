@@ -22,8 +22,9 @@ from typing import Any
 from machine import heading
 
 import adr_opt
+from adr_opt import planner
 from adr_opt.flight import fly
-from adr_opt.planner import get, parse_option
+from adr_opt.options import parsed
 
 
 def parse(spec: str) -> tuple[str, dict[str, str], str | None, float]:
@@ -37,8 +38,8 @@ def parse(spec: str) -> tuple[str, dict[str, str], str | None, float]:
 
 def options_of(name: str, texts: dict[str, str]) -> dict[str, Any]:
     """Values of options given as text."""
-    planner = get(name)
-    return {key: parse_option(name, planner, key, text) for key, text in texts.items()}
+    kind = planner.options_of(planner.get(name))
+    return {key: parsed(kind, key, text) for key, text in texts.items()}
 
 
 def measure(family: str, seed: int, spec: str, mission: adr_opt.Mission) -> dict[str, Any]:

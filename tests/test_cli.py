@@ -221,10 +221,28 @@ def test_methods_lists_planners_and_options(cli: Cli) -> None:
     found = {entry["name"]: entry for entry in json.loads(cli("methods", "--json").out)["planners"]}
     assert set(found) == set(planner.names())
     assert found["greedy"]["summary"].startswith("The published greedy")
-    assert found["greedy"]["options"][0] == {"name": "alpha", "type": "float", "default": 1.0}
+    assert found["greedy"]["options"][0] == {
+        "name": "alpha", "type": "float", "default": 1.0, "unit": "per m/s",
+        "allowed": "at least 0 and finite", "meaning": "Weight of ΔV.",
+    }  # fmt: skip
     said = cli("methods").out
     assert "greedy-guarded" in said
     assert "--option alpha=1.0" in said
+
+
+def test_methods_explains_one(cli: Cli) -> None:
+    """Of a method that is named, every option is listed with what it means and what it may be."""
+    alone = json.loads(cli("methods", "exact", "--json").out)
+    assert [entry["name"] for entry in alone["planners"] + alone["bounds"]] == ["exact", "exact"]
+    said = " ".join(cli("methods", "exact").out.split())
+    assert "greedy" not in said
+    for option in alone["bounds"][0]["options"]:
+        assert f"--option {option['name']}=" in said
+        assert option["meaning"] in said
+        assert option["allowed"] in said
+    wrong = cli("methods", "magic")
+    assert wrong.status == 2
+    assert "method 'magic' is unknown; use one of: auto, beam" in wrong.err
 
 
 def test_check_accepts_a_good_plan(cli: Cli, tiny_file: Path) -> None:

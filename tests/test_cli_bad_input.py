@@ -280,27 +280,6 @@ def test_bad_method_options(cli: Cli, tiny_file: Path, assignment: list[str], na
 
 
 @pytest.mark.parametrize(
-    ("method", "option", "most"),
-    [
-        ("beam", "width", 10**6),
-        ("mcts", "simulations", 10**6),
-        ("mcts", "depth", 10**9),
-        ("local-search", "chunk", 10**7),
-        ("exact", "jobs", 1024),
-        ("exact", "most_labels", 10**9),
-    ],
-)
-def test_options_beyond_any_use(
-    cli: Cli, tiny_file: Path, method: str, option: str, most: int
-) -> None:
-    """A number that no memory or no kernel could hold is refused with the largest there is."""
-    for value in (most + 1, 10**20, -(10**20)):
-        outcome = cli("solve", tiny_file, "--method", method, "--option", f"{option}={value}")
-        refused(outcome, f"option {option} = {value} of method '{method}': must be at most {most}")
-    refused(cli("solve", tiny_file, "--method", "exact", "--jobs", 10**20), "must be at most 1024")
-
-
-@pytest.mark.parametrize(
     ("option", "value"),
     [
         ("--time-limit", "0"),

@@ -422,7 +422,10 @@ def test_a_method_that_cannot_be_imported_says_so(cli: Cli, tiny_file: Path) -> 
         "name": "starter", "summary": "Return the start plan.", "default": False,
         "takes_start": True, "options": [],
     }  # fmt: skip
-    assert listed["worker"]["options"][-1] == {"name": "limit", "type": "float", "default": "inf"}
+    assert listed["worker"]["options"][-1] == {
+        "name": "limit", "type": "float", "default": "inf", "unit": "", "allowed": "",
+        "meaning": "",
+    }  # fmt: skip
 
 
 @pytest.mark.usefixtures("methods")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
@@ -36,7 +37,8 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_an_installed_planner_shows_up_with_its_options() -> None:
     """A planner is found, and its options are listed, because its package is installed."""
     assert "random-walks" in planner.names()
-    assert list(planner.options(planner.get("random-walks"))) == ["walks"]
+    kind = planner.options_of(planner.get("random-walks"))
+    assert [each.name for each in fields(kind)] == ["walks"]
 
 
 @pytest.mark.usefixtures("installed")

@@ -10,11 +10,11 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from brute_force import brute_force
+from calling import call
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 from on_a_layer import replayed
 
 import adr_opt
-from adr_opt.errors import InputError
 from adr_opt.kernels.constants import STATION
 from adr_opt.mission import Mission
 from adr_opt.planner import get, silent
@@ -47,7 +47,7 @@ def guarded(field: Mission) -> tuple[int, ...]:
 def improve(mission: Mission, iterations: int = 2, seed: int = 0, **options: Any) -> Result:
     """Search with a reproducible limit."""
     stop = MaxIterations(iterations)
-    return local_search(mission, seed=seed, stop=stop, progress=silent, **options)
+    return call(local_search, mission, seed=seed, stop=stop, **options)
 
 
 def order_of(mission: Mission, sequence: tuple[int, ...]) -> tuple[npt.NDArray[np.int64], int]:
@@ -253,18 +253,3 @@ def test_annealing_alone_recovers_a_target_left_out(
     assert search.best.objective > short
     assert search.best.sequence is not None
     assert field.time(search.best.sequence).objective == search.best.objective
-
-
-@pytest.mark.parametrize(
-    "option",
-    [
-        {"chunk": 0}, {"width": 0}, {"recreations": -1}, {"hot": 0.0}, {"cold": 0.0},
-        {"hot": 0.1, "cold": 0.2}, {"hot": math.inf}, {"cold": math.nan},
-    ],
-    ids=str,
-)  # fmt: skip
-def test_bad_options_are_refused(option: dict[str, Any]) -> None:
-    """An option out of range is refused, and the sentence names it."""
-    mission = Mission(hand_made(), threads=1)
-    with pytest.raises(InputError, match=f"{next(iter(option))} = .* of method 'local-search'"):
-        improve(mission, **option)

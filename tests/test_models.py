@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from brute_force import brute_force
+from calling import call
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 from random_rules import random_mission as all_rules
 from test_proofs_hold import resonant
@@ -19,10 +20,9 @@ from test_proofs_hold import resonant
 import adr_opt
 from adr_opt.bodies import Station
 from adr_opt.chasers import AtStation, Chaser, InOrbit
-from adr_opt.errors import InputError, MissingExtra
+from adr_opt.errors import MissingExtra
 from adr_opt.kernels.constants import SLACK_M_S
 from adr_opt.mission import Mission
-from adr_opt.planner import silent
 from adr_opt.result import certify
 from adr_opt.stop import Interrupted, MaxIterations, MaxRuntime
 from solvers.bounds.routing_bound import routing_bound, static_costs
@@ -54,8 +54,7 @@ def _mip_extra(request):
 
 def prove(method, mission, **options):
     """Run a method to its end."""
-    options = {"stop": MaxRuntime(60.0), "progress": silent} | options
-    return method(mission, seed=0, **options)
+    return call(method, mission, **{"stop": MaxRuntime(60.0), **options})
 
 
 def random_mission(seed, *, zones=True):
@@ -596,14 +595,6 @@ def test_progress_is_monotone(method):
     assert list(incumbents) == sorted(incumbents)
     assert list(bounds) == sorted(bounds, reverse=True)
     assert told[-1] == (result.objective, result.upper_bound)
-
-
-@exact_methods
-@pytest.mark.parametrize("option", [{"jobs": -1}, {"most_arcs": 0}, {"evaluations": 0}])
-def test_bad_options_are_refused(method, option):
-    """An option out of range is an input error that names it."""
-    with pytest.raises(InputError, match=next(iter(option))):
-        prove(method, Mission(hand_made()), **option)
 
 
 def test_missing_extra(monkeypatch):

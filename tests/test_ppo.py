@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from calling import call
 
 import adr_opt
 from adr_opt.errors import InputError
 from adr_opt.mission import Mission
-from adr_opt.planner import silent
 from adr_opt.stop import MaxIterations, MaxRuntime, Stop
 
 pytest.importorskip("onnxruntime")
@@ -155,7 +155,7 @@ def test_beams_need_neither_chains_nor_time(policy: str, stop: Callable[[], Stop
     """With any policy and any time, beams end, and the plan is legal and no worse than greedy."""
     mission = Mission(adr_opt.generate("reduced-time", 5, targets=20, zones=3))
     greedy, beam = (
-        ppo(mission, seed=0, stop=stop(), progress=silent, policy=policy, decode=decode, width=10)
+        call(ppo, mission, stop=stop(), policy=policy, decode=decode, width=10)
         for decode in ("greedy", "beam")
     )
     assert beam.plan is not None
@@ -431,7 +431,7 @@ def test_corrupted_policy_files(tmp_path: Path) -> None:
             del content[at:]
         path.write_bytes(content)
         with suppress(InputError):
-            ppo(mission, seed=0, stop=MaxRuntime(10.0), progress=silent, policy=str(path))
+            call(ppo, mission, stop=MaxRuntime(10.0), policy=str(path))
             planned += 1
     assert 0 < planned < 120
 

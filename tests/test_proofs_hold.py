@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
+from calling import call
 from judge import accepted
 
 import adr_opt
@@ -22,7 +23,7 @@ from adr_opt.instance import Instance
 from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
 from adr_opt.mission import Mission
 from adr_opt.orbit import Orbit
-from adr_opt.planner import BOUNDS, PLANNERS, get, names, options, silent
+from adr_opt.planner import BOUNDS, PLANNERS, get, names, takes_jobs
 from adr_opt.result import Result
 from adr_opt.settings import KeepOutZone, MissionSettings, TransferSettings
 from adr_opt.stop import MaxRuntime
@@ -122,10 +123,8 @@ def results(mission: Mission) -> Iterator[Result]:
         for method in methods:
             try:
                 function = get(method, group)
-                one_core = {"jobs": 1} if "jobs" in options(function) else {}
-                yield function(
-                    mission, seed=0, stop=MaxRuntime(LIMIT_S), progress=silent, **one_core
-                )
+                one_core = {"jobs": 1} if takes_jobs(function) else {}
+                yield call(function, mission, stop=MaxRuntime(LIMIT_S), **one_core)
             except MissingExtra:
                 continue
 

@@ -7,13 +7,13 @@ is installed is tested by being installed.
 
 from __future__ import annotations
 
-import inspect
 import math
 import time
 from collections.abc import Callable
 from functools import cache
 from typing import Any
 
+import calling
 import pytest
 from brute_force import brute_force
 from hand_made import hand_made
@@ -23,7 +23,7 @@ from adr_opt import front
 from adr_opt.errors import MissingExtra
 from adr_opt.instance import Instance
 from adr_opt.mission import Mission
-from adr_opt.planner import BOUNDS, PLANNERS, get, names, options, silent
+from adr_opt.planner import BOUNDS, PLANNERS, get, names, takes_jobs, takes_start
 from adr_opt.result import Result
 from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime, Stop
 
@@ -110,10 +110,9 @@ def call(group: str, method: str, name: str, stop: Stop, **arguments: Any) -> Re
     """Run a method on one core; the test is skipped if a package that it needs is missing."""
     try:
         function = get(method, group)
-        if "jobs" in options(function):
+        if takes_jobs(function):
             arguments.setdefault("jobs", 1)
-        arguments.setdefault("progress", silent)
-        return function(mission(name), stop=stop, **{"seed": 0, **arguments})
+        return calling.call(function, mission(name), stop=stop, **arguments)
     except MissingExtra as missing:
         pytest.skip(str(missing))
 
@@ -275,7 +274,7 @@ def test_bound_tells_its_progress(method: str, name: str) -> None:
 @bounds
 def test_bound_with_the_best_plan_to_start_from(method: str, name: str) -> None:
     """A known optimal plan never brings a bound below the optimum, and may prove it optimal."""
-    if "start" not in inspect.signature(get(method, BOUNDS)).parameters:
+    if not takes_start(get(method, BOUNDS)):
         pytest.skip(f"{method} takes no start plan")
     best, sequence = optimum(name)
     result = call(BOUNDS, method, name, work(), start=sequence)
@@ -289,7 +288,7 @@ def test_bound_with_the_best_plan_to_start_from(method: str, name: str) -> None:
 @planners
 def test_start_plan_is_never_lost(method: str, name: str) -> None:
     """A planner that begins from an optimal plan returns one as good, however little it works."""
-    if "start" not in inspect.signature(get(method)).parameters:
+    if not takes_start(get(method)):
         pytest.skip(f"{method} takes no start plan")
     best, sequence = optimum(name)
     result = call(PLANNERS, method, name, MaxIterations(1), start=sequence)

@@ -7,11 +7,12 @@ import math
 import numpy as np
 import pytest
 from brute_force import brute_force
+from calling import call
 from test_registry import varied
 
 from adr_opt.errors import MissingExtra
 from adr_opt.mission import Mission
-from adr_opt.planner import get, options, silent
+from adr_opt.planner import get, takes_jobs
 from adr_opt.stop import MaxRuntime
 from adr_opt.tolerance import common_step, meets, rounded_down, rounded_up
 
@@ -23,16 +24,14 @@ SCALES = (1e-7, 1.0, 1e7)
 def test_scaled_prizes_change_nothing(method: str, prizes: tuple[float, ...]) -> None:
     """All prizes a ten-millionth, or ten million times: optimal plans and proofs of the same."""
     function = get(method)
-    one_core = {"jobs": 1} if "jobs" in options(function) else {}
+    one_core = {"jobs": 1} if takes_jobs(function) else {}
     for seed in range(3):
         for scale in SCALES:
             scaled = tuple(scale * prize for prize in prizes)
             mission = Mission(varied(seed, prizes=scaled, targets=6), threads=1)
             best, _, _ = brute_force(mission)
             try:
-                result = function(
-                    mission, seed=0, stop=MaxRuntime(30.0), progress=silent, **one_core
-                )
+                result = call(function, mission, stop=MaxRuntime(30.0), **one_core)
             except MissingExtra as missing:
                 pytest.skip(str(missing))
             assert result.status == "optimal"

@@ -51,7 +51,7 @@ def command(
     from .work import work
 
     time_limit = front.DEFAULT_BOUND_TIME_LIMIT_S if time_limit is None else time_limit
-    options = parse_assignments(method, front.method_of(method, BOUNDS), assignments)
+    options = parse_assignments(front.method_of(method, BOUNDS), assignments)
     instance = load(instance_path)
     start = None if start_path is None else load_plan(start_path)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-import math
+from textwrap import wrap
 from typing import Any
 
 import click
@@ -14,21 +14,29 @@ from .parameters import json_option
 
 
 @click.command("methods", short_help="List planners and bounds with their options.")
+@click.argument("name", required=False)
 @json_option
-def command(as_json: bool) -> int:
-    """List the installed planners and bounds with their options and defaults."""
+def command(name: str | None, as_json: bool) -> int:
+    """List the installed planners and bounds with their options and defaults.
+
+    With NAME, that method alone, and of each option what it means and what it may be.
+    """
     from ..planner import BOUNDS, PLANNERS, names
 
+    known = dict.fromkeys((*names(PLANNERS), *names(BOUNDS)))
+    if name is not None and name not in known:
+        raise InputError(f"method {name!r} is unknown; use one of: {', '.join(known)}")
     found = {
-        "planners": [_describe(name, PLANNERS) for name in names(PLANNERS)],
-        "bounds": [_describe(name, BOUNDS) for name in names(BOUNDS)],
+        heading: [_describe(each, group) for each in names(group) if name in (None, each)]
+        for heading, group in (("planners", PLANNERS), ("bounds", BOUNDS))
     }
     if as_json:
         emit_json(found)
         return 0
     lines = []
     for heading, methods in found.items():
-        lines.append(f"{heading}:" if methods else f"{heading}: none installed")
+        if methods or name is None:
+            lines.append(f"{heading}:" if methods else f"{heading}: none installed")
         for method in methods:
             mark = " (default)" if method["default"] else ""
             lines.append(f"  {method['name']}{mark}")
@@ -37,13 +45,27 @@ def command(as_json: bool) -> int:
                 lines.append("      takes --start")
             for option in method["options"]:
                 lines.append(f"      --option {option['name']}={_as_text(option['default'])}")
+                if name is not None:
+                    lines += _explained(option)
     emit("\n".join(lines))
     return 0
 
 
+def _explained(option: dict[str, Any]) -> list[str]:
+    """What an option may be and what it means, as lines."""
+    unit = f"in {option['unit']}" if option["unit"] else ""
+    allowed = "; ".join(filter(None, (option["allowed"], unit)))
+    return [
+        line
+        for text in (option["meaning"], allowed)
+        for line in wrap(text, 100, initial_indent=10 * " ", subsequent_indent=10 * " ")
+    ]
+
+
 def _describe(name: str, group: str) -> dict[str, Any]:
     from .. import front
-    from ..planner import PLANNERS, options
+    from ..options import listed
+    from ..planner import PLANNERS, options_of, takes_start
 
     entry: dict[str, Any] = {
         "name": name,
@@ -59,23 +81,9 @@ def _describe(name: str, group: str) -> dict[str, Any]:
     paragraph = (inspect.getdoc(method) or "").partition("\n\n")[0]
     return entry | {
         "summary": " ".join(paragraph.split()),
-        "takes_start": front.takes_start(method),
-        "options": [
-            {
-                "name": option,
-                "type": type(parameter.default).__name__,
-                "default": _shown(parameter.default),
-            }
-            for option, parameter in options(method).items()
-        ],
+        "takes_start": takes_start(method),
+        "options": listed(options_of(method)),
     }
-
-
-def _shown(default: Any) -> Any:
-    """A default as JSON can say it: infinities as the text that ``--option`` takes."""
-    if isinstance(default, float) and not math.isfinite(default):
-        return str(default)
-    return default if isinstance(default, (bool, int, float, str, type(None))) else str(default)
 
 
 def _as_text(default: Any) -> str:

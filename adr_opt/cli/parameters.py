@@ -56,7 +56,7 @@ def run_options(function: Function) -> Function:
     return function
 
 
-def parse_assignments(method: str, function: Planner, assignments: Iterable[str]) -> dict[str, Any]:
+def parse_assignments(method: Planner, assignments: Iterable[str]) -> dict[str, Any]:
     """The values of ``--option NAME=VALUE``, by the types of the method's defaults.
 
     Raises
@@ -64,8 +64,10 @@ def parse_assignments(method: str, function: Planner, assignments: Iterable[str]
     InputError
         Not of that form, given twice, no such option, or not a value of its type.
     """
-    from ..planner import parse_option
+    from ..options import parsed
+    from ..planner import options_of
 
+    kind = options_of(method)
     values: dict[str, Any] = {}
     for assignment in assignments:
         name, sign, text = assignment.partition("=")
@@ -74,7 +76,7 @@ def parse_assignments(method: str, function: Planner, assignments: Iterable[str]
             raise InputError(f"--option {assignment!r}: give it as NAME=VALUE")
         if name in values:
             raise InputError(f"--option {name} is given twice; give it once")
-        values[name] = parse_option(method, function, name, text.strip())
+        values[name] = parsed(kind, name, text.strip())
     return values
 
 

@@ -69,7 +69,7 @@ def command(
     for name, value in (("policy", policy), ("decode", decode)):
         if value is not None:
             assignments = (*assignments, f"{name}={value}")
-    options = parse_assignments(method, front.method_of(method), assignments)
+    options = parse_assignments(front.method_of(method), assignments)
     instance = load(instance_path)
     start = None if start_path is None else load_plan(start_path)
     check_out(out, instance_path)

@@ -9,8 +9,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import adr_opt
-from adr_opt.front import method_of, takes_jobs
+from adr_opt.front import method_of
 from adr_opt.mending import as_it_is, mended
+from adr_opt.planner import takes_jobs
 from adr_opt.result import certify
 
 from .didppy_slots import didppy_promise

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from adr_opt.errors import InputError
-from adr_opt.front import method_of, takes_jobs
-from adr_opt.planner import parse_option
+from adr_opt.front import method_of
+from adr_opt.options import parsed
+from adr_opt.planner import options_of, takes_jobs
 
 DEFAULT_METHODS = "greedy,greedy-guarded,mcts,beam,auto,ortools,ppo"
 """The planners of the published study and those of this project that answer it."""
@@ -41,7 +42,8 @@ class Method:
             Unknown method or option, or not a value of its type.
         """
         planner = method_of(self.name)
-        values = {name: parse_option(self.name, planner, name, text) for name, text in self.options}
+        kind = options_of(planner)
+        values = {name: parsed(kind, name, text) for name, text in self.options}
         if takes_jobs(planner):
             values.setdefault("jobs", 1)
         return values

@@ -20,7 +20,7 @@ from adr_opt import front
 from adr_opt.errors import InputError
 from adr_opt.instance import Instance
 from adr_opt.mission import Mission
-from adr_opt.planner import BOUNDS
+from adr_opt.planner import BOUNDS, takes_jobs
 from adr_opt.result import Result
 from adr_opt.tolerance import meets, rounded_down
 
@@ -124,7 +124,7 @@ def _small() -> Mission:
 def _solve_small(method: Method | BoundCall) -> None:
     mission = _small()
     if isinstance(method, BoundCall):
-        options = {"jobs": 1} if front.takes_jobs(front.method_of(method.name, BOUNDS)) else {}
+        options = {"jobs": 1} if takes_jobs(front.method_of(method.name, BOUNDS)) else {}
         front.bound(mission, method.name, time_limit=WARM_LIMIT_S, iterations=3, **options)
         return
     result = front.solve(
@@ -222,7 +222,7 @@ def _bound(
     trial: Trial, seed: int, call: BoundCall, mission: Mission, best: float, spent: Spent
 ) -> dict[str, Any]:
     row = _bound_row(trial, call)
-    options = {"jobs": 1} if front.takes_jobs(front.method_of(call.name, BOUNDS)) else {}
+    options = {"jobs": 1} if takes_jobs(front.method_of(call.name, BOUNDS)) else {}
     began = time.perf_counter()
     try:
         result = front.bound(

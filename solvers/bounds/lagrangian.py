@@ -10,7 +10,11 @@ from adr_opt.practice import practises
 from adr_opt.result import Result
 from adr_opt.stop import Stop
 
-from ..relaxation.proof import bounded
+from ..relaxation.proof import ProofOptions, bounded
+
+
+class LagrangianOptions(ProofOptions, method="lagrangian"):
+    """Options of the bound ``lagrangian``."""
 
 
 @practises(rounds=12)
@@ -21,9 +25,7 @@ def lagrangian(
     stop: Stop,
     progress: Progress,
     start: Iterable[int] | None = None,
-    jobs: int = 0,
-    delta_v_slot_m_s: float = 20.0,
-    most_labels: int = 8_000_000,
+    options: LagrangianOptions = LagrangianOptions(),
 ) -> Result:
     """No plan is worth more than this.
 
@@ -45,19 +47,5 @@ def lagrangian(
     stop, progress
     start : sequence of int, optional
         A plan: bodies in order. The bound may prove it optimal.
-    jobs : int
-        Threads, 0 for all cores. The result does not depend on it.
-    delta_v_slot_m_s : float
-        Slot of ΔV [m/s]: a finer one gives a tighter bound and takes longer.
-    most_labels : int
-        Most labels of a search.
-
-    Raises
-    ------
-    InputError
-        An option is out of range.
     """
-    return bounded(
-        "lagrangian", mission, stop, progress, seed=seed, start=start, jobs=jobs,
-        delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
-    )  # fmt: skip
+    return bounded("lagrangian", mission, stop, progress, seed=seed, start=start, options=options)

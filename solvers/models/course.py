@@ -7,13 +7,14 @@ import os
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
-from adr_opt.errors import InputError
 from adr_opt.kernels.rules import Rules
 from adr_opt.mission import Mission
+from adr_opt.options import MOST_JOBS, Options, option
 from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
@@ -62,6 +63,20 @@ MakeModel = Callable[[Network, Rules, float, list[int]], Model]
 """Network, rules, unit of the objective, legs of a plan to begin from."""
 
 
+@dataclass(frozen=True)
+class ModelOptions(Options):
+    """Options of the methods that hand the network to a solver."""
+
+    jobs: int = option(
+        0,
+        "Threads for the multipliers, 0 for all cores. The result does not depend on it.",
+        least=0,
+        most=MOST_JOBS,
+    )
+    most_arcs: int = option(60_000, "Larger networks are not handed to the solver.", least=1)
+    evaluations: int = option(150, "Most evaluations of the multipliers' bound.", least=1)
+
+
 def prove(
     method: str,
     make_model: MakeModel,
@@ -71,9 +86,7 @@ def prove(
     stop: Stop,
     progress: Progress,
     start: Iterable[int] | None,
-    jobs: int,
-    most_arcs: int,
-    evaluations: int,
+    options: ModelOptions,
 ) -> Result:
     """Prove how much the best plan is worth.
 
@@ -89,27 +102,9 @@ def prove(
         Name of the method.
     make_model : callable
         Writes a network for the solver.
-    mission, seed, stop, progress, start
+    mission, seed, stop, progress, start, options
         As for any planner. Without a start, the guarded greedy planner gives one.
-    jobs : int
-        Threads for the multipliers, 0 for all cores.
-    most_arcs : int
-        Larger networks are not handed to the solver.
-    evaluations : int
-        Most evaluations of the multipliers' bound.
-
-    Raises
-    ------
-    InputError
-        An option is out of range.
     """
-    for name, value, least in (
-        ("jobs", jobs, 0),
-        ("most_arcs", most_arcs, 1),
-        ("evaluations", evaluations, 1),
-    ):
-        if value < least:
-            raise InputError(f"option {name} = {value} of method {method!r}: must be ≥ {least}")
     began = time.perf_counter()
     certificate = Certificate(mission, progress)
     course = _Course(mission, make_model, certificate, stop, seed)
@@ -119,7 +114,7 @@ def prove(
     certificate.offer(start)
     if not course.enough():
         with suppress(TimeIsOver):
-            course.run(jobs or os.cpu_count() or 1, most_arcs, evaluations)
+            course.run(options.jobs or os.cpu_count() or 1, options.most_arcs, options.evaluations)
         if not (certificate.proven or course.notes or course.remaining_s() <= 0.0):
             course.notes.append(
                 f"the solver cannot tell the bound of {certificate.bound:g} from the plan within "

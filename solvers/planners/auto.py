@@ -7,17 +7,19 @@ import os
 import time
 from collections.abc import Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
 
 import numpy as np
 
 from adr_opt.mission import Mission
+from adr_opt.options import option
 from adr_opt.planner import Progress, get, silent
 from adr_opt.result import Result, certify
 from adr_opt.stop import MaxIterations, Stop
 
 from ..certificate import Certificate
 from ..relaxation.latest import Latest
-from ..relaxation.proof import Proof, bound_notes, check_options, fits_memory, set_up_s
+from ..relaxation.proof import Proof, ProofOptions, bound_notes, fits_memory, set_up_s
 from ..search.beams import TIME_VALUE_M_S_PER_H, usual_settings
 from ..search.recreate import recreate
 from ..search.timely_beams import PILOT_WIDTH, Beams
@@ -113,9 +115,8 @@ class _Prover:
         mission: Mission,
         certificate: Certificate,
         stop: Stop,
-        jobs: int,
-        delta_v_slot_m_s: float,
-        most_labels: int,
+        cores: int,
+        options: ProofOptions,
     ) -> None:
         def tell(incumbent: float, bound: float) -> None:
             certificate.tell(incumbent, bound)
@@ -123,9 +124,8 @@ class _Prover:
         self._mission = mission
         self._shared = certificate
         self._stop = stop
-        self._options = {
-            "jobs": jobs, "delta_v_slot_m_s": delta_v_slot_m_s, "most_labels": most_labels,
-        }  # fmt: skip
+        self._cores = cores
+        self._options = options
         self._own = Certificate(mission, tell)
         self._proof: Proof | None = None
 
@@ -145,7 +145,11 @@ class _Prover:
             least_s = max(LEAST_PROOF_S, LEAST_SET_UPS * set_up_s(self._mission))
             if self._stop.remaining_s() < least_s:
                 return
-            self._proof = Proof(self._mission, self._own, self._stop, **self._options)  # type: ignore[arg-type]
+            self._proof = Proof(
+                self._mission, self._own, self._stop, jobs=self._cores,
+                delta_v_slot_m_s=self._options.delta_v_slot_m_s,
+                most_labels=self._options.most_labels,
+            )  # fmt: skip
             self._proof.begin()
             return
         self._proof.advance(lambda: self._stop.remaining_s() <= 0.0)
@@ -168,6 +172,19 @@ class _Prover:
         return self._proof.counters
 
 
+@dataclass(frozen=True)
+class AutoOptions(ProofOptions, method="auto"):
+    """Options of the planner ``auto``."""
+
+    prove: bool = option(
+        True,
+        "Whether to work on the bound; without it only beams and local search are used.",
+    )
+    time_value_m_s_per_h: float = option(
+        TIME_VALUE_M_S_PER_H, "As for `beam`.", unit="m/s per h", least=0.0
+    )
+
+
 def auto(
     mission: Mission,
     *,
@@ -175,11 +192,7 @@ def auto(
     stop: Stop,
     progress: Progress,
     start: Iterable[int] | None = None,
-    jobs: int = 0,
-    prove: bool = True,
-    time_value_m_s_per_h: float = TIME_VALUE_M_S_PER_H,
-    delta_v_slot_m_s: float = 20.0,
-    most_labels: int = 8_000_000,
+    options: AutoOptions = AutoOptions(),
 ) -> Result:
     """The best plan that the time allows, and a proof where one is found.
 
@@ -195,24 +208,10 @@ def auto(
     ----------
     start : sequence of int, optional
         A plan to begin from: bodies in order.
-    jobs : int
-        Cores, 0 for all.
-    prove : bool
-        Whether to work on the bound; without it only beams and local search are used.
-    time_value_m_s_per_h : float
-        As for ``beam``.
-    delta_v_slot_m_s, most_labels
-        As for the bound ``lagrangian``.
-
-    Raises
-    ------
-    InputError
-        An option is out of range.
     """
-    check_options("auto", delta_v_slot_m_s, jobs, most_labels)
     began = time.perf_counter()
-    given, mission = mission, mission.with_time_value(time_value_m_s_per_h)
-    cores = jobs or os.cpu_count() or 1
+    given, mission = mission, mission.with_time_value(options.time_value_m_s_per_h)
+    cores = options.jobs or os.cpu_count() or 1
     certificate = Certificate(mission, progress)
     search = _Search(mission, seed, stop, certificate)
     greedy = get("greedy-guarded")(given, seed=seed, stop=MaxIterations(1), progress=silent)
@@ -220,8 +219,8 @@ def auto(
     if start is not None:
         certificate.offer(start)
     prover = None
-    if prove and fits_memory(mission):
-        prover = _Prover(mission, certificate, stop, cores, delta_v_slot_m_s, most_labels)
+    if options.prove and fits_memory(mission):
+        prover = _Prover(mission, certificate, stop, cores, options)
 
     def is_over() -> bool:
         return certificate.proven or stop(certificate.incumbent, certificate.bound)

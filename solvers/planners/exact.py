@@ -12,10 +12,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
 from adr_opt.mission import Mission
+from adr_opt.options import option
 from adr_opt.planner import Progress, get, silent
 from adr_opt.practice import practises
 from adr_opt.result import Result, certify
@@ -23,7 +25,7 @@ from adr_opt.stop import Clock, Stop
 
 from ..certificate import Certificate
 from ..relaxation.latest import Latest
-from ..relaxation.proof import bound_notes, check_options, prove, prove_cost
+from ..relaxation.proof import ProofOptions, bound_notes, prove, prove_cost
 from ..search.timely_beams import Beams
 from ..search.varied_beams import varied
 
@@ -37,6 +39,20 @@ COST_SLOT_M_S = 50.0
 """Slot of ΔV in proofs of the least cost; they take the memory of three tables [m/s]."""
 
 
+@dataclass(frozen=True)
+class ExactOptions(ProofOptions, method="exact"):
+    """Options of the method ``exact``."""
+
+    most_labels: int = option(
+        50_000_000, "Most labels of one search: about 70 bytes each.", least=1
+    )
+    cost: bool = option(
+        False,
+        "Go on to prove, once the prizes are proven, that no plan that collects as much costs less "
+        "ΔV.",
+    )
+
+
 @practises(rounds=12)
 def exact(
     mission: Mission,
@@ -45,10 +61,7 @@ def exact(
     stop: Stop,
     progress: Progress,
     start: Iterable[int] | None = None,
-    jobs: int = 0,
-    delta_v_slot_m_s: float = 20.0,
-    most_labels: int = 50_000_000,
-    cost: bool = False,
+    options: ExactOptions = ExactOptions(),
 ) -> Result:
     """The optimal plan and its proof; at the limit the best plan and bound so far.
 
@@ -56,22 +69,7 @@ def exact(
     ----------
     start : sequence of int, optional
         A plan to begin with, compared with one found by beam search.
-    jobs : int
-        Cores for the bound, 0 for all. The result does not depend on it.
-    delta_v_slot_m_s : float
-        Slot of ΔV of the completion values [m/s].
-    most_labels : int
-        Most labels of one search: about 70 bytes each.
-    cost : bool
-        Go on to prove, once the prizes are proven, that no plan that collects as much costs less
-        ΔV.
-
-    Raises
-    ------
-    InputError
-        An option is out of range.
     """
-    check_options("exact", delta_v_slot_m_s, jobs, most_labels)
     began = time.perf_counter()
     certificate = Certificate(mission, progress)
     if start is not None:
@@ -101,13 +99,14 @@ def exact(
 
     counters = prove(
         mission, certificate, stop, enough, search=search,
-        jobs=jobs, delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
+        jobs=options.jobs, delta_v_slot_m_s=options.delta_v_slot_m_s,
+        most_labels=options.most_labels,
     )  # fmt: skip
     cost_bound = None
-    if cost and certificate.proven and certificate.sequence is not None:
+    if options.cost and certificate.proven and certificate.sequence is not None:
         cost_bound, counted = prove_cost(
-            mission, certificate, stop, jobs=jobs, delta_v_slot_m_s=COST_SLOT_M_S,
-            most_labels=most_labels,
+            mission, certificate, stop, jobs=options.jobs, delta_v_slot_m_s=COST_SLOT_M_S,
+            most_labels=options.most_labels,
         )  # fmt: skip
         counters |= counted
     return certify(

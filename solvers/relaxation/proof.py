@@ -15,12 +15,13 @@ import os
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from dataclasses import dataclass
 
 import numpy as np
 
 from adr_opt.available_memory import available_bytes
-from adr_opt.errors import InputError
 from adr_opt.mission import Mission
+from adr_opt.options import MOST_JOBS, Options, option
 from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
@@ -52,6 +53,22 @@ BYTES_PER_EVENT = 800
 
 MEMORY_SHARE = 0.5
 """Part of the free memory that the network may take."""
+
+
+@dataclass(frozen=True)
+class ProofOptions(Options):
+    """Options of the methods that prove by rounds."""
+
+    jobs: int = option(
+        0, "Cores, 0 for all. The result does not depend on it.", least=0, most=MOST_JOBS
+    )
+    delta_v_slot_m_s: float = option(
+        20.0,
+        "Slot of ΔV: a finer one gives a tighter bound and takes longer.",
+        unit="m/s",
+        above=0.0,
+    )
+    most_labels: int = option(8_000_000, "Most labels of one search: about 70 bytes each.", least=1)
 
 
 class Proof:
@@ -288,18 +305,9 @@ def bounded(
     *,
     seed: int,
     start: Iterable[int] | None,
-    jobs: int,
-    delta_v_slot_m_s: float,
-    most_labels: int,
+    options: ProofOptions,
 ) -> Result:
-    """The result of a bound that is nothing but rounds of proof, from a start plan if there is one.
-
-    Raises
-    ------
-    InputError
-        An option is out of range.
-    """
-    check_options(method, delta_v_slot_m_s, jobs, most_labels)
+    """The result of a bound that is only rounds of proof, from a start plan if there is one."""
     began = time.perf_counter()
     certificate = Certificate(mission, progress)
     if start is not None:
@@ -309,8 +317,8 @@ def bounded(
         return stop(certificate.incumbent, certificate.bound)
 
     counters = prove(
-        mission, certificate, stop, enough, jobs=jobs, delta_v_slot_m_s=delta_v_slot_m_s,
-        most_labels=most_labels,
+        mission, certificate, stop, enough, jobs=options.jobs,
+        delta_v_slot_m_s=options.delta_v_slot_m_s, most_labels=options.most_labels,
     )  # fmt: skip
     return certify(
         mission,
@@ -343,15 +351,3 @@ def bound_notes(mission: Mission) -> list[str]:
             f"{mission.timetable.entries} departures; take fewer targets or a shorter mission"
         )
     return notes
-
-
-def check_options(method: str, delta_v_slot_m_s: float, jobs: int, most_labels: int) -> None:
-    """Raise :class:`InputError` if an option is out of range."""
-    if not (math.isfinite(delta_v_slot_m_s) and delta_v_slot_m_s > 0.0):
-        raise InputError(
-            f"option delta_v_slot_m_s = {delta_v_slot_m_s!r} of method {method!r}: must be > 0"
-        )
-    if jobs < 0:
-        raise InputError(f"option jobs = {jobs} of method {method!r}: must be ≥ 0")
-    if most_labels < 1:
-        raise InputError(f"option most_labels = {most_labels} of method {method!r}: must be ≥ 1")

@@ -10,10 +10,14 @@ from adr_opt.practice import practises
 from adr_opt.result import Result
 from adr_opt.stop import Stop
 
-from ...models.course import prove
+from ...models.course import ModelOptions, prove
 from .model import Model
 
 __all__ = ["cpsat"]
+
+
+class CpsatOptions(ModelOptions, method="cpsat"):
+    """Options of the method ``cpsat``."""
 
 
 @practises(rounds=6, evaluations=4)
@@ -24,9 +28,7 @@ def cpsat(
     stop: Stop,
     progress: Progress,
     start: Iterable[int] | None = None,
-    jobs: int = 0,
-    most_arcs: int = 60_000,
-    evaluations: int = 150,
+    options: CpsatOptions = CpsatOptions(),
 ) -> Result:
     """The best plan and an upper bound, by constraint programming on all connections.
 
@@ -42,19 +44,8 @@ def cpsat(
     mission, seed, stop, progress
     start : sequence of int, optional
         A plan: bodies in order. As much of it as is in the network is given as hints.
-    jobs : int
-        Threads for the multipliers, 0 for all cores. The result does not depend on it.
-    most_arcs : int
-        Larger networks are not handed to CP-SAT.
-    evaluations : int
-        Most evaluations of the multipliers' bound.
-
-    Raises
-    ------
-    InputError
-        An option is out of range.
     """
     return prove(
-        "cpsat", Model, mission, seed=seed, stop=stop, progress=progress, start=start, jobs=jobs,
-        most_arcs=most_arcs, evaluations=evaluations,
+        "cpsat", Model, mission, seed=seed, stop=stop, progress=progress, start=start,
+        options=options,
     )  # fmt: skip

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
-from adr_opt.errors import InputError
 from adr_opt.mission import Mission
-from adr_opt.planner import Progress, at_most, get, silent
+from adr_opt.options import Options, option
+from adr_opt.planner import Progress, get, silent
 from adr_opt.result import Result, certify
 from adr_opt.stop import MaxIterations, Stop
 
@@ -74,7 +75,19 @@ class LocalSearch:
         return self.best.offer(recreate(self._mission, sequence, width, self._rng, stop))
 
 
-@at_most(chunk=10_000_000, width=1_000_000)
+@dataclass(frozen=True)
+class LocalSearchOptions(Options, method="local-search"):
+    """Options of the planner ``local-search``."""
+
+    chunk: int = option(20_000, "Moves tried in one annealing.", least=1, most=10_000_000)
+    hot: float = option(0.3, "Its temperature at the beginning.", unit="mean prizes", above=0.0)
+    cold: float = option(
+        0.01, "Its temperature at the end.", unit="mean prizes", above=0.0, most="hot"
+    )
+    width: int = option(100, "Width of the beams that recreate.", least=1, most=1_000_000)
+    recreations: int = option(4, "Ruin-and-recreate steps in one iteration.", least=0)
+
+
 def local_search(
     mission: Mission,
     *,
@@ -82,11 +95,7 @@ def local_search(
     stop: Stop,
     progress: Progress,
     start: Iterable[int] | None = None,
-    chunk: int = 20_000,
-    hot: float = 0.3,
-    cold: float = 0.01,
-    width: int = 100,
-    recreations: int = 4,
+    options: LocalSearchOptions = LocalSearchOptions(),
 ) -> Result:
     """Improve a plan, by default the guarded greedy one.
 
@@ -98,32 +107,7 @@ def local_search(
     ----------
     start : sequence of int, optional
         The plan to improve: bodies in order.
-    chunk : int
-        Moves tried in one annealing.
-    hot, cold : float
-        Its temperatures at the beginning and the end [mean prizes].
-    width : int
-        Width of the beams that recreate.
-    recreations : int
-        Ruin-and-recreate steps in one iteration.
-
-    Raises
-    ------
-    InputError
-        An option is out of range.
     """
-    for name, value in (("chunk", chunk), ("width", width)):
-        if value < 1:
-            raise InputError(f"option {name} = {value} of method 'local-search': must be ≥ 1")
-    if recreations < 0:
-        raise InputError(
-            f"option recreations = {recreations} of method 'local-search': must be ≥ 0"
-        )
-    if not 0.0 < cold <= hot < math.inf:
-        raise InputError(
-            f"options hot = {hot!r} and cold = {cold!r} of method 'local-search': "
-            "must be 0 < cold ≤ hot"
-        )
     began = time.perf_counter()
     if start is None:
         greedy = get("greedy-guarded")
@@ -138,11 +122,11 @@ def local_search(
         and not stop(search.best.objective, math.inf)
     ):
         before = search.best.objective
-        improved += search.anneal(chunk, hot, cold)
-        for _ in range(recreations):
+        improved += search.anneal(options.chunk, options.hot, options.cold)
+        for _ in range(options.recreations):
             if stop.remaining_s() <= 0.0:
                 break
-            improved += search.recreate(width, stop)
+            improved += search.recreate(options.width, stop)
         iterations += 1
         if search.best.objective > before:
             progress(search.best.objective, math.inf)

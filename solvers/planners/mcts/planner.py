@@ -9,10 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.errors import InputError
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.mission import Mission
-from adr_opt.planner import Progress, at_most
+from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
@@ -21,7 +20,7 @@ from ...learned.prior import Prior
 from ...search.recreate import recreate
 from . import policy as policies
 from . import tree as trees
-from .settings import FROM_PRESET, Settings, choose
+from .settings import MctsOptions, settings_of
 
 LARGEST_TREE = 10_000_000
 """Most moves that a kept tree may list before it is begun anew: bounds its memory."""
@@ -35,7 +34,7 @@ class _Player:
     """One search: its settings as the kernels take them, its memory and its counters."""
 
     mission: Mission
-    settings: Settings
+    settings: MctsOptions
     rng: np.random.Generator
     stop: Stop
     progress: Progress
@@ -137,30 +136,13 @@ class _Player:
         return self.answer
 
 
-@at_most(simulations=1_000_000)
 def mcts(
     mission: Mission,
     *,
     seed: int,
     stop: Stop,
     progress: Progress,
-    preset: str = "published",
-    simulations: int = FROM_PRESET,
-    depth: int = FROM_PRESET,
-    c: float = float(FROM_PRESET),
-    rollout: str = "preset",
-    moves: str = "preset",
-    width: int = FROM_PRESET,
-    time_value_m_s_per_h: float = float(FROM_PRESET),
-    temperature_m_s: float = float(FROM_PRESET),
-    scale: str = "preset",
-    best_share: float = float(FROM_PRESET),
-    play: str = "preset",
-    tree: str = "preset",
-    missions: int = FROM_PRESET,
-    answer: str = "preset",
-    polish: int = 0,
-    policy: str = "",
+    options: MctsOptions = MctsOptions(),
 ) -> Result:
     """Monte Carlo tree search (UCT): as published, or tuned.
 
@@ -170,81 +152,17 @@ def mcts(
     guarded rollouts on a narrow tree, plays mission after mission until ``stop`` says enough (or
     every prize is collected), and returns the best sequence that any simulation saw. ``stop`` is
     asked once before every step; a mission stopped halfway counts as far as it was played.
-
-    Parameters
-    ----------
-    preset : {"published", "tuned"}
-        Sets every option below that is left at −1 or ``"preset"``.
-    simulations : int
-        Simulations per step.
-    depth : int
-        Most moves of a rollout.
-    c : float
-        Exploration constant: Q + c sqrt(ln N / n).
-    rollout : {"uniform", "guarded"}
-        Any legal move with equal probability; or a target from which the station can still be
-        reached, the cheaper the likelier, and the station when there is none.
-    moves : {"legal", "guarded"}
-        Branches of the tree: every legal move in random order; or the cheapest ``width`` targets
-        that pass the same guard, cheapest first, and the station.
-    width : int
-        See ``moves``.
-    time_value_m_s_per_h, temperature_m_s : float
-        Cost of a guarded move, ΔV + time value · (time to the end of service), and the scale of
-        its weight exp(−cost / temperature) in rollouts.
-    scale : {"none", "range"}
-        Returns as they are, in prizes; or divided by the range of returns of the mission, so
-        that c means the same at every size of prize.
-    best_share : float
-        Q is the mean return plus this share of the way to the best, in [0, 1].
-    play : {"visits", "value"}
-        The child with most visits, or with the highest Q.
-    tree : {"new", "kept"}
-        Every step begins a new tree, or goes on below the child played.
-    missions : int
-        Most missions to play.
-    answer : {"played", "best"}
-        The best mission played, or the best sequence of any simulation (ties: less ΔV).
-    polish : int
-        Open-loop polish at the end, as long as there is time: so often, keep the beginning of
-        the plan up to a random move and build a new end by a narrow beam
-        (:mod:`solvers.search.recreate`). Not part of the published method.
-
-    Raises
-    ------
-    InputError
-        An option out of its range.
     """
-    settings = choose(
-        preset,
-        {
-            "simulations": simulations,
-            "depth": depth,
-            "c": c,
-            "rollout": rollout,
-            "moves": moves,
-            "width": width,
-            "time_value_m_s_per_h": time_value_m_s_per_h,
-            "temperature_m_s": temperature_m_s,
-            "scale": scale,
-            "best_share": best_share,
-            "play": play,
-            "tree": tree,
-            "missions": missions,
-            "answer": answer,
-        },
-    )
-    if polish < 0:
-        raise InputError(f"option polish = {polish} of method 'mcts': must be ≥ 0")
+    settings = settings_of(options)
     start = time.perf_counter()
-    prior = Prior(mission, policy) if policy and mission.instance.targets else None
+    prior = Prior(mission, options.policy) if options.policy and mission.instance.targets else None
     if prior is not None:
         settings = replace(settings, tree="new")
     player = _Player(mission, settings, np.random.default_rng(seed), stop, progress, prior)
     while player.missions < settings.missions and player.incumbent < mission.total_worth:
         if player.play():
             break
-    plan, polished = _polish(mission, mission.closed(player.plan()), polish, seed, stop)
+    plan, polished = _polish(mission, mission.closed(player.plan()), options.polish, seed, stop)
     return certify(
         mission,
         "mcts",

@@ -18,11 +18,9 @@ planes and phases are spread (MODEL section 7).
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, fields, replace
-from typing import Any
 
-from adr_opt.errors import InputError
+from adr_opt.options import Options, option
 
 FROM_PRESET = -1
 """Option value that leaves a number to the preset; a text option says ``"preset"``."""
@@ -30,38 +28,99 @@ FROM_PRESET = -1
 TO_THE_END = 1_000_000_000
 """Rollout depth, or number of missions, without a limit."""
 
-CHOICES = {
-    "rollout": ("uniform", "guarded"),
-    "moves": ("legal", "guarded"),
-    "play": ("visits", "value"),
-    "scale": ("none", "range"),
-    "tree": ("new", "kept"),
-    "answer": ("played", "best"),
-}
-"""What the text options may say."""
+ITS_OWN = "the value of the preset"
 
 
 @dataclass(frozen=True)
-class Settings:
-    """The settings of a search; see :func:`solvers.planners.mcts.mcts` for what each does."""
+class MctsOptions(Options, method="mcts"):
+    """Options of the planner ``mcts``, and the settings of a search."""
 
-    simulations: int
-    depth: int
-    c: float
-    rollout: str
-    moves: str
-    width: int
-    time_value_m_s_per_h: float
-    temperature_m_s: float
-    scale: str
-    best_share: float
-    play: str
-    tree: str
-    missions: int
-    answer: str
+    preset: str = option(
+        "published",
+        "Sets every option that is left at −1 or `preset`.",
+        choices=("published", "tuned"),
+    )
+    simulations: int = option(
+        FROM_PRESET, "Simulations per step.", least=1, most=1_000_000, unset=ITS_OWN
+    )
+    depth: int = option(FROM_PRESET, "Most moves of a rollout.", least=1, unset=ITS_OWN)
+    c: float = option(
+        float(FROM_PRESET), "Exploration constant: Q + c √(ln N / n).", above=0.0, unset=ITS_OWN
+    )
+    rollout: str = option(
+        "preset",
+        "`uniform`: any legal move with equal probability. `guarded`: a target from which the "
+        "station can still be reached, the cheaper the likelier, and the station when there is "
+        "none.",
+        choices=("uniform", "guarded", "preset"),
+    )
+    moves: str = option(
+        "preset",
+        "Branches of the tree. `legal`: every legal move in random order. `guarded`: the cheapest "
+        "targets that pass the same guard, cheapest first, and the station.",
+        choices=("legal", "guarded", "preset"),
+    )
+    width: int = option(
+        FROM_PRESET, "Most targets among the guarded moves.", least=1, unset=ITS_OWN
+    )
+    time_value_m_s_per_h: float = option(
+        float(FROM_PRESET),
+        "Cost of a guarded move: ΔV + this · (time to the end of service).",
+        unit="m/s per h",
+        above=0.0,
+        unset=ITS_OWN,
+    )
+    temperature_m_s: float = option(
+        float(FROM_PRESET),
+        "Scale of the weight exp(−cost / temperature) of a guarded move in rollouts.",
+        unit="m/s",
+        above=0.0,
+        unset=ITS_OWN,
+    )
+    scale: str = option(
+        "preset",
+        "`none`: returns as they are, in prizes. `range`: divided by the range of returns of the "
+        "mission, so that c means the same at every size of prize.",
+        choices=("none", "range", "preset"),
+    )
+    best_share: float = option(
+        float(FROM_PRESET),
+        "Q is the mean return plus this share of the way to the best.",
+        least=0.0,
+        most=1.0,
+        unset=ITS_OWN,
+    )
+    play: str = option(
+        "preset",
+        "The child with most visits, or with the highest Q.",
+        choices=("visits", "value", "preset"),
+    )
+    tree: str = option(
+        "preset",
+        "Every step begins a `new` tree, or goes on with the one `kept` below the child played.",
+        choices=("new", "kept", "preset"),
+    )
+    missions: int = option(FROM_PRESET, "Most missions to play.", least=1, unset=ITS_OWN)
+    answer: str = option(
+        "preset",
+        "The best mission `played`, or the `best` sequence of any simulation (ties: less ΔV).",
+        choices=("played", "best", "preset"),
+    )
+    polish: int = option(
+        0,
+        "Open-loop polish at the end, as long as there is time: so often, keep the beginning of "
+        "the plan up to a random move and build a new end by a narrow beam. Not part of the "
+        "published method.",
+        least=0,
+    )
+    policy: str = option(
+        "",
+        "A learned policy as prior, `set` or a file that `train` wrote (extra `[ppo]`): the moves "
+        "that it likes are tried first, and every step begins a new tree.",
+    )
 
 
-PUBLISHED = Settings(
+PUBLISHED = MctsOptions(
     simulations=200,
     depth=15,
     c=1.5,
@@ -79,7 +138,8 @@ PUBLISHED = Settings(
 )
 """UCT as published; ``width`` and the two guarded weights are not used."""
 
-TUNED = Settings(
+TUNED = MctsOptions(
+    preset="tuned",
     simulations=1000,
     depth=TO_THE_END,
     c=0.25,
@@ -100,41 +160,11 @@ TUNED = Settings(
 PRESETS = {"published": PUBLISHED, "tuned": TUNED}
 
 
-def choose(preset: str, options: dict[str, Any]) -> Settings:
-    """The settings of a preset with the options that were given in place of its own.
-
-    Raises
-    ------
-    InputError
-        Unknown preset or word, or a number that is not positive.
-    """
-    if preset not in PRESETS:
-        raise InputError(
-            f"option preset = {preset!r} of method 'mcts': use one of {', '.join(PRESETS)}"
-        )
-    given: dict[str, Any] = {}
-    for field in fields(Settings):
-        name, value = field.name, options[field.name]
-        if name in CHOICES:
-            if value == "preset":
-                continue
-            if value not in CHOICES[name]:
-                known = ", ".join(CHOICES[name])
-                raise InputError(
-                    f"option {name} = {value!r} of method 'mcts': use one of {known}, preset"
-                )
-        else:
-            if value == FROM_PRESET:
-                continue
-            if name == "best_share":
-                if not 0.0 <= value <= 1.0:
-                    raise InputError(
-                        f"option {name} = {value!r} of method 'mcts': must be between 0 and 1"
-                    )
-            elif not value > 0 or not math.isfinite(value):
-                raise InputError(
-                    f"option {name} = {value!r} of method 'mcts': must be positive and finite, "
-                    f"or {FROM_PRESET} for the value of the preset"
-                )
-        given[name] = value
-    return replace(PRESETS[preset], **given)
+def settings_of(options: MctsOptions) -> MctsOptions:
+    """The options with the values of their preset in place of those that are left to it."""
+    given = {
+        each.name: value
+        for each in fields(options)
+        if (value := getattr(options, each.name)) != each.default
+    }
+    return replace(PRESETS[options.preset], **given)

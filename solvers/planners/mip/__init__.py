@@ -15,7 +15,7 @@ from adr_opt.practice import practises
 from adr_opt.result import Result
 from adr_opt.stop import Stop
 
-from ...models.course import MakeModel, prove
+from ...models.course import MakeModel, ModelOptions, prove
 
 __all__ = ["mip"]
 
@@ -39,6 +39,10 @@ def _model() -> MakeModel:
     return Model
 
 
+class MipOptions(ModelOptions, method="mip"):
+    """Options of the method ``mip``."""
+
+
 @practises(rounds=6, evaluations=4)
 def mip(
     mission: Mission,
@@ -47,9 +51,7 @@ def mip(
     stop: Stop,
     progress: Progress,
     start: Iterable[int] | None = None,
-    jobs: int = 0,
-    most_arcs: int = 60_000,
-    evaluations: int = 150,
+    options: MipOptions = MipOptions(),
 ) -> Result:
     """The best plan and an upper bound, by mixed-integer programming on all connections.
 
@@ -65,21 +67,15 @@ def mip(
     mission, seed, stop, progress
     start : sequence of int, optional
         A plan: bodies in order. HiGHS begins from as much of it as is in the network.
-    jobs : int
-        Threads for the multipliers, 0 for all cores. The result does not depend on it.
-    most_arcs : int
-        Larger networks are not handed to HiGHS.
-    evaluations : int
-        Most evaluations of the multipliers' bound.
 
     Raises
     ------
     MissingExtra
         Pyomo, highspy or SciPy is not installed.
     InputError
-        An option is out of range, or highspy cannot be loaded.
+        Highspy cannot be loaded.
     """
     return prove(
-        "mip", _model(), mission, seed=seed, stop=stop, progress=progress, start=start, jobs=jobs,
-        most_arcs=most_arcs, evaluations=evaluations,
+        "mip", _model(), mission, seed=seed, stop=stop, progress=progress, start=start,
+        options=options,
     )  # fmt: skip

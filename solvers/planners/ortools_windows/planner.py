@@ -8,11 +8,12 @@ import time
 from collections import Counter
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 
 import numpy as np
 
-from adr_opt.errors import InputError
 from adr_opt.mission import Mission
+from adr_opt.options import MOST_JOBS, Options, option
 from adr_opt.plan import Plan
 from adr_opt.planner import Progress, get, silent
 from adr_opt.result import Result, certify
@@ -38,9 +39,34 @@ TIME_SHARE = 0.5
 DELTA_V_SHARES = (0.02, 0.1, 0.3)
 """The same of the whole ΔV: each window draws one, so that plans of equal prize differ."""
 
-
 TIME_VALUE_M_S_PER_H = 110.0
 """What an hour is worth where one connection is chosen for each move of a window."""
+
+
+@dataclass(frozen=True)
+class OrtoolsOptions(Options, method="ortools"):
+    """Options of the planner ``ortools``."""
+
+    jobs: int = option(
+        1,
+        "Windows planned at a time, each in its thread; 0 for one per core. Another number of jobs "
+        "is another search.",
+        least=0,
+        most=MOST_JOBS,
+    )
+    shortest_window: int = option(6, "Least moves of a window.", least=1)
+    longest_window: int = option(10, "Most moves of a window.", least="shortest_window")
+    edges: int = option(400, "Most moves that CP-SAT may choose from in one window.", least=1)
+    effort: float = option(
+        0.4, "Limit of one CP-SAT search in its deterministic time, about seconds.", above=0.0
+    )
+    time_value_m_s_per_h: float = option(
+        TIME_VALUE_M_S_PER_H,
+        "Windows choose from the connections of least ΔV + this · arrival; plans are timed over "
+        "all.",
+        unit="m/s per h",
+        least=0.0,
+    )
 
 
 def ortools(
@@ -50,12 +76,7 @@ def ortools(
     stop: Stop,
     progress: Progress,
     start: Plan | Iterable[int] | None = None,
-    jobs: int = 1,
-    shortest_window: int = 6,
-    longest_window: int = 10,
-    edges: int = 400,
-    effort: float = 0.4,
-    time_value_m_s_per_h: float = TIME_VALUE_M_S_PER_H,
+    options: OrtoolsOptions = OrtoolsOptions(),
 ) -> Result:
     """Improve a greedy plan window by window with CP-SAT on the exact timetable.
 
@@ -67,31 +88,19 @@ def ortools(
     ----------
     start : Plan or sequence of int, optional
         A legal plan to begin from; that of ``greedy-guarded`` by default.
-    jobs : int
-        Windows planned at a time, each in its thread; 0 for one per core. Another number of jobs
-        is another search.
-    shortest_window, longest_window : int
-        Moves of a window.
-    edges : int
-        Most moves that CP-SAT may choose from in one window.
-    effort : float
-        Limit of one CP-SAT search in its deterministic time, about seconds.
-    time_value_m_s_per_h : float
-        Windows choose from the connections of least ΔV + this · arrival; plans are timed over all.
 
     Raises
     ------
     InputError
-        An option is out of range, or the start plan is not legal.
+        The start plan is not legal.
     """
-    _check(jobs, shortest_window, longest_window, edges, effort)
     begun = time.perf_counter()
-    layer = mission.with_time_value(time_value_m_s_per_h)
+    layer = mission.with_time_value(options.time_value_m_s_per_h)
     rules = layer.rules
     limits = Limits(
         NODES,
         WIDTH,
-        time_value_m_s_per_h / 3600.0,
+        options.time_value_m_s_per_h / 3600.0,
         LAG * float(rules.prize.sum()) / max(1, int(np.count_nonzero(rules.prize))),
     )
     if start is None:
@@ -113,7 +122,7 @@ def ortools(
         no_gains=0, grounded=0, improved=0,
     )  # fmt: skip
     rng = np.random.default_rng(seed)
-    workers = jobs or os.cpu_count() or 1
+    workers = options.jobs or os.cpu_count() or 1
     enough = False
     with ThreadPoolExecutor(workers) as pool:
         # Where not one move is legal, or nothing is worth a move, there is no window.
@@ -123,13 +132,13 @@ def ortools(
                 enough = stop(best.timing.objective, math.inf)
                 if not enough:
                     size = present.moves.size
-                    batch.append(_draw(rng, size, shortest_window, longest_window))
+                    batch.append(_draw(rng, size, options.shortest_window, options.longest_window))
 
             def work(choice: Choice, order: Order = present) -> Replanned:
                 return replan(
                     layer, order, choice,
-                    time_share=TIME_SHARE, limits=limits, edges=edges, effort=effort,
-                    remaining_s=stop.remaining_s(),
+                    time_share=TIME_SHARE, limits=limits, edges=options.edges,
+                    effort=options.effort, remaining_s=stop.remaining_s(),
                 )  # fmt: skip
 
             for done in pool.map(work, batch):
@@ -154,19 +163,6 @@ def ortools(
         runtime_s=time.perf_counter() - begun,
         counters=counters,
     )
-
-
-def _check(jobs: int, shortest_window: int, longest_window: int, edges: int, effort: float) -> None:
-    for what, value, least in (
-        ("jobs", jobs, 0),
-        ("shortest_window", shortest_window, 1),
-        ("longest_window", longest_window, shortest_window),
-        ("edges", edges, 1),
-    ):
-        if value < least:
-            raise InputError(f"option {what} = {value} of method 'ortools': must be ≥ {least}")
-    if not (math.isfinite(effort) and effort > 0.0):
-        raise InputError(f"option effort = {effort} of method 'ortools': must be positive")
 
 
 def _draw(rng: np.random.Generator, size: int, shortest: int, longest: int) -> Choice:

@@ -1,0 +1,49 @@
+"""Renew docs/options.md from the options that the methods declare: python docs/list_options.py."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+
+from adr_opt.options import listed
+from adr_opt.planner import BOUNDS, PLANNERS, get, options_of
+
+DOCS = Path(__file__).parent
+
+HEAD = """\
+# Options of the methods
+
+`solve --option NAME=VALUE` and `bound --option NAME=VALUE` set one, and so do keyword arguments of
+`adr_opt.solve` and `adr_opt.bound`. `python -m adr_opt methods NAME` prints the same of a method.
+The page is made by `docs/list_options.py` of what the methods declare.
+"""
+
+
+def page() -> str:
+    """The page, with a table for each method of this project."""
+    project = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))
+    declared = project["project"]["entry-points"]
+    parts = [HEAD]
+    for group, more in ((PLANNERS, "Planners"), (BOUNDS, "Bounds that are not planners too")):
+        parts.append(f"\n## {more}\n")
+        for name in sorted(declared[group]):
+            if group == BOUNDS and name in declared[PLANNERS]:
+                continue
+            rows = listed(options_of(get(name, group)))
+            parts.append(f"\n### `{name}`\n\n{table(rows) if rows else 'It has none.'}\n")
+    return "".join(parts)
+
+
+def table(rows: list[dict[str, str]]) -> str:
+    """The options of a method, one in a row."""
+    lines = ["| option | default | what it may be | meaning |", "|---|---|---|---|"]
+    for row in rows:
+        default = json.dumps(row["default"]).strip('"')
+        shown = f"`{default}` {row['unit']}".strip() if default else "empty"
+        lines.append(f"| `{row['name']}` | {shown} | {row['allowed']} | {row['meaning']} |")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    (DOCS / "options.md").write_text(page(), encoding="utf-8")

@@ -1,0 +1,21 @@
+"""Methods, called with their options by name."""
+
+from __future__ import annotations
+
+import inspect
+from typing import Any
+
+from adr_opt.mission import Mission
+from adr_opt.options import read
+from adr_opt.planner import Planner, options_of, silent
+from adr_opt.result import Result
+
+
+def call(method: Planner, mission: Mission, **arguments: Any) -> Result:
+    """Run a method; what is no parameter of it is an option, and the progress may be left out."""
+    known = inspect.signature(method).parameters
+    options = {name: value for name, value in arguments.items() if name not in known}
+    more = {name: value for name, value in arguments.items() if name in known}
+    if options:
+        more["options"] = read(options_of(method), options)
+    return method(mission, **{"seed": 0, "progress": silent, **more})
