@@ -53,8 +53,8 @@ def command(name: str | None, as_json: bool) -> int:
 
 def _explained(option: dict[str, Any]) -> list[str]:
     """What an option may be and what it means, as lines."""
-    unit = f"in {option['unit']}" if option["unit"] else ""
-    allowed = "; ".join(filter(None, (option["allowed"], unit)))
+    unit = f"[{option['unit']}]" if option["unit"] else ""
+    allowed = f"{option['allowed']} {unit}"
     return [
         line
         for text in (option["meaning"], allowed)
