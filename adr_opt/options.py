@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 import operator
 import os
+import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
 from numbers import Real
@@ -220,16 +221,13 @@ def _checked(options: Options, each: Field[Any]) -> Any:
 def _limits(each: Field[Any], options: Options) -> tuple[float, float]:
     """The least and the greatest value of an option, beside others with their values."""
     rule = rule_of(each)
-    largest = LARGEST_WHOLE if isinstance(default_of(each), int) else _LARGEST
+    largest = LARGEST_WHOLE if isinstance(default_of(each), int) else sys.float_info.max
     least = -largest if rule.least is None else rule.least
     most = largest if rule.most is None else rule.most
     return (
         getattr(options, least) if isinstance(least, str) else least,
         getattr(options, most) if isinstance(most, str) else most,
     )
-
-
-_LARGEST = math.nextafter(math.inf, 0.0)
 
 
 def _allowed(each: Field[Any], options: Options | None = None) -> str:

@@ -17,10 +17,10 @@ from adr_opt.mission import Mission
 from adr_opt.planner import silent
 from adr_opt.result import Result
 from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
-from solvers import auto as auto_module
-from solvers import timely_beams
+from solvers.planners import auto as auto_module
 from solvers.planners.auto import auto
 from solvers.planners.beam import beam
+from solvers.search import timely_beams
 from solvers.search.beams import TIME_VALUE_M_S_PER_H
 
 TINY = sorted((Path(__file__).parents[1] / "instances" / "tiny").glob("*.json"))

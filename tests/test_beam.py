@@ -21,10 +21,10 @@ from adr_opt.kernels.constants import STATION
 from adr_opt.mission import Mission
 from adr_opt.result import Result
 from adr_opt.stop import Interrupted, MaxIterations, MaxRuntime
-from solvers import timely_beams
 from solvers.planners.beam import beam
 from solvers.relaxation.latest import latest_of
 from solvers.relaxation.walks import WalkBound
+from solvers.search import timely_beams
 from solvers.search.beams import TIME_VALUE_M_S_PER_H, BeamSettings, beam_search, usual_settings
 
 TINY = sorted((Path(__file__).parents[1] / "instances" / "tiny").glob("*.json"))

@@ -221,6 +221,7 @@ def test_files_of_others_and_of_other_formats_are_refused(load: Load, tmp_path: 
         (["--methods", "gready"], "method 'gready' is unknown; use one of"),
         (["--methods", "beam:widht=3"], "option 'widht' of method 'beam' is unknown"),
         (["--methods", "beam:width=wide"], "option width = 'wide' of method 'beam'"),
+        (["--methods", "beam:width=0"], "option width = 0 of method 'beam': must be at least 1"),
         (["--methods", "beam@soon"], "the time limit 'soon' is not a number of seconds"),
         (["--methods", "beam@-1"], "the time limit must be positive"),
         (["--methods", ","], "names no method"),

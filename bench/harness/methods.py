@@ -10,7 +10,7 @@ from typing import Any
 
 from adr_opt.errors import InputError
 from adr_opt.front import method_of
-from adr_opt.options import parsed
+from adr_opt.options import parsed, read
 from adr_opt.planner import options_of, takes_jobs
 
 DEFAULT_METHODS = "greedy,greedy-guarded,mcts,beam,auto,ortools,ppo"
@@ -39,11 +39,12 @@ class Method:
         Raises
         ------
         InputError
-            Unknown method or option, or not a value of its type.
+            Unknown method or option, or a value that is not of its type or out of range.
         """
         planner = method_of(self.name)
         kind = options_of(planner)
         values = {name: parsed(kind, name, text) for name, text in self.options}
+        read(kind, values)
         if takes_jobs(planner):
             values.setdefault("jobs", 1)
         return values
