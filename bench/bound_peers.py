@@ -83,7 +83,7 @@ def linear_relaxation(mission: adr_opt.Mission, bucket_s: float = 0.0) -> Linear
     """
     sparse: Any = peers.need("scipy.sparse")
     rules = mission.rules
-    network = build(mission, 1.0, jobs=1)
+    network = build(mission, jobs=1)
     if bucket_s > network.shortest:
         raise InputError(
             f"bucket of {bucket_s!r} s: must be ≤ {network.shortest:.0f}, the shortest leg"

@@ -46,7 +46,9 @@ def test_bounds_hold_and_proofs_end_at_the_optimum(part):
         prizes, _, _ = brute_force(mission)
         rng = np.random.default_rng(seed)
         worth = mission.rules.prize
-        bound = WalkBound(mission, float(rng.choice([7.0, 20.0, 50.0])))
+        bound = WalkBound(
+            mission, float(rng.choice([7.0, 20.0, 50.0])), float(rng.choice([0.0, 0.02, 0.5]))
+        )
         for multipliers in (np.zeros(worth.size), rng.uniform(0.0, 1.2, worth.size) * worth):
             value, _ = bound.evaluate(multipliers)
             assert mission.shown(value) >= prizes - 1e-9, seed

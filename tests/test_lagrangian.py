@@ -18,6 +18,7 @@ from solvers.relaxation.walks import WalkBound
 from solvers.search.greedy_order import greedy_sequence
 
 SLOTS_M_S = (7.0, 40.0, 150.0)
+SHARES = (0.0, 1.0 / 60.0, 0.2, 0.5)
 
 
 def silent(incumbent, bound):
@@ -72,7 +73,7 @@ def test_every_multiplier_gives_a_valid_bound(seed):
     mission = tiny_mission(seed, refuelling=seed % 2 == 0)
     optimum, _, _ = brute_force(mission)
     rng = np.random.default_rng(seed)
-    bound = WalkBound(mission, SLOTS_M_S[seed % 3])
+    bound = WalkBound(mission, SLOTS_M_S[seed % 3], SHARES[seed % 4])
     for high in (0.0, 0.3, 1.5):
         value, rounded = bound.evaluate(rng.uniform(0.0, high, len(mission.names)))
         assert value >= optimum - 1e-9
@@ -86,22 +87,21 @@ def test_rounding_the_wrong_way_is_caught():
         mission = tiny_mission(seed, refuelling=True)
         optimum, _, _ = brute_force(mission)
         bound = WalkBound(mission, 150.0)
-        bound.network.cost[:] += 1
+        bound.buckets.cost[:] += 1
         caught += bound.evaluate(np.zeros(len(mission.names)))[0] < optimum - 1e-6
     assert caught > 0
 
 
 def test_landing_late_is_caught():
-    """With services that end one row too late the bound falls below some optimum."""
+    """With services that end some rows too late the bound falls below some optimum."""
     caught = 0
     for seed in range(60):
         mission = tiny_mission(seed)
         optimum, _, _ = brute_force(mission)
-        bound = WalkBound(mission, 7.0)
-        network = bound.network
-        legs = np.repeat(network.destination, np.diff(network.first_kept))
-        final = network.start[legs + 1] - 1
-        network.landing_kept[:] = np.minimum(network.landing_kept + 10, final)
+        bound = WalkBound(mission, 7.0, 0.0)
+        buckets = bound.buckets
+        final = buckets.start[buckets.destination + 1] - 1
+        buckets.landing[:] = np.minimum(buckets.landing + 10, final)
         caught += bound.evaluate(np.zeros(len(mission.names)))[0] < optimum - 1e-6
     assert caught > 0
 
@@ -113,7 +113,7 @@ def test_the_best_plan_is_never_later_than_the_latest_times(seed):
     optimum, _, sequence = brute_force(mission)
     timing = mission.time(sequence)
     rng = np.random.default_rng(seed)
-    bound = WalkBound(mission, SLOTS_M_S[seed % 3])
+    bound = WalkBound(mission, SLOTS_M_S[seed % 3], SHARES[seed % 4])
     value, multipliers = bound.evaluate(rng.uniform(0.0, 0.5, len(mission.names)))
     latest = latest_of(bound, mission, multipliers, value)
     for made, (body, end, left) in enumerate(
@@ -148,10 +148,18 @@ def test_walk_is_worth_its_bound(nominal):
 def test_threads_do_not_change_the_values(nominal):
     """One thread and two give the same values of all states."""
     multipliers = np.random.default_rng(2).uniform(0.0, 0.2, 51)
-    one, two = WalkBound(nominal, 100.0, 1), WalkBound(nominal, 100.0, 2)
+    one, two = WalkBound(nominal, 100.0, jobs=1), WalkBound(nominal, 100.0, jobs=2)
     assert one.evaluate(multipliers)[0] == two.evaluate(multipliers)[0]
     two.close()
     assert np.array_equal(one.values.best, two.values.best)
+
+
+def test_shorter_buckets_bound_no_worse(nominal):
+    """Halving the buckets cannot raise the bound, and exact times give the least."""
+    multipliers = np.full(51, 0.05)
+    shares = (0.2, 0.1, 0.05, 0.0)
+    values = [WalkBound(nominal, 100.0, share).evaluate(multipliers)[0] for share in shares]
+    assert values == sorted(values, reverse=True)
 
 
 def test_finer_slots_bound_no_worse(nominal):
@@ -235,7 +243,7 @@ def test_a_search_never_refutes_the_optimum(seed):
     mission = tiny_mission(seed, refuelling=seed % 2 == 0)
     optimum, _, _ = brute_force(mission)
     rng = np.random.default_rng(seed)
-    routes = Routes(WalkBound(mission, SLOTS_M_S[seed % 3]))
+    routes = Routes(WalkBound(mission, SLOTS_M_S[seed % 3], SHARES[seed % 4]))
     routes.use(rng.uniform(0.0, 0.3, len(mission.names)))
     for _ in range(20):
         finished, value, plan, grown = routes.search(optimum, 10**6, lambda: False)

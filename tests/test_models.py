@@ -128,7 +128,7 @@ def featured_mission(seed):
 
 def network_of(mission):
     """The network of a mission, as the models get it."""
-    return of_rows(build(mission, math.inf, jobs=1), mission.rules)
+    return of_rows(build(mission, jobs=1), mission.rules)
 
 
 def has_proven(result, mission, optimum):
@@ -276,7 +276,7 @@ def test_network_holds_the_plans(seed, mission_of):
     mission = mission_of(seed)
     _, _, best = brute_force(mission)
     rules = mission.rules
-    whole = all_of(build(mission, math.inf, jobs=1), rules)
+    whole = all_of(build(mission, jobs=1), rules)
     cut = network_of(mission)
     assert cut.legs <= whole.legs
     worthy = [j for j, prize in enumerate(rules.prize) if prize > 0.0]

@@ -15,17 +15,29 @@ from numba.extending import intrinsic
 from .compile import inlined
 
 
-def _borrowed(_, array):
-    """The same array without ownership, so that its slices are not counted.
-
-    For arguments of a kernel and within it only: the caller holds the array for so long.
-    """
-
-    def generate(context, builder, signature, arguments):
-        view = context.make_array(signature.args[0])(context, builder, arguments[0])
+def _lend(context, builder, kind, value):
+    """An array, or a named tuple of arrays and others, without ownership."""
+    if isinstance(kind, types.Array):
+        view = context.make_array(kind)(context, builder, value)
         view.meminfo = cgutils.get_null_value(view.meminfo.type)
         view.parent = cgutils.get_null_value(view.parent.type)
         return view._getvalue()
+    if isinstance(kind, types.BaseTuple):
+        parts: tuple[types.Type, ...] = tuple(kind)  # type: ignore[arg-type]
+        for place, part in enumerate(parts):
+            lent = _lend(context, builder, part, builder.extract_value(value, place))
+            value = builder.insert_value(value, lent, place)
+    return value
+
+
+def _borrowed(_, array):
+    """The same array, or named tuple of arrays, without ownership: no look at it is counted.
+
+    For arguments of a kernel and within it only: the caller holds the arrays for so long.
+    """
+
+    def generate(context, builder, signature, arguments):
+        return _lend(context, builder, signature.args[0], arguments[0])
 
     return array(array), generate
 

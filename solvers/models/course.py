@@ -22,7 +22,7 @@ from adr_opt.stop import Stop
 from ..certificate import Certificate
 from ..relaxation.multipliers import Descent
 from ..relaxation.network import Network as Rows
-from ..relaxation.proof import affordable_slot, bound_notes, set_up_s
+from ..relaxation.proof import bound_notes, set_up_s
 from ..relaxation.walks import TimeIsOver, WalkBound
 from ..search.greedy_order import greedy_sequence
 from .answer import Answer, Hear
@@ -181,8 +181,7 @@ class _Course:
         mission, certificate = self._mission, self._certificate
         if self.remaining_s() < set_up_s(mission):
             return
-        slot = affordable_slot(mission, SLOT_M_S)
-        bound = WalkBound(mission, slot, jobs, lambda: self.remaining_s() <= 0.0)
+        bound = WalkBound(mission, SLOT_M_S, jobs=jobs, over=lambda: self.remaining_s() <= 0.0)
         try:
             rows = bound.network
             if rows.landing.size <= SIFTED_FIRST:

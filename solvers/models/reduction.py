@@ -24,7 +24,7 @@ import numpy as np
 from adr_opt.kernels.compile import inlined, kernel
 from adr_opt.kernels.rules import Rules
 
-from ..relaxation.network import SLACK
+from ..relaxation.buckets import SLACK
 from .network import Network
 
 MOST_STATES = 10_000_000

@@ -51,7 +51,7 @@ class PricedBound(WalkBound):
 
     Attributes
     ----------
-    reach : (before + rows·width,) float32
+    reach : (before + buckets·width,) float32
         Most worth that is still to be had from each state.
     least_worth : float
         P, to be set before anything is evaluated.
@@ -60,7 +60,7 @@ class PricedBound(WalkBound):
     def __init__(
         self, mission: Mission, delta_v_slot_m_s: float, jobs: int, over: Callable[[], bool]
     ) -> None:
-        super().__init__(mission, delta_v_slot_m_s, jobs, over)
+        super().__init__(mission, delta_v_slot_m_s, jobs=jobs, over=over)
         super().evaluate(np.zeros(self.prize.size))
         self.reach = ((self.values.best >> self.bits) * self.unit).astype(np.float32) + 1e-3
         self.least_worth = 0.0
@@ -70,7 +70,7 @@ class PricedBound(WalkBound):
         room = LARGEST / (1 << self.bits) / self.most_legs / self.greatest_prize
         self.unit = 2.0 ** -math.floor(math.log2(room))
         most = LARGEST // (1 << self.bits) // 2
-        self.toll = np.minimum(np.floor(self.network.least / self.unit), most).astype(np.int32)
+        self.toll = np.minimum(np.floor(self.buckets.least / self.unit), most).astype(np.int32)
 
     @property
     def dimensions(self) -> int:

@@ -23,45 +23,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.compile import inlined, kernel
+from adr_opt.kernels.memory import borrowed
 
-from .network import SLACK
+from .buckets import SLACK
+from .waiting import FINE, WORD, arrive, dominates, is_dominated, keep
 
-WORD = 63
-"""Targets remembered in one integer."""
-
-FINE = 16
-"""Labels count in units finer than those of the completion values by so many bits."""
-
-EXHAUSTED, CHUNK_DONE, FULL = 0, 1, 2
-
-
-class Labels(NamedTuple):
-    """Partial walks. Lists of a row, or of a body, are chained by ``following``.
-
-    Attributes
-    ----------
-    row, parent, following : (labels,) int64
-    value : (labels,) int64
-        [fine units].
-    left : (labels,) float64
-        [m/s].
-    visits : (labels,) int64
-        Services so far.
-    worth : (labels,) float64
-        Worth of the targets serviced; only where ΔV is paid for.
-    memory : (labels, words) int64
-        Bit j % 63 of word j // 63: may not go to target j.
-    """
-
-    row: np.ndarray
-    parent: np.ndarray
-    following: np.ndarray
-    value: np.ndarray
-    left: np.ndarray
-    visits: np.ndarray
-    worth: np.ndarray
-    memory: np.ndarray
+EXHAUSTED, CHUNK_DONE, FULL, CROWDED = 0, 1, 2, 3
 
 
 class Search(NamedTuple):
@@ -69,7 +37,9 @@ class Search(NamedTuple):
 
     Attributes
     ----------
-    best, second : (before + rows·width,) int32
+    bucket : (rows,) int32
+        Where the completion values of a row lie.
+    best, second : (before + buckets·width,) int32
         The completion values of the same multipliers; ``bits``, ``width``, ``top``, ``slot`` say
         how they are packed.
     gain : (bodies,) int64
@@ -88,10 +58,11 @@ class Search(NamedTuple):
         What targets are worth, where it is.
     least_worth : float
         Walks worth less are of no use, where it is.
-    reach : (before + rows·width,) float32
+    reach : (before + buckets·width,) float32
         Most worth that is still to be had, as ``best`` is laid out, where it is.
     """
 
+    bucket: np.ndarray
     best: np.ndarray
     second: np.ndarray
     bits: int
@@ -109,76 +80,82 @@ class Search(NamedTuple):
     reach: np.ndarray
 
 
-@kernel
-def _completion(search, row, left, came_from):
-    """Most that a walk can still collect from a row on without going back at once [fine units]."""
-    at = (row + 1) * search.width + min(int(left / search.slot + SLACK), search.top)
+@inlined
+def _place(search, bucket, left):
+    """Where the completion values of a bucket and some ΔV lie."""
+    slots = min(int(left / search.slot + SLACK), search.top)
+    return (bucket + 1) * search.width + slots
+
+
+@inlined
+def _completion(search, at, came_from):
+    """Most that a walk can still collect without going back at once [fine units]."""
     packed = search.best[at]
     if packed & ((1 << search.bits) - 1) == came_from:
         packed = search.second[at]
     return np.int64(packed >> search.bits) << FINE
 
 
-@kernel
-def _reaches(search, row, left, worth):
+@inlined
+def _reaches(search, at, worth):
     """Whether a walk that has a worth can still be worth enough, where that counts."""
-    if search.price == 0.0:
-        return True
-    at = (row + 1) * search.width + min(int(left / search.slot + SLACK), search.top)
-    return worth + search.reach[at] >= search.least_worth
+    return search.price == 0.0 or worth + search.reach[at] >= search.least_worth
 
 
-@kernel
-def _dominates(labels, one, value, left, visits, worth, remembered):
-    """Whether label ``one`` is worth as much, has as much left and remembers nothing more."""
-    if labels.value[one] < value or labels.left[one] < left or labels.visits[one] > visits:
+@inlined
+def _stay(search, labels, waiting, bucket, i, kept):
+    """Drop the labels at body i that are too late in a bucket; they are so in later ones, too."""
+    for k in range(waiting.size[i]):
+        label = waiting.label[i, k]
+        kept[k] = False
+        if label >= 0:
+            at = _place(search, bucket, labels.left[label])
+            most = labels.value[label] + _completion(search, at, labels.came_from[label])
+            kept[k] = most >= search.need and _reaches(search, at, labels.worth[label])
+    keep(waiting, i, kept, 2 * search.neighbourhood.shape[1])
+    waiting.bucket[i] = bucket
+
+
+@inlined
+def _may_lead_on(network, search, row, value, left, i, j):
+    """Whether any leg of a row can lead on: by the earliest landing and the least ΔV of all."""
+    first, last = network.first[row], network.first[row + 1] - 1
+    rest = left - network.delta_v[last]
+    if rest < 0.0:
         return False
-    if labels.worth[one] < worth:
-        return False
-    beyond = 0
-    for w in range(remembered.size):
-        beyond |= labels.memory[one, w] & ~remembered[w]
-    return beyond == 0
+    if network.is_station[j]:
+        rest = search.budget
+    at = _place(search, search.bucket[network.landing[first]], rest)
+    return value + search.gain[j] + _completion(search, at, i) >= search.need
 
 
-@kernel
-def _arrive(labels, pending, ready, row, i):
-    """Move the labels that are ready by a row into the list of its body, unless dominated."""
-    label = pending[row]
-    pending[row] = -1
+@inlined
+def _waits_behind(labels, label, value, left, visits, worth, memory):
+    """Whether one of a chain of labels dominates what could come there."""
     while label >= 0:
-        following = labels.following[label]
-        other = ready[i]
-        while other >= 0:
-            if _dominates(
-                labels, other, labels.value[label], labels.left[label], labels.visits[label],
-                labels.worth[label], labels.memory[label],
-            ):  # fmt: skip
-                break
-            other = labels.following[other]
-        if other < 0:
-            labels.following[label] = ready[i]
-            ready[i] = label
-        label = following
+        if dominates(labels, label, value, left, visits, worth, memory):
+            return True
+        label = labels.following[label]
+    return False
 
 
 @kernel
-def extend(network, body, order, search, labels, pending, ready, cursor, effort):
+def extend(network, body, order, search, labels, pending, waiting, cursor, effort):
     """Extend labels row by row in order of departure, for a while.
 
     Parameters
     ----------
-    network : WaitingNetwork
+    network : Network
     body : (rows,) int32
         Body of each row.
     order : (rows,) int64
         Rows by departure.
     search : Search
     labels : Labels
-    pending : (rows,) int64
+    pending : (rows,) int32
         First of the labels that will be ready by a row, −1 for none; updated.
-    ready : (bodies,) int64
-        First of the labels that wait at a body; updated.
+    waiting : Waiting
+        Updated.
     cursor : (3,) int64
         Position in ``order``, number of labels, extensions tried; updated.
     effort : int
@@ -187,39 +164,37 @@ def extend(network, body, order, search, labels, pending, ready, cursor, effort)
     Returns
     -------
     state : int
-        EXHAUSTED when all rows are done, CHUNK_DONE, or FULL when there is no room for labels.
+        EXHAUSTED when all rows are done, CHUNK_DONE, FULL when there is no room for labels, or
+        CROWDED when there is none at a body. Then the row is begun again later; what it has made
+        already dominates its doubles.
     """
+    network, search, labels = borrowed(network), borrowed(search), borrowed(labels)
+    waiting, pending = borrowed(waiting), borrowed(pending)
     words = search.neighbourhood.shape[1]
     counts = search.most_visits < search.gain.size
     remembered = np.empty(words, dtype=np.int64)
     target_effort = cursor[2] + effort
-    while cursor[0] < order.size:
+    kept = np.empty(waiting.label.shape[1], np.bool_)
+    # Closing rows come last, and nothing leaves there.
+    while cursor[0] < order.size and network.departure[order[cursor[0]]] < np.inf:
         row = order[cursor[0]]
-        i = body[row]
-        _arrive(labels, pending, ready, row, i)
+        i, bucket = body[row], search.bucket[row]
+        while pending[row] >= 0:
+            if not arrive(waiting, labels, i, pending[row]):
+                return CROWDED
+            pending[row] = labels.following[pending[row]]
+        if waiting.bucket[i] != bucket:
+            _stay(search, labels, waiting, bucket, i, kept)
         j = network.destination[row]
+        to_station = network.is_station[j]
         behind = -1 if network.is_station[i] else i
-        label, before = ready[i], -1
-        while label >= 0:
-            following = labels.following[label]
-            parent = labels.parent[label]
-            came_from = body[labels.row[parent]] if parent >= 0 else -1
-            if came_from >= 0 and network.is_station[came_from]:
-                came_from = -1
-            left, value, worth = labels.left[label], labels.value[label], labels.worth[label]
-            if value + _completion(search, row, left, came_from) < search.need or not _reaches(
-                search, row, left, worth
-            ):
-                # Too late, now and at every later row.
-                if before < 0:
-                    ready[i] = following
-                else:
-                    labels.following[before] = following
-                label = following
+        for k in range(waiting.size[i] - 1, -1, -1):
+            here = waiting.label[i, k]
+            if here < 0:
                 continue
-            before = label
-            label, here = following, label
-            to_station = network.is_station[j]
+            left, value, worth = labels.left[here], labels.value[here], labels.worth[here]
+            if not _may_lead_on(network, search, row, value, left, behind, j):
+                continue
             if not to_station:
                 if labels.memory[here, j // WORD] >> (j % WORD) & 1:
                     continue
@@ -227,45 +202,36 @@ def extend(network, body, order, search, labels, pending, ready, cursor, effort)
                     continue
             # What does not limit a walk is not counted, so that it tells no labels apart.
             visits = labels.visits[here] + (counts and not to_station)
+            for w in range(words):
+                remembered[w] = labels.memory[here, w] & search.neighbourhood[j, w]
+            if behind >= 0:
+                remembered[i // WORD] |= 1 << (i % WORD)
+            collected = worth + search.worths[j] if search.price > 0.0 else worth
             for leg in range(network.first[row], network.first[row + 1]):
                 if network.delta_v[leg] > left:
                     continue
                 landing = network.landing[leg]
                 rest = search.budget if to_station else left - network.delta_v[leg]
-                paid = np.int64(search.price * network.delta_v[leg])
-                then = value + search.gain[j] - paid
-                if then + _completion(search, landing, rest, behind) < search.need:
+                then = value + search.gain[j] - np.int64(search.price * network.delta_v[leg])
+                at = _place(search, search.bucket[landing], rest)
+                if then + _completion(search, at, behind) < search.need:
                     continue
-                collected = worth
-                if search.price > 0.0:
-                    collected += search.worths[j]
-                    if not _reaches(search, landing, rest, collected):
-                        continue
+                if not _reaches(search, at, collected):
+                    continue
                 cursor[2] += 1
-                for w in range(words):
-                    remembered[w] = labels.memory[here, w] & search.neighbourhood[j, w]
-                if not network.is_station[i]:
-                    remembered[i // WORD] |= 1 << (i % WORD)
-                other = ready[j]
-                while other >= 0 and not _dominates(
-                    labels, other, then, rest, visits, collected, remembered
+                if is_dominated(
+                    waiting, labels, j, then, rest, visits, collected, remembered
+                ) or _waits_behind(
+                    labels, pending[landing], then, rest, visits, collected, remembered
                 ):
-                    other = labels.following[other]
-                if other < 0:
-                    other = pending[landing]
-                    while other >= 0 and not _dominates(
-                        labels, other, then, rest, visits, collected, remembered
-                    ):
-                        other = labels.following[other]
-                if other >= 0:
                     continue
                 count = cursor[1]
                 if count == labels.row.size:
-                    # The row is begun again later; what it has made already dominates its doubles.
                     return FULL
                 labels.row[count], labels.parent[count] = landing, here
                 labels.value[count], labels.left[count] = then, rest
                 labels.visits[count], labels.worth[count] = visits, collected
+                labels.came_from[count] = behind
                 for w in range(words):
                     labels.memory[count, w] = remembered[w]
                 labels.following[count] = pending[landing]
@@ -274,7 +240,9 @@ def extend(network, body, order, search, labels, pending, ready, cursor, effort)
         cursor[0] += 1
         if cursor[2] >= target_effort:
             break
-    return EXHAUSTED if cursor[0] >= order.size else CHUNK_DONE
+    else:
+        return EXHAUSTED
+    return CHUNK_DONE
 
 
 @kernel
@@ -290,7 +258,7 @@ def path_of(labels, body, label, path):
     return length
 
 
-@kernel
+@inlined
 def _counts(network, labels, body, label, least, least_worth):
     """Whether a label is of enough value and worth, at a body where a mission may end."""
     return (
@@ -330,6 +298,7 @@ def learn(network, labels, body, count, least, least_worth, most_walks, neighbou
     grown : int
         How many memories were added.
     """
+    network, labels, body = borrowed(network), borrowed(labels), borrowed(body)
     walks = 0
     for label in range(count):
         walks += _counts(network, labels, body, label, least, least_worth)
@@ -364,6 +333,7 @@ def learn(network, labels, body, count, least, least_worth, most_walks, neighbou
 @kernel
 def most_of(network, labels, body, count, least, least_worth):
     """Greatest value of the walks that count, see :func:`_counts`; ``least`` if all are below."""
+    network, labels, body = borrowed(network), borrowed(labels), borrowed(body)
     best = least
     for label in range(count):
         if _counts(network, labels, body, label, least, least_worth):

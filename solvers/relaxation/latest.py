@@ -84,16 +84,16 @@ def latest_time(latest, body, left, rest):
 
 
 @kernel
-def _fill(network, best, bits, width, unit, step, last, time):
-    """Fill the times: rows from the last to the first, as values only grow on the way."""
+def _fill(buckets, best, bits, width, unit, step, last, time):
+    """Fill the times: buckets from the last to the first, as values only grow on the way."""
     bodies, slots, steps = time.shape
     for i in range(bodies):
         for c in range(slots):
             n = 0
-            for row in range(network.start[i + 1] - 1, network.start[i] - 1, -1):
-                value = (best[(row + 1) * width + min(c, width - 1)] >> bits) * unit
+            for bucket in range(buckets.start[i + 1] - 1, buckets.start[i] - 1, -1):
+                value = (best[(bucket + 1) * width + min(c, width - 1)] >> bits) * unit
                 while n < steps and value >= n * step - 1e-9:
-                    time[i, c, n] = min(network.departure[row], last)
+                    time[i, c, n] = min(buckets.closes[bucket], last)
                     n += 1
 
 
@@ -120,7 +120,7 @@ def latest_of(bound: WalkBound, mission: Mission, multipliers: np.ndarray, value
     steps = int(value / step + 1e-9) + 1
     time = np.full((multipliers.size, bound.top + 1, steps + 1), NO_TIME_S)
     _fill(
-        bound.network, bound.values.best, bound.bits, bound.width, bound.unit, step,
+        bound.buckets, bound.values.best, bound.bits, bound.width, bound.unit, step,
         mission.rules.duration, time,
     )  # fmt: skip
     if time.shape[1] == 1:

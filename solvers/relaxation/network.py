@@ -2,9 +2,8 @@
 
 A chaser at a body waits from one departure event to the next one. So a *row* stands for a body at
 a departure event: its moves are the connections that leave there and then, all to one destination,
-and to wait for the next row. Times are exact. ΔV is exact for labels, and in slots, rounded down,
-for walks; there many connections become superfluous, because they cost no less in slots and land
-no earlier than another one that leaves no earlier.
+and to wait for the next row. Times and ΔV are exact: this is what labels move on. Walks move on a
+coarser one, see :mod:`.buckets`.
 """
 
 from __future__ import annotations
@@ -19,9 +18,6 @@ from adr_opt.kernels import connections
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.timetable import earliest_taken
 from adr_opt.mission import Mission
-
-SLACK = 1e-9
-"""Guard of roundings to slots, always in the optimistic direction [slots]."""
 
 
 class Network(NamedTuple):
@@ -43,11 +39,6 @@ class Network(NamedTuple):
         Row of the destination at the end of service.
     delta_v : (legs,) float64
         [m/s].
-    first_kept : (rows + 1,) int64
-    landing_kept, cost : (legs kept,) int32
-        The legs that count when ΔV is in slots, and their slots.
-    least : (legs kept,) float64
-        Least ΔV of any leg between the same bodies in so many slots [m/s].
     is_station, may_end : (bodies,) bool
         As in :class:`adr_opt.kernels.rules.Rules`.
     root : int
@@ -62,10 +53,6 @@ class Network(NamedTuple):
     first: np.ndarray
     landing: np.ndarray
     delta_v: np.ndarray
-    first_kept: np.ndarray
-    landing_kept: np.ndarray
-    cost: np.ndarray
-    least: np.ndarray
     is_station: np.ndarray
     may_end: np.ndarray
     root: int
@@ -151,68 +138,26 @@ def _from_body(i, orbits, extra_delta_v, transfer_rule, rules):
 
 
 @kernel
-def _land(departure, start, outgoing, slot, slots, landing):
-    """Landing rows of a body's legs, and which of them count in slots.
-
-    Returns
-    -------
-    first_kept : (rows + 1,) int64
-    landing_kept, cost : (legs kept,) int32
-    least : (legs kept,) float64
-    """
-    bodies = start.size - 1
-    time, body, first, end, delta_v = outgoing
-    legs = end.size
-    # Earliest landing row of the later legs to a body that cost no more than so many slots.
-    earliest = np.full((bodies, slots), np.int32(2**31 - 1), np.int32)
-    cheapest = np.full((bodies, slots), np.inf)
-    kept = np.zeros(legs, np.bool_)
-    price = np.empty(legs, np.int32)
-    size = 0
-    for r in range(time.size - 1, -1, -1):
-        j = body[r]
+def _land(departure, start, outgoing, landing):
+    """Landing rows of a body's legs."""
+    for r in range(outgoing.departure.size):
+        j = outgoing.destination[r]
         ahead = departure[start[j] : start[j + 1] - 1]
-        for leg in range(first[r], first[r + 1]):
-            landing[leg] = start[j] + np.searchsorted(ahead, earliest_taken(end[leg]))
-            price[leg] = max(0, math.floor(delta_v[leg] / slot - SLACK))
-            cheapest[j, price[leg]] = min(cheapest[j, price[leg]], delta_v[leg])
-            if earliest[j, price[leg]] <= landing[leg]:
-                continue
-            kept[leg] = True
-            size += 1
-            for c in range(price[leg], slots):
-                if earliest[j, c] <= landing[leg]:
-                    break
-                earliest[j, c] = landing[leg]
-    first_kept = np.empty(time.size + 1, np.int64)
-    landing_kept, cost = np.empty(size, np.int32), np.empty(size, np.int32)
-    least = np.empty(size)
-    at = 0
-    for r in range(time.size):
-        first_kept[r] = at
-        for leg in range(first[r], first[r + 1]):
-            if kept[leg]:
-                landing_kept[at], cost[at] = landing[leg], price[leg]
-                least[at] = cheapest[body[r], price[leg]]
-                at += 1
-    first_kept[time.size] = at
-    return first_kept, landing_kept, cost, least
+        for leg in range(outgoing.first[r], outgoing.first[r + 1]):
+            landing[leg] = start[j] + np.searchsorted(ahead, earliest_taken(outgoing.end[leg]))
 
 
-def build(mission: Mission, slot_m_s: float, *, jobs: int) -> Network:
+def build(mission: Mission, *, jobs: int) -> Network:
     """The network of a mission.
 
     Parameters
     ----------
     mission : Mission
-    slot_m_s : float
-        Slot of the ΔV axis of walks [m/s].
     jobs : int
         Threads. The network does not depend on it.
     """
     inputs, rules = mission.transfer_inputs, mission.rules
     bodies = rules.service.size
-    slots = math.floor(rules.budget / slot_m_s + SLACK) + 1
     with ThreadPoolExecutor(jobs) as pool:
         found = list(pool.map(lambda i: _from_body(i, *inputs, rules), range(bodies)))
         start = np.zeros(bodies + 1, dtype=np.int64)
@@ -221,12 +166,7 @@ def build(mission: Mission, slot_m_s: float, *, jobs: int) -> Network:
         for i, outgoing in enumerate(found):
             departure[start[i] : start[i + 1] - 1] = outgoing.departure
         landings = [np.empty(outgoing.end.size, dtype=np.int32) for outgoing in found]
-        kept = list(
-            pool.map(
-                lambda i: _land(departure, start, found[i], slot_m_s, slots, landings[i]),
-                range(bodies),
-            )
-        )
+        list(pool.map(lambda i: _land(departure, start, found[i], landings[i]), range(bodies)))
     shortest = rules.duration
     for outgoing in found:
         if outgoing.end.size:
@@ -239,13 +179,9 @@ def build(mission: Mission, slot_m_s: float, *, jobs: int) -> Network:
         np.concatenate(
             [np.append(outgoing.destination, np.int32(i)) for i, outgoing in enumerate(found)]
         ),
-        _joined([outgoing.first for outgoing in found]),
+        joined([outgoing.first for outgoing in found]),
         np.concatenate(landings),
         np.concatenate([outgoing.delta_v for outgoing in found]),
-        _joined([each[0] for each in kept]),
-        np.concatenate([each[1] for each in kept]),
-        np.concatenate([each[2] for each in kept]),
-        np.concatenate([each[3] for each in kept]),
         rules.is_station,
         rules.may_end,
         int(start[rules.start] + np.searchsorted(ahead, earliest_taken(rules.ready))),
@@ -253,8 +189,8 @@ def build(mission: Mission, slot_m_s: float, *, jobs: int) -> Network:
     )
 
 
-def _joined(firsts: list[np.ndarray]) -> np.ndarray:
-    """One list of first legs out of those of all bodies; closing rows have none."""
+def joined(firsts: list[np.ndarray]) -> np.ndarray:
+    """One list of first legs out of those of all bodies; what closes a body has none."""
     before = np.cumsum([0, *(int(first[-1]) for first in firsts)])
     parts = [first + legs for first, legs in zip(firsts, before[:-1], strict=True)]
     return np.append(np.concatenate(parts), before[-1])

@@ -45,9 +45,6 @@ GROWTH = 4
 SET_UP_S_PER_EVENT = 4e-6
 """Time that setting up a proof takes, which cannot be broken off, for each timetable entry."""
 
-ROOM_BYTES = 0.6e9
-"""Memory that the values of all states may take; ΔV slots are widened to fit."""
-
 BYTES_PER_EVENT = 800
 """Memory that the network takes for each timetable entry: some 21 connections."""
 
@@ -84,7 +81,7 @@ class Proof:
     jobs : int
         Threads of an evaluation of the bound. The result does not depend on it.
     delta_v_slot_m_s : float
-        Slot of ΔV of the bound, widened where its values would not fit into memory [m/s].
+        As of :class:`.walks.WalkBound` [m/s].
     most_labels : int
         Most labels of a search.
 
@@ -107,8 +104,9 @@ class Proof:
         most_labels: int,
     ) -> None:
         self._certificate = certificate
-        self._slot = affordable_slot(mission, delta_v_slot_m_s)
-        self._bound = WalkBound(mission, self._slot, jobs, lambda: stop.remaining_s() <= 0.0)
+        self._bound = WalkBound(
+            mission, delta_v_slot_m_s, jobs=jobs, over=lambda: stop.remaining_s() <= 0.0
+        )
         self._routes = Routes(self._bound)
         self._descent = Descent(self._bound)
         self._most_labels = most_labels
@@ -197,7 +195,7 @@ class Proof:
     def counters(self) -> dict[str, float]:
         """What was done so far."""
         return {
-            "delta_v_slot_m_s": self._slot,
+            "delta_v_slot_m_s": self._bound.slot,
             "evaluations": self._descent.evaluations,
             "searches": self._routes.searches,
             "labels": self._routes.labels_made,
@@ -279,7 +277,7 @@ def prove_cost(
     proof = CostProof(
         mission, certificate.incumbent, certificate.offer, lambda: certificate.cost, over,
         jobs=jobs or os.cpu_count() or 1,
-        delta_v_slot_m_s=affordable_slot(mission, delta_v_slot_m_s), most_labels=most_labels,
+        delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
     )  # fmt: skip
     while not proof.done and not over():
         proof.advance()
@@ -330,15 +328,6 @@ def bounded(
         counters=counters,
         notes=bound_notes(mission),
     )
-
-
-def affordable_slot(mission: Mission, slot: float) -> float:
-    """The slot asked for, widened until the values of all states fit into memory."""
-    events = mission.timetable.entries + len(mission.names)
-    budget = mission.rules.budget
-    while slot < budget and 8.0 * events * (budget / slot + 16.0) > ROOM_BYTES:
-        slot *= 2.0
-    return slot
 
 
 def bound_notes(mission: Mission) -> list[str]:

@@ -15,21 +15,23 @@ from collections.abc import Callable
 import numpy as np
 
 from .labels import (
+    CROWDED,
     EXHAUSTED,
-    FINE,
     FULL,
-    WORD,
-    Labels,
     Search,
     extend,
     learn,
     most_of,
     path_of,
 )
+from .waiting import FINE, WORD, Labels, larger, room
 from .walks import WalkBound
 
 EFFORT = 200_000
 """Extensions between two questions whether it is enough."""
+
+FIRST_WAITING = 256
+"""Labels that may wait at each body before there has to be more room."""
 
 WALKS = 64
 """Walks to learn from after a search."""
@@ -64,7 +66,7 @@ class Routes:
         self.searches = 0
         self._body = np.repeat(np.arange(bodies, dtype=np.int32), np.diff(network.start))
         self._order = np.argsort(network.departure, kind="stable")
-        self._first = np.empty(network.departure.size, dtype=np.int64)  # label of each row
+        self._first = np.empty(network.departure.size, dtype=np.int32)  # label of each row
         self._labels = self._room(1 << 16)
         self._gain = np.zeros(bodies, dtype=np.int64)
         self._total = 0.0
@@ -72,10 +74,11 @@ class Routes:
 
     def _room(self, size: int) -> Labels:
         words = self.neighbourhood.shape[1]
-        row, parent, following, value, visits = (np.empty(size, dtype=np.int64) for _ in range(5))
-        memory = np.empty((size, words), dtype=np.int64)
+        row, parent, following = (np.empty(size, dtype=np.int32) for _ in range(3))
+        visits, came_from = (np.empty(size, dtype=np.int16) for _ in range(2))
         left, worth = np.empty(size), np.empty(size)
-        return Labels(row, parent, following, value, left, visits, worth, memory)
+        value, memory = np.empty(size, dtype=np.int64), np.empty((size, words), dtype=np.int64)
+        return Labels(row, parent, following, value, left, visits, came_from, worth, memory)
 
     def use(self, multipliers: np.ndarray) -> None:
         """Work out the completion values of some multipliers, for the searches to come."""
@@ -90,17 +93,24 @@ class Routes:
         """What extends labels for a while, for one search: takes them and the cursor."""
         bound = self._bound
         search = Search(
-            bound.values.best, bound.values.second, bound.bits, bound.width, bound.top, bound.slot,
-            self._gain, need, self.neighbourhood, bound.budget, bound.most_targets,
+            bound.buckets.of_row, bound.values.best, bound.values.second,
+            bound.bits, bound.width, bound.top, bound.slot, self._gain, need,
+            self.neighbourhood, bound.budget, bound.most_targets,
             bound.price / self._unit, bound.worths, self.least_worth, self.reach,
         )  # fmt: skip
-        ready = np.full(bound.prize.size, -1, dtype=np.int64)
+        words = self.neighbourhood.shape[1]
+        waiting = room(bound.prize.size, words, FIRST_WAITING)
 
         def extend_labels(labels: Labels, cursor: np.ndarray) -> int:
-            return extend(  # type: ignore[no-any-return]
-                bound.network, self._body, self._order, search, labels, self._first, ready,
-                cursor, EFFORT,
-            )  # fmt: skip
+            nonlocal waiting
+            while True:
+                state = extend(
+                    bound.network, self._body, self._order, search, labels, self._first, waiting,
+                    cursor, EFFORT,
+                )  # fmt: skip
+                if state != CROWDED:
+                    return int(state)
+                waiting = larger(waiting, words)
 
         return extend_labels
 
@@ -139,7 +149,7 @@ class Routes:
         labels = self._labels
         labels.row[0], labels.parent[0], labels.following[0] = root, -1, -1
         labels.value[0], labels.left[0], labels.memory[0] = 0, bound.budget, 0
-        labels.visits[0], labels.worth[0] = 0, 0.0
+        labels.visits[0], labels.came_from[0], labels.worth[0] = 0, -1, 0.0
         cursor = np.array([0, 1, 0], dtype=np.int64)
         self.searches += 1
         while True:

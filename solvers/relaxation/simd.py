@@ -141,3 +141,31 @@ def where_same(typing, a, b, bits, then):
         return builder.select(builder.icmp_signed("==", differing, zero), then, b)
 
     return lanes_type(a, b, bits, then), code
+
+
+def _mask(build, doc):
+    def typer(typing, a, b):
+        def code(context, builder, signature, values):
+            bits = builder.bitcast(build(builder, values[0], values[1]), ir.IntType(LANES))
+            return builder.zext(bits, ir.IntType(64))
+
+        return types.int64(a, b), code
+
+    typer.__doc__ = doc
+    return intrinsic(typer)
+
+
+at_least = _mask(
+    lambda builder, a, b: builder.icmp_signed(">=", a, b),
+    "The lanes where a ≥ b, as bits of a number.",
+)
+disjoint = _mask(
+    lambda builder, a, b: builder.icmp_signed(
+        "==", builder.and_(a, b), ir.Constant(_VECTOR, [0] * LANES)
+    ),
+    "The lanes where a and b have no bit in common, as bits of a number.",
+)
+covers = _mask(
+    lambda builder, a, b: builder.icmp_signed("==", builder.and_(a, b), b),
+    "The lanes where a has all bits of b, as bits of a number.",
+)

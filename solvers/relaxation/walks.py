@@ -11,9 +11,10 @@ widens what is allowed. So for every plan, and for every completion of a partial
 
 What is exact and what is relaxed:
 
-- Time is exact. Walks move on the network of :mod:`.network`: every connection once, at its own
-  departure, and one arc to wait for the next departure of the body. That is one comparison a leg
-  and a slot. Services that would end too late are left out exactly.
+- Walks move on the network of :mod:`.buckets`: who arrives within a bucket of time arrives at its
+  beginning, and one arc leads from each bucket of a body to the next one, to wait. That is one
+  comparison a leg and a slot. Services that would end too late are left out exactly. With buckets
+  of no length time is exact.
 - ΔV is counted in slots. The slots of a leg are rounded down and so is the budget: if the legs fit
   into the budget, then Σ ⌊ΔV/u⌋ ≤ ⌊Σ ΔV/u⌋ ≤ ⌊budget/u⌋. A relaxation, the better the finer.
 - Values are whole numbers of units, so sums are exact and there is no rounding error to guard
@@ -34,13 +35,22 @@ from adr_opt.kernels.timetable import earliest_taken
 from adr_opt.mission import Mission
 
 from . import simd
-from .network import SLACK, build
+from .buckets import SLACK, assign
+from .buckets import build as fill
+from .network import build
 
 NEVER = -(2**30)
 """Value of what is not possible; far enough from −2³¹ that adding to it cannot wrap around."""
 
 LARGEST = 2**29
 """No sum of values exceeds it in size, code included."""
+
+
+BUCKET_SHARE = 1.0 / 60.0
+"""Usual length of a bucket of time, as a share of the shortest leg."""
+
+ROOM_BYTES = 0.6e9
+"""Memory that the values of all states may take."""
 
 
 class Values(NamedTuple):
@@ -51,8 +61,8 @@ class Values(NamedTuple):
 
     Attributes
     ----------
-    best : (slots before + rows·width,) int32
-        Best walk of (row, ΔV slots left); ``width`` numbers before the first row keep reads in
+    best : (slots before + buckets·width,) int32
+        Best walk of (bucket, ΔV slots left); ``width`` numbers before the first one keep reads in
         bounds.
     second : the same shape
         Best walk with another next body: what a chaser that just left the best's next may take.
@@ -63,113 +73,117 @@ class Values(NamedTuple):
 
 
 @kernel
-def _sweep_rows(network, best, second, code, toll, bits, width, top, i, high, low):
-    """Values of the rows ``low`` to ``high`` − 1 (counted within body i), backwards."""
+def _sweep_buckets(buckets, best, second, code, toll, bits, width, top, i, high, low):
+    """Values of the buckets ``low`` to ``high`` − 1 (counted within body i), backwards."""
     mask = (1 << bits) - 1
     keep_value = simd.spread(~mask)
     keep_next = simd.spread(mask)
     never = simd.spread(NEVER)
     # From a station nothing is forbidden; no code has all bits set.
-    came_from = simd.spread(mask if network.is_station[i] else i)
-    base = network.start[i]
+    came_from = simd.spread(mask if buckets.is_station[i] else i)
+    base = buckets.start[i]
     priced = toll.size > 0
-    for row in range(base + high - 1, base + low - 1, -1):
-        j = network.destination[row]
-        gain = simd.spread(code[j])
-        begin, end = network.first_kept[row], network.first_kept[row + 1]
+    for bucket in range(base + high - 1, base + low - 1, -1):
+        begin, end = buckets.first[bucket], buckets.first[bucket + 1]
         for c in range(0, width, simd.LANES):
             # to wait
-            found = simd.load(best, (row + 2) * width + c)
-            other = simd.load(second, (row + 2) * width + c)
+            found = simd.load(best, (bucket + 2) * width + c)
+            other = simd.load(second, (bucket + 2) * width + c)
             left = simd.plus(simd.count_up(), simd.spread(c))
             for leg in range(begin, end):
-                cost = network.cost[leg]
+                cost = buckets.cost[leg]
                 if c + simd.LANES <= cost:
                     continue
-                landing = (network.landing_kept[leg] + 1) * width
-                if network.is_station[j]:
+                j = buckets.destination[leg]
+                landing = (buckets.landing[leg] + 1) * width
+                if buckets.is_station[j]:
                     full = best[landing + top]
                     if full & mask == i:
                         full = second[landing + top]
-                    value = simd.plus(simd.both(simd.spread(full), keep_value), gain)
+                    value = simd.both(simd.spread(full), keep_value)
                 else:
                     value = simd.load(best, landing + c - cost)
                     instead = simd.load(second, landing + c - cost)
                     value = simd.where_equal(simd.both(value, keep_next), came_from, instead, value)
-                    value = simd.plus(simd.both(value, keep_value), gain)
+                    value = simd.both(value, keep_value)
+                gain = code[j]
                 if priced:
-                    value = simd.plus(value, simd.spread(-(toll[leg] << bits)))
+                    gain -= toll[leg] << bits
+                value = simd.plus(value, simd.spread(gain))
                 value = simd.where_less(left, simd.spread(cost), never, value)
                 loser = simd.smaller(found, value)
                 found = simd.larger(found, value)
                 loser = simd.where_same(found, loser, keep_next, never)
                 other = simd.larger(other, loser)
-            simd.store(best, (row + 1) * width + c, found)
-            simd.store(second, (row + 1) * width + c, other)
+            simd.store(best, (bucket + 1) * width + c, found)
+            simd.store(second, (bucket + 1) * width + c, other)
 
 
 @kernel
-def _begin(network, best, second, width, begun):
-    """In closing rows a walk can only stop, where it may; what lies before all rows is NEVER."""
+def _begin(buckets, best, second, width, begun):
+    """In closing buckets a walk can only stop, where it may; what lies before all is NEVER."""
     best[:width] = NEVER
     second[:width] = NEVER
-    for i in range(network.start.size - 1):
-        closing = network.start[i + 1] * width
-        best[closing : closing + width] = i if network.may_end[i] else NEVER
+    for i in range(buckets.start.size - 1):
+        closing = buckets.start[i + 1] * width
+        best[closing : closing + width] = i if buckets.may_end[i] else NEVER
         second[closing : closing + width] = NEVER
-        begun[i] = network.start[i + 1] - 1 - network.start[i]
+        begun[i] = buckets.start[i + 1] - 1 - buckets.start[i]
 
 
 @kernel
 def _sweep_until(
-    network, best, second, code, toll, bits, width, top, begun, begin, step, time
+    buckets, best, second, code, toll, bits, width, top, begun, begin, step, time
 ):  # fmt: skip
-    """Values of all rows taken at a time or after, of every step-th body from ``begin``."""
+    """Values of all buckets that open at a time or after, of every step-th body from ``begin``."""
     earliest = earliest_taken(time)
-    for i in range(begin, network.start.size - 1, step):
+    for i in range(begin, buckets.start.size - 1, step):
         high = begun[i]
         low = high
-        while low > 0 and network.departure[network.start[i] + low - 1] >= earliest:
+        while low > 0 and buckets.opens[buckets.start[i] + low - 1] >= earliest:
             low -= 1
-        _sweep_rows(network, best, second, code, toll, bits, width, top, i, high, low)
+        _sweep_buckets(buckets, best, second, code, toll, bits, width, top, i, high, low)
         begun[i] = low
 
 
 @kernel
-def _trace(network, best, second, code, toll, bits, width, top, row, body, left, walk):
+def _trace(buckets, best, second, code, toll, bits, width, top, bucket, body, left, walk):
     """Follow the best walk from a state; returns its length."""
     mask = (1 << bits) - 1
     came_from = mask
     length = 0
     while True:
-        packed = best[(row + 1) * width + left]
+        packed = best[(bucket + 1) * width + left]
         if packed & mask == came_from:
-            packed = second[(row + 1) * width + left]
+            packed = second[(bucket + 1) * width + left]
         j = packed & mask
         if j == body:
             return length
         # The first leg that yields this value: waiting for it costs nothing.
-        onward = -1
+        onward, leg = -1, buckets.first[bucket]
         while onward < 0:
-            if network.destination[row] == j:
-                for leg in range(network.first_kept[row], network.first_kept[row + 1]):
-                    if network.cost[leg] > left:
-                        continue
-                    rest = top if network.is_station[j] else left - network.cost[leg]
-                    landing = network.landing_kept[leg]
-                    ahead = best[(landing + 1) * width + rest]
-                    if not network.is_station[body] and ahead & mask == body:
-                        ahead = second[(landing + 1) * width + rest]
-                    paid = toll[leg] if toll.size > 0 else 0
-                    if (ahead >> bits) + (code[j] >> bits) - paid == packed >> bits:
-                        onward = landing
-                        break
-            row += 1
+            if buckets.destination[leg] == j and buckets.cost[leg] <= left:
+                rest = top if buckets.is_station[j] else left - buckets.cost[leg]
+                landing = buckets.landing[leg]
+                ahead = best[(landing + 1) * width + rest]
+                if not buckets.is_station[body] and ahead & mask == body:
+                    ahead = second[(landing + 1) * width + rest]
+                paid = toll[leg] if toll.size > 0 else 0
+                if (ahead >> bits) + (code[j] >> bits) - paid == packed >> bits:
+                    onward = landing
+            leg += 1
         walk[length] = j
         length += 1
         left = rest
-        came_from = mask if network.is_station[body] else body
-        row, body = onward, j
+        came_from = mask if buckets.is_station[body] else body
+        bucket, body = onward, j
+
+
+def affordable(buckets: int, budget: float, slot: float) -> float:
+    """The slot asked for, widened until the values of all states fit into memory [m/s]."""
+    while slot < budget and 8.0 * buckets * (budget / slot + simd.LANES) > ROOM_BYTES:
+        slot *= 2.0
+    return slot
 
 
 class TimeIsOver(Exception):
@@ -183,7 +197,9 @@ class WalkBound:
     ----------
     mission : Mission
     delta_v_slot_m_s : float
-        Slot of the ΔV axis [m/s].
+        Slot of the ΔV axis, widened where values would not fit into memory [m/s].
+    bucket_share : float
+        Length of a bucket of time as a share of the shortest leg; 0 for exact times.
     jobs : int
         Threads.
     over : callable
@@ -192,6 +208,8 @@ class WalkBound:
     Attributes
     ----------
     network : Network
+    buckets : Buckets
+        What walks move on.
     values : Values
     slot : float
         Slot in use [m/s].
@@ -213,6 +231,7 @@ class WalkBound:
         self,
         mission: Mission,
         delta_v_slot_m_s: float,
+        bucket_share: float = BUCKET_SHARE,
         jobs: int = 1,
         over: Callable[[], bool] = lambda: False,
     ) -> None:
@@ -223,15 +242,17 @@ class WalkBound:
         self.start = rules.start
         self.most_targets = rules.most_targets
         bodies = self.prize.size
-        self.slot = delta_v_slot_m_s
+        self.network = build(mission, jobs=jobs)
+        assignment = assign(self.network, bucket_share)
+        self.slot = affordable(int(assignment.start[-1]), rules.budget, delta_v_slot_m_s)
         self.top = math.floor(rules.budget / self.slot + SLACK)
         self.width = (self.top // simd.LANES + 1) * simd.LANES
         self._jobs = jobs
-        self.network = build(mission, self.slot, jobs=jobs)
-        size = (int(self.network.start[-1]) + 1) * self.width
+        self.buckets = fill(self.network, assignment, rules.budget, self.slot, jobs=jobs)
+        size = (int(self.buckets.start[-1]) + 1) * self.width
         self.values = Values(np.empty(size, dtype=np.int32), np.empty(size, dtype=np.int32))
-        # Rows within one stage do not land in it, so their bodies are independent.
-        self._stage = earliest_taken(self.network.shortest) * (1.0 - 1e-9)
+        # Buckets of one stage do not land in it, so their bodies are independent.
+        self._stage = earliest_taken(self.buckets.shortest) * (1.0 - 1e-9)
         self._stages = int(rules.duration / self._stage) + 1 if self._stage > 0.0 else 1
         self.bits = int(bodies).bit_length()
         self.most_legs = self._stages + 1
@@ -340,14 +361,14 @@ class WalkBound:
 
         None if there is no walk: the mission cannot end where it must.
         """
-        network, (best, second) = self.network, self.values
-        _begin(network, best, second, self.width, self._begun)
-        common = (network, best, second, code, self.toll, self.bits, self.width, self.top)
+        buckets, (best, second) = self.buckets, self.values
+        _begin(buckets, best, second, self.width, self._begun)
+        common = (buckets, best, second, code, self.toll, self.bits, self.width, self.top)
         self._sweep(_sweep_until, *common, self._begun)
-        value = int(best[(network.root + 1) * self.width + self.top]) >> self.bits
+        value = int(best[(buckets.root + 1) * self.width + self.top]) >> self.bits
         if value < -LARGEST >> self.bits:
             self.walk = self._walk[:0]
             return None
-        length = _trace(*common, network.root, self.start, self.top, self._walk)
+        length = _trace(*common, buckets.root, self.start, self.top, self._walk)
         self.walk = self._walk[:length].copy()
         return value

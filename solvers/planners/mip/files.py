@@ -7,7 +7,6 @@ is that of the mission, and the bound of any relaxation of it holds for the miss
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -63,7 +62,7 @@ def _write(mission: Mission, path: Path, file_format: str, mark: str) -> None:
     if not rules.prize.any():
         # Where nothing is worth anything, every move is.
         rules = rules._replace(prize=(np.arange(rules.prize.size) >= rules.first_target) + 0.0)
-    network = of_rows(build(mission, math.inf, jobs=1), rules)
+    network = of_rows(build(mission, jobs=1), rules)
     name = mission.instance.name
     if network.legs == 0:
         raise InputError(f"{name!r} has no legal move: there is nothing to write a model of")

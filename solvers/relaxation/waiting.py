@@ -1,0 +1,217 @@
+"""Labels that wait at a body, none dominated by another, compared sixteen at a time.
+
+Whether one label dominates another one is asked billions of times. So each body's list keeps a few
+integers of each label side by side: ΔV left, value and memory, rounded so that none that dominates
+is overlooked. What they let through is compared exactly.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from adr_opt.kernels.compile import inlined, kernel
+
+from . import simd
+
+WORD = 63
+"""Targets remembered in one integer."""
+
+FINE = 16
+"""Labels count in units finer than those of the completion values by so many bits."""
+
+NOBODY = -1
+"""Key of ΔV where there is no label: less than that of any."""
+
+
+class Labels(NamedTuple):
+    """Partial walks. Those that will be ready by a row are chained by ``following``.
+
+    Attributes
+    ----------
+    row, parent, following : (labels,) int32
+    value : (labels,) int64
+        [fine units].
+    left : (labels,) float64
+        [m/s].
+    visits, came_from : (labels,) int16
+        Services so far, and the body that it may not go back to at once, −1 for none.
+    worth : (labels,) float64
+        Worth of the targets serviced; only where ΔV is paid for.
+    memory : (labels, words) int64
+        Bit j % 63 of word j // 63: may not go to target j.
+    """
+
+    row: np.ndarray
+    parent: np.ndarray
+    following: np.ndarray
+    value: np.ndarray
+    left: np.ndarray
+    visits: np.ndarray
+    came_from: np.ndarray
+    worth: np.ndarray
+    memory: np.ndarray
+
+
+class Waiting(NamedTuple):
+    """The labels at each body.
+
+    Attributes
+    ----------
+    size : (bodies,) int64
+    bucket : (bodies,) int64
+        Where the list was last gone through for labels that are too late.
+    label : (bodies, capacity) int32
+        −1 where one was dominated. The capacity is a multiple of the lanes.
+    keys : (bodies·(2 + 2·words)·capacity,) int32
+        Of each body ΔV left, value, and two parts of each word of memory.
+    """
+
+    size: np.ndarray
+    bucket: np.ndarray
+    label: np.ndarray
+    keys: np.ndarray
+
+
+def room(bodies: int, words: int, capacity: int) -> Waiting:
+    """Empty lists."""
+    keys = np.full(bodies * (2 + 2 * words) * capacity, NOBODY, dtype=np.int32)
+    label = np.empty((bodies, capacity), dtype=np.int32)
+    none = np.full(bodies, -1, dtype=np.int64)
+    return Waiting(np.zeros(bodies, dtype=np.int64), none, label, keys)
+
+
+def larger(waiting: Waiting, words: int) -> Waiting:
+    """The same lists with room for twice as many."""
+    bodies, capacity = waiting.label.shape
+    twice = room(bodies, words, 2 * capacity)
+    twice.size[:], twice.bucket[:] = waiting.size, waiting.bucket
+    twice.label[:, :capacity] = waiting.label
+    shape = (bodies, 2 + 2 * words, -1)
+    twice.keys.reshape(shape)[:, :, :capacity] = waiting.keys.reshape(shape)
+    return twice
+
+
+@inlined
+def _key_of(left):
+    """Order-preserving integer of what is not negative."""
+    return np.float32(left).view(np.int32)
+
+
+@inlined
+def _part(memory, part):
+    """A half of a word of memory."""
+    return np.int32(memory[part // 2] >> 32 * (part % 2))
+
+
+@inlined
+def dominates(labels, one, value, left, visits, worth, memory):
+    """Whether label ``one`` is worth as much, has as much left and remembers nothing more."""
+    if labels.value[one] < value or labels.left[one] < left or labels.visits[one] > visits:
+        return False
+    if labels.worth[one] < worth:
+        return False
+    beyond = 0
+    for w in range(memory.size):
+        beyond |= labels.memory[one, w] & ~memory[w]
+    return beyond == 0
+
+
+@kernel
+def is_dominated(waiting, labels, j, value, left, visits, worth, memory):
+    """Whether a label that waits at body j dominates what could come there."""
+    capacity = waiting.label.shape[1]
+    parts = 2 * memory.size
+    base = j * (2 + parts) * capacity
+    least_left, least_value = simd.spread(_key_of(left)), simd.spread(value >> FINE)
+    for k in range(0, waiting.size[j], simd.LANES):
+        hits = simd.at_least(simd.load(waiting.keys, base + k), least_left)
+        hits &= simd.at_least(simd.load(waiting.keys, base + capacity + k), least_value)
+        for part in range(parts):
+            kept = simd.load(waiting.keys, base + (2 + part) * capacity + k)
+            hits &= simd.disjoint(kept, simd.spread(~_part(memory, part)))
+        lane = 0
+        while hits >> lane:
+            if hits >> lane & 1 and dominates(
+                labels, waiting.label[j, k + lane], value, left, visits, worth, memory
+            ):
+                return True
+            lane += 1
+    return False
+
+
+@kernel
+def _drop_dominated(waiting, labels, j, label):
+    """Mark the labels at body j that another label dominates from now on."""
+    capacity = waiting.label.shape[1]
+    memory = labels.memory[label]
+    parts = 2 * memory.size
+    base = j * (2 + parts) * capacity
+    most_left = simd.spread(_key_of(labels.left[label]))
+    most_value = simd.spread(labels.value[label] >> FINE)
+    for k in range(0, waiting.size[j], simd.LANES):
+        hits = simd.at_least(most_left, simd.load(waiting.keys, base + k))
+        hits &= simd.at_least(most_value, simd.load(waiting.keys, base + capacity + k))
+        for part in range(parts):
+            kept = simd.load(waiting.keys, base + (2 + part) * capacity + k)
+            hits &= simd.covers(kept, simd.spread(_part(memory, part)))
+        lane = 0
+        while hits >> lane:
+            if hits >> lane & 1 and k + lane < waiting.size[j]:
+                other = waiting.label[j, k + lane]
+                if other >= 0 and dominates(
+                    labels, label, labels.value[other], labels.left[other], labels.visits[other],
+                    labels.worth[other], labels.memory[other],
+                ):  # fmt: skip
+                    waiting.label[j, k + lane] = -1
+                    waiting.keys[base + k + lane] = NOBODY
+            lane += 1
+
+
+@kernel
+def arrive(waiting, labels, j, label):
+    """Let a label wait at body j unless it is dominated, in place of those that it dominates.
+
+    Returns
+    -------
+    possible : bool
+        False if there is no room for it.
+    """
+    memory = labels.memory[label]
+    if is_dominated(
+        waiting, labels, j, labels.value[label], labels.left[label], labels.visits[label],
+        labels.worth[label], memory,
+    ):  # fmt: skip
+        return True
+    at, capacity = waiting.size[j], waiting.label.shape[1]
+    if at == capacity:
+        return False
+    _drop_dominated(waiting, labels, j, label)
+    base = j * (2 + 2 * memory.size) * capacity + at
+    waiting.label[j, at] = label
+    waiting.keys[base] = _key_of(labels.left[label])
+    waiting.keys[base + capacity] = labels.value[label] >> FINE
+    for part in range(2 * memory.size):
+        waiting.keys[base + (2 + part) * capacity] = _part(memory, part)
+    waiting.size[j] = at + 1
+    return True
+
+
+@kernel
+def keep(waiting, j, kept, parts):
+    """Close the gaps in the list of body j: only the places marked in ``kept`` stay."""
+    capacity = waiting.label.shape[1]
+    base = j * (2 + parts) * capacity
+    size = 0
+    for k in range(waiting.size[j]):
+        if kept[k]:
+            if size < k:
+                waiting.label[j, size] = waiting.label[j, k]
+                for field in range(2 + parts):
+                    at = base + field * capacity
+                    waiting.keys[at + size] = waiting.keys[at + k]
+            size += 1
+    for k in range(size, waiting.size[j]):
+        waiting.keys[base + k] = NOBODY
+    waiting.size[j] = size

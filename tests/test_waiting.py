@@ -1,0 +1,65 @@
+"""Lists of labels that wait: what dominates what, against plain comparisons."""
+
+import numpy as np
+import pytest
+
+from solvers.relaxation.waiting import Labels, Waiting, arrive, is_dominated, keep, larger, room
+
+LABELS = 1500
+
+
+def random_labels(rng: np.random.Generator, words: int) -> Labels:
+    """Labels of few different values and amounts, and of memories that are often nested."""
+    memory = rng.integers(0, 2**62, (LABELS, words))
+    for _ in range(4):
+        memory &= rng.integers(0, 2**62, (LABELS, words))
+    none = np.zeros(LABELS, dtype=np.int32)
+    return Labels(
+        none, none, none, rng.integers(-2, 3, LABELS) << 16, rng.integers(0, 300, LABELS) * 10.0,
+        rng.integers(0, 2, LABELS).astype(np.int16), none.astype(np.int16),
+        rng.integers(0, 2, LABELS) * 1.0, memory,
+    )  # fmt: skip
+
+
+def dominates(labels: Labels, one: int, other: int) -> bool:
+    """Whether one label dominates another, written once more."""
+    return bool(
+        labels.value[one] >= labels.value[other]
+        and labels.left[one] >= labels.left[other]
+        and labels.visits[one] <= labels.visits[other]
+        and labels.worth[one] >= labels.worth[other]
+        and not np.any(labels.memory[one] & ~labels.memory[other])
+    )
+
+
+def waits(waiting: Waiting, body: int) -> set[int]:
+    """The labels in a list."""
+    return {int(label) for label in waiting.label[body, : waiting.size[body]] if label >= 0}
+
+
+@pytest.mark.parametrize("words", [1, 2])
+def test_exactly_those_wait_that_none_dominates(words):
+    """A list holds the labels that no label before or after them dominates, as it grows."""
+    labels = random_labels(np.random.default_rng(words), words)
+    waiting = room(2, words, 16)
+    alive: set[int] = set()
+    refused = 0
+    for label in range(LABELS):
+        value, left, memory = labels.value[label], labels.left[label], labels.memory[label]
+        dominated = any(dominates(labels, other, label) for other in alive)
+        assert dominated == is_dominated(
+            waiting, labels, 1, value, left, labels.visits[label], labels.worth[label], memory
+        )
+        if not arrive(waiting, labels, 1, label):
+            waiting = larger(waiting, words)
+            assert arrive(waiting, labels, 1, label)
+        refused += dominated
+        if not dominated:
+            alive = {other for other in alive if not dominates(labels, label, other)} | {label}
+        assert waits(waiting, 1) == alive
+        if label % 37 == 0:
+            keep(waiting, 1, waiting.label[1] >= 0, 2 * words)
+            assert waits(waiting, 1) == alive
+            assert waiting.size[1] == len(alive)
+    assert 0 < refused < LABELS
+    assert waits(waiting, 0) == set()
