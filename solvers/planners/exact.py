@@ -32,7 +32,7 @@ from ..search.varied_beams import varied
 WIDTH = 2000
 """Of the guided beams that are searched before each round of proof."""
 
-FIRST_BEAMS, MOST_BEAMS = 8, 128
+FIRST_BEAMS, MOST_BEAMS = 8, 16
 """How many before the first round, twice as many before each further one."""
 
 COST_SLOT_M_S = 50.0

@@ -25,6 +25,7 @@ from adr_opt.options import MOST_JOBS, Options, option
 from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
+from adr_opt.tolerance import rounded_down
 
 from ..certificate import Certificate
 from .cost import CostProof
@@ -36,7 +37,7 @@ from .walks import TimeIsOver, WalkBound
 SMALL = 1e-3
 """Multipliers below this share of the largest prize are dropped rather than halved."""
 
-FIRST_EVALUATIONS, FIRST_LABELS = 3, 200_000
+FIRST_EVALUATIONS, FIRST_LABELS = 3, 1_000_000
 """Effort of the first round, in evaluations of the bound and in labels of a search."""
 
 GROWTH = 4
@@ -113,6 +114,7 @@ class Proof:
         self._evaluations = FIRST_EVALUATIONS
         self._labels = min(FIRST_LABELS, most_labels)
         self.latest: Latest | None = None
+        self._first = math.inf  # the bound without multipliers
         self._mission = mission
         self.done = certificate.proven
 
@@ -125,6 +127,8 @@ class Proof:
         """One evaluation of the bound."""
         descent = self._descent
         value = descent.step()
+        if descent.evaluations == 1:
+            self._first = value
         self._certificate.lower(descent.value)
         if self.latest is None and math.isfinite(value):
             self.latest = latest_of(self._bound, self._mission, descent.multipliers, value)
@@ -160,6 +164,16 @@ class Proof:
         self._evaluations *= 2
         self._labels = min(GROWTH * self._labels, self._most_labels)
 
+    def _multipliers(self) -> np.ndarray:
+        """Those of the best bound; none, if the objective rounds the bound without any to it too.
+
+        Without multipliers many labels are worth the same, and more of them dominate one another.
+        """
+        step = self._mission.prize_step
+        if step and rounded_down(self._first, step) <= rounded_down(self._descent.value, step):
+            return np.zeros(self._mission.rules.prize.size)
+        return self._descent.multipliers
+
     def _search(self, enough: Callable[[], bool]) -> bool:
         """Ask for plans worth less and less until one is found or the labels are too many.
 
@@ -169,7 +183,7 @@ class Proof:
             There is nothing left to ask for.
         """
         certificate, routes = self._certificate, self._routes
-        multipliers = self._descent.multipliers
+        multipliers = self._multipliers()
         routes.use(multipliers)
         while not certificate.proven:
             threshold = certificate.threshold
