@@ -34,6 +34,9 @@ from .multipliers import Descent
 from .routes import Routes
 from .walks import TimeIsOver, WalkBound
 
+COARSER = 2.5
+"""Slots of ΔV are so many times as wide while multipliers are looked for as they are for labels."""
+
 SMALL = 1e-3
 """Multipliers below this share of the largest prize are dropped rather than halved."""
 
@@ -105,10 +108,11 @@ class Proof:
         most_labels: int,
     ) -> None:
         self._certificate = certificate
-        self._bound = WalkBound(
-            mission, delta_v_slot_m_s, jobs=jobs, over=lambda: stop.remaining_s() <= 0.0
-        )
-        self._routes = Routes(self._bound)
+        self._slot, self._jobs = delta_v_slot_m_s, jobs
+        self._over = lambda: stop.remaining_s() <= 0.0
+        self._bound = WalkBound(mission, COARSER * delta_v_slot_m_s, jobs=jobs, over=self._over)
+        self._fine: WalkBound | None = None
+        self._routes: Routes | None = None
         self._descent = Descent(self._bound)
         self._most_labels = most_labels
         self._evaluations = FIRST_EVALUATIONS
@@ -182,9 +186,15 @@ class Proof:
         done : bool
             There is nothing left to ask for.
         """
-        certificate, routes = self._certificate, self._routes
-        multipliers = self._multipliers()
-        routes.use(multipliers)
+        certificate, multipliers = self._certificate, self._multipliers()
+        if self._routes is None:
+            self._fine = WalkBound(
+                self._mission, self._slot, jobs=self._jobs, over=self._over,
+                network=self._bound.network,
+            )  # fmt: skip
+            self._routes = Routes(self._fine)
+        routes = self._routes
+        certificate.lower(routes.use(multipliers))
         while not certificate.proven:
             threshold = certificate.threshold
             finished, value, plan, grown = routes.search(threshold, self._labels, enough)
@@ -209,15 +219,17 @@ class Proof:
     def counters(self) -> dict[str, float]:
         """What was done so far."""
         return {
-            "delta_v_slot_m_s": self._bound.slot,
+            "delta_v_slot_m_s": (self._fine or self._bound).slot,
             "evaluations": self._descent.evaluations,
-            "searches": self._routes.searches,
-            "labels": self._routes.labels_made,
+            "searches": self._routes.searches if self._routes else 0,
+            "labels": self._routes.labels_made if self._routes else 0,
         }
 
     def close(self) -> None:
         """End the threads."""
         self._bound.close()
+        if self._fine is not None:
+            self._fine.close()
 
 
 def prove(

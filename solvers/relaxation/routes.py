@@ -80,14 +80,15 @@ class Routes:
         value, memory = np.empty(size, dtype=np.int64), np.empty((size, words), dtype=np.int64)
         return Labels(row, parent, following, value, left, visits, came_from, worth, memory)
 
-    def use(self, multipliers: np.ndarray) -> None:
-        """Work out the completion values of some multipliers, for the searches to come."""
+    def use(self, multipliers: np.ndarray) -> float:
+        """Work out the completion values of some multipliers, and the bound that they give."""
         bound = self._bound
         # What is left of rounding to units would count for every target that is left out.
         kept = np.where((multipliers < bound.unit) | ~bound.is_target, 0.0, multipliers)
-        bound.evaluate(kept, keep=True)
+        value, _ = bound.evaluate(kept, keep=True)
         self._gain = np.ceil((bound.prize - kept) / self._unit).astype(np.int64)
         self._total = float(kept.sum())
+        return value
 
     def _extension(self, need: int) -> Callable[[Labels, np.ndarray], int]:
         """What extends labels for a while, for one search: takes them and the cursor."""

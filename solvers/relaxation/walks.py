@@ -37,7 +37,7 @@ from adr_opt.mission import Mission
 from . import simd
 from .buckets import SLACK, assign
 from .buckets import build as fill
-from .network import build
+from .network import Network, build
 
 NEVER = -(2**30)
 """Value of what is not possible; far enough from −2³¹ that adding to it cannot wrap around."""
@@ -204,6 +204,8 @@ class WalkBound:
         Threads.
     over : callable
         Asked now and then whether the time is over.
+    network : Network, optional
+        That of the mission, where it is known.
 
     Attributes
     ----------
@@ -234,6 +236,7 @@ class WalkBound:
         bucket_share: float = BUCKET_SHARE,
         jobs: int = 1,
         over: Callable[[], bool] = lambda: False,
+        network: Network | None = None,
     ) -> None:
         rules = mission.rules
         self._over = over
@@ -242,7 +245,7 @@ class WalkBound:
         self.start = rules.start
         self.most_targets = rules.most_targets
         bodies = self.prize.size
-        self.network = build(mission, jobs=jobs)
+        self.network = network or build(mission, jobs=jobs)
         assignment = assign(self.network, bucket_share)
         self.slot = affordable(int(assignment.start[-1]), rules.budget, delta_v_slot_m_s)
         self.top = math.floor(rules.budget / self.slot + SLACK)
