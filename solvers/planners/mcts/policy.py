@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels import rules as rule_kernels
-from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.compile import inlined, kernel
+from adr_opt.kernels.memory import borrowed
 
 
 class Policy(NamedTuple):
@@ -74,7 +75,21 @@ def scratch(bodies: int) -> Scratch:
     )
 
 
-@kernel
+@inlined
+def lent(scratch):
+    """The memory without ownership, for use within a kernel: no look at it is counted."""
+    return Scratch(
+        borrowed(scratch.sequence),
+        borrowed(scratch.path),
+        borrowed(scratch.visited),
+        borrowed(scratch.open),
+        borrowed(scratch.places),
+        borrowed(scratch.weight),
+        borrowed(scratch.end),
+    )
+
+
+@inlined
 def refuelling(rules, state):
     """The station at which refuelling ends first, if it is legal and of use; −1 if nowhere."""
     chosen, soonest = -1, rules.duration - rules.shortest_sortie
@@ -105,6 +120,8 @@ def cheapest_moves(rules, policy, state, visited, width, moves, cost):
     -------
     count : int
     """
+    rules, visited = rule_kernels.lent(rules), borrowed(visited)
+    moves, cost = borrowed(moves), borrowed(cost)
     count = 0
     soonest, unsafe = math.inf, -1
     for j in range(rules.first_target, rules.service.size):
@@ -142,7 +159,7 @@ def cheapest_moves(rules, policy, state, visited, width, moves, cost):
     return count
 
 
-@kernel
+@inlined
 def _draw_uniform(rules, rng, candidates, count, visited, state):
     """A legal move, all equally likely: drawn without replacement until one is legal.
 
@@ -150,15 +167,20 @@ def _draw_uniform(rules, rng, candidates, count, visited, state):
     -------
     place : int
         In ``candidates``; −1 if no move is legal.
+    delta_v : float
+        [m/s].
+    after : State
     """
     while count > 0:
         place = int(rng.random() * count)
         j = candidates[place]
-        if rule_kernels.may_go(rules, state, visited, j) and rule_kernels.step(rules, state, j)[0]:
-            return place
+        if rule_kernels.may_go(rules, state, visited, j):
+            legal, delta_v, after = rule_kernels.step(rules, state, j)
+            if legal:
+                return place, delta_v, after
         count -= 1
         candidates[place], candidates[count] = candidates[count], j
-    return -1
+    return -1, 0.0, state
 
 
 @kernel
@@ -169,6 +191,7 @@ def _draw_guarded(rules, policy, rng, scratch, count, state):
     draw: the distribution is that over the safe targets, at a fraction of the look-ups. Returns
     as :func:`_draw_uniform`.
     """
+    rules, scratch = rule_kernels.lent(rules), lent(scratch)
     candidates, places, weight, ends = scratch.open, scratch.places, scratch.weight, scratch.end
     found = 0
     least = math.inf
@@ -194,25 +217,30 @@ def _draw_guarded(rules, policy, rng, scratch, count, state):
         while k < remaining - 1 and ticket >= weight[k]:
             ticket -= weight[k]
             k += 1
-        after = rule_kernels.step(rules, state, candidates[places[k]])[2]
+        _, delta_v, after = rule_kernels.step(rules, state, candidates[places[k]])
         if rule_kernels.has_way_back(rules, after):
-            return places[k]
+            return places[k], delta_v, after
         # What is unsafe goes behind the rest, where the last resort below still finds it.
         remaining -= 1
         places[k], places[remaining] = places[remaining], places[k]
         ends[k], ends[remaining] = ends[remaining], ends[k]
         weight[k] = weight[remaining]
         total = np.sum(weight[:remaining])
+    chosen = -1
     station = refuelling(rules, state)
     if station >= 0:
         for place in range(count):
             if candidates[place] == station:
-                return place
-    soonest = -1
-    for k in range(found):
-        if soonest < 0 or ends[k] < ends[soonest]:
-            soonest = k
-    return -1 if soonest < 0 else places[soonest]
+                chosen = place
+    else:
+        soonest = math.inf
+        for k in range(found):
+            if ends[k] < soonest:
+                chosen, soonest = places[k], ends[k]
+    if chosen < 0:
+        return -1, 0.0, state
+    _, delta_v, after = rule_kernels.step(rules, state, candidates[chosen])
+    return chosen, delta_v, after
 
 
 @kernel
@@ -235,6 +263,7 @@ def rollout(rules, policy, rng, scratch, moves, state):
     spent : float
         ΔV of the rollout [m/s].
     """
+    rules, scratch = rule_kernels.lent(rules), lent(scratch)
     candidates = scratch.open
     count = 0
     for j in range(rules.service.size):
@@ -244,13 +273,14 @@ def rollout(rules, policy, rng, scratch, moves, state):
     collected, spent = 0.0, 0.0
     for _ in range(policy.depth):
         if policy.guarded:
-            place = _draw_guarded(rules, policy, rng, scratch, count, state)
+            place, delta_v, after = _draw_guarded(rules, policy, rng, scratch, count, state)
         else:
-            place = _draw_uniform(rules, rng, candidates, count, scratch.visited, state)
+            place, delta_v, after = _draw_uniform(
+                rules, rng, candidates, count, scratch.visited, state
+            )
         if place < 0:
             break
-        body = candidates[place]
-        _, delta_v, state = rule_kernels.step(rules, state, body)
+        body, state = candidates[place], after
         if not rules.is_station[body]:
             count -= 1
             candidates[place], candidates[count] = candidates[count], body

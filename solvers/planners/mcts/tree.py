@@ -7,7 +7,7 @@ import numpy as np
 
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import inlined, kernel
-from adr_opt.kernels.memory import write
+from adr_opt.kernels.memory import borrowed, write
 from adr_opt.kernels.rules import State
 
 from . import policy as policies
@@ -125,9 +125,21 @@ def new_record(bodies: int) -> Record:
     )
 
 
+@inlined
+def lent(tree):
+    """The tree without ownership, for use within a kernel: no look at it is counted."""
+    return Tree(
+        borrowed(tree.body), borrowed(tree.since), borrowed(tree.serviced), borrowed(tree.time),
+        borrowed(tree.left), borrowed(tree.spent), borrowed(tree.visits), borrowed(tree.total),
+        borrowed(tree.best), borrowed(tree.child), borrowed(tree.sibling), borrowed(tree.untried),
+        borrowed(tree.moves),
+    )  # fmt: skip
+
+
 @kernel
 def write_node(tree, node, state, spent):
     """Make a node without children and without simulations."""
+    tree = lent(tree)
     tree.body[node], tree.since[node] = state.body, state.since
     tree.serviced[node] = state.serviced
     tree.time[node], tree.left[node], tree.spent[node] = state.time, state.left, spent
@@ -158,6 +170,7 @@ def copy_root(tree, node):
 @kernel
 def list_moves(rules, policy, search, tree, node, scratch):
     """Write down the moves of a node: all that may be legal, or the cheapest safe ones."""
+    rules, tree, scratch = rule_kernels.lent(rules), lent(tree), policies.lent(scratch)
     state, moves = state_of(tree, node), tree.moves[node]
     if search.guarded:
         tree.untried[node] = policies.cheapest_moves(
@@ -181,6 +194,7 @@ def expand(rules, search, rng, tree, node, used):
     child : int
         ``NONE`` if every legal move has one.
     """
+    rules, tree = rule_kernels.lent(rules), lent(tree)
     moves, state = tree.moves[node], state_of(tree, node)
     while tree.untried[node] > 0:
         tree.untried[node] -= 1
@@ -199,7 +213,7 @@ def expand(rules, search, rng, tree, node, used):
     return NONE
 
 
-@kernel
+@inlined
 def value_of(search, tree, node):
     """Q: the mean return of a node's simulations, or a mix of mean and best."""
     mean = tree.total[node] / tree.visits[node]
@@ -209,6 +223,7 @@ def value_of(search, tree, node):
 @kernel
 def select(search, tree, node, record):
     """The child with the greatest Q + c sqrt(ln N / n); ``NONE`` without children."""
+    tree = lent(tree)
     child = tree.child[node]
     if child == NONE:
         return NONE
@@ -274,7 +289,7 @@ def step(rules, policy, search, rng, tree, used, root, played, collected, visite
     root, used : int
         The node of that move, and the nodes in use.
     """
-    rules = rule_kernels.lent(rules)
+    rules, tree, scratch = rule_kernels.lent(rules), lent(tree), policies.lent(scratch)
     if used + search.simulations > tree.body.size:
         used, root = copy_root(tree, root), 0
     path = scratch.path
