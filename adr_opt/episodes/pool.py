@@ -8,7 +8,7 @@ import numpy.typing as npt
 from ..errors import InputError
 from ..instance import Instance
 from ..kernels import outlook as outlook_kernels
-from ..kernels.episodes import Episodes, Pool, begin
+from ..kernels.episodes import CLOSES, OPENS, PRIZE, SERVICE, Episodes, Pool, begin
 from ..kernels.outlook import HOME
 from ..mission import Mission
 from ..wording import counted
@@ -38,12 +38,8 @@ class FieldPool:
         self.arrays = Pool(
             bodies=np.zeros(slots, dtype=np.int32),
             orbits=np.zeros((slots, bodies, 4)),
-            service=np.zeros((slots, bodies)),
-            opens=np.zeros((slots, bodies)),
-            closes=np.zeros((slots, bodies)),
-            prize=np.zeros((slots, bodies)),
+            limits=np.zeros((slots, 4, bodies)),
             is_station=np.arange(bodies) < 1,
-            may_end=np.ones(bodies, dtype=np.bool_),
             first=np.zeros((slots, bodies, bodies)),
             spacing=np.ones((slots, bodies)),
             total=np.zeros((slots, bodies, bodies), dtype=np.int32),
@@ -88,11 +84,12 @@ class FieldPool:
         orbits = mission.transfer_inputs[0]
         arrays.bodies[slot] = bodies
         arrays.orbits[slot, :bodies] = orbits
-        arrays.service[slot, :bodies] = mission.rules.service
-        arrays.opens[slot, :bodies] = mission.rules.opens
-        arrays.closes[slot, :bodies] = mission.rules.closes
-        arrays.prize[slot] = 0.0
-        arrays.prize[slot, :bodies] = in_mean_prizes(mission)
+        limits = arrays.limits[slot]
+        limits[SERVICE, :bodies] = mission.rules.service
+        limits[OPENS, :bodies] = mission.rules.opens
+        limits[CLOSES, :bodies] = mission.rules.closes
+        limits[PRIZE] = 0.0
+        limits[PRIZE, :bodies] = in_mean_prizes(mission)
         arrays.first[slot, :bodies, :bodies] = table.first
         arrays.spacing[slot, :bodies] = table.spacing
         arrays.total[slot, :bodies, :bodies] = table.total

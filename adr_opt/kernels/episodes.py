@@ -19,6 +19,9 @@ from .outlook import HOME, Outlook
 from .rules import Rules, State
 from .timetable import Table
 
+SERVICE, OPENS, CLOSES, PRIZE = range(4)
+"""Rows of :attr:`Pool.limits`."""
+
 
 class Pool(NamedTuple):
     """Fields side by side.
@@ -29,12 +32,13 @@ class Pool(NamedTuple):
         Bodies of each field, the station first.
     orbits : (slots, bodies, 4) float64
         Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
-    service, opens, closes : (slots, bodies) float64
-        As in :class:`adr_opt.kernels.rules.Rules` [s].
-    prize : (slots, bodies) float64
-        Prize of each target in mean prizes of the field, 0 for the station: its reward.
-    is_station, may_end : (bodies,) bool
-        The same for all fields: the first body is the only station, and all are ends.
+    limits : (slots, 4, bodies) float64
+        :data:`SERVICE`, :data:`OPENS` and :data:`CLOSES` as in
+        :class:`adr_opt.kernels.rules.Rules` [s], and :data:`PRIZE`, that of each target in mean
+        prizes of the field, 0 for the station: its reward. One array, since every one that comes
+        as an argument takes as long as a few moves.
+    is_station : (bodies,) bool
+        The same for all fields: the first body is the only station.
     first, spacing, total, entries : arrays
         As in :class:`adr_opt.kernels.timetable.Table`, with a leading axis of slots.
     angle, near, near_angle, ahead, home, home_first, home_total, rate : arrays
@@ -43,12 +47,8 @@ class Pool(NamedTuple):
 
     bodies: np.ndarray
     orbits: np.ndarray
-    service: np.ndarray
-    opens: np.ndarray
-    closes: np.ndarray
-    prize: np.ndarray
+    limits: np.ndarray
     is_station: np.ndarray
-    may_end: np.ndarray
     first: np.ndarray
     spacing: np.ndarray
     total: np.ndarray
@@ -110,12 +110,8 @@ def lent(pool, episodes):
         Pool(
             borrowed(pool.bodies),
             borrowed(pool.orbits),
-            borrowed(pool.service),
-            borrowed(pool.opens),
-            borrowed(pool.closes),
-            borrowed(pool.prize),
+            borrowed(pool.limits),
             borrowed(pool.is_station),
-            borrowed(pool.may_end),
             borrowed(pool.first),
             borrowed(pool.spacing),
             borrowed(pool.total),
@@ -158,12 +154,13 @@ def rules_of(pool, episodes, e):
     slot = episodes.slot[e]
     return Rules(
         table_of(pool, slot),
-        pool.service[slot],
-        pool.opens[slot],
-        pool.closes[slot],
-        pool.prize[slot],
+        pool.limits[slot, SERVICE],
+        pool.limits[slot, OPENS],
+        pool.limits[slot, CLOSES],
+        pool.limits[slot, PRIZE],
         pool.is_station,
-        pool.may_end,
+        # Where missions may end is not asked for, since they may end anywhere.
+        pool.is_station,
         1,
         1,
         HOME,
@@ -240,6 +237,7 @@ def move(pool, episodes, e, destination):
     legal : bool
         Nothing has changed if not.
     """
+    pool, episodes = lent(pool, episodes)
     rules, state = rules_of(pool, episodes, e), state_of(episodes, e)
     if not rule_kernels.may_go(rules, state, episodes.visited[e], destination):
         return False
@@ -260,6 +258,7 @@ def move(pool, episodes, e, destination):
 @kernel
 def make_mask(pool, episodes, e, mask):
     """Legal actions of an episode, written into ``mask`` (actions,) bool; returns their number."""
+    (pool, episodes), mask = lent(pool, episodes), borrowed(mask)
     rules = rules_of(pool, episodes, e)
     bodies = pool.bodies[episodes.slot[e]]
     targets = mask.size - 1
@@ -317,7 +316,7 @@ def act(pool, episodes, first, last, actions, rewards, order=None):
         if not legal:
             rewards[e] = -1.0
         else:
-            rewards[e] = pool.prize[episodes.slot[e], body_of(action, targets)]
+            rewards[e] = pool.limits[episodes.slot[e], PRIZE, body_of(action, targets)]
 
 
 @inlined
