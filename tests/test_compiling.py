@@ -247,8 +247,7 @@ def test_folder_does_not_grow_for_ever(folder: Path, monkeypatch: pytest.MonkeyP
     assert len(left) == 4
 
 
-@pytest.mark.usefixtures("folder")
-def test_kernels_take_each_other_s_numbers_without_being_compiled_for_each() -> None:
+def test_kernels_take_each_other_s_numbers_without_being_compiled_for_each(folder: Path) -> None:
     """Integers of any width, written out or not, are one type to a kernel called by a kernel."""
     inner = doubling()
 
@@ -257,7 +256,21 @@ def test_kernels_take_each_other_s_numbers_without_being_compiled_for_each() -> 
         return inner(0) + inner(1) + inner(numbers[0]) + inner(numbers.size)
 
     assert outer(np.array([3], dtype=np.int32)) == 10.0
-    assert len(inner.overloads) == 1
+    assert len(list(folder.glob("*double*"))) == 1
+
+
+@pytest.mark.parametrize("python_first", [True, False])
+def test_kernel_answers_python_and_another_kernel(folder: Path, python_first: bool) -> None:
+    """Whoever calls a kernel first, both get the answer; what Python calls serves a kernel too."""
+    inner = doubling()
+
+    @kernel
+    def outer(number):
+        return inner(number) + 1
+
+    calls = [lambda: inner(3) == 6, lambda: outer(3) == 7]
+    assert all(call() for call in (calls if python_first else calls[::-1]))
+    assert len(list(folder.glob("*double*"))) == (1 if python_first else 2)
 
 
 PRACTISED = """
