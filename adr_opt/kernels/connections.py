@@ -22,6 +22,7 @@ import numpy as np
 from . import transfer
 from .compile import kernel
 from .constants import SLACK_S
+from .lists import chosen, wider
 from .transfer import TWO_PI
 
 CELLS = 256
@@ -50,7 +51,8 @@ def least_delta_v(pair, rule, least):
     """
     far = max(rule.max_radius - pair.reference, pair.reference - rule.min_radius)
     if far > WIDE * pair.reference:
-        least[:] = -math.inf
+        for c in range(CELLS):
+            least[c] = -math.inf
         return
     ends = np.empty(CELLS + 1)
     width = (rule.max_radius - rule.min_radius) / CELLS
@@ -73,14 +75,6 @@ def _estimated_cell(pair, rule, revolutions, time):
     d -= 0.5 * (pair.flight_2 + revolutions * pair.lap_2) / slope * d * d
     share = (pair.reference + d - rule.min_radius) / (rule.max_radius - rule.min_radius)
     return min(max(int(share * CELLS), 0), CELLS - 1)
-
-
-@kernel
-def _wider(numbers, size):
-    """A copy with room for twice as many."""
-    copy = np.empty(2 * size + 16, numbers.dtype)
-    copy[:size] = numbers[:size]
-    return copy
 
 
 @kernel
@@ -160,8 +154,8 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
             if best_k < 0:
                 continue
             if count == departures.size:
-                departures, arrivals = _wider(departures, count), _wider(arrivals, count)
-                costs, laps = _wider(costs, count), _wider(laps, count)
+                departures, arrivals = wider(departures, count), wider(arrivals, count)
+                costs, laps = wider(costs, count), wider(laps, count)
             departures[count], arrivals[count] = departure, arrival
             costs[count], laps[count] = best, best_k
             count += 1
@@ -175,7 +169,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
             while high < size and step_cost[high] >= costs[c]:
                 high += 1
             if size == step_arrival.size:
-                step_arrival, step_cost = _wider(step_arrival, size), _wider(step_cost, size)
+                step_arrival, step_cost = wider(step_arrival, size), wider(step_cost, size)
             shift = 1 - (high - low)
             if shift > 0:
                 for q in range(size, low, -1):
@@ -199,7 +193,12 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
             order[at] = c
             at += 1
         high = low
-    return departures[order], arrivals[order], costs[order], laps[order]
+    return (
+        chosen(departures, order, count),
+        chosen(arrivals, order, count),
+        chosen(costs, order, count),
+        chosen(laps, order, count),
+    )
 
 
 @kernel
@@ -221,17 +220,17 @@ def best_from(departure, arrival, delta_v, worth, time_value):
         after the departure before it.
     """
     best = np.empty(departure.size, np.int64)
-    chosen = departure.size - 1
+    taken = departure.size - 1
     for c in range(departure.size - 1, -1, -1):
         here = worth * delta_v[c] + time_value * arrival[c]
-        there = worth * delta_v[chosen] + time_value * arrival[chosen]
+        there = worth * delta_v[taken] + time_value * arrival[taken]
         if here < there or (
             here == there
             and (
-                arrival[c] < arrival[chosen]
-                or (arrival[c] == arrival[chosen] and delta_v[c] < delta_v[chosen])
+                arrival[c] < arrival[taken]
+                or (arrival[c] == arrival[taken] and delta_v[c] < delta_v[taken])
             )
         ):
-            chosen = c
-        best[c] = chosen
+            taken = c
+        best[c] = taken
     return best

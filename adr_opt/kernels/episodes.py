@@ -264,7 +264,8 @@ def make_mask(pool, episodes, e, mask):
     targets = mask.size - 1
     state = state_of(episodes, e)
     count = 0
-    mask[:] = False
+    for action in range(targets + 1):
+        mask[action] = False
     for j in range(bodies):
         if rule_kernels.may_go(rules, state, episodes.visited[e], j):
             if rule_kernels.step(rules, state, j)[0]:

@@ -136,12 +136,14 @@ def observe_lookahead(
                 gain[j], per_gain[j] = rules.prize[j], 1.0 / rules.prize[j]
         for row in range(targets + 1):
             # They may have been followed when something was written here last.
-            moves[e, row, begin:] = 0.0
+            for column in range(begin, moves.shape[2]):
+                moves[e, row, column] = 0.0
             promises.prize[e, row], promises.lead[e, row] = -math.inf, -math.inf
             promises.time_left[e, row] = 0.0
             if mask[e, row]:
-                moves[e, row, begin + BEHIND + 2 : begin + BEHIND + 4] = -LIMIT
-        stamp[:] = 0
+                moves[e, row, begin + BEHIND + 2] = -LIMIT
+                moves[e, row, begin + LEAD] = -LIMIT
+            stamp[row] = 0
         mark = 0
         greatest, most_slack = 0.0, 0.0
         count = cheapest_moves(rules, state, per_gain, mask[e], rows)

@@ -10,15 +10,8 @@ are ready for it and that no other ready one beats in (ΔV left, cost).
 import numpy as np
 
 from .compile import kernel
+from .lists import chosen, rising, wider
 from .timetable import earliest_taken
-
-
-@kernel
-def _wider(numbers, size):
-    """A copy with room for twice as many."""
-    copy = np.empty(2 * size + 64, numbers.dtype)
-    copy[:size] = numbers[:size]
-    return copy
 
 
 @kernel
@@ -111,15 +104,15 @@ def follow(ready, left, cost, connections, service, opens, closes, refill):
         last = size if refill < 0.0 else min(low + 1, size)
         for stair in range(low, last):
             if count == room:
-                ends, lefts, costs = _wider(ends, count), _wider(lefts, count), _wider(costs, count)
-                parents, takens = _wider(parents, count), _wider(takens, count)
+                ends, lefts, costs = wider(ends, count), wider(lefts, count), wider(costs, count)
+                parents, takens = wider(parents, count), wider(takens, count)
                 room = ends.size
             ends[count] = end
             lefts[count] = refill if refill >= 0.0 else front_left[stair] - delta_v[c]
             costs[count] = front_cost[stair] + delta_v[c]
             parents[count], takens[count] = front[stair], c
             count += 1
-    order = np.argsort(ends[:count], kind="mergesort")
+    order = rising(ends, count)
     best_left, best_cost = np.empty(count), np.empty(count)
     names = np.empty(count, np.int64)
     size, kept = 0, 0
@@ -131,5 +124,10 @@ def follow(ready, left, cost, connections, service, opens, closes, refill):
             order[kept] = which
             kept += 1
     # Of labels that are ready together a later one may beat an earlier one: harmless.
-    order = order[:kept]
-    return ends[order], lefts[order], costs[order], parents[order], takens[order]
+    return (
+        chosen(ends, order, kept),
+        chosen(lefts, order, kept),
+        chosen(costs, order, kept),
+        chosen(parents, order, kept),
+        chosen(takens, order, kept),
+    )

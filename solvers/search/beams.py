@@ -27,6 +27,7 @@ import numpy.typing as npt
 
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import inlined, kernel
+from adr_opt.kernels.lists import rising
 from adr_opt.kernels.memory import borrowed, write
 from adr_opt.kernels.rules import State
 from adr_opt.mission import Mission
@@ -220,9 +221,9 @@ def _compact(cand, limit, count, wanted):
 @kernel
 def _new_level(width, words):
     return Level(
-        np.zeros(width, np.int64), np.zeros(width, np.int64), np.zeros(width), np.zeros(width),
-        np.zeros(width), np.zeros(width), np.zeros(width), np.zeros(width, np.uint64),
-        np.zeros((width, words), np.uint64),
+        np.empty(width, np.int64), np.empty(width, np.int64), np.empty(width), np.empty(width),
+        np.empty(width), np.empty(width), np.empty(width), np.empty(width, np.uint64),
+        np.empty((width, words), np.uint64),
     )  # fmt: skip
 
 
@@ -348,9 +349,11 @@ def _keep(
     rules, (level, cand) = rule_kernels.lent(rules), _lent(level, cand)
     after = _lent(after, cand)[0]
     head, chain, held, waiting, which = desk
-    order = np.argsort(cand.score[:count], kind="mergesort")
-    head[:] = -1
-    held[:] = 0
+    order = rising(cand.score, count)
+    for bucket in range(head.size):
+        head[bucket] = -1
+    for body in range(held.size):
+        held[body] = 0
     size, stranded = 0, 0
     for turn in range(2 * count):
         if size == most or turn == count + stranded:
@@ -403,6 +406,9 @@ def _first_level(rules, guide, guided, done, first, level, keys):
     for s in range(size):
         level.body[s], level.since[s] = body, since
         level.time[s], level.left[s], level.spent[s] = ready[s], left[s], spent[s]
+        level.prize[s], level.ahead[s], level.key[s] = 0.0, 0.0, np.uint64(0)
+        for word in range(level.visited.shape[1]):
+            level.visited[s, word] = np.uint64(0)
         for j in range(rules.first_target, rules.service.size):
             if done[j]:
                 level.prize[s] += rules.prize[j]
@@ -452,9 +458,9 @@ def beam_kernel(rules, done, first, guide, guided, weights, halt):
     remaining = min(bodies - rules.first_target, rules.most_targets) - serviced
     size = _first_level(rules, guide, guided, done, first, level, keys)
 
-    parent_of = np.zeros((remaining, width), np.int32)
-    move_of = np.zeros((remaining, width), np.int32)
-    via_of = np.zeros((remaining, width), np.int32)
+    parent_of = np.empty((remaining, width), np.int32)
+    move_of = np.empty((remaining, width), np.int32)
+    via_of = np.empty((remaining, width), np.int32)
     best_prize, best_spent, best_level, best_at = level.prize[0], level.spent[0], -1, -1
 
     wanted = max(CANDIDATES * width, LEAST_CANDIDATES)

@@ -49,7 +49,7 @@ class Worth(NamedTuple):
 
 @kernel
 def _refuelling_s(rules, samples):
-    """Median time that a stop at the next station takes, from ready to refuelled [s]."""
+    """Times that stops at the next station take, from ready to refuelled [s]; how many."""
     bodies = rules.service.size
     found = np.empty(samples * (bodies - rules.first_target))
     count = 0
@@ -64,7 +64,7 @@ def _refuelling_s(rules, samples):
             if best < np.inf:
                 found[count] = best
                 count += 1
-    return np.median(found[:count]) if count > 0 else np.inf
+    return found, count
 
 
 def worth_of(mission: Mission) -> Worth:
@@ -85,7 +85,8 @@ def _worth_of(mission: Mission) -> Worth:
     serviced = GREED * max(1, int(np.count_nonzero(~rules.is_station[greedy])))
     hours = max(rules.duration - rules.ready, 1.0) / 3600.0
     hour = serviced * mean / hours
-    stop_h = float(_refuelling_s(rules, SAMPLES)) / 3600.0
+    found, count = _refuelling_s(rules, SAMPLES)
+    stop_h = float(np.median(found[:count])) / 3600.0 if count > 0 else np.inf
     kilometres = max(rules.budget, 1.0) / 1000.0
     # Without stations, or where a stop takes longer than the mission, a tank is all there is.
     delta_v = min(ON_THE_WAY * hour * stop_h, serviced * mean) / kilometres
