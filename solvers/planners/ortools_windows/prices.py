@@ -11,6 +11,7 @@ import numpy as np
 
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.memory import write
 
 
 @kernel
@@ -32,8 +33,10 @@ def _longest(rules, worth, net, price, fuel_price, best, choice):
 @kernel
 def _demand(net, choice, used, visits):
     """What the best priced path takes: ΔV of each tank, visits of each body."""
-    used[:] = 0.0
-    visits[:] = 0.0
+    for c in range(used.size):
+        used[c] = 0.0
+    for j in range(visits.size):
+        visits[j] = 0.0
     n = 0
     while choice[n] >= 0:
         m = choice[n]
@@ -88,7 +91,8 @@ def edge_worths(rules, worth, net, window, goal, steps):
         value = best[0] + constant
         if value < bound:
             bound, best_constant, stale = value, constant, 0
-            best_price[:], best_fuel_price[:] = price, fuel_price
+            write(best_price, price)
+            write(best_fuel_price, fuel_price)
         else:
             stale += 1
             if stale == 5:
