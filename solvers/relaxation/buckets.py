@@ -47,7 +47,7 @@ class Buckets(NamedTuple):
     cost : (legs,) int32
         [slots].
     least : (legs,) float64
-        Least ΔV of any leg between the same bodies in so many slots [m/s].
+        Least ΔV of any leg between the same bodies in the same step of ΔV [m/s].
     is_station, may_end : (bodies,) bool
         As in :class:`adr_opt.kernels.rules.Rules`.
     root : int
@@ -91,7 +91,7 @@ def _assign(network, length, start, of_row):
 
 
 @kernel
-def _keep(network, start, of_row, i, slot, slots):
+def _keep(network, start, of_row, i, slot, parts, steps):
     """The legs of body i that count.
 
     Returns
@@ -105,9 +105,9 @@ def _keep(network, start, of_row, i, slot, slots):
     low, high = network.start[i], network.start[i + 1] - 1
     base = start[i]
     never = np.int32(2**31 - 1)
-    # Earliest landing bucket of the later legs to a body that cost no more than so many slots.
-    earliest = np.full((bodies, slots), never, np.int32)
-    cheapest = np.full((bodies, slots), np.inf)
+    # Earliest landing bucket of the later legs to a body that cost no more than so many steps.
+    earliest = np.full((bodies, steps), never, np.int32)
+    cheapest = np.full((bodies, steps), np.inf)
     most = network.first[high] - network.first[low]
     # Filled from the end.
     destination, landing = np.empty(most, np.int32), np.empty(most, np.int32)
@@ -117,14 +117,14 @@ def _keep(network, start, of_row, i, slot, slots):
     for row in range(high - 1, low - 1, -1):
         j = network.destination[row]
         for leg in range(network.first[row], network.first[row + 1]):
-            price = max(0, math.floor(network.delta_v[leg] / slot - SLACK))
+            price = max(0, math.floor(parts * network.delta_v[leg] / slot - SLACK))
             cheapest[j, price] = min(cheapest[j, price], network.delta_v[leg])
             there = of_row[network.landing[leg]]
             if earliest[j, price] <= there:
                 continue
             at -= 1
             destination[at], landing[at], cost[at] = j, there, price
-            for c in range(price, slots):
+            for c in range(price, steps):
                 if earliest[j, c] <= there:
                     break
                 earliest[j, c] = there
@@ -132,6 +132,7 @@ def _keep(network, start, of_row, i, slot, slots):
     first[first.size - 1] = most
     for leg in range(at, most):
         least[leg] = cheapest[destination[leg], cost[leg]]
+        cost[leg] //= parts
     return (
         first - at, destination[at:].copy(), landing[at:].copy(), cost[at:].copy(),
         least[at:].copy(),
@@ -172,7 +173,13 @@ def assign(network: Network, share: float) -> Assignment:
 
 
 def build(
-    network: Network, assignment: Assignment, budget: float, slot_m_s: float, *, jobs: int
+    network: Network,
+    assignment: Assignment,
+    budget: float,
+    slot_m_s: float,
+    *,
+    parts: int,
+    jobs: int,
 ) -> Buckets:
     """The network of walks.
 
@@ -184,17 +191,21 @@ def build(
         [m/s].
     slot_m_s : float
         Slot of ΔV [m/s].
+    parts : int
+        Legs are told apart in so many steps of ΔV within each slot.
     jobs : int
         Threads. The result does not depend on it.
     """
     start, of_row, length = assignment
-    slots = math.floor(budget / slot_m_s + SLACK) + 1
+    steps = (math.floor(budget / slot_m_s + SLACK) + 1) * parts
     bodies = network.start.size - 1
     new = np.flatnonzero(np.diff(of_row)) + 1  # rows that open a bucket, but the first
     first_rows, last_rows = np.append(0, new), np.append(new - 1, of_row.size - 1)
     with ThreadPoolExecutor(jobs) as pool:
         kept = list(
-            pool.map(lambda i: _keep(network, start, of_row, i, slot_m_s, slots), range(bodies))
+            pool.map(
+                lambda i: _keep(network, start, of_row, i, slot_m_s, parts, steps), range(bodies)
+            )
         )
     return Buckets(
         start,

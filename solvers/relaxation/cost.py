@@ -34,10 +34,13 @@ RELATIVE = 1e-6
 GREATEST_TANKS = 2.0
 """Most that a service is worth to a walk [tanks]."""
 
-FIRST_EVALUATIONS, FIRST_LABELS, GROWTH = 12, 200_000, 4
+FIRST_EVALUATIONS, FIRST_LABELS, GROWTH = 24, 2_000_000, 4
 """Effort of the first round, and how that of the next ones grows."""
 
-LEAST_SHARE = 1.0 / 32.0
+PARTS = 25
+"""Steps of ΔV in a slot: what a leg pays is known to a step."""
+
+LEAST_SHARE = 1.0 / 8.0
 """Of the gap, asked for at least before more labels are allowed."""
 
 
@@ -60,7 +63,7 @@ class PricedBound(WalkBound):
     def __init__(
         self, mission: Mission, delta_v_slot_m_s: float, jobs: int, over: Callable[[], bool]
     ) -> None:
-        super().__init__(mission, delta_v_slot_m_s, jobs=jobs, over=over)
+        super().__init__(mission, delta_v_slot_m_s, jobs=jobs, over=over, parts=PARTS)
         super().evaluate(np.zeros(self.prize.size))
         self.reach = ((self.values.best >> self.bits) * self.unit).astype(np.float32) + 1e-3
         self.least_worth = 0.0
@@ -206,7 +209,7 @@ class CostProof:
             if plan is not None:
                 self._offer(plan)
             if value == -math.inf:
-                self._share = 1.0
+                self._share = min(1.0, 2.0 * self._share)
             elif grown == 0 and self._cost() >= before:
                 if not point[:-1].any():
                     return

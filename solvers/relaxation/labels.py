@@ -46,6 +46,11 @@ class Search(NamedTuple):
         Prize less multiplier [fine units].
     need : int
         Value below which a walk is of no use [fine units].
+    ambition : float
+        How much more a walk has to promise at the beginning of time, and ever less towards the end
+        of the mission [fine units]; 0 to miss none.
+    duration : float
+        [s].
     neighbourhood : (bodies, words) int64
         What walks remember at each body.
     budget : float
@@ -71,6 +76,8 @@ class Search(NamedTuple):
     slot: float
     gain: np.ndarray
     need: int
+    ambition: float
+    duration: float
     neighbourhood: np.ndarray
     budget: float
     most_visits: int
@@ -103,7 +110,7 @@ def _reaches(search, at, worth):
 
 
 @inlined
-def _stay(search, labels, waiting, bucket, i, kept):
+def _stay(search, labels, waiting, bucket, i, need, kept):
     """Drop the labels at body i that are too late in a bucket; they are so in later ones, too."""
     for k in range(waiting.size[i]):
         label = waiting.label[i, k]
@@ -111,13 +118,13 @@ def _stay(search, labels, waiting, bucket, i, kept):
         if label >= 0:
             at = _place(search, bucket, labels.left[label])
             most = labels.value[label] + _completion(search, at, labels.came_from[label])
-            kept[k] = most >= search.need and _reaches(search, at, labels.worth[label])
+            kept[k] = most >= need and _reaches(search, at, labels.worth[label])
     keep(waiting, i, kept, 2 * search.neighbourhood.shape[1])
     waiting.bucket[i] = bucket
 
 
 @inlined
-def _may_lead_on(network, search, row, value, left, i, j):
+def _may_lead_on(network, search, row, value, left, need, i, j):
     """Whether any leg of a row can lead on: by the earliest landing and the least ΔV of all."""
     first, last = network.first[row], network.first[row + 1] - 1
     rest = left - network.delta_v[last]
@@ -126,7 +133,7 @@ def _may_lead_on(network, search, row, value, left, i, j):
     if network.is_station[j]:
         rest = search.budget
     at = _place(search, search.bucket[network.landing[first]], rest)
-    return value + search.gain[j] + _completion(search, at, i) >= search.need
+    return value + search.gain[j] + _completion(search, at, i) >= need
 
 
 @inlined
@@ -183,8 +190,10 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
             if not arrive(waiting, labels, i, pending[row]):
                 return CROWDED
             pending[row] = labels.following[pending[row]]
+        ahead = max(0.0, 1.0 - network.departure[row] / search.duration)
+        need = search.need + np.int64(search.ambition * ahead)
         if waiting.bucket[i] != bucket:
-            _stay(search, labels, waiting, bucket, i, kept)
+            _stay(search, labels, waiting, bucket, i, need, kept)
         j = network.destination[row]
         to_station = network.is_station[j]
         behind = -1 if network.is_station[i] else i
@@ -193,7 +202,7 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
             if here < 0:
                 continue
             left, value, worth = labels.left[here], labels.value[here], labels.worth[here]
-            if not _may_lead_on(network, search, row, value, left, behind, j):
+            if not _may_lead_on(network, search, row, value, left, need, behind, j):
                 continue
             if not to_station:
                 if labels.memory[here, j // WORD] >> (j % WORD) & 1:
@@ -214,7 +223,7 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                 rest = search.budget if to_station else left - network.delta_v[leg]
                 then = value + search.gain[j] - np.int64(search.price * network.delta_v[leg])
                 at = _place(search, search.bucket[landing], rest)
-                if then + _completion(search, at, behind) < search.need:
+                if then + _completion(search, at, behind) < need:
                     continue
                 if not _reaches(search, at, collected):
                     continue

@@ -206,6 +206,8 @@ class WalkBound:
         Asked now and then whether the time is over.
     network : Network, optional
         That of the mission, where it is known.
+    parts : int
+        Steps of ΔV in a slot that legs are told apart by, for walks that pay for it.
 
     Attributes
     ----------
@@ -237,6 +239,7 @@ class WalkBound:
         jobs: int = 1,
         over: Callable[[], bool] = lambda: False,
         network: Network | None = None,
+        parts: int = 1,
     ) -> None:
         rules = mission.rules
         self._over = over
@@ -251,7 +254,9 @@ class WalkBound:
         self.top = math.floor(rules.budget / self.slot + SLACK)
         self.width = (self.top // simd.LANES + 1) * simd.LANES
         self._jobs = jobs
-        self.buckets = fill(self.network, assignment, rules.budget, self.slot, jobs=jobs)
+        self.buckets = fill(
+            self.network, assignment, rules.budget, self.slot, parts=parts, jobs=jobs
+        )
         size = (int(self.buckets.start[-1]) + 1) * self.width
         self.values = Values(np.empty(size, dtype=np.int32), np.empty(size, dtype=np.int32))
         # Buckets of one stage do not land in it, so their bodies are independent.
@@ -259,7 +264,7 @@ class WalkBound:
         self._stages = int(rules.duration / self._stage) + 1 if self._stage > 0.0 else 1
         self.bits = int(bodies).bit_length()
         self.most_legs = self._stages + 1
-        self.budget = rules.budget
+        self.budget, self.duration = rules.budget, rules.duration
         self.greatest_prize = float(self.prize.max(initial=0.0)) or 1.0
         room = LARGEST / (1 << self.bits) / self.most_legs / self.greatest_prize
         # A power of two, so that units are exact numbers.
