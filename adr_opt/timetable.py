@@ -197,7 +197,12 @@ class Timetable:
     @property
     def entries(self) -> int:
         """Number of (pair, departure event) entries."""
-        return int(self.table.total.sum())
+        return kernels.count_entries(self.table)
+
+    @property
+    def most_events(self) -> int:
+        """For how many departure events of a pair the table has room."""
+        return kernels.most_events(self.table)
 
     def index(self, body: int | str) -> int:
         """Index of a body given by index or name."""

@@ -49,8 +49,8 @@ def main() -> None:
     parser.add_argument("--reference-legs", type=int, default=12)
     arguments = parser.parse_args()
     instance = adr_opt.generate("nominal", 0)
-    table = adr_opt.Timetable(instance)
-    entries = table.entries
+    timetable = adr_opt.Timetable(instance)
+    entries = timetable.entries
     cores = os.cpu_count() or 1
     print(heading())
     print("| what | min | median | max |\n|---|---|---|---|")
@@ -64,17 +64,17 @@ def main() -> None:
     rng = np.random.default_rng(0)
     legs = []
     while len(legs) < arguments.reference_legs:
-        i, j = (int(x) for x in rng.choice(len(table.names), 2, replace=False))
+        i, j = (int(x) for x in rng.choice(len(timetable.names), 2, replace=False))
         ready = float(rng.uniform(0.0, 6.0 * 86400.0))
-        if np.isfinite(table.lookup(i, j, ready)[0]):
+        if np.isfinite(timetable.lookup(i, j, ready)[0]):
             legs.append((i, j, ready))
-    in_reference(table, legs[0])
+    in_reference(timetable, legs[0])
     times, worst = [], 0.0
     for i, j, ready in legs:
         began = time.perf_counter()
-        delta_v, arrival = in_reference(table, (i, j, ready))
+        delta_v, arrival = in_reference(timetable, (i, j, ready))
         times.append(time.perf_counter() - began)
-        ours = table.lookup(i, j, ready)
+        ours = timetable.lookup(i, j, ready)
         worst = max(worst, abs(delta_v / ours[0] - 1.0), abs(arrival / ours[1] - 1.0))
     per_leg = statistics.median(times)
     print(
@@ -84,7 +84,7 @@ def main() -> None:
     print(f"| boinor leg / timetable entry, 1 core | | {per_leg / (one[1] / entries):.0f} × | |")
     print(f"| largest relative difference to boinor, {len(legs)} legs | | | {worst:.1e} |")
 
-    mission = adr_opt.Mission(instance, table)
+    mission = adr_opt.Mission(instance, timetable)
     mission.rules  # noqa: B018  the arrays of the rules are part of a ready timetable
     greedy = get("greedy")
     search = median_s(

@@ -407,7 +407,7 @@ def test_an_observation_depends_on_the_state_alone(name: str) -> None:
     mission = Mission(instance)
     # Room for more bodies than the field has, as in a pool of fields of many sizes.
     room = targets + 3
-    pool = FieldPool(2, room + 1, mission.timetable.table.entries.shape[1] + 2)
+    pool = FieldPool(2, room + 1, mission.timetable.most_events + 2)
     pool.install(0, Mission(generate("tiny", 8)))
     pool.install(0, mission)
     count = 12

@@ -131,7 +131,7 @@ class MissionVecEnv(VecEnv):
         instances = [self.fields.draw_field(self._field_rng) for _ in range(self._slots)]
         # The lowest body has the most departure events; fields drawn later may be a little lower.
         lowest = _ready(min(instances, key=lambda instance: instance.orbits()[:, 0].min()))
-        events = lowest.timetable.table.entries.shape[1]
+        events = lowest.timetable.most_events
         self.pool = FieldPool(self._slots, self._targets + 1, events + 4 + events // 32)
         for slot, mission in enumerate(self._workers.map(_ready, instances)):
             self.pool.install(slot, mission)

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from ..errors import InputError
 from ..instance import Instance
 from ..kernels import outlook as outlook_kernels
+from ..kernels import timetable as timetable_kernels
 from ..kernels.episodes import CLOSES, OPENS, PRIZE, SERVICE, Episodes, Pool, begin
 from ..kernels.outlook import HOME
 from ..mission import Mission
@@ -35,22 +36,18 @@ class FieldPool:
     """
 
     def __init__(self, slots: int, bodies: int, events: int) -> None:
+        tables, home = timetable_kernels.allocate_slots(slots, bodies, events)
         self.arrays = Pool(
             bodies=np.zeros(slots, dtype=np.int32),
             orbits=np.zeros((slots, bodies, 4)),
             limits=np.zeros((slots, 4, bodies)),
             is_station=np.arange(bodies) < 1,
-            first=np.zeros((slots, bodies, bodies)),
-            spacing=np.ones((slots, bodies)),
-            total=np.zeros((slots, bodies, bodies), dtype=np.int32),
-            entries=np.full((slots, bodies, events, bodies, 2), np.inf),
+            tables=tables,
             angle=np.zeros((slots, bodies, bodies), dtype=np.float32),
             near=np.full((slots, bodies, outlook_kernels.NEAR), -1, dtype=np.int16),
             near_angle=np.zeros((slots, bodies, outlook_kernels.NEAR), dtype=np.float32),
             ahead=np.zeros((slots, bodies, events, outlook_kernels.LINE), dtype=np.uint16),
-            home=np.zeros((slots, bodies, events, 2), dtype=np.float32),
-            home_first=np.zeros((slots, bodies)),
-            home_total=np.zeros((slots, bodies), dtype=np.int32),
+            home=home,
             rate=np.zeros((slots, bodies)),
         )
         self.instances: list[Instance | None] = [None] * slots
@@ -58,16 +55,17 @@ class FieldPool:
     @classmethod
     def of(cls, mission: Mission) -> FieldPool:
         """A pool with one slot that holds one mission."""
-        table = mission.timetable.table
-        pool = cls(1, len(mission.names), table.entries.shape[1])
+        pool = cls(1, len(mission.names), mission.timetable.most_events)
         pool.install(0, mission)
         return pool
 
     def fits(self, mission: Mission) -> bool:
         """Whether there is room for a mission."""
-        _, bodies, events, _, _ = self.arrays.entries.shape
-        table = mission.timetable.table
-        return bool(len(mission.names) <= bodies and table.entries.shape[1] <= events)
+        room = timetable_kernels.most_events(self.arrays.tables)
+        return (
+            len(mission.names) <= self.arrays.is_station.size
+            and mission.timetable.most_events <= room
+        )
 
     def install(self, slot: int, mission: Mission) -> None:
         """Put a mission into a slot, which no running episode may be using.
@@ -80,7 +78,7 @@ class FieldPool:
         check_playable(mission)
         arrays = self.arrays
         table = mission.timetable.table
-        bodies, events = table.entries.shape[:2]
+        bodies = len(mission.names)
         orbits = mission.transfer_inputs[0]
         arrays.bodies[slot] = bodies
         arrays.orbits[slot, :bodies] = orbits
@@ -90,11 +88,7 @@ class FieldPool:
         limits[CLOSES, :bodies] = mission.rules.closes
         limits[PRIZE] = 0.0
         limits[PRIZE, :bodies] = in_mean_prizes(mission)
-        arrays.first[slot, :bodies, :bodies] = table.first
-        arrays.spacing[slot, :bodies] = table.spacing
-        arrays.total[slot, :bodies, :bodies] = table.total
-        arrays.entries[slot] = np.inf
-        arrays.entries[slot, :bodies, :events, :bodies] = table.entries
+        timetable_kernels.put(arrays.tables, slot, table)
         outlook_kernels.fill(
             orbits,
             table,
@@ -104,9 +98,7 @@ class FieldPool:
                 arrays.near[slot],
                 arrays.near_angle[slot],
                 arrays.ahead[slot],
-                arrays.home[slot],
-                arrays.home_first[slot],
-                arrays.home_total[slot],
+                timetable_kernels.Column(*(part[slot] for part in arrays.home)),
                 arrays.rate[slot],
             ),
         )

@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from . import rules as rule_kernels
+from . import timetable
 from .compile import inlined, kernel
 from .constants import SLACK_M_S, SLACK_S
 from .memory import borrowed
 from .outlook import HOME, Outlook
 from .rules import Rules, State
-from .timetable import Table
 
 SERVICE, OPENS, CLOSES, PRIZE = range(4)
 """Rows of :attr:`Pool.limits`."""
@@ -39,9 +39,9 @@ class Pool(NamedTuple):
         as an argument takes as long as a few moves.
     is_station : (bodies,) bool
         The same for all fields: the first body is the only station.
-    first, spacing, total, entries : arrays
-        As in :class:`adr_opt.kernels.timetable.Table`, with a leading axis of slots.
-    angle, near, near_angle, ahead, home, home_first, home_total, rate : arrays
+    tables : Table
+        With a leading axis of slots.
+    angle, near, near_angle, ahead, home, rate
         As in :class:`adr_opt.kernels.outlook.Outlook`, with a leading axis of slots.
     """
 
@@ -49,17 +49,12 @@ class Pool(NamedTuple):
     orbits: np.ndarray
     limits: np.ndarray
     is_station: np.ndarray
-    first: np.ndarray
-    spacing: np.ndarray
-    total: np.ndarray
-    entries: np.ndarray
+    tables: timetable.Table
     angle: np.ndarray
     near: np.ndarray
     near_angle: np.ndarray
     ahead: np.ndarray
-    home: np.ndarray
-    home_first: np.ndarray
-    home_total: np.ndarray
+    home: timetable.Column
     rate: np.ndarray
 
 
@@ -112,17 +107,12 @@ def lent(pool, episodes):
             borrowed(pool.orbits),
             borrowed(pool.limits),
             borrowed(pool.is_station),
-            borrowed(pool.first),
-            borrowed(pool.spacing),
-            borrowed(pool.total),
-            borrowed(pool.entries),
+            timetable.lent(pool.tables),
             borrowed(pool.angle),
             borrowed(pool.near),
             borrowed(pool.near_angle),
             borrowed(pool.ahead),
-            borrowed(pool.home),
-            borrowed(pool.home_first),
-            borrowed(pool.home_total),
+            timetable.lent_column(pool.home),
             borrowed(pool.rate),
         ),
         Episodes(
@@ -143,17 +133,11 @@ def lent(pool, episodes):
 
 
 @inlined
-def table_of(pool, slot):
-    """The timetable of a slot."""
-    return Table(pool.first[slot], pool.spacing[slot], pool.total[slot], pool.entries[slot])
-
-
-@inlined
 def rules_of(pool, episodes, e):
     """The rules of an episode."""
     slot = episodes.slot[e]
     return Rules(
-        table_of(pool, slot),
+        timetable.in_slot(pool.tables, slot),
         pool.limits[slot, SERVICE],
         pool.limits[slot, OPENS],
         pool.limits[slot, CLOSES],
@@ -193,9 +177,7 @@ def outlook_of(pool, slot):
         pool.near[slot],
         pool.near_angle[slot],
         pool.ahead[slot],
-        pool.home[slot],
-        pool.home_first[slot],
-        pool.home_total[slot],
+        timetable.column_in_slot(pool.home, slot),
         pool.rate[slot],
     )
 

@@ -19,8 +19,9 @@ from . import rules as rule_kernels
 from .compile import inlined, kernel
 from .episodes import clip, lent, outlook_of, rules_of, state_of
 from .memory import borrowed
-from .observation import LIMIT, PER_HOUR, PER_KM_S, PER_TEN, observe_transfer, way_back
+from .observation import LIMIT, PER_HOUR, PER_KM_S, PER_TEN, observe_transfer
 from .outlook import AHEAD, HOME, M_S_PER_HOUR, NOBODY
+from .timetable import half_periods, lookup_in_column
 
 CHAINS = tuple((worth, share) for share in (0.0, 0.6) for worth in (200.0, 350.0, 600.0, 1200.0))
 """The chains: ΔV taken to be worth an hour [m/s], and how much of the cost of the cheapest move
@@ -265,7 +266,7 @@ def greedy_chain(
     end, left : float
         End of the last service [s] and ΔV left then [m/s].
     """
-    spacing = rules.table.spacing
+    table, home = rules.table, outlook.home
     guarded_until = rules.duration - UNGUARDED_S
     worth, collected = 0.0, 0.0
     choice = move
@@ -279,7 +280,7 @@ def greedy_chain(
             stamp[body] = mark
         choice = -1
         least = math.inf
-        index = math.ceil(time / spacing[body])
+        index = half_periods(table, body, time)
         if index < outlook.ahead.shape[1]:
             for place in range(AHEAD):
                 k = np.int64(outlook.ahead[body, index, 3 * place])
@@ -294,12 +295,12 @@ def greedy_chain(
                 if cost >= least:
                     continue
                 if after.time < guarded_until:
-                    if way_back(outlook, spacing[k], k, after.time)[0] > after.left:
+                    if lookup_in_column(home, table, k, after.time)[0] > after.left:
                         continue
                 if foresight > 0.0:
                     # In place: as a function of its own this took half of all the time.
                     next_cost = NOTHING_HOURS
-                    row = math.ceil(after.time / spacing[k])
+                    row = half_periods(table, k, after.time)
                     if row < outlook.ahead.shape[1]:
                         for second in range(AHEAD):
                             j = np.int64(outlook.ahead[k, row, 3 * second])

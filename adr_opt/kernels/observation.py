@@ -13,12 +13,12 @@ import math
 import numpy as np
 
 from . import rules as rule_kernels
-from .compile import inlined, kernel
+from .compile import kernel
 from .episodes import clip, lent, make_mask, outlook_of, rules_of, state_of, turned
 from .memory import borrowed, fetch
 from .orbits import ARGUMENT_OF_LATITUDE, INCLINATION, RAAN, RADIUS, mean_motion
 from .outlook import AHEAD, DELTA_V_UNIT_M_S, HOME, HOUR_UNIT, M_S_PER_HOUR, NEAR, NOBODY
-from .timetable import earliest_taken
+from .timetable import half_periods, lookup_in_column
 
 LIMIT = 5.0
 """Every number of an observation lies in [−LIMIT, LIMIT]."""
@@ -116,22 +116,6 @@ DEGREES = 180.0 / math.pi
 FAR = LIMIT
 
 
-@inlined
-def next_way_back(outlook, spacing, j, ready):
-    """Event of the next departure for the station."""
-    return max(0, math.ceil((earliest_taken(ready) - outlook.home_first[j]) / spacing))
-
-
-@inlined
-def way_back(outlook, spacing, j, ready):
-    """ΔV [m/s] and time [s] from ready to the arrival at the station; +inf for no transfer."""
-    m = next_way_back(outlook, spacing, j, ready)
-    if m >= outlook.home_total[j]:
-        return math.inf, math.inf
-    time = outlook.home_first[j] + m * spacing - ready + outlook.home[j, m, 1]
-    return outlook.home[j, m, 0], time
-
-
 @kernel
 def observe_published(pool, episodes, order, first, last, out, mask, legal):
     """Observations ``published`` of the episodes ``order[first:last]``.
@@ -217,7 +201,6 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
         e = order[place]
         slot = episodes.slot[e]
         rules = rules_of(pool, episodes, e)
-        spacing = rules.table.spacing
         outlook = outlook_of(pool, slot)
         orbits = pool.orbits[slot]
         bodies = pool.bodies[slot]
@@ -236,8 +219,11 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
         # Then everything that lies scattered, in a loop so short that its reads overlap.
         for j in range(bodies):
             if ends[j] <= duration:
-                home_costs[j], home_times[j] = way_back(outlook, spacing[j], j, ends[j])
-                places[j] = min(math.ceil(ends[j] / spacing[j]), outlook.ahead.shape[1] - 1)
+                home_costs[j], home_times[j] = lookup_in_column(
+                    outlook.home, rules.table, j, ends[j]
+                )
+                begun = half_periods(rules.table, j, ends[j])
+                places[j] = min(begun, outlook.ahead.shape[1] - 1)
                 fetch(outlook.ahead, (j, places[j], 0))
         # A budget or a time of zero must not divide.
         per_left = 1.0 / max(left, 1.0)

@@ -52,13 +52,8 @@ class Outlook(NamedTuple):
         Of a chaser that is ready ``time`` half periods of the body after the epoch: destination,
         ΔV [0.1 m/s] and time from ready to the end of service [0.001 h] of the :data:`AHEAD`
         transfers that are cheapest by hours + ΔV / :data:`M_S_PER_HOUR`, cheapest first.
-    home : (bodies, events, 2) float32
-        The timetable's entries of the way to the station: ΔV [m/s], and arrival after the
-        departure event [s].
-    home_first : (bodies,) float64
-        Their first departure event [s].
-    home_total : (bodies,) int32
-        Number of their events.
+    home : Column
+        The timetable's entries of the way to the station.
     rate : (bodies,) float64
         Mean motion [rad/s].
     """
@@ -67,9 +62,7 @@ class Outlook(NamedTuple):
     near: np.ndarray
     near_angle: np.ndarray
     ahead: np.ndarray
-    home: np.ndarray
-    home_first: np.ndarray
-    home_total: np.ndarray
+    home: timetable.Column
     rate: np.ndarray
 
 
@@ -111,6 +104,7 @@ def fill(bodies, table, service, outlook):
                 bodies[j, orbits.INCLINATION], bodies[j, orbits.RAAN],
             )  # fmt: skip
             outlook.angle[i, j] = theta
+    timetable.fill_column(table, HOME, outlook.home)
     costs, items = np.empty(NEAR), np.empty(NEAR, dtype=np.int64)
     best, who = np.empty(AHEAD), np.empty(AHEAD, dtype=np.int64)
     for i in range(count):
@@ -121,18 +115,8 @@ def fill(bodies, table, service, outlook):
         outlook.near[i] = -1
         write(outlook.near[i], items[:kept])
         write(outlook.near_angle[i], costs[:kept])
-        outlook.home_first[i] = 0.0
-        outlook.home_total[i] = 0
-        if i != HOME:
-            outlook.home_first[i] = timetable.departure_at(table, i, HOME, 0)
-            outlook.home_total[i] = timetable.events(table, i, HOME)
-            for m in range(outlook.home_total[i]):
-                delta_v, arrival = timetable.entry_at(table, i, HOME, m)
-                outlook.home[i, m, 0] = delta_v
-                departure = timetable.departure_at(table, i, HOME, m)
-                outlook.home[i, m, 1] = arrival - departure
         for m in range(outlook.ahead.shape[1]):
-            ready = m * table.spacing[i]
+            ready = timetable.after_half_periods(table, i, m)
             kept = 0
             for j in range(count):
                 if j in (i, HOME):

@@ -107,14 +107,8 @@ def lent(rules):
     Every look at an array of rules that came as an argument counts a reference to it, which takes
     longer than most moves do.
     """
-    table = rules.table
     return Rules(
-        timetable.Table(
-            borrowed(table.first),
-            borrowed(table.spacing),
-            borrowed(table.total),
-            borrowed(table.entries),
-        ),
+        timetable.lent(rules.table),
         borrowed(rules.service),
         borrowed(rules.opens),
         borrowed(rules.closes),

@@ -5,6 +5,9 @@ which: the one of least ΔV + w · arrival, where w is the value of time (MODEL 
 two events nothing depends on the time but the wait, so a table over events is exact. How events are
 spaced and where entries lie is known to this module alone: planners ask :func:`next_event` and
 :func:`lookup`.
+
+Who steps hundreds of missions keeps timetables side by side, with a leading axis of slots, and the
+entries of one destination packed, as a :class:`Column`.
 """
 
 import math
@@ -15,6 +18,7 @@ import numpy as np
 from . import orbits, transfer
 from .compile import inlined, kernel
 from .constants import SLACK_S
+from .memory import borrowed
 
 
 class Limits(NamedTuple):
@@ -59,6 +63,24 @@ class Table(NamedTuple):
 
     first: np.ndarray
     spacing: np.ndarray
+    total: np.ndarray
+    entries: np.ndarray
+
+
+class Column(NamedTuple):
+    """The entries of one destination, packed in half the memory.
+
+    Attributes
+    ----------
+    first : (bodies,) float64
+        Time of the first departure event of each origin [s].
+    total : (bodies,) int32
+        Number of events; 0 for the destination itself.
+    entries : (bodies, events, 2) float32
+        ΔV [m/s], and arrival after the departure event [s].
+    """
+
+    first: np.ndarray
     total: np.ndarray
     entries: np.ndarray
 
@@ -142,6 +164,45 @@ def size_of(bodies: int, most: int) -> int:
     return bodies**2 * (16 * most + 12)
 
 
+def most_events(table: Table) -> int:
+    """For how many departure events of a pair there is room."""
+    return int(table.entries.shape[-3])
+
+
+def count_entries(table: Table) -> int:
+    """How many departure events all pairs have."""
+    return int(table.total.sum())
+
+
+def shortest_spacing(table: Table) -> float:
+    """Least time between two departure events of a pair [s]."""
+    return float(table.spacing.min())
+
+
+def allocate_slots(slots: int, bodies: int, most: int) -> tuple[Table, Column]:
+    """Tables and columns side by side, without a departure event yet."""
+    return Table(
+        first=np.zeros((slots, bodies, bodies)),
+        spacing=np.ones((slots, bodies)),
+        total=np.zeros((slots, bodies, bodies), dtype=np.int32),
+        entries=np.full((slots, bodies, most, bodies, 2), np.inf),
+    ), Column(
+        first=np.zeros((slots, bodies)),
+        total=np.zeros((slots, bodies), dtype=np.int32),
+        entries=np.zeros((slots, bodies, most, 2), dtype=np.float32),
+    )
+
+
+def put(tables: Table, slot: int, table: Table) -> None:
+    """Copy a table into a slot that may have room for more bodies and events."""
+    bodies, most = table.entries.shape[:2]
+    tables.first[slot, :bodies, :bodies] = table.first
+    tables.spacing[slot, :bodies] = table.spacing
+    tables.total[slot, :bodies, :bodies] = table.total
+    tables.entries[slot] = np.inf
+    tables.entries[slot, :bodies, :most, :bodies] = table.entries
+
+
 def part(table: Table, kept: np.ndarray) -> Table:
     """The table of some bodies, in ascending order; it takes the memory of the whole one over."""
 
@@ -160,6 +221,35 @@ def part(table: Table, kept: np.ndarray) -> Table:
         total=table.total[pairs],
         entries=packed(table.entries),
     )
+
+
+@inlined
+def lent(table):
+    """A table without ownership, for use within a kernel: no look at it is counted."""
+    return Table(
+        borrowed(table.first),
+        borrowed(table.spacing),
+        borrowed(table.total),
+        borrowed(table.entries),
+    )
+
+
+@inlined
+def lent_column(column):
+    """A column likewise."""
+    return Column(borrowed(column.first), borrowed(column.total), borrowed(column.entries))
+
+
+@inlined
+def in_slot(tables, slot):
+    """One of the tables that stand side by side."""
+    return Table(tables.first[slot], tables.spacing[slot], tables.total[slot], tables.entries[slot])
+
+
+@inlined
+def column_in_slot(columns, slot):
+    """One of the columns."""
+    return Column(columns.first[slot], columns.total[slot], columns.entries[slot])
 
 
 @inlined
@@ -216,6 +306,42 @@ def lookup(table, i, j, time):
     if m >= table.total[i, j]:
         return math.inf, math.inf
     return table.entries[i, m, j, 0], table.entries[i, m, j, 1]
+
+
+@inlined
+def half_periods(table, i, time):
+    """How many half periods of a body have begun at a time: from event to event of any pair."""
+    return math.ceil(time / table.spacing[i])
+
+
+@inlined
+def after_half_periods(table, i, number):
+    """When they have [s]."""
+    return number * table.spacing[i]
+
+
+@kernel
+def fill_column(table, j, column):
+    """Pack the entries of a destination into a column, which may have room for more."""
+    for i in range(table.spacing.size):
+        column.first[i], column.total[i] = 0.0, 0
+        if i != j:
+            column.first[i], column.total[i] = table.first[i, j], table.total[i, j]
+            for m in range(table.total[i, j]):
+                delta_v, arrival = entry_at(table, i, j, m)
+                column.entries[i, m, 0] = delta_v
+                column.entries[i, m, 1] = arrival - departure_at(table, i, j, m)
+
+
+@inlined
+def lookup_in_column(column, table, i, ready):
+    """ΔV [m/s] and time [s] from ready to the arrival at the destination; +inf for no transfer."""
+    spacing = table.spacing[i]
+    m = max(0, math.ceil((earliest_taken(ready) - column.first[i]) / spacing))
+    if m >= column.total[i]:
+        return math.inf, math.inf
+    time = column.first[i] + m * spacing - ready + column.entries[i, m, 1]
+    return column.entries[i, m, 0], time
 
 
 @kernel

@@ -20,6 +20,7 @@ from adr_opt.errors import InputError
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import STATION
+from adr_opt.kernels.timetable import shortest_spacing
 
 from .promise import Promise, need
 
@@ -99,7 +100,7 @@ def didppy_promise(
     bodies = rules.service.size
     if bodies < 2:
         return Promise((), 0.0, 0.0, 0.0, 0.0)
-    shortest = float(rules.table.spacing.min())
+    shortest = shortest_spacing(rules.table)
     if not 0.0 < slot_s < shortest:
         raise InputError(f"slot_s = {slot_s!r}: must be > 0 and < {shortest:.0f}")
     slots = math.ceil(rules.duration / slot_s) + 1

@@ -55,8 +55,7 @@ class Field:
         self.targets = policy.targets or targets
         self.budget = mission.instance.chaser.tank.delta_v_m_s - mission.reserve_m_s
         self.duration = playing_time_s(mission.instance)
-        table = mission.timetable.table
-        self.pool = FieldPool(1, self.targets + 1, table.entries.shape[1])
+        self.pool = FieldPool(1, self.targets + 1, mission.timetable.most_events)
         self.pool.install(0, mission)
 
     @property

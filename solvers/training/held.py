@@ -36,7 +36,7 @@ class HeldFields:
             Mission(generate("nominal", HELD_SEED + number), threads=1)
             for number in range(HELD_FIELDS)
         ]
-        events = max(mission.timetable.table.entries.shape[1] for mission in missions)
+        events = max(mission.timetable.most_events for mission in missions)
         self._bodies = len(missions[0].names)
         self.pool = FieldPool(HELD_FIELDS, self._bodies, events)
         for slot, mission in enumerate(missions):

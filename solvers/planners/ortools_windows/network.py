@@ -321,7 +321,7 @@ def _slots(rules, window):
         members[s] = s
     members[stations] = window.body
     write(members[stations + 1 :], targets)
-    local = np.full(table.spacing.size, -1, dtype=np.int64)
+    local = np.full(rules.service.size, -1, dtype=np.int64)
     for place in range(members.size):
         local[members[place]] = place
     base = np.zeros((members.size, members.size), dtype=np.int64)

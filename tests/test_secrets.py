@@ -1,0 +1,68 @@
+"""What one module alone knows: how departure events are spaced, and where entries lie."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from adr_opt.kernels.timetable import Column, Table
+
+ROOT = Path(__file__).parent.parent
+HOLDERS = ("table", "tables", "column", "columns", "home")
+"""What tables and columns are called, whoever holds them."""
+
+OWN = {*Table._fields, *Column._fields}
+
+
+def touched(source: str) -> Iterator[str]:
+    """Every look at an array of a table, and at a spacing of anything."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Attribute) and node.attr in OWN:
+            holder = node.value
+            name = getattr(holder, "attr", None) or getattr(holder, "id", None)
+            if name in HOLDERS or node.attr == "spacing":
+                yield f"line {node.lineno}: {ast.unparse(node)}"
+
+
+def sources() -> list[Path]:
+    """All modules but the one that may."""
+    paths = [path for room in ("adr_opt", "solvers", "bench", "docs", "examples")
+             for path in sorted((ROOT / room).rglob("*.py"))]  # fmt: skip
+    return [path for path in paths if path != ROOT / "adr_opt/kernels/timetable.py"]
+
+
+def test_nobody_else_knows_how_a_timetable_is_kept() -> None:
+    """Everybody asks the functions of `kernels.timetable`; its arrays are its own."""
+    found = [
+        f"{path.relative_to(ROOT)}, {where}"
+        for path in sources()
+        for where in touched(path.read_text())
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "first = rules.table.first[i, j]",
+        "wait = pool.tables.spacing[slot, i]",
+        "count = mission.timetable.table.entries.shape[1]",
+        "total = outlook.home.total[j]",
+        "gap = t.spacing[i]",
+    ],
+)
+def test_a_look_inside_is_seen(line: str) -> None:
+    """The search above finds what it looks for."""
+    assert len(list(touched(line))) == 1
+
+
+def test_the_module_itself_is_full_of_it() -> None:
+    """In the module that knows, all of the arrays are used under these names."""
+    used = {
+        where.rsplit(".", 1)[1]
+        for where in touched((ROOT / "adr_opt/kernels/timetable.py").read_text())
+    }
+    assert used == OWN
