@@ -150,11 +150,19 @@ class Mission:
         return math.fsum(prizes) + (self.prize_step or max(prizes, default=0.0) or 1.0)
 
     @cached_property
+    def is_required(self) -> npt.NDArray[np.bool_]:
+        """Whether every plan services a body, shape (bodies,)."""
+        is_required = np.zeros(len(self.names), dtype=np.bool_)
+        is_required[self.instance.first_target :] = [
+            target.required for target in self.instance.targets
+        ]
+        is_required.setflags(write=False)
+        return is_required
+
+    @cached_property
     def required(self) -> frozenset[int]:
-        """Targets that every plan services."""
-        first = self.instance.first_target
-        targets = enumerate(self.instance.targets, start=first)
-        return frozenset(number for number, target in targets if target.required)
+        """The targets that every plan services."""
+        return frozenset(np.flatnonzero(self.is_required).tolist())
 
     def worth(self, prizes: float) -> float:
         """What a plan with all required targets and so many prizes is worth to a planner."""

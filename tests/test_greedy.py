@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from brute_force import brute_force
 from calling import call
 from hand_made import BEYOND, NORTH, SOUTH, STATION, hand_made
+from random_rules import random_mission
 
 import adr_opt
 from adr_opt.errors import InputError
@@ -97,6 +99,56 @@ def test_no_refuelling_that_nothing_follows(fields: list[Mission]) -> None:
             sequence = plan(mission, method).sequence
             assert sequence
             assert sequence[-1] != STATION
+
+
+def with_required(seed: int, share: float) -> Mission:
+    """A random mission, so many of whose targets are required."""
+    instance, rng = random_mission(seed), np.random.default_rng(seed)
+    targets = tuple(
+        target.replace(required=bool(rng.random() < share)) for target in instance.targets
+    )
+    return Mission(instance.replace(targets=targets), threads=1)
+
+
+@pytest.mark.parametrize("method", ["greedy", "greedy-guarded"])
+def test_required_targets_come_first_when_time_presses(method: str) -> None:
+    """Most missions that have a plan with all required targets get one.
+
+    By paying no attention to what is required less than half of them do; none of those is lost.
+    """
+    feasible = found = by_chance = 0
+    for seed in range(100):
+        mission = with_required(seed, 0.4)
+        if not mission.required or not math.isfinite(brute_force(mission)[0]):
+            continue
+        feasible += 1
+        result = plan(mission, method)
+        if result.plan is not None:
+            found += 1
+            assert adr_opt.check(mission.instance, result.plan) == ()
+        bare = with_required(seed, 0.0)
+        unaware = mission.closed(plan(bare, method).sequence or ())
+        if not mission.lacking(unaware) and mission.may_stop(unaware):
+            by_chance += 1
+            assert result.plan is not None, seed
+    assert feasible > 10
+    assert by_chance < 0.5 * feasible
+    assert found > 0.7 * feasible
+
+
+def test_a_required_target_waits_where_there_is_time(fields: list[Mission]) -> None:
+    """One far target of fifty is serviced, and costs no more than a few of the others."""
+    mission = fields[0]
+    usual = plan(mission, "greedy-guarded")
+    missing = max(set(range(1, 51)) - set(usual.sequence or ()))
+    targets = list(mission.instance.targets)
+    targets[missing - 1] = targets[missing - 1].replace(required=True)
+    instance = mission.instance.replace(targets=tuple(targets))
+    result = plan(Mission(instance, threads=1), "greedy-guarded")
+    assert result.sequence is not None
+    assert missing in result.sequence
+    assert result.sequence[:3] == (usual.sequence or ())[:3]
+    assert result.objective >= usual.objective - 4.0
 
 
 @pytest.mark.parametrize("method", ["greedy", "greedy-guarded"])

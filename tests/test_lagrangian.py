@@ -175,7 +175,7 @@ def test_bound_is_above_greedy_and_only_falls(nominal):
     result = lagrangian(
         nominal, seed=0, stop=MaxIterations(40), progress=lambda z, b: heard.append(b)
     )
-    greedy = greedy_sequence(nominal.rules, np.empty(0, dtype=np.int64), 1.0, 75.0 / 3600.0, True)
+    greedy = greedy_sequence(nominal, beta=75.0 / 3600.0)
     assert heard == sorted(heard, reverse=True)
     assert result.upper_bound == heard[-1]
     assert result.upper_bound >= nominal.time(greedy).objective

@@ -109,8 +109,7 @@ def prove(
     certificate = Certificate(mission, progress)
     course = _Course(mission, make_model, certificate, stop, seed)
     if start is None:
-        nothing = np.empty(0, dtype=np.int64)
-        start = mission.closed(greedy_sequence(mission.rules, nothing, 1.0, 0.0, True))
+        start = greedy_sequence(mission)
     certificate.offer(start)
     if not course.enough():
         with suppress(TimeIsOver):

@@ -13,14 +13,15 @@ import numpy as np
 
 from adr_opt.mission import Mission
 from adr_opt.options import option
-from adr_opt.planner import Progress, get, silent
+from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
-from adr_opt.stop import MaxIterations, Stop
+from adr_opt.stop import Stop
 
 from ..certificate import Certificate
 from ..relaxation.latest import Latest
 from ..relaxation.proof import Proof, ProofOptions, bound_notes, fits_memory, set_up_s
 from ..search.beams import TIME_VALUE_M_S_PER_H, usual_settings
+from ..search.greedy_order import GUARDED_BETA, greedy_sequence
 from ..search.recreate import recreate
 from ..search.timely_beams import PILOT_WIDTH, Beams
 from ..search.varied_beams import varied
@@ -214,8 +215,7 @@ def auto(
     cores = options.jobs or os.cpu_count() or 1
     certificate = Certificate(mission, progress)
     search = _Search(mission, seed, stop, certificate)
-    greedy = get("greedy-guarded")(given, seed=seed, stop=MaxIterations(1), progress=silent)
-    certificate.offer(greedy.sequence or ())
+    certificate.offer(greedy_sequence(given, beta=GUARDED_BETA))
     if start is not None:
         certificate.offer(start)
     prover = None

@@ -18,7 +18,7 @@ import numpy as np
 
 from adr_opt.mission import Mission
 from adr_opt.options import option
-from adr_opt.planner import Progress, get, silent
+from adr_opt.planner import Progress
 from adr_opt.practice import practises
 from adr_opt.result import Result, certify
 from adr_opt.stop import Clock, Stop
@@ -26,7 +26,9 @@ from adr_opt.stop import Clock, Stop
 from ..certificate import Certificate
 from ..relaxation.latest import Latest
 from ..relaxation.proof import ProofOptions, bound_notes, prove, prove_cost
-from ..search.timely_beams import Beams
+from ..search.beams import TIME_VALUE_M_S_PER_H, usual_settings
+from ..search.greedy_order import GUARDED_BETA, greedy_sequence
+from ..search.timely_beams import PILOT_WIDTH, Beams
 from ..search.varied_beams import varied
 
 WIDTH = 2000
@@ -78,11 +80,13 @@ def exact(
     def enough() -> bool:
         return stop(certificate.incumbent, certificate.bound)
 
-    for name in ("greedy-guarded", "beam"):
-        if not certificate.proven and not enough():
-            found = get(name)(mission, seed=seed, stop=Clock(stop), progress=silent)
-            certificate.offer(found.sequence or ())
     beams, rng = Beams(mission, Clock(stop)), np.random.default_rng(seed)
+    if not certificate.proven and not enough():
+        certificate.offer(greedy_sequence(mission, beta=GUARDED_BETA))
+    if not certificate.proven and not enough():
+        hurried = mission.with_time_value(TIME_VALUE_M_S_PER_H)
+        for width in (PILOT_WIDTH, WIDTH):
+            certificate.offer(beams.search(usual_settings(hurried, width), mission=hurried))
 
     number = FIRST_BEAMS
 

@@ -6,16 +6,13 @@ import math
 import time
 from dataclasses import dataclass
 
-import numpy as np
-
-from adr_opt.kernels import rules as rule_kernels
 from adr_opt.mission import Mission
 from adr_opt.options import Options, option
 from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
-from ..search.greedy_order import greedy_sequence
+from ..search.greedy_order import GUARDED_BETA, greedy_sequence
 
 
 @dataclass(frozen=True)
@@ -37,7 +34,7 @@ class GuardedOptions(GreedyOptions, method="greedy-guarded"):
     """Options of the planner ``greedy-guarded``."""
 
     beta: float = option(
-        0.0125,
+        GUARDED_BETA,
         "Weight of the time from ready to arrival: 45 m/s an hour.",
         unit="per s",
         least=0.0,
@@ -50,12 +47,11 @@ def _plan(
     start = time.perf_counter()
     if options.time_value_m_s_per_h >= 0.0:
         mission = mission.with_time_value(options.time_value_m_s_per_h)
-    rules = mission.rules
-    nothing = np.empty(0, dtype=np.int64)
-    guarded = name == "greedy-guarded"
-    sequence = greedy_sequence(rules, nothing, options.alpha, options.beta, guarded)
+    sequence = greedy_sequence(
+        mission, alpha=options.alpha, beta=options.beta, guarded=name == "greedy-guarded"
+    )
     runtime = time.perf_counter() - start
-    progress(float(rule_kernels.collected(rules, sequence)), math.inf)
+    progress(float(mission.collected(sequence)), math.inf)
     return certify(mission, name, sequence, seed=seed, runtime_s=runtime)
 
 

@@ -81,7 +81,7 @@ def _worth_of(mission: Mission) -> Worth:
     rules = mission.rules
     worthy = rules.prize[rules.prize > 0.0]
     mean = float(worthy.mean()) if worthy.size else 1.0
-    greedy = greedy_sequence(rules, np.empty(0, dtype=np.int64), 1.0, 0.0, True)
+    greedy = greedy_sequence(mission)
     serviced = GREED * max(1, int(np.count_nonzero(~rules.is_station[greedy])))
     hours = max(rules.duration - rules.ready, 1.0) / 3600.0
     hour = serviced * mean / hours

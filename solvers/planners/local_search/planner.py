@@ -11,11 +11,12 @@ import numpy as np
 
 from adr_opt.mission import Mission
 from adr_opt.options import Options, option
-from adr_opt.planner import Progress, get, silent
+from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
-from adr_opt.stop import MaxIterations, Stop
+from adr_opt.stop import Stop
 
 from ...incumbent import Incumbent
+from ...search.greedy_order import GUARDED_BETA, greedy_sequence
 from ...search.orders import make_labels
 from ...search.recreate import recreate
 from ...search.worth import worth_of
@@ -110,8 +111,7 @@ def local_search(
     """
     began = time.perf_counter()
     if start is None:
-        greedy = get("greedy-guarded")
-        start = greedy(mission, seed=seed, stop=MaxIterations(1), progress=silent).sequence or ()
+        start = greedy_sequence(mission, beta=GUARDED_BETA)
     search = LocalSearch(mission, start, seed)
     progress(search.best.objective, math.inf)
     iterations = improved = 0

@@ -1,4 +1,4 @@
-"""Fill a plan up: greedy appending at its end, then the insertions that keep the rest legal."""
+"""Fill a plan up by the insertions that keep the rest legal."""
 
 import math
 
@@ -7,7 +7,6 @@ import numpy as np
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import kernel
 
-from ...search.greedy_order import greedy_sequence
 from .network import state_at
 
 
@@ -51,22 +50,3 @@ def best_insertion(rules, sequence, bodies, times, lefts, count):
             if legal and (prize > best_prize or state.time < best_end):
                 best, best_place, best_prize, best_end = new, place, prize, state.time
     return best, best_place
-
-
-def appended(rules, sequence, time_value):
-    """A sequence and what a greedy chaser appends; unchanged if the choice cannot fly it.
-
-    Parameters
-    ----------
-    rules : Rules
-    sequence : (moves,) int64
-    time_value : float
-        [m/s per s].
-
-    Returns
-    -------
-    (moves,) int64
-    """
-    longer = greedy_sequence(rules, sequence, 1.0, time_value, True)
-    whole = longer.size >= sequence.size
-    return longer if whole and (longer[: sequence.size] == sequence).all() else sequence

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from adr_opt.mission import Mission
 from adr_opt.schedule import FloatArray, Front, Schedule
 
+from ...search.greedy_order import greedy_sequence
 from . import fill
 from .network import Worth
 
@@ -109,8 +110,10 @@ def filled(layer: Mission, order: Order, worth: Worth, time_value: float) -> Ord
         Of greedy appending [m/s per s].
     """
     rules = layer.rules
-    longer = fill.appended(rules, order.moves, time_value)
-    if longer.size > order.moves.size:
+    made = order.moves.size
+    longer = greedy_sequence(layer, order.moves, beta=time_value)
+    # The choice may be unable to fly what a schedule over all connections can.
+    if longer.size > made and np.array_equal(longer[:made], order.moves):
         found = flown(layer, longer)
         if found is not None and found.timing.objective > order.timing.objective:
             order = found

@@ -15,11 +15,12 @@ import numpy as np
 from adr_opt.mission import Mission
 from adr_opt.options import MOST_JOBS, Options, option
 from adr_opt.plan import Plan
-from adr_opt.planner import Progress, get, silent
+from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
 from adr_opt.start import start_sequence
 from adr_opt.stop import Stop
 
+from ...search.greedy_order import GUARDED_BETA, greedy_sequence
 from .network import Limits
 from .order import Order, filled, flown
 from .replan import Choice, Replanned, replan, worth_of
@@ -104,11 +105,10 @@ def ortools(
         LAG * float(rules.prize.sum()) / max(1, int(np.count_nonzero(rules.prize))),
     )
     if start is None:
-        greedy = get("greedy-guarded")(mission, seed=seed, stop=stop, progress=silent)
-        first = greedy.sequence or ()
+        first = greedy_sequence(mission, beta=GUARDED_BETA)
     else:
-        first = start_sequence(mission, start)
-    best = flown(layer, np.array(first, dtype=np.int64)) or Order(layer, np.empty(0, np.int64))
+        first = np.array(start_sequence(mission, start), dtype=np.int64)
+    best = flown(layer, first) or Order(layer, np.empty(0, np.int64))
     present = best
     if rules.prize.any():
         worth = worth_of(rules, present.timing, TIME_SHARE, DELTA_V_SHARES[0])
