@@ -49,19 +49,19 @@ def timeline(instance: Instance, plan: Plan, width: int | None = None) -> Table:
 
 
 def summary(instance: Instance, plan: Plan) -> str:
-    """What a plan comes to, in one line."""
+    """What a plan comes to, in one line; of bound and gap only where there is a bound."""
     refuellings = sum(name in instance.station_names for name in plan.destinations)
     used = plan.legs[-1].end_s if plan.legs else 0.0
-    bound = "none" if plan.upper_bound is None else f"{plan.upper_bound:.6g}"
-    gap = "unknown" if plan.gap is None else f"{plan.gap:.1%}"
+    proven: tuple[str, ...] = ()
+    if plan.upper_bound is not None and plan.gap is not None:
+        proven = (f"bound {plan.upper_bound:.6g}", f"gap {plan.gap:.1%}")
     parts = (
         f"visits {len(plan.legs) - refuellings} of {len(instance.targets)}",
         f"prize {plan.objective:g}",
         f"ΔV {plan.delta_v_m_s:.1f} m/s",
         f"refuellings {refuellings}",
         f"duration {used / DAY_S:.2f} of {instance.mission.duration_s / DAY_S:.2f} d",
-        f"bound {bound}",
-        f"gap {gap}",
+        *proven,
         f"runtime {plan.runtime_s:.2f} s",
     )
     return ", ".join(parts)

@@ -15,8 +15,7 @@ Observation = dict[str, Array] | Array
 
 OBSERVATIONS = ("transfer", "lookahead", "published", "transfer-prizes", "lookahead-prizes")
 """``transfer`` is the quick one, ``lookahead`` knows more and takes longer, ``published`` is for
-comparison with the study. None of them sees prizes; the last two do, and are the first two
-otherwise."""
+comparison with the study. These see no prizes; the last two do, and are the first two otherwise."""
 
 MOVES, MISSION = "moves", "mission"
 
