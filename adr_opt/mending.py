@@ -47,7 +47,7 @@ def mended(mission: Mission, order: Iterable[int]) -> tuple[int, ...]:
     candidates = [as_it_is(mission, moves)]
     candidates += [_follow(mission, some, guard) for some in (moves, bare) for guard in (0, 1)]
     timings = [mission.time(candidate) for candidate in candidates]
-    best = max(range(len(candidates)), key=lambda c: (timings[c].objective, -timings[c].delta_v))
+    best = max(range(len(candidates)), key=lambda c: (timings[c].objective, -timings[c].cost))
     return candidates[best]
 
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+import numpy as np
+
+from adr_opt.kernels import rules as rule_kernels
 from adr_opt.mission import Mission
 
 
@@ -14,6 +17,9 @@ class Incumbent:
     Parameters
     ----------
     mission : Mission
+    by_choice : bool
+        Cost is that of the connections that the mission's choice makes, for planners that come by
+        plans more quickly than by their best schedules.
 
     Attributes
     ----------
@@ -22,11 +28,12 @@ class Incumbent:
     objective : float
         Prizes, −inf before the first plan.
     cost : float
-        What the plan costs at its best schedule, +inf before the first plan.
+        What the plan costs at its best schedule, or by choice; +inf before the first plan.
     """
 
-    def __init__(self, mission: Mission) -> None:
+    def __init__(self, mission: Mission, *, by_choice: bool = False) -> None:
         self._mission = mission
+        self._by_choice = by_choice
         self.sequence: tuple[int, ...] | None = None
         self.objective = -math.inf
         self.cost = math.inf
@@ -42,13 +49,31 @@ class Incumbent:
         prizes = mission.collected(moves)
         if prizes < self.objective or moves == self.sequence:
             return False
-        if prizes == self.objective and mission.schedules.least_cost(moves) >= self.cost:
+        tie = prizes == self.objective
+        if tie and not self._by_choice and mission.schedules.least_cost(moves) >= self.cost:
             return False
         moves = mission.closed(moves)
-        schedule = mission.time(moves)
-        if schedule.made < len(moves) or not mission.may_stop(moves):
+        cost = self._cost_of(moves) if mission.may_stop(moves) else math.inf
+        if cost == math.inf or (tie and cost >= self.cost):
             return False
-        if prizes == self.objective and schedule.cost >= self.cost:
-            return False
-        self.sequence, self.objective, self.cost = moves, prizes, schedule.cost
+        self.sequence, self.objective, self.cost = moves, prizes, cost
         return True
+
+    def _cost_of(self, moves: tuple[int, ...]) -> float:
+        """What a sequence costs; +inf if it cannot be flown to its end."""
+        mission = self._mission
+        if not self._by_choice:
+            schedule = mission.time(moves)
+            return schedule.cost if schedule.made == len(moves) else math.inf
+        rules = mission.rules
+        made, delta_v, state = rule_kernels.replay(
+            rules,
+            np.array(moves, dtype=np.int64),
+            rule_kernels.beginning(rules),
+            np.zeros(rules.service.size, dtype=np.bool_),
+            *np.empty((2, len(moves))),
+        )
+        if made < len(moves):
+            return math.inf
+        by_time = mission.instance.objective.cost == "duration"
+        return float(state.time if by_time else delta_v)

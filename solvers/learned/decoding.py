@@ -12,7 +12,6 @@ import numpy.typing as npt
 from adr_opt.episodes import Board, FieldPool, check_playable, new_episodes, playing_time_s, start
 from adr_opt.episodes.board import follows_chains
 from adr_opt.kernels import episodes as kernels
-from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.lookahead import EQUAL_PRIZES
 from adr_opt.mission import Mission
 
@@ -20,7 +19,7 @@ from .policy import Policy, log_probabilities
 from .promises import FloatArray, follow_chains, promises
 
 Sequence = npt.NDArray[np.int64]
-Found = Callable[[Sequence], None]
+Found = Callable[[Sequence], object]
 """Hears of every plan, a sequence of bodies."""
 
 Enough = Callable[[], bool]
@@ -235,31 +234,3 @@ def gumbel(rng: np.random.Generator) -> Callable[[tuple[int, ...]], npt.NDArray[
 def chunks(total: int, size: int) -> list[int]:
     """``total`` in parts of at most ``size``."""
     return [min(size, total - done) for done in range(0, total, size)]
-
-
-def best_of(mission: Mission) -> tuple[Found, Callable[[], tuple[Sequence, float]]]:
-    """A listener that keeps the plan with the most prize, then the least ΔV.
-
-    ΔV is that of the connections that the mission's choice makes, as the moves were made: to find
-    the best schedule of every plan would take longer than to find the plans.
-    """
-    best: dict[str, tuple[float, float, Sequence]] = {}
-    rules = mission.rules
-
-    def found(sequence: Sequence) -> None:
-        visited = np.zeros(rules.service.size, dtype=np.bool_)
-        ends, lefts = np.empty((2, sequence.size))
-        begin = rule_kernels.beginning(rules)
-        made, delta_v, _ = rule_kernels.replay(rules, sequence, begin, visited, ends, lefts)
-        made_moves = sequence[:made]
-        key = (float(rule_kernels.collected(rules, made_moves)), -float(delta_v))
-        if "plan" not in best or key > best["plan"][:2]:
-            best["plan"] = (*key, made_moves)
-
-    def kept() -> tuple[Sequence, float]:
-        if "plan" not in best:
-            return np.empty(0, dtype=np.int64), -math.inf
-        objective, _, sequence = best["plan"]
-        return sequence, objective
-
-    return found, kept

@@ -15,7 +15,7 @@ from adr_opt.stop import Stop
 
 from ..incumbent import Incumbent
 from ..learned import load_policy
-from ..learned.decoding import Field, best_of
+from ..learned.decoding import Field
 from ..learned.policy_beam import BeamSettings as PolicyBeam
 from ..learned.policy_beam import beam as beam_by_policy
 from ..search.beams import TIME_VALUE_M_S_PER_H, BeamSettings
@@ -118,7 +118,7 @@ def _by_policy(mission: Mission, best: Incumbent, options: BeamOptions, stop: St
     if not mission.instance.targets:
         return 0
     worth = worth_of(mission)
-    found, kept = best_of(mission)
+    quick = Incumbent(mission, by_choice=True)
     states = beam_by_policy(
         Field(mission, learned, threads),
         PolicyBeam(
@@ -127,8 +127,8 @@ def _by_policy(mission: Mission, best: Incumbent, options: BeamOptions, stop: St
             options.time_weight * worth.hour,
             options.delta_v_weight * worth.kilometre_per_s,
         ),
-        found,
+        quick.offer,
         lambda: bool(stop(-math.inf, math.inf)),
     )
-    best.offer(kept()[0])
+    best.offer(quick.sequence or ())
     return states

@@ -15,8 +15,9 @@ from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
+from ..incumbent import Incumbent
 from ..learned import SHIPPED, load_policy
-from ..learned.decoding import Field, best_of, chunks, gumbel, play
+from ..learned.decoding import Field, chunks, gumbel, play
 from ..learned.policy_beam import BeamSettings, beam
 
 PUNCTUAL = 0.9
@@ -96,25 +97,25 @@ def ppo(
     budget, duration = instance.chaser.tank.delta_v_m_s, instance.mission.duration_s
     began = time.perf_counter()
     counters = {"plans": 0, "states": 0}
-    found, kept = best_of(mission)
+    best = Incumbent(mission, by_choice=True)
     if instance.targets and budget > 0.0 and duration > 0.0:
         field = Field(mission, learned, threads)
-        play(field, 1, None, 1.0, found)
+        play(field, 1, None, 1.0, best.offer)
         counters["plans"] = 1
-        progress(kept()[1], math.inf)
+        progress(best.objective, math.inf)
         if options.decode == "sample":
             noise = gumbel(np.random.default_rng(np.random.SeedSequence([seed, 5])))
             for count in chunks(options.samples - 1, BATCH):
-                if stop(kept()[1], math.inf):
+                if stop(best.objective, math.inf):
                     break
-                play(field, count, noise, options.temperature, found)
+                play(field, count, noise, options.temperature, best.offer)
                 counters["plans"] += count
-                progress(kept()[1], math.inf)
+                progress(best.objective, math.inf)
         elif options.decode == "beam":
             weight = PRIOR_WEIGHT_BESIDE_CHAINS if field.sees_chains else PRIOR_WEIGHT
             pace_s, widest = 0.0, 0  # of a beam, per unit of width; of all of them
             for number in range(options.beams):
-                if stop(kept()[1], math.inf):
+                if stop(best.objective, math.inf):
                     break
                 wide = max(1, options.width // 5)
                 if number:
@@ -129,15 +130,15 @@ def ppo(
                 settings = BeamSettings(wide, weight)
                 since = time.perf_counter()
                 counters["states"] += beam(
-                    field, settings, found, lambda: bool(stop(kept()[1], math.inf))
+                    field, settings, best.offer, lambda: bool(stop(best.objective, math.inf))
                 )
                 pace_s = (time.perf_counter() - since) / wide
                 counters["plans"] += 1
-                progress(kept()[1], math.inf)
+                progress(best.objective, math.inf)
     return certify(
         mission,
         "ppo",
-        mission.closed(kept()[0]),
+        best.sequence or (),
         seed=seed,
         runtime_s=time.perf_counter() - began,
         counters=counters,

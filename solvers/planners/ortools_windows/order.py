@@ -82,9 +82,9 @@ class Order:
         return Pace(value, bodies, *states)
 
     def better_than(self, other: Order) -> bool:
-        """More prize, then less ΔV (MODEL section 5)."""
+        """More prize, then less cost (MODEL section 5)."""
         here, there = self.timing, other.timing
-        return (here.objective, -here.delta_v) > (there.objective, -there.delta_v)
+        return (here.objective, -here.cost) > (there.objective, -there.cost)
 
 
 def flown(mission: Mission, moves: Bodies) -> Order | None:
