@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 import adr_opt
 from adr_opt.instance import Instance
 from adr_opt.mission import Mission
+from adr_opt.planner import BOUNDS, PLANNERS, get
 from adr_opt.result import Result
 from adr_opt.stop import MaxIterations, MaxRuntime
 from solvers.planners.exact import exact
@@ -106,3 +108,22 @@ def test_too_few_labels_end_with_a_valid_bound() -> None:
     result = prove(mission, most_labels=5)
     assert result.upper_bound >= brute_force(mission)[0]
     assert result.plan is not None
+
+
+@pytest.mark.parametrize("method", ["auto", "exact", "lagrangian"])
+def test_a_proof_that_breaks_ends_its_threads(method: str) -> None:
+    """Whatever goes wrong in the middle of a proof, no thread of it lives on."""
+    mission = Mission(adr_opt.generate("reduced-time", 1, targets=20), threads=1)
+    group = BOUNDS if method == "lagrangian" else PLANNERS
+    before = threading.active_count()
+    while_proving = []
+
+    def breaks(incumbent: float, bound: float) -> None:
+        if bound < mission.total_worth:
+            while_proving.append(threading.active_count())
+            raise RuntimeError("nobody is listening")
+
+    with pytest.raises(RuntimeError, match="nobody is listening"):
+        call(get(method, group), mission, stop=MaxIterations(10), progress=breaks, jobs=2)
+    assert max(while_proving) > before
+    assert threading.active_count() == before

@@ -7,6 +7,7 @@ import os
 import time
 from collections.abc import Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import closing, nullcontext
 from dataclasses import dataclass
 
 import numpy as np
@@ -165,12 +166,15 @@ class _Prover:
             self._shared.offer(self._own.sequence)
         self._shared.lower(self._own.bound)
 
-    def close(self) -> dict[str, float]:
-        """End the threads; what was done."""
-        if self._proof is None:
-            return {}
-        self._proof.close()
-        return self._proof.counters
+    @property
+    def counters(self) -> dict[str, float]:
+        """What was done."""
+        return {} if self._proof is None else self._proof.counters
+
+    def close(self) -> None:
+        """End the threads."""
+        if self._proof is not None:
+            self._proof.close()
 
 
 @dataclass(frozen=True)
@@ -240,7 +244,7 @@ def auto(
     if hurried and not certificate.proven:
         search.usual(USUAL_WIDTH)
     width, recreations = VARIED_WIDTH, 20
-    with ThreadPoolExecutor(1) as pool:
+    with nullcontext() if prover is None else closing(prover), ThreadPoolExecutor(1) as pool:
         while not is_over():
             rounds += 1
             advancing: Future[None] | None = None
@@ -264,7 +268,7 @@ def auto(
             recreations *= 2
     counters: dict[str, float] = {"rounds": rounds, **search.counters}
     if prover is not None:
-        counters |= prover.close()
+        counters |= prover.counters
     bounded = certificate.bound < mission.total_worth
     return certify(
         mission,

@@ -14,7 +14,7 @@ import math
 import os
 import time
 from collections.abc import Callable, Iterable
-from contextlib import suppress
+from contextlib import closing, suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -268,12 +268,12 @@ def prove(
         delta_v_slot_m_s=delta_v_slot_m_s,
         most_labels=most_labels,
     )
-    proof.begin()
-    while not proof.done and not enough():
-        if proof.latest is not None and not certificate.proven:
-            search(proof.latest)
-        proof.advance(enough)
-    proof.close()
+    with closing(proof):
+        proof.begin()
+        while not proof.done and not enough():
+            if proof.latest is not None and not certificate.proven:
+                search(proof.latest)
+            proof.advance(enough)
     return proof.counters
 
 
@@ -305,9 +305,9 @@ def prove_cost(
         jobs=jobs or os.cpu_count() or 1,
         delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
     )  # fmt: skip
-    while not proof.done and not over():
-        proof.advance()
-    proof.close()
+    with closing(proof):
+        while not proof.done and not over():
+            proof.advance()
     return proof.bound, proof.counters
 
 
