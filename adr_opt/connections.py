@@ -13,7 +13,7 @@ import numpy.typing as npt
 from .errors import InputError
 from .instance import Instance
 from .kernels import connections as kernels
-from .kernels.constants import SLACK_S
+from .kernels.constants import HOUR_S, SLACK_S
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -140,4 +140,4 @@ def weights_of(choose: Choice) -> tuple[float, float]:
             f"choose = {choose!r}: must be 'earliest', 'cheapest' or what an hour is worth, "
             "a number of m/s ≥ 0"
         )
-    return 1.0, value / 3600.0
+    return 1.0, value / HOUR_S

@@ -6,10 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from .instance import Instance
-from .kernels.constants import EARTH_RADIUS_M, J2, MU_M3_S2
+from .kernels.constants import DAY_S, EARTH_RADIUS_M, J2, MU_M3_S2
 from .plan import Plan
 
-DAY_S = 86400.0
 LEAST_DEG = 0.1
 LEAST_SHARE = 0.01
 """Less drift than this, and less of the ΔV of a plan, is not worth a warning."""

@@ -31,7 +31,7 @@ from .bodies import Station, Target
 from .chasers import AtStation, Chaser, InOrbit
 from .errors import InputError
 from .files import read_model, to_text
-from .kernels.constants import EARTH_RADIUS_M, MU_M3_S2, SLACK_M, SLACK_S
+from .kernels.constants import EARTH_RADIUS_M, HOUR_S, MU_M3_S2, SLACK_M, SLACK_S
 from .kernels.transfer import TransferRule
 from .orbit import Orbit
 from .records import Name, Record, not_yet
@@ -324,7 +324,7 @@ class Instance(Record):
             settings.max_phasing_revolutions,
             EARTH_RADIUS_M + settings.min_altitude_m,
             EARTH_RADIUS_M + settings.max_altitude_m,
-            worth / 3600.0,
+            worth / HOUR_S,
             zones,
         )
 

@@ -9,6 +9,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 
 from .errors import InputError
 from .files import sentence
+from .kernels.constants import DAY_S
 
 # A name ends up in formats of other programs, which end texts at a NUL.
 Name = Annotated[str, Field(min_length=1, pattern=r"^[^\x00]*$")]
@@ -22,7 +23,7 @@ LARGEST_LENGTH_M = 1e9
 LARGEST_ANGLE_DEG = 1e6
 LARGEST_DELTA_V_M_S = 1e9
 LARGEST_TIME_S = 1e12
-LARGEST_DURATION_S = 100 * 365.25 * 86400.0
+LARGEST_DURATION_S = 100 * 365.25 * DAY_S
 
 Length = Annotated[float, Field(gt=0.0, le=LARGEST_LENGTH_M)]
 Angle = Annotated[float, Field(ge=-LARGEST_ANGLE_DEG, le=LARGEST_ANGLE_DEG)]

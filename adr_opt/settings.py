@@ -11,6 +11,7 @@ from pydantic import (
     model_validator,
 )
 
+from .kernels.constants import DAY_S
 from .records import (
     LARGEST_DURATION_S,
     Length,
@@ -98,7 +99,7 @@ class TransferSettings(SequenceSettings):
 
     delta_v_resolution_m_s: NonNegative = 0.1
     departure_spacing_s: NonNegative = 0.0
-    drift_step_s: Positive = 86400.0
+    drift_step_s: Positive = DAY_S
     max_drift_s: Annotated[
         NonNegative,
         Field(json_schema_extra={"const": 0.0}),

@@ -24,7 +24,7 @@ from .connections import (
 from .errors import InputError
 from .instance import Instance
 from .kernels import timetable as kernels
-from .kernels.constants import MU_M3_S2
+from .kernels.constants import DAY_S, MU_M3_S2
 from .limits import limits_of
 
 FloatArray = npt.NDArray[np.float64]
@@ -318,7 +318,7 @@ def _words(choose: Choice) -> str:
 def _too_large(instance: Instance, size: Size) -> str:
     """Why there is no timetable."""
     return (
-        f"the timetable of {size.bodies} bodies over {instance.mission.duration_s / 86400:.4g} "
+        f"the timetable of {size.bodies} bodies over {instance.mission.duration_s / DAY_S:.4g} "
         f"days takes {size.bytes / 2**30:.3g} GiB, and {available_bytes() / 2**30:.3g} GiB of "
         "memory are free; take fewer targets or a shorter mission"
     )

@@ -19,7 +19,7 @@ from ..drift import drift_warning
 from ..errors import InputError
 from ..files import sentence
 from ..instance import Instance
-from ..kernels.constants import EARTH_RADIUS_M
+from ..kernels.constants import DAY_S, EARTH_RADIUS_M
 from ..orbit import Orbit
 from ..settings import MissionSettings, TransferSettings
 from ..wording import counted
@@ -41,8 +41,6 @@ PLACED = "at the densest plane"
 
 MANY_TARGETS = 1000
 """More targets than this are warned of: the timetable grows with their square."""
-
-DAY_S = 86400.0
 
 
 @dataclass(frozen=True)

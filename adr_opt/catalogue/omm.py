@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
+from ..kernels.constants import DAY_S
 from .records import Record, RowError, clean_name, shown
 from .tle import catalogue_number
 
@@ -66,7 +67,7 @@ def record(fields: Mapping[str, Any], source: str, line: int, ordinal: int | Non
     not_sgp4 = _why_not_sgp4(fields, theory)
     if fields.get("MEAN_MOTION") in (None, "") and fields.get("SEMI_MAJOR_AXIS") not in (None, ""):
         axis_km = _number(fields, "SEMI_MAJOR_AXIS", 1.0, 1e9)
-        mean_motion = math.sqrt(MU_KM3_S2 / axis_km) / axis_km * 86400.0 / (2.0 * math.pi)
+        mean_motion = math.sqrt(MU_KM3_S2 / axis_km) / axis_km * DAY_S / (2.0 * math.pi)
         not_sgp4 = not_sgp4 or "SEMI_MAJOR_AXIS stands for the MEAN_MOTION that SGP4 needs"
     else:
         mean_motion = _number(fields, "MEAN_MOTION", 1e-9, 100.0)

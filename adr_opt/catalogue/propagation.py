@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import MissingExtra
+from ..kernels.constants import DAY_S
 from .records import Dropped, Record
 
 ELEMENTS = (
@@ -178,7 +179,7 @@ def _unfit(record: Record, epoch: datetime) -> tuple[str, str] | None:
         return "not-sgp4", record.not_sgp4
     if record.decayed:
         return "decayed", f"decayed on {record.decayed}, says the file"
-    days = (epoch - record.epoch).total_seconds() / 86400.0
+    days = (epoch - record.epoch).total_seconds() / DAY_S
     if abs(days) > LARGEST_DAYS:
         return "far-epoch", f"its elements are {abs(days):.0f} days from the epoch"
     return None

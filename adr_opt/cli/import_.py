@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ..errors import InputError
+from ..kernels.constants import DAY_S
 from ..wording import counted
 from .output import emit_json, say
 from .parameters import check_out, json_option, quiet_option
@@ -99,7 +100,7 @@ def command(
         filters=filters,
         max_targets=max_targets,
         station=station,
-        duration_s=86400.0 * duration_days,
+        duration_s=DAY_S * duration_days,
         delta_v_m_s=delta_v,
         skip_bad=skip_bad,
     )

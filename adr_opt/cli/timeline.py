@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..kernels.constants import DAY_S
 from ..wording import status_words
 from .tables import Row, leg_table
 
@@ -12,8 +13,6 @@ if TYPE_CHECKING:
 
     from ..instance import Instance
     from ..plan import Plan
-
-DAY_S = 86400.0
 
 
 def clock(time_s: float) -> str:

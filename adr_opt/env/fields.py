@@ -12,12 +12,12 @@ import numpy.typing as npt
 from ..errors import InputError
 from ..generator import family, generate
 from ..instance import Instance
+from ..kernels.constants import DAY_S
 
 FIRST_SEED, LAST_SEED = 1_000_000, 2**31 - 1
 """Fields drawn at random have seeds from here, so that the instances of the library, and every
 seed below a million, remain unseen by a policy that was trained on random fields."""
 
-DAY_S = 86400.0
 
 Range = tuple[float, float]
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..kernels.constants import HOUR_S
 from ..kernels.outlook import HOME
 from ..mission import Mission
 from ..wording import counted
@@ -16,7 +17,6 @@ MARGIN = 30
 BACKGROUND, OPEN, VISITED, STATION_COLOUR, CHASER = (
     (250, 250, 248), (30, 110, 180), (190, 190, 190), (40, 140, 70), (215, 80, 40),
 )  # fmt: skip
-HOUR_S = 3600.0
 
 
 def sentence(mission: Mission, state: dict[str, Any], visited: npt.NDArray[np.bool_]) -> str:

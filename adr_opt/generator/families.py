@@ -6,11 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ..errors import InputError
+from ..kernels.constants import DAY_S
 from ..orbit import Orbit
 from . import belt, cloud
 from .stream import Uniform
-
-DAY_S = 86400.0
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from ..kernels.constants import HOUR_S
 from ..settings import KeepOutZone
 from .stream import stream
 
-HOUR_S = 3600.0
 PURPOSE = 1
 """Number of the stream: zones do not change the field of a seed."""
 

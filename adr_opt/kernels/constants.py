@@ -1,4 +1,7 @@
-"""The constants of the model: the Earth, as in EGM-96 and WGS-84, and the slack of all limits."""
+"""The constants of the model: units of time, the Earth (EGM-96, WGS-84), the slack of limits."""
+
+HOUR_S = 3600.0
+DAY_S = 24.0 * HOUR_S
 
 MU_M3_S2 = 3.986004418e14
 """Gravitational parameter of the Earth [m³/s²]."""

@@ -7,7 +7,6 @@ from typing import Any
 
 from ..instance import Instance
 
-DAY_S = 86400.0
 KM_M = 1000.0
 
 

@@ -7,8 +7,9 @@ from typing import Any
 
 from ..flight.flyable import refuse_foreign
 from ..instance import Instance
+from ..kernels.constants import DAY_S
 from ..plan import Plan
-from .axes import DAY_S, label
+from .axes import label
 from .palette import COLOURS, STATION
 
 

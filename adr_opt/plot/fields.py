@@ -9,6 +9,7 @@ import numpy as np
 from ..errors import InputError
 from ..flight.flyable import refuse_foreign
 from ..instance import Instance
+from ..kernels.constants import HOUR_S
 from ..plan import Plan
 from ..timetable import Matrices
 from .axes import label
@@ -107,7 +108,7 @@ def matrix(ax: Any, matrices: Matrices, departure: int = 0, quantity: str = "del
         )
     costs = getattr(matrices, quantity)[departure]
     if quantity == "duration":
-        costs = costs / 3600.0
+        costs = costs / HOUR_S
     shown = np.where(np.isfinite(costs), costs, np.nan)
     np.fill_diagonal(shown, np.nan)  # a body itself is no transfer
     ax.imshow(shown, interpolation="none")

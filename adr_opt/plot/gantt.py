@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from ..instance import Instance
+from ..kernels.constants import DAY_S
 from ..plan import Plan
-from .axes import DAY_S, label
+from .axes import label
 from .palette import COLOURS, LABELS, PHASES
 from .segments import segments
 

@@ -17,6 +17,7 @@ from ..errors import InputError, MissingExtra
 from ..files import check_writable, write_text
 from ..flight import Flight, TankFlight, fly
 from ..instance import Instance
+from ..kernels.constants import DAY_S
 from ..plan import Plan
 from ..plot.palette import PHASES
 from ..plot.segments import segments
@@ -26,8 +27,6 @@ from . import figures, sections, tables
 from .facts import facts
 from .figures.parts import leg_title
 from .text import escape, in_days, in_script
-
-DAY_S = 86400.0
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,12 @@ from ..chasers import AtStation, InOrbit
 from ..checking import Violation
 from ..flight import Flight
 from ..instance import Instance
+from ..kernels.constants import DAY_S
 from ..plan import Plan
 from ..plot.palette import COLOURS, LABELS
 from ..wording import counted, status_words
 from .facts import Facts
 from .text import NOTHING, clock, escape, in_days, number
-
-DAY_S = 86400.0
 
 
 def verdict(violations: tuple[Violation, ...], flown: Flight | str | None) -> str:

@@ -6,6 +6,8 @@ import html
 import json
 from typing import Any
 
+from ..kernels.constants import DAY_S
+
 NOTHING = "—"
 
 
@@ -40,7 +42,7 @@ def fixed(value: float, digits: int) -> str:
 
 def in_days(duration_s: float) -> str:
     """A duration in days, with the word."""
-    text = number(duration_s / 86400.0, 2)
+    text = number(duration_s / DAY_S, 2)
     return f"{text} day{'' if text == '1' else 's'}"
 
 

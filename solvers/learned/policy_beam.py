@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from adr_opt.episodes import Board
 from adr_opt.kernels import episodes as kernels
+from adr_opt.kernels.constants import HOUR_S
 from adr_opt.kernels.lookahead import EQUAL_PRIZES
 from adr_opt.kernels.outlook import HOME
 
@@ -194,7 +195,7 @@ def _move(
     kernels.act(field.pool.arrays, episodes, 0, rows.size, moves, rewards)
     ends = (
         value
-        - settings.time_weight * episodes.time / 3600.0
+        - settings.time_weight * episodes.time / HOUR_S
         + settings.delta_v_weight * episodes.left / 1000.0
     )
     return _Children(episodes, partial.nodes[rows], priors[rows, moves], ends)

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.episodes import Board
+from adr_opt.kernels.constants import HOUR_S
 from adr_opt.kernels.lookahead import Promises
 
 FloatArray = npt.NDArray[np.float64]
@@ -27,7 +28,7 @@ def promises(board: Board) -> FloatArray:
 
 def time_left_of_best(board: Board) -> FloatArray:
     """Time left at the end of the chain that promises most, after each move [10 h]."""
-    longest: FloatArray = np.minimum(_chains(board).time_left / 3600.0, MOST_H) / 10.0
+    longest: FloatArray = np.minimum(_chains(board).time_left / HOUR_S, MOST_H) / 10.0
     return longest
 
 

@@ -27,6 +27,7 @@ import numpy.typing as npt
 
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import inlined, kernel
+from adr_opt.kernels.constants import HOUR_S
 from adr_opt.kernels.lists import rising
 from adr_opt.kernels.memory import borrowed, write
 from adr_opt.kernels.rules import State
@@ -538,7 +539,7 @@ def beam_search(
     body = prefix[-1] if prefix else rules.start
     weights = Weights(
         settings.width,
-        settings.time_weight / 3600.0,
+        settings.time_weight / HOUR_S,
         settings.delta_v_weight / 1000.0,
         settings.crowding,
         settings.noise,

@@ -15,6 +15,7 @@ import numpy as np
 
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.constants import HOUR_S
 from adr_opt.mission import Mission
 
 from .greedy_order import greedy_sequence
@@ -83,10 +84,10 @@ def _worth_of(mission: Mission) -> Worth:
     mean = float(worthy.mean()) if worthy.size else 1.0
     greedy = greedy_sequence(mission)
     serviced = GREED * max(1, int(np.count_nonzero(~rules.is_station[greedy])))
-    hours = max(rules.duration - rules.ready, 1.0) / 3600.0
+    hours = max(rules.duration - rules.ready, 1.0) / HOUR_S
     hour = serviced * mean / hours
     found, count = _refuelling_s(rules, SAMPLES)
-    stop_h = float(np.median(found[:count])) / 3600.0 if count > 0 else np.inf
+    stop_h = float(np.median(found[:count])) / HOUR_S if count > 0 else np.inf
     kilometres = max(rules.budget, 1.0) / 1000.0
     # Without stations, or where a stop takes longer than the mission, a tank is all there is.
     delta_v = min(ON_THE_WAY * hour * stop_h, serviced * mean) / kilometres

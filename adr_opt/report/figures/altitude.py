@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from ...instance import Instance
+from ...kernels.constants import DAY_S
 from ...plan import Plan
-from ...plot.axes import DAY_S, KM_M
+from ...plot.axes import KM_M
 from ...plot.palette import COLOURS, LABELS, PHASES, ZONE
 from ...plot.tracks import Track, joined
 from ..text import number

@@ -9,8 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ...instance import Instance
+from ...kernels.constants import DAY_S
 from ...plan import Plan
-from ...plot.axes import DAY_S, since
+from ...plot.axes import since
 from ..text import clock, in_chart
 
 Figure = dict[str, Any]

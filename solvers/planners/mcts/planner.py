@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.kernels import rules as rule_kernels
+from adr_opt.kernels.constants import HOUR_S
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
@@ -48,7 +49,7 @@ class _Player:
         self.policy = policies.Policy(
             min(settings.depth, 2 * bodies),
             settings.rollout == "guarded",
-            settings.time_value_m_s_per_h / 3600.0,
+            settings.time_value_m_s_per_h / HOUR_S,
             settings.temperature_m_s,
         )
         self.search = trees.Search(

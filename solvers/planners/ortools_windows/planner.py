@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from adr_opt.kernels.constants import HOUR_S
 from adr_opt.mission import Mission
 from adr_opt.options import MOST_JOBS, Options, option
 from adr_opt.plan import Plan
@@ -101,7 +102,7 @@ def ortools(
     limits = Limits(
         NODES,
         WIDTH,
-        options.time_value_m_s_per_h / 3600.0,
+        options.time_value_m_s_per_h / HOUR_S,
         LAG * float(rules.prize.sum()) / max(1, int(np.count_nonzero(rules.prize))),
     )
     if start is None:
