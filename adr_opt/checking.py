@@ -16,9 +16,10 @@ from __future__ import annotations
 import math
 from collections.abc import Generator, Iterator
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from .chasers import AtStation
 from .errors import InputError
@@ -66,6 +67,14 @@ class Violation:
         return f"{where}: {self.rule}: {self.message}"
 
 
+class _Physics(NamedTuple):
+    """What the transfers of an instance follow from, worked out once for all legs."""
+
+    elements: npt.NDArray[np.float64]
+    extra: npt.NDArray[np.float64]
+    rule: transfer.TransferRule
+
+
 def check(instance: Instance, plan: Plan) -> tuple[Violation, ...]:
     """All violations of a plan; none means that it may be flown.
 
@@ -110,6 +119,7 @@ def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
     chaser, stations = instance.chasers[0], {station.name for station in instance.stations}
     windows = {target.name: target.window_s for target in instance.targets}
     budget = chaser.tank.delta_v_m_s
+    physics = _Physics(instance.orbits(), instance.eccentricity_delta_v(), instance.transfer_rule())
     where, free, left = chaser.start_name, chaser.available_s[0], budget
     visited: set[str] = set()
     serviced = 0
@@ -140,7 +150,7 @@ def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
                 number, "ready", f"ready_s = {leg.ready_s!r}, but the chaser is free at {free!r}"
             )
         i, j = index[leg.origin], index[leg.destination]
-        arrival, delta_v = yield from _check_transfer(instance, number, leg, i, j, free)
+        arrival, delta_v = yield from _check_transfer(instance, physics, number, leg, i, j, free)
         for which in crossed(instance, leg):
             zone = instance.keep_out_zones[which]
             yield Violation(
@@ -153,7 +163,7 @@ def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
 
         at_station = leg.destination in stations
         opens, closes = windows.get(leg.destination, (0.0, None))
-        end = max(arrival, opens) + _service_s(instance, j, at_station)
+        end = max(arrival, opens) + _service_s(instance, physics.elements[j], at_station)
         if abs(leg.end_s - end) > TIME_TOLERANCE_S:
             yield Violation(number, "service", f"end_s = {leg.end_s!r}, but it ends at {end!r}")
         for rule, last in (
@@ -190,18 +200,18 @@ def _check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
             yield Violation(None, "required", f"{target.name!r} is required, but not visited")
 
 
-def _service_s(instance: Instance, body: int, at_station: bool) -> float:
-    """How long a chaser stays at a body [s]."""
+def _service_s(instance: Instance, elements: npt.NDArray[np.float64], at_station: bool) -> float:
+    """How long a chaser stays at the body on an orbit [s]."""
     mission = instance.mission
     if not at_station and mission.service_s is not None:
         return mission.service_s
     revolutions = mission.refuel_revolutions if at_station else mission.service_revolutions
     assert revolutions is not None
-    return revolutions * float(orbits.period(instance.orbits()[body, orbits.RADIUS]))
+    return revolutions * float(orbits.period(elements[orbits.RADIUS]))
 
 
 def _check_transfer(
-    instance: Instance, number: int, leg: Leg, i: int, j: int, free: float
+    instance: Instance, physics: _Physics, number: int, leg: Leg, i: int, j: int, free: float
 ) -> Generator[Violation, None, tuple[float, float]]:
     """The leg departs at a crossing of the line of nodes, and its sequence can be flown from there.
 
@@ -209,9 +219,8 @@ def _check_transfer(
     plan is wrong about them, so that one mistake is reported once.
     """
     as_stated = leg.arrival_s, leg.delta_v_m_s
-    elements = instance.orbits()
-    rule = instance.transfer_rule()
-    extra = float(instance.eccentricity_delta_v()[i, j])
+    elements, rule = physics.elements, physics.rule
+    extra = float(physics.extra[i, j])
     pair = transfer.prepare(elements[i], elements[j], extra, rule)
 
     # Angle of the chaser past the line of nodes, in half turns: whole at a departure event.

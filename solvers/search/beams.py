@@ -39,7 +39,7 @@ from ..relaxation.latest import Latest, latest_time, lent, no_latest
 from .worth import worth_of
 
 TIME_VALUE_M_S_PER_H = 110.0
-"""Of the choice of connections that beams move on."""
+"""What an hour is worth where beams, and windows, choose one connection for each move."""
 
 CANDIDATES = 8
 """Candidates looked at for each state kept: some are dominated, stranded, or at a full body."""

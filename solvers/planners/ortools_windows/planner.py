@@ -21,6 +21,7 @@ from adr_opt.result import Result, certify
 from adr_opt.start import start_sequence
 from adr_opt.stop import Stop
 
+from ...search.beams import TIME_VALUE_M_S_PER_H
 from ...search.greedy_order import GUARDED_BETA, greedy_sequence
 from .network import Limits
 from .order import Order, filled, flown
@@ -40,9 +41,6 @@ TIME_SHARE = 0.5
 
 DELTA_V_SHARES = (0.02, 0.1, 0.3)
 """The same of the whole ΔV: each window draws one, so that plans of equal prize differ."""
-
-TIME_VALUE_M_S_PER_H = 110.0
-"""What an hour is worth where one connection is chosen for each move of a window."""
 
 
 @dataclass(frozen=True)
