@@ -1,8 +1,9 @@
-"""What one module alone knows: how departure events are spaced, and where entries lie."""
+"""What rooms keep to themselves: how a timetable is kept, and what kernels stand on."""
 
 from __future__ import annotations
 
 import ast
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -66,3 +67,25 @@ def test_the_module_itself_is_full_of_it() -> None:
         for where in touched((ROOT / "adr_opt/kernels/timetable.py").read_text())
     }
     assert used == OWN
+
+
+def imported(source: str) -> Iterator[str]:
+    """Packages that a module imports; those of its own package by one dot and their name."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            names = [node.module] if node.module else [alias.name for alias in node.names]
+            yield from ("." * node.level + name.split(".")[0] for name in names)
+
+
+def test_kernels_import_numbers_and_each_other_only() -> None:
+    """NumPy, Numba, the llvmlite that it stands on, the standard library, and other kernels."""
+    folder = ROOT / "adr_opt/kernels"
+    own = {f".{path.stem}" for path in folder.glob("*.py")}
+    known = own | {"numpy", "numba", "llvmlite"} | sys.stdlib_module_names
+    for path in folder.glob("*.py"):
+        assert set(imported(path.read_text())) <= known, path.name
+    strangers = "import adr_opt.limits\nfrom ..schedule import x\nfrom . import limits"
+    assert set(imported(strangers)) == {"adr_opt", "..schedule", ".limits"}
+    assert not known & {"adr_opt", "..schedule", ".limits"}
