@@ -219,10 +219,9 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
         # Then everything that lies scattered, in a loop so short that its reads overlap.
         for j in range(bodies):
             if ends[j] <= duration:
-                home_costs[j], home_times[j] = lookup_in_column(
-                    outlook.home, rules.table, j, ends[j]
-                )
-                begun = half_periods(rules.table, j, ends[j])
+                end = ends[j]
+                begun = half_periods(rules.table, j, end)
+                home_costs[j], home_times[j] = lookup_in_column(outlook.home, rules.table, j, end)
                 places[j] = min(begun, outlook.ahead.shape[1] - 1)
                 fetch(outlook.ahead, (j, places[j], 0))
         # A budget or a time of zero must not divide.
