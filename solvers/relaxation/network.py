@@ -16,6 +16,7 @@ import numpy as np
 
 from adr_opt.kernels import connections
 from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.lists import chosen, rising
 from adr_opt.kernels.timetable import earliest_taken
 from adr_opt.mission import Mission
 
@@ -98,11 +99,16 @@ def _from_body(i, orbits, extra_delta_v, transfer_rule, rules):
         departure, arrival, delta_v, _ = connections.of_pair(
             orbits[i], orbits[j], extra_delta_v[i, j], transfer_rule, last, 0.0
         )
-        end = np.maximum(arrival, rules.opens[j]) + rules.service[j]
-        possible = (delta_v <= rules.budget) & (end <= rules.closes[j])
-        departures.append(departure[possible])
-        ends.append(end[possible])
-        costs.append(delta_v[possible])
+        possible = np.empty(departure.size, np.int64)
+        count = 0
+        for c in range(departure.size):
+            arrival[c] = max(arrival[c], rules.opens[j]) + rules.service[j]
+            if delta_v[c] <= rules.budget and arrival[c] <= rules.closes[j]:
+                possible[count] = c
+                count += 1
+        departures.append(chosen(departure, possible, count))
+        ends.append(chosen(arrival, possible, count))
+        costs.append(chosen(delta_v, possible, count))
     rows, legs = 0, 0
     for j in range(bodies):
         departure = departures[j + 1]
@@ -119,7 +125,7 @@ def _from_body(i, orbits, extra_delta_v, transfer_rule, rules):
             if c == 0 or departure[c] != departure[c - 1]:
                 time[row], body[row], begin[row] = departure[c], j, c
                 row += 1
-    order = np.argsort(time, kind="mergesort")
+    order = rising(time, rows)
     first = np.empty(rows + 1, np.int64)
     end, delta_v = np.empty(legs), np.empty(legs)
     leg = 0
@@ -134,17 +140,35 @@ def _from_body(i, orbits, extra_delta_v, transfer_rule, rules):
             leg += 1
             c += 1
     first[rows] = leg
-    return Outgoing(time[order], body[order], first, end, delta_v)
+    return Outgoing(chosen(time, order, rows), chosen(body, order, rows), first, end, delta_v)
 
 
 @kernel
-def _land(departure, start, outgoing, landing):
+def _signpost(departure, start, duration, post):
+    """First row of its body at or after each of as many equal steps of time as it has rows."""
+    for i in range(start.size - 1):
+        row, rows = start[i], start[i + 1] - start[i]
+        for step in range(rows):
+            # The closing row departs never.
+            while departure[row] < duration * step / rows:
+                row += 1
+            post[start[i] + step] = row
+
+
+@kernel
+def _land(departure, start, post, duration, outgoing, landing):
     """Landing rows of a body's legs."""
     for r in range(outgoing.departure.size):
         j = outgoing.destination[r]
-        ahead = departure[start[j] : start[j + 1] - 1]
+        rows = start[j + 1] - start[j]
         for leg in range(outgoing.first[r], outgoing.first[r + 1]):
-            landing[leg] = start[j] + np.searchsorted(ahead, earliest_taken(outgoing.end[leg]))
+            time = earliest_taken(outgoing.end[leg])
+            # One step early, whatever is rounded.
+            step = min(max(int(time / duration * rows) - 1, 0), rows - 1)
+            row = post[start[j] + step]
+            while departure[row] < time:
+                row += 1
+            landing[leg] = row
 
 
 def build(mission: Mission, *, jobs: int) -> Network:
@@ -165,8 +189,15 @@ def build(mission: Mission, *, jobs: int) -> Network:
         departure = np.full(int(start[-1]), math.inf)
         for i, outgoing in enumerate(found):
             departure[start[i] : start[i + 1] - 1] = outgoing.departure
+        post = np.empty(departure.size, dtype=np.int32)
+        _signpost(departure, start, rules.duration, post)
         landings = [np.empty(outgoing.end.size, dtype=np.int32) for outgoing in found]
-        list(pool.map(lambda i: _land(departure, start, found[i], landings[i]), range(bodies)))
+        list(
+            pool.map(
+                lambda i: _land(departure, start, post, rules.duration, found[i], landings[i]),
+                range(bodies),
+            )
+        )
     shortest = rules.duration
     for outgoing in found:
         if outgoing.end.size:
