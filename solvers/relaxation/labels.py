@@ -46,11 +46,6 @@ class Search(NamedTuple):
         Prize less multiplier [fine units].
     need : int
         Value below which a walk is of no use [fine units].
-    ambition : float
-        How much more a walk has to promise at the beginning of time, and ever less towards the end
-        of the mission [fine units]; 0 to miss none.
-    duration : float
-        [s].
     neighbourhood : (bodies, words) int64
         What walks remember at each body.
     budget : float
@@ -76,8 +71,6 @@ class Search(NamedTuple):
     slot: float
     gain: np.ndarray
     need: int
-    ambition: float
-    duration: float
     neighbourhood: np.ndarray
     budget: float
     most_visits: int
@@ -110,7 +103,7 @@ def _reaches(search, at, worth):
 
 
 @inlined
-def _stay(search, labels, waiting, bucket, i, need, kept):
+def _stay(search, labels, waiting, bucket, i, kept):
     """Drop the labels at body i that are too late in a bucket; they are so in later ones, too."""
     for k in range(waiting.size[i]):
         label = waiting.label[i, k]
@@ -118,13 +111,13 @@ def _stay(search, labels, waiting, bucket, i, need, kept):
         if label >= 0:
             at = _place(search, bucket, labels.left[label])
             most = labels.value[label] + _completion(search, at, labels.came_from[label])
-            kept[k] = most >= need and _reaches(search, at, labels.worth[label])
+            kept[k] = most >= search.need and _reaches(search, at, labels.worth[label])
     keep(waiting, i, kept, 2 * search.neighbourhood.shape[1])
     waiting.bucket[i] = bucket
 
 
 @inlined
-def _may_lead_on(network, search, row, value, left, need, i, j):
+def _may_lead_on(network, search, row, value, left, i, j):
     """Whether any leg of a row can lead on: by the earliest landing and the least ΔV of all."""
     first, last = network.first[row], network.first[row + 1] - 1
     rest = left - network.delta_v[last]
@@ -133,7 +126,7 @@ def _may_lead_on(network, search, row, value, left, need, i, j):
     if network.is_station[j]:
         rest = search.budget
     at = _place(search, search.bucket[network.landing[first]], rest)
-    return value + search.gain[j] + _completion(search, at, i) >= need
+    return value + search.gain[j] + _completion(search, at, i) >= search.need
 
 
 @inlined
@@ -190,10 +183,8 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
             if not arrive(waiting, labels, i, pending[row]):
                 return CROWDED
             pending[row] = labels.following[pending[row]]
-        ahead = max(0.0, 1.0 - network.departure[row] / search.duration)
-        need = search.need + np.int64(search.ambition * ahead)
         if waiting.bucket[i] != bucket:
-            _stay(search, labels, waiting, bucket, i, need, kept)
+            _stay(search, labels, waiting, bucket, i, kept)
         j = network.destination[row]
         to_station = network.is_station[j]
         behind = -1 if network.is_station[i] else i
@@ -202,7 +193,7 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
             if here < 0:
                 continue
             left, value, worth = labels.left[here], labels.value[here], labels.worth[here]
-            if not _may_lead_on(network, search, row, value, left, need, behind, j):
+            if not _may_lead_on(network, search, row, value, left, behind, j):
                 continue
             if not to_station:
                 if labels.memory[here, j // WORD] >> (j % WORD) & 1:
@@ -223,7 +214,7 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                 rest = search.budget if to_station else left - network.delta_v[leg]
                 then = value + search.gain[j] - np.int64(search.price * network.delta_v[leg])
                 at = _place(search, search.bucket[landing], rest)
-                if then + _completion(search, at, behind) < need:
+                if then + _completion(search, at, behind) < search.need:
                     continue
                 if not _reaches(search, at, collected):
                     continue

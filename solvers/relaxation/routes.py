@@ -90,13 +90,13 @@ class Routes:
         self._total = float(kept.sum())
         return value
 
-    def _extension(self, need: int, ambition: float) -> Callable[[Labels, np.ndarray], int]:
+    def _extension(self, need: int) -> Callable[[Labels, np.ndarray], int]:
         """What extends labels for a while, for one search: takes them and the cursor."""
         bound = self._bound
         search = Search(
             bound.buckets.of_row, bound.values.best, bound.values.second,
-            bound.bits, bound.width, bound.top, bound.slot, self._gain, need, ambition / self._unit,
-            bound.duration,            self.neighbourhood, bound.budget, bound.most_targets,
+            bound.bits, bound.width, bound.top, bound.slot, self._gain, need,
+            self.neighbourhood, bound.budget, bound.most_targets,
             bound.price / self._unit, bound.worths, self.least_worth, self.reach,
         )  # fmt: skip
         words = self.neighbourhood.shape[1]
@@ -120,7 +120,6 @@ class Routes:
         threshold: float,
         most_labels: int,
         enough: Callable[[], bool],
-        ambition: float = 0.0,
     ) -> tuple[bool, float, np.ndarray | None, int]:
         """One search for walks worth at least ``threshold``, and what was learnt from them.
 
@@ -131,9 +130,6 @@ class Routes:
             Give up beyond so many.
         enough : callable
             Asked now and then whether to give up.
-        ambition : float
-            Walks have to promise so much more at the beginning of the mission, and ever less
-            towards its end. With it a search is quick, and proves nothing.
 
         Returns
         -------
@@ -153,7 +149,7 @@ class Routes:
         self._first[:] = -1
         root = bound.network.root
         self._first[root] = 0
-        extend_labels = self._extension(need, ambition)
+        extend_labels = self._extension(need)
         labels = self._labels
         labels.row[0], labels.parent[0], labels.following[0] = root, -1, -1
         labels.value[0], labels.left[0], labels.memory[0] = 0, bound.budget, 0

@@ -264,7 +264,7 @@ class WalkBound:
         self._stages = int(rules.duration / self._stage) + 1 if self._stage > 0.0 else 1
         self.bits = int(bodies).bit_length()
         self.most_legs = self._stages + 1
-        self.budget, self.duration = rules.budget, rules.duration
+        self.budget = rules.budget
         self.greatest_prize = float(self.prize.max(initial=0.0)) or 1.0
         room = LARGEST / (1 << self.bits) / self.most_legs / self.greatest_prize
         # A power of two, so that units are exact numbers.
