@@ -10,8 +10,14 @@ import numpy as np
 from .compile import kernel
 from .constants import MU_M3_S2
 
-ORBIT_COLUMNS = ("radius", "inclination", "raan", "argument_of_latitude")
-RADIUS, INCLINATION, RAAN, ARGUMENT_OF_LATITUDE = range(4)
+ORBIT_COLUMNS = (
+    "radius", "inclination", "raan", "argument_of_latitude", "raan_rate", "latitude_rate",
+    "eccentricity", "perigee", "perigee_rate",
+)  # fmt: skip
+(
+    RADIUS, INCLINATION, RAAN, ARGUMENT_OF_LATITUDE, RAAN_RATE, LATITUDE_RATE,
+    ECCENTRICITY, PERIGEE, PERIGEE_RATE,
+) = range(9)  # fmt: skip
 
 COPLANAR_RAD = 1e-9
 """Nearer than this to equal or opposite, two planes have a line of nodes of free choice [rad]."""
@@ -21,6 +27,27 @@ COPLANAR_RAD = 1e-9
 def mean_motion(radius):
     """Angular rate of a circular orbit [rad/s]."""
     return math.sqrt(MU_M3_S2 / radius) / radius
+
+
+@kernel
+def node_rate(radius, inclination, oblateness):
+    """Secular rate of the node of a circular orbit (MODEL section 1) [rad/s].
+
+    Parameters
+    ----------
+    radius, inclination : float
+        [m], [rad].
+    oblateness : float
+        J2 R², 0 for two bodies [m²].
+    """
+    return -1.5 * oblateness / radius**2 * mean_motion(radius) * math.cos(inclination)
+
+
+@kernel
+def latitude_rate(radius, inclination, oblateness):
+    """Secular rate of the argument of latitude of a circular orbit (MODEL section 1) [rad/s]."""
+    widening = 1.5 * oblateness / radius**2 * (4.0 * math.cos(inclination) ** 2 - 1.0)
+    return mean_motion(radius) * (1.0 + widening)
 
 
 @kernel
@@ -114,8 +141,8 @@ def state(orbit, time):
         [m], [m/s].
     """
     n = mean_motion(orbit[RADIUS])
-    u = orbit[ARGUMENT_OF_LATITUDE] + n * time
-    ascending, ahead, _ = frame(orbit[INCLINATION], orbit[RAAN])
+    u = orbit[ARGUMENT_OF_LATITUDE] + orbit[LATITUDE_RATE] * time
+    ascending, ahead, _ = frame(orbit[INCLINATION], orbit[RAAN] + orbit[RAAN_RATE] * time)
     position, velocity = np.empty(3), np.empty(3)
     for axis in range(3):
         outward = math.cos(u) * ascending[axis] + math.sin(u) * ahead[axis]

@@ -44,6 +44,8 @@ class TransferRule(NamedTuple):
         w: what a second is worth [m/s per s].
     zones : (zones, 4) float64
         Closed keep-out bands: min radius [m], max radius [m], start [s], end [s].
+    oblateness : float
+        J2 R², 0 for two bodies [m²].
     """
 
     first_leg_fraction: float
@@ -54,6 +56,7 @@ class TransferRule(NamedTuple):
     max_radius: float
     time_value: float
     zones: np.ndarray
+    oblateness: float
 
 
 class Pair(NamedTuple):

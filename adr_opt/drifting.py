@@ -1,0 +1,431 @@
+"""How a long transfer is flown: the burns of a drift between two times (MODEL section 3).
+
+The closed form of :mod:`adr_opt.kernels.drift` says what a drift costs and which orbit it waits on;
+it knows no phase. Here the phase is met. The chaser leaves its body at the line of nodes of its own
+plane and that of the drift orbit, by a Hohmann transfer whose two burns turn the plane by half the
+angle each; it drifts; and it leaves the drift orbit in the same way at the line of nodes with the
+plane that the remaining arcs carry onto the target's, towards the co-elliptic orbit, from which on
+it flies as in a short transfer (MODEL section 2).
+
+It may leave a while after the time of departure and arrive a while before that of arrival. So there
+are many pairs of crossings to choose from, and for each, numbers of revolutions on the drift orbit:
+the radius follows from them. Of those whose closed form costs least the few best are worked out
+exactly, and the one with the cheapest burns is flown.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from .kernels import drift, orbits
+from .kernels.burns import half_ellipse_speeds
+from .kernels.constants import MU_M3_S2
+from .kernels.transfer import TransferRule
+
+FloatArray = npt.NDArray[np.float64]
+
+TURN = 2.0 * math.pi
+
+TRIED = 12
+"""So many pairs of crossings are worked out exactly."""
+
+CLOSE_M, FARTHEST_M, MOST_STEPS = 1e-6, 5e3, 40
+"""A radius that misses by less is found; a step moves it no farther; and the most steps [m]."""
+
+PHASES = ("hohmann-1", "drift", "co-elliptic", "terminal", "terminal", "approach", "approach")
+"""Phases that the burns of a drift begin; the second terminal burn and the second approach burn end
+theirs."""
+
+
+class Plane(NamedTuple):
+    """An orbital plane at some time: inclination and RAAN [rad]."""
+
+    inclination: float
+    raan: float
+
+    def carried(self, angle: float) -> Plane:
+        """The plane after its node has moved."""
+        return Plane(self.inclination, self.raan + angle)
+
+
+class Turn(NamedTuple):
+    """A change of plane in two halves, half a revolution apart on one line of nodes.
+
+    Attributes
+    ----------
+    before, after : float
+        Argument of latitude of the line in the plane that is left and in the one that is taken.
+    angle : float
+        [rad].
+    middle : Plane
+        Between the two burns.
+    """
+
+    before: float
+    after: float
+    angle: float
+    middle: Plane
+
+
+def turn_between(first: Plane, second: Plane) -> Turn:
+    """The change from one plane to another, as if neither moved meanwhile."""
+    before, after, angle = orbits.relative_node(*first, *second)
+    normal = orbits.frame(*first)[2] + orbits.frame(*second)[2]
+    inclination = math.atan2(math.hypot(normal[0], normal[1]), normal[2])
+    return Turn(before, after, angle, Plane(inclination, math.atan2(normal[0], -normal[1])))
+
+
+class Flight(NamedTuple):
+    """The burns of a drift in time order: (burns,) [s] and (burns, 3) [m/s], inertial."""
+
+    times: FloatArray
+    vectors: FloatArray
+
+    @property
+    def delta_v(self) -> float:
+        """Sum of the burns [m/s]."""
+        return float(np.linalg.norm(self.vectors, axis=1).sum())
+
+
+class _Arcs:
+    """Times and node shifts of half ellipses and circles in the mean dynamics."""
+
+    def __init__(self, oblateness: float) -> None:
+        self._oblateness = oblateness
+
+    def half(self, r1: float, r2: float, inclination: float) -> tuple[float, float]:
+        """Half a revolution between two apsides: how long [s], and how far its node moves."""
+        a = 0.5 * (r1 + r2)
+        time = math.pi / self.latitude_rate(a, inclination)
+        return time, time * self.node_rate(a, inclination)
+
+    def node_rate(self, radius: float, inclination: float) -> float:
+        return float(orbits.node_rate(radius, inclination, self._oblateness))
+
+    def latitude_rate(self, radius: float, inclination: float) -> float:
+        return float(orbits.latitude_rate(radius, inclination, self._oblateness))
+
+    def radius_of(self, rate: float, inclination: float) -> float:
+        """The radius of the circle on which the latitude advances at a rate."""
+        r = (MU_M3_S2 / rate**2) ** (1.0 / 3.0)
+        for _ in range(20):
+            step = (self.latitude_rate(r, inclination) - rate) * r / (1.5 * rate)
+            r += step
+            if abs(step) < 0.1 * CLOSE_M:
+                break
+        return r
+
+
+class Drifting:
+    """The drift of a pair between two times.
+
+    Parameters
+    ----------
+    orbit_i, orbit_j : (columns,) float64
+        Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
+    rule : TransferRule
+    departure, arrival : float
+        Of the connection: first and last moment of the transfer, approach included [s].
+    freedom : float
+        The chaser may leave so much later and arrive so much earlier [s].
+    """
+
+    def __init__(
+        self,
+        orbit_i: FloatArray,
+        orbit_j: FloatArray,
+        rule: TransferRule,
+        departure: float,
+        arrival: float,
+        freedom: float,
+    ) -> None:
+        self._i, self._j, self._rule = orbit_i, orbit_j, rule
+        self._departure, self._arrival, self._freedom = departure, arrival, freedom
+        self._arcs = _Arcs(rule.oblateness)
+        self._pair = drift.prepare(
+            orbit_i, orbit_j, rule.min_radius, rule.max_radius, rule.oblateness
+        )
+        self._rj = float(orbit_j[orbits.RADIUS])
+        self._rate_j = float(orbit_j[orbits.LATITUDE_RATE])
+        self._approach = rule.approach_revolutions * TURN / self._rate_j
+        self._correction = self._true_drift()
+
+    def flight(self) -> Flight | None:
+        """The cheapest burns found; None if the phase is not met in any way that was tried."""
+        best: Flight | None = None
+        for way in self._candidates():
+            found = self._flown(*way)
+            if found is not None and (best is None or found.delta_v < best.delta_v):
+                best = found
+        return best
+
+    def _candidates(self) -> list[tuple[float, int, int, float, float]]:
+        """Crossings to leave at and to arrive at, with revolutions between, the cheapest first.
+
+        Returns
+        -------
+        list of (float, int, int, float, float)
+            Departure [s], parity of its half turn, half turns on the drift orbit, arrival at the
+            stand-off [s], b_y [m/s].
+        """
+        pair = self._pair
+        span = self._arrival - self._departure
+        node = drift.node_left(pair, self._arrival)
+        climb = drift.climb_of(pair, span, node)
+        drifting, first = self._leaving(span, node, climb)
+        radius = self._radius(climb) + self._correction
+        stand_off = self._arrival - self._approach
+        last = self._closing(drifting, radius, self._departure, stand_off)
+        ways = []
+        for start, parity in self._departures(first, self._departure, self._freedom):
+            for met, other in self._arrivals(last):
+                span = met + self._approach - start
+                node = drift.node_left(pair, met + self._approach)
+                wanted = self._radius(drift.climb_of(pair, span, node)) + self._correction
+                half = math.pi / self._arcs.latitude_rate(wanted, drifting.inclination)
+                coast = met - start - 3.0 * half
+                offset = last.before - first.after - math.pi * (1 + parity)
+                # Half turns of the parity of the target's crossing, next to those of the best.
+                best = (math.pi * coast / half - offset) / math.pi
+                low = 2 * math.floor(0.5 * (best - other)) + other
+                for half_turns in (low, low + 2):
+                    if coast <= 0.0 or offset + math.pi * half_turns <= 0.0:
+                        continue
+                    rate = (offset + math.pi * half_turns) / coast
+                    radius = self._arcs.radius_of(rate, drifting.inclination)
+                    if not self._rule.min_radius <= radius <= self._rule.max_radius:
+                        continue
+                    climb = self._climb(radius)
+                    cost = drift.cost_of(pair, span, node, 0.0, climb)
+                    ways.append((cost, start, parity, half_turns, met, climb))
+        ways.sort()
+        return [way[1:] for way in ways[:TRIED]]
+
+    def _true_drift(self) -> float:
+        """How far the radius at which a node drifts as planned is from that of the closed form [m].
+
+        The closed form takes rates to change in proportion to the radius and the inclination; over
+        months what it leaves out is worth more than all burns.
+        """
+        pair, span = self._pair, self._arrival - self._departure
+        node = drift.node_left(pair, self._arrival)
+        climb = drift.climb_of(pair, span, node)
+        along, tilt = drift.split_at(pair, span, node, climb)
+        inclination = float(self._i[orbits.INCLINATION]) + tilt / pair.speed
+        planned = float(self._i[orbits.RAAN_RATE]) * span
+        planned -= (pair.by_radius * climb + pair.by_inclination * tilt) * span / (
+            pair.speed * pair.sine or 1.0
+        )
+        linear = radius = self._radius(climb)
+        for _ in range(20):
+            rate = self._arcs.node_rate(radius, inclination)
+            if rate == 0.0:
+                return 0.0
+            step = (rate * span - planned) * radius / (3.5 * rate * span)
+            radius = min(max(radius + step, self._rule.min_radius), self._rule.max_radius)
+            if abs(step) < 1.0:
+                break
+        return radius - linear
+
+    def _radius(self, climb: float) -> float:
+        """Radius of the drift orbit that a change b_y leads to [m]."""
+        ri = float(self._i[orbits.RADIUS])
+        return ri + climb * (ri + self._rj) / self._pair.speed
+
+    def _climb(self, radius: float) -> float:
+        """The change b_y of the closed form that drifts as a radius does [m/s]."""
+        ri = float(self._i[orbits.RADIUS])
+        return (radius - self._correction - ri) * self._pair.speed / (ri + self._rj)
+
+    def _leaving(self, span: float, node: float, climb: float) -> tuple[Plane, Turn]:
+        """Plane of the drift orbit, its node counted from that of the origin, and the way there."""
+        pair = self._pair
+        along, tilt = drift.split_at(pair, span, node, climb)
+        inclination = float(self._i[orbits.INCLINATION])
+        shift = along / (pair.speed * pair.sine) if pair.sine > 0.0 else 0.0
+        plane = Plane(inclination + tilt / pair.speed, shift)
+        return plane, turn_between(Plane(inclination, 0.0), plane)
+
+    def _closing(self, drifting: Plane, radius: float, start: float, stand_off: float) -> Turn:
+        """About the turn out of the drift orbit, whose arcs after it are short."""
+        gone = self._arcs.node_rate(radius, drifting.inclination) * (stand_off - start)
+        return turn_between(
+            Plane(drifting.inclination, self._node(self._i, start) + drifting.raan + gone),
+            Plane(float(self._j[orbits.INCLINATION]), self._node(self._j, stand_off)),
+        )
+
+    @staticmethod
+    def _node(orbit: FloatArray, time: float) -> float:
+        return float(orbit[orbits.RAAN] + orbit[orbits.RAAN_RATE] * time)
+
+    @staticmethod
+    def _crossing(orbit: FloatArray, latitude: float, near: float) -> float:
+        """When a body is at an argument of latitude, as near as possible to a time [s]."""
+        rate = orbit[orbits.LATITUDE_RATE]
+        behind = latitude - orbit[orbits.ARGUMENT_OF_LATITUDE] - rate * near
+        return float(near + (behind - TURN * round(behind / TURN)) / rate)
+
+    def _departures(self, first: Turn, begin: float, freedom: float) -> list[tuple[float, int]]:
+        """Crossings of the line of nodes by the chaser in a span of time, with their parity."""
+        period = TURN / self._i[orbits.LATITUDE_RATE]
+        found = []
+        for parity in (0, 1):
+            time = self._crossing(self._i, first.before + math.pi * parity, begin)
+            time += period * math.ceil((begin - time) / period)
+            while time <= begin + freedom:
+                found.append((time, parity))
+                time += period
+        return found
+
+    def _arrivals(self, last: Turn) -> list[tuple[float, int]]:
+        """Times at the stand-off that the target's crossings of the line allow, with parity."""
+        lead = self._rule.standoff / self._rj
+        end = self._arrival - self._approach
+        found = []
+        for parity in (0, 1):
+            time = self._crossing(self._j, last.after + math.pi * parity + lead, end)
+            time -= TURN / self._rate_j * math.ceil((time - end) * self._rate_j / TURN)
+            while time >= end - self._freedom:
+                found.append((time, parity))
+                time -= TURN / self._rate_j
+        return found
+
+    def _flown(
+        self, start: float, parity: int, half_turns: int, met: float, climb: float
+    ) -> Flight | None:
+        """The burns that leave about a time, wait so many half turns and meet the target."""
+        arcs, rule, rj = self._arcs, self._rule, self._rj
+        ri, inclination_j = float(self._i[orbits.RADIUS]), float(self._j[orbits.INCLINATION])
+        lead = rule.standoff / rj
+        span = met + self._approach - start
+        node = drift.node_left(self._pair, met + self._approach)
+        radius = self._radius(climb) + self._correction
+        drifting, first = self._leaving(span, node, climb)
+        start = self._crossing(self._i, first.before + math.pi * parity, start)
+        begun = first.after + math.pi * (1 + parity)
+        last = self._closing(drifting, radius, start, met)
+        where, slope = radius, 1.0
+        for step in range(MOST_STEPS):
+            rc = radius + rule.first_leg_fraction * (rj - radius)
+            out, out_shift = arcs.half(ri, radius, first.middle.inclination)
+            end, end_shift = arcs.half(rc, rj, inclination_j)
+            drift_rate = arcs.node_rate(radius, drifting.inclination)
+            for _ in range(MOST_STEPS):
+                back, back_shift = arcs.half(radius, rc, last.middle.inclination)
+                left = met - end - back
+                if left <= start + out:
+                    return None
+                gone = drift_rate * (left - start - out)
+                at_left = drifting.carried(self._node(self._i, start) + out_shift + gone)
+                there = Plane(inclination_j, self._node(self._j, met) - end_shift - back_shift)
+                before, last = last.before, turn_between(at_left, there)
+                # The line of nodes does not jump by a turn between two steps.
+                last = last._replace(before=before + math.remainder(last.before - before, TURN))
+                new = self._crossing(self._j, last.after + math.pi * half_turns + lead, met)
+                moved, met = abs(new - met), new
+                if moved < CLOSE_M / self._pair.speed:
+                    break
+            rate = (last.before + math.pi * half_turns - begun) / (left - start - out)
+            if rate <= 0.0:
+                return None
+            miss = arcs.radius_of(rate, drifting.inclination) - radius
+            if abs(miss) < CLOSE_M:
+                break
+            # The secant: where nodes drift far, the line moves with the radius as the phase does.
+            if step > 0 and radius != where:
+                slope = (missed - miss) / (radius - where)
+            where, missed = radius, miss
+            radius += min(max(miss / slope if slope else miss, -FARTHEST_M), FARTHEST_M)
+            if not rule.min_radius <= radius <= rule.max_radius:
+                return None
+        else:
+            return None
+        if start < self._departure or met + self._approach > self._arrival:
+            return None
+        home = Plane(float(self._i[orbits.INCLINATION]), self._node(self._i, start))
+        return self._burns(
+            (ri, radius, rc, rj),
+            (start, start + out, left, left + back, met),
+            (home, first.middle.carried(home.raan), drifting.carried(home.raan), at_left,
+             last.middle, there),
+            (first.before + math.pi * parity, last.before + math.pi * half_turns),
+            (out_shift, back_shift, end_shift),
+        )  # fmt: skip
+
+    def _burns(
+        self,
+        radii: tuple[float, float, float, float],
+        times: tuple[float, float, float, float, float],
+        planes: tuple[Plane, Plane, Plane, Plane, Plane, Plane],
+        latitudes: tuple[float, float],
+        shifts: tuple[float, float, float],
+    ) -> Flight:
+        """The burns as vectors.
+
+        Parameters
+        ----------
+        radii : (4,)
+            Of the origin, the drift orbit, the co-elliptic orbit and the destination [m].
+        times : (5,)
+            Of the first five burns [s].
+        planes : (6,)
+            The origin's, the first half ellipse's and the drift orbit's as they are at departure;
+            the drift orbit's, the second half ellipse's and the destination's as if the nodes stood
+            still from the third burn on.
+        latitudes : (2,)
+            Arguments of latitude of the first burn and of the third, in the planes that they leave
+            [rad].
+        shifts : (3,)
+            Of the nodes on the half ellipses [rad].
+        """
+        ri, r, rc, rj = radii
+        home, out, drifting, at_left, back, there = planes
+        v1, v1_end = half_ellipse_speeds(ri, r)
+        v2, v2_end = half_ellipse_speeds(r, rc)
+        v3, v3_end = half_ellipse_speeds(rc, rj)
+        circle, speed = math.sqrt(MU_M3_S2 / r), math.sqrt(MU_M3_S2 / rj)
+        line = outward(home, latitudes[0])
+        second = -turned(line, shifts[0])
+        third = outward(at_left, latitudes[1])
+        fourth = -turned(third, shifts[1])
+        fifth = -turned(fourth, shifts[2])
+        moved = shifts[1], shifts[1] + shifts[2]
+        impulse = 0.25 * speed / rj * self._rule.standoff
+        met = times[-1] + self._approach
+        at_target = orbits.state(self._j, met)[0] / rj
+        vectors = [
+            v1 * ahead(out, line) - math.sqrt(MU_M3_S2 / ri) * ahead(home, line),
+            circle * ahead(drifting.carried(shifts[0]), second)
+            - v1_end * ahead(out.carried(shifts[0]), second),
+            v2 * ahead(back, third) - circle * ahead(at_left, third),
+            v3 * ahead(there.carried(moved[0]), fourth)
+            - v2_end * ahead(back.carried(moved[0]), fourth),
+            (speed - v3_end) * ahead(there.carried(moved[1]), fifth),
+            -impulse * fifth,
+            -impulse * at_target,
+        ]
+        return Flight(np.array([*times, times[-1], met]), np.array(vectors))
+
+
+def outward(plane: Plane, latitude: float) -> FloatArray:
+    """Unit vector from the Earth to an argument of latitude of a plane, shape (3,)."""
+    ascending, beyond, _ = orbits.frame(*plane)
+    vector: FloatArray = math.cos(latitude) * ascending + math.sin(latitude) * beyond
+    return vector
+
+
+def ahead(plane: Plane, position: FloatArray) -> FloatArray:
+    """Unit vector along the motion at a position in a plane, shape (3,)."""
+    vector: FloatArray = np.cross(orbits.frame(*plane)[2], position)
+    return vector / np.linalg.norm(vector)
+
+
+def turned(vector: FloatArray, angle: float) -> FloatArray:
+    """A vector turned about the axis of the Earth, shape (3,)."""
+    c, s = math.cos(angle), math.sin(angle)
+    x, y, z = vector
+    return np.array([c * x - s * y, s * x + c * y, z])

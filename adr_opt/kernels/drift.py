@@ -1,0 +1,262 @@
+"""Long transfers: a drift orbit whose node moves otherwise, in closed form (MODEL section 3).
+
+Hours become days to months. The chaser leaves for an orbit whose node regresses faster or slower,
+waits there, and closes what is left on arrival. In components along the node, the orbit and the
+inclination, all in m/s, let v be what is left to do on arrival if nothing is done at departure. A
+change b₁ made at departure has become M b₁ on arrival, since another semi-major axis and another
+inclination drift otherwise:
+
+    v = V̄ ( ΔΩ(t_f) sin ī , Δa / (2 ā) , Δi ),    M = [[1, −m, −q], [0, 1, 0], [0, 0, 1]],
+    m = 7 R̄ sin ī · T,    q = R̄ tan ī sin ī · T .
+
+The sum of squares of b₁ and b₂ = v − M b₁ is least where (I + MᵀM) b₁ = Mᵀ v. With ρ = (−m, −q) and
+v⊥, b⊥ the parts of v and b₁ besides the node, that system has the solution
+
+    w = (2 ρ·v⊥ + |ρ|² v_x) / (4 + |ρ|²),    b_x = (v_x − w) / 2,    b⊥ = (v⊥ + ρ b_x) / 2 ,
+
+and b₂ = (b_x, v⊥ − b⊥): half of the node is turned at either end. Where the drift orbit would leave
+the altitude limits its radius is held at the limit, and the rest solved for.
+
+After Shen and Casalino, J. Spacecraft and Rockets 58(2), 2021, 575–580; derived anew.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from . import orbits
+from .compile import inlined, kernel
+from .constants import MU_M3_S2
+from .lists import wider
+
+POLAR = 1e-3
+"""Where the cosine of the mean inclination is less, q is taken by its limit."""
+
+
+class DriftPair(NamedTuple):
+    """What a long transfer i → j needs and what does not depend on its times.
+
+    Attributes
+    ----------
+    speed : float
+        V̄, circular speed at the mean radius [m/s].
+    sine : float
+        sin ī.
+    lag, lag_rate : float
+        ΔΩ at t = 0 [rad], and how fast it grows if nothing is done [rad/s].
+    climb, tilt : float
+        v_y and v_z [m/s].
+    by_radius, by_inclination : float
+        m and q over T [1/s].
+    least_climb, most_climb : float
+        Between which b_y keeps the drift orbit within the altitude limits [m/s].
+    eccentricity_i, eccentricity_j : float
+    perigee_i, perigee_rate_i, perigee_j, perigee_rate_j : float
+        Arguments of perigee at t = 0 and their rates [rad], [rad/s].
+    """
+
+    speed: float
+    sine: float
+    lag: float
+    lag_rate: float
+    climb: float
+    tilt: float
+    by_radius: float
+    by_inclination: float
+    least_climb: float
+    most_climb: float
+    eccentricity_i: float
+    eccentricity_j: float
+    perigee_i: float
+    perigee_rate_i: float
+    perigee_j: float
+    perigee_rate_j: float
+
+
+@kernel
+def prepare(orbit_i, orbit_j, min_radius, max_radius, oblateness):
+    """Everything about long transfers i → j that does not depend on their times.
+
+    Parameters
+    ----------
+    orbit_i, orbit_j : (columns,) float64
+        Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
+    min_radius, max_radius : float
+        Limits of the drift orbit [m].
+    oblateness : float
+        J2 R² [m²].
+
+    Returns
+    -------
+    DriftPair
+    """
+    ri, rj = orbit_i[orbits.RADIUS], orbit_j[orbits.RADIUS]
+    mean_radius = 0.5 * (ri + rj)
+    inclination = 0.5 * (orbit_i[orbits.INCLINATION] + orbit_j[orbits.INCLINATION])
+    speed = math.sqrt(MU_M3_S2 / mean_radius)
+    sine, cosine = math.sin(inclination), math.cos(inclination)
+    rate_i, rate_j = orbit_i[orbits.RAAN_RATE], orbit_j[orbits.RAAN_RATE]
+    mean_rate = 0.5 * (rate_i + rate_j)
+    if abs(cosine) > POLAR:
+        per_cosine = mean_rate / cosine
+    else:
+        # The limit: Ω̇ / cos i is the same for every inclination.
+        per_cosine = orbits.node_rate(mean_radius, 0.0, oblateness)
+    reach = 0.5 * speed / mean_radius
+    return DriftPair(
+        speed,
+        sine,
+        orbit_j[orbits.RAAN] - orbit_i[orbits.RAAN],
+        rate_j - rate_i,
+        reach * (rj - ri),
+        speed * (orbit_j[orbits.INCLINATION] - orbit_i[orbits.INCLINATION]),
+        7.0 * mean_rate * sine,
+        per_cosine * sine * sine,
+        reach * (min_radius - ri),
+        reach * (max_radius - ri),
+        orbit_i[orbits.ECCENTRICITY],
+        orbit_j[orbits.ECCENTRICITY],
+        orbit_i[orbits.PERIGEE],
+        orbit_i[orbits.PERIGEE_RATE],
+        orbit_j[orbits.PERIGEE],
+        orbit_j[orbits.PERIGEE_RATE],
+    )
+
+
+@kernel
+def node_left(pair, arrival):
+    """v_x: what is left of the node on arrival if nothing is done before [m/s]."""
+    lag = pair.lag + pair.lag_rate * arrival
+    lag -= 2.0 * math.pi * math.ceil((lag - math.pi) / (2.0 * math.pi))
+    return pair.speed * pair.sine * lag
+
+
+@kernel
+def shape_left(pair, arrival):
+    """E: ΔV at either end that the eccentricity vectors ask for, on arrival [m/s]."""
+    ei, ej = pair.eccentricity_i, pair.eccentricity_j
+    angle = pair.perigee_j - pair.perigee_i
+    angle += (pair.perigee_rate_j - pair.perigee_rate_i) * arrival
+    # |e_j e^{iω_j} − e_i e^{iω_i}| without its cancellation.
+    chord = (ej - ei) ** 2 + 4.0 * ei * ej * math.sin(0.5 * angle) ** 2
+    return 0.25 * pair.speed * math.sqrt(chord)
+
+
+@inlined
+def climb_of(pair, span, node):
+    """b_y of the best split, within the altitude limits [m/s]."""
+    m, q = pair.by_radius * span, pair.by_inclination * span
+    s = m * m + q * q
+    w = (s * node - 2.0 * (m * pair.climb + q * pair.tilt)) / (4.0 + s)
+    climb = 0.5 * (pair.climb - 0.5 * m * (node - w))
+    return min(max(climb, pair.least_climb), pair.most_climb)
+
+
+@inlined
+def split_at(pair, span, node, climb):
+    """b_x and b_z of the best split with a given b_y [m/s]."""
+    q = pair.by_inclination * span
+    rest = node + pair.by_radius * span * climb
+    s = q * q
+    along = 0.5 * (rest - (s * rest - 2.0 * q * pair.tilt) / (4.0 + s))
+    return along, 0.5 * (pair.tilt - q * along)
+
+
+@inlined
+def cost_of(pair, span, node, shape, climb):
+    """ΔV of the best transfer with a given b_y [m/s].
+
+    Parameters
+    ----------
+    pair : DriftPair
+    span, node, shape : float
+        T [s]; v_x and E on arrival [m/s].
+    climb : float
+        b_y [m/s].
+    """
+    along, tilt = split_at(pair, span, node, climb)
+    after = node - along + span * (pair.by_radius * climb + pair.by_inclination * tilt)
+    first = along * along + climb * climb + tilt * tilt
+    second = after * after + (pair.climb - climb) ** 2 + (pair.tilt - tilt) ** 2
+    return math.sqrt(first + shape * shape) + math.sqrt(second + shape * shape)
+
+
+@kernel
+def delta_v(pair, departure, arrival):
+    """ΔV of the long transfer between two times [m/s]."""
+    span, node = arrival - departure, node_left(pair, arrival)
+    return cost_of(pair, span, node, shape_left(pair, arrival), climb_of(pair, span, node))
+
+
+@kernel
+def costs(pair, step, node, shape, begin, last, cost):
+    """ΔV of the transfers that leave at one time of the grid, by the time of arrival.
+
+    Parameters
+    ----------
+    pair : DriftPair
+    step : float
+        Of the grid [s].
+    node, shape : (times,) float64
+        v_x and E on arrival at each time of the grid [m/s].
+    begin, last : int
+        Departure, and the last arrival, as numbers of times of the grid.
+    cost : (times,) float64
+        Written from ``begin + 1`` to ``last`` [m/s].
+    """
+    for arrival in range(begin + 1, last + 1):
+        span = (arrival - begin) * step
+        climb = climb_of(pair, span, node[arrival])
+        cost[arrival] = cost_of(pair, span, node[arrival], shape[arrival], climb)
+
+
+@kernel
+def of_pair(pair, step, longest, duration, most, resolution):
+    """The long transfers of a pair that no other one dominates, on a grid of times.
+
+    Parameters
+    ----------
+    pair : DriftPair
+    step, longest : float
+        Of the grid, and the longest time of a transfer [s].
+    duration : float
+        The last arrival [s].
+    most : float
+        Dearer ones are left out [m/s].
+    resolution : float
+        A transfer that saves no more than this is dominated [m/s].
+
+    Returns
+    -------
+    departure, arrival, delta_v : (transfers,) float64
+        [s], [s], [m/s]; in order of departure from the last to the first, then of arrival.
+    """
+    times = math.floor(duration / step) + 1
+    furthest = min(math.floor(longest / step), times - 1)
+    node, shape, cost = np.empty(times), np.empty(times), np.empty(times)
+    # What the transfers that leave later cost least that arrive by then.
+    stair = np.empty(times)
+    for t in range(times):
+        node[t], shape[t] = node_left(pair, t * step), shape_left(pair, t * step)
+        stair[t] = math.inf
+    room = 1024
+    departures, arrivals, found = np.empty(room), np.empty(room), np.empty(room)
+    count = 0
+    # Whatever is drifted, radius and inclination have to be changed in all.
+    if math.hypot(pair.climb, pair.tilt) > most:
+        times = 0
+    for begin in range(times - 2, -1, -1):
+        last = min(begin + furthest, times - 1)
+        costs(pair, step, node, shape, begin, last, cost)
+        cheapest = most + resolution
+        for arrival in range(begin + 1, last + 1):
+            cheapest = min(cheapest, stair[arrival])
+            if cost[arrival] < cheapest - resolution:
+                if count == departures.size:
+                    departures, arrivals = wider(departures, count), wider(arrivals, count)
+                    found = wider(found, count)
+                departures[count], arrivals[count] = begin * step, arrival * step
+                cheapest = found[count] = stair[arrival] = cost[arrival]
+                count += 1
+    return departures[:count], arrivals[:count], found[:count]
