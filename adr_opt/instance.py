@@ -31,10 +31,17 @@ from .bodies import Station, Target
 from .chasers import AtStation, Chaser, InOrbit
 from .errors import InputError
 from .files import read_model, to_text
-from .kernels.constants import EARTH_RADIUS_M, HOUR_S, MU_M3_S2, SLACK_M, SLACK_S
+from .kernels.constants import (
+    EARTH_RADIUS_M,
+    HOUR_S,
+    MU_M3_S2,
+    OBLATENESS_M2,
+    SLACK_M,
+    SLACK_S,
+)
 from .kernels.transfer import TransferRule
 from .orbit import Orbit
-from .records import Name, Record, not_yet
+from .records import Name, Record
 from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings
 
 FORMAT: Literal["adr-opt-instance/2"] = "adr-opt-instance/2"
@@ -74,9 +81,7 @@ class Instance(Record):
         BeforeValidator(is_calendar_time),
         AfterValidator(has_utc),
     ]
-    dynamics: Annotated[
-        Literal["two-body"], not_yet(lambda word: word == "j2", 'write "two-body"')
-    ] = "two-body"
+    dynamics: Literal["two-body", "j2"] = "two-body"
     stations: Annotated[tuple[Station, ...], Field(strict=False)]
     targets: Annotated[tuple[Target, ...], Field(strict=False)]
     chasers: Annotated[tuple[Chaser, ...], Field(strict=False, min_length=1)]
@@ -271,9 +276,18 @@ class Instance(Record):
         """SHA-256 of the file that :meth:`to_json` gives; plans carry it."""
         return hashlib.sha256(self.to_json().encode()).hexdigest()
 
+    @property
+    def oblateness_m2(self) -> float:
+        """J2 R² of the dynamics: 0 for two bodies [m²]."""
+        return OBLATENESS_M2 if self.dynamics == "j2" else 0.0
+
     def orbits(self) -> npt.NDArray[np.float64]:
-        """Circular orbits of the bodies, shape (bodies, 4), columns ``kernels.ORBIT_COLUMNS``."""
-        return np.array([orbit.circular_elements() for orbit in self.body_orbits])
+        """The bodies as kernels take them, shape (bodies, columns).
+
+        Columns are :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
+        """
+        oblateness = self.oblateness_m2
+        return np.array([orbit.row(oblateness) for orbit in self.body_orbits])
 
     def eccentricity_delta_v(self) -> npt.NDArray[np.float64]:
         """Cost of matching eccentricity vectors, v·|Δe|/2 with the destination's circular speed.
@@ -326,6 +340,7 @@ class Instance(Record):
             EARTH_RADIUS_M + settings.max_altitude_m,
             worth / HOUR_S,
             zones,
+            self.oblateness_m2,
         )
 
 

@@ -43,7 +43,7 @@ def crossed(instance: Instance, leg: Leg) -> Iterator[int]:
     if not instance.keep_out_zones or len(leg.burns) < 2:
         return
     orbits = dict(zip(instance.names, instance.body_orbits, strict=True))
-    stretches = list(_stretches(orbits[leg.origin], leg))
+    stretches = list(_stretches(orbits[leg.origin], leg, instance.oblateness_m2))
     arrival = orbits[leg.destination].semi_major_axis_m
     begins, ends = leg.burns[-2].time_s, leg.burns[-1].time_s
     for number, zone in enumerate(instance.keep_out_zones):
@@ -65,14 +65,21 @@ def _meets(zone: KeepOutZone, begins: float, ends: float, radii: Vector) -> bool
 
 
 class _Stretch:
-    """Two-body motion from a state at a time until the next burn."""
+    """Motion from a state at a time until the next burn: two-body, or its mean with J2."""
 
-    def __init__(self, position: Vector, velocity: Vector, begins: float, ends: float) -> None:
+    def __init__(
+        self, position: Vector, velocity: Vector, begins: float, ends: float, oblateness: float
+    ) -> None:
         self.position, self.velocity, self.begins, self.ends = position, velocity, begins, ends
         self.radius = float(np.linalg.norm(position))
         self.a = 1.0 / (2.0 / self.radius - float(velocity @ velocity) / MU_M3_S2)
         self.e_cos = 1.0 - self.radius / self.a
         self.e_sin = float(position @ velocity) / math.sqrt(MU_M3_S2 * abs(self.a))
+        momentum = np.cross(position, velocity)
+        cosine = momentum[2] / math.sqrt(momentum @ momentum)
+        strength = 1.5 * oblateness / self.a**2
+        self.pace = 1.0 + strength * (4.0 * cosine * cosine - 1.0)
+        self.node_rate = -strength * cosine * math.sqrt(MU_M3_S2 / abs(self.a) ** 3)
 
     @property
     def is_ellipse(self) -> bool:
@@ -81,7 +88,7 @@ class _Stretch:
 
     def turned(self, times: Vector) -> Vector:
         """Eccentric anomaly since the beginning, by Newton's method."""
-        mean = (times - self.begins) * math.sqrt(MU_M3_S2 / self.a**3)
+        mean = (times - self.begins) * self.pace * math.sqrt(MU_M3_S2 / self.a**3)
         x = mean.copy()
         for _ in range(KEPLER_STEPS):
             sine, cosine = np.sin(x), np.cos(x)
@@ -96,27 +103,36 @@ class _Stretch:
         return radii
 
     def state_at_end(self) -> tuple[Vector, Vector]:
-        """Position and velocity at the next burn, by Lagrange's coefficients."""
+        """Position and velocity at the next burn, by Lagrange's coefficients, turned."""
         end = np.array([self.ends])
         x, r = float(self.turned(end)[0]), float(self.radii(end)[0])
         share = 1.0 - math.cos(x)
-        g = self.ends - self.begins - math.sqrt(self.a**3 / MU_M3_S2) * (x - math.sin(x))
+        gone = self.pace * (self.ends - self.begins)
+        g = gone - math.sqrt(self.a**3 / MU_M3_S2) * (x - math.sin(x))
         f_rate = -math.sqrt(MU_M3_S2 * self.a) / (r * self.radius) * math.sin(x)
+        angle = self.node_rate * (self.ends - self.begins)
         return (
-            (1.0 - self.a / self.radius * share) * self.position + g * self.velocity,
-            f_rate * self.position + (1.0 - self.a / r * share) * self.velocity,
+            _turned((1.0 - self.a / self.radius * share) * self.position + g * self.velocity, angle),
+            _turned(f_rate * self.position + (1.0 - self.a / r * share) * self.velocity, angle),
         )
 
 
-def _stretches(origin: Orbit, leg: Leg) -> Iterator[_Stretch]:
+def _turned(vector: Vector, angle: float) -> Vector:
+    """A vector turned about the axis of the Earth."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1], vector[2]])
+
+
+def _stretches(origin: Orbit, leg: Leg, oblateness: float) -> Iterator[_Stretch]:
     """The motion between the burns, up to the approach."""
-    position, velocity = _state(origin, leg.burns[0].time_s)
+    position, velocity = _state(origin, leg.burns[0].time_s, oblateness)
     for burn, following in zip(leg.burns, leg.burns[1:], strict=False):
         if burn.phase == "approach" or following.time_s < burn.time_s:
             return
         stretch = _Stretch(
-            position, velocity + np.array(burn.delta_v_m_s), burn.time_s, following.time_s
-        )
+            position, velocity + np.array(burn.delta_v_m_s), burn.time_s, following.time_s,
+            oblateness,
+        )  # fmt: skip
         if not stretch.is_ellipse:
             return
         yield stretch
@@ -133,14 +149,17 @@ def _open(zone: KeepOutZone, stretches: list[_Stretch]) -> Iterator[tuple[Vector
             yield times, stretch.radii(times)
 
 
-def _state(orbit: Orbit, time_s: float) -> tuple[Vector, Vector]:
+def _state(orbit: Orbit, time_s: float, oblateness: float) -> tuple[Vector, Vector]:
     """Position and velocity on the circle that a body is planned on."""
     radius, inclination, raan, latitude = orbit.circular_elements()
-    rate = math.sqrt(MU_M3_S2 / radius**3)
-    u = latitude + rate * time_s
+    motion = math.sqrt(MU_M3_S2 / radius**3)
+    tilt, square = math.cos(inclination), 1.0 - orbit.eccentricity**2
+    strength = 0.75 * oblateness / (radius * square) ** 2
+    faster = 5.0 * tilt**2 - 1.0 + math.sqrt(square) * (3.0 * tilt**2 - 1.0)
+    u = latitude + motion * (1.0 + strength * faster) * time_s
+    raan -= 2.0 * strength * motion * tilt * time_s
     node = np.array([math.cos(raan), math.sin(raan), 0.0])
-    tilt = math.cos(inclination)
     ahead = np.array([-math.sin(raan) * tilt, math.cos(raan) * tilt, math.sin(inclination)])
     outward = math.cos(u) * node + math.sin(u) * ahead
     forward = math.cos(u) * ahead - math.sin(u) * node
-    return radius * outward, radius * rate * forward
+    return radius * outward, radius * motion * forward

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, model_validator
 
+from .kernels import orbits as kernels
 from .kernels.constants import EARTH_RADIUS_M
 from .records import Angle, Length, Record
 
@@ -53,6 +54,28 @@ class Orbit(Record):
             math.radians(self.raan_deg),
             latitude,
         )
+
+    def row(self, oblateness_m2: float) -> tuple[float, ...]:
+        """What kernels take: the circle, its rates, and the shape of the orbit.
+
+        Parameters
+        ----------
+        oblateness_m2 : float
+            J2 R², 0 for two bodies.
+
+        Returns
+        -------
+        (columns,) float
+            :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
+        """
+        radius, inclination, raan, latitude = self.circular_elements()
+        node, perigee, anomaly = kernels.secular_rates(
+            radius, self.eccentricity, inclination, oblateness_m2
+        )
+        return (
+            radius, inclination, raan, latitude, node, perigee + anomaly, self.eccentricity,
+            math.radians(self.argument_of_perigee_deg), perigee,
+        )  # fmt: skip
 
     def eccentricity_vector(self) -> npt.NDArray[np.float64]:
         """Inertial eccentricity vector, shape (3,)."""

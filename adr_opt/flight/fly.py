@@ -9,19 +9,22 @@ import numpy as np
 
 from ..errors import InputError
 from ..instance import Instance
+from ..orbit import Orbit
 from ..plan import Leg, Plan
 from .corrected import fly_eccentric
 from .flyable import refuse_what_cannot_be_flown
+from .mean import MeanDynamics
 from .result import EccentricFlight, Flight, LegFlight, TankFlight
 from .two_body import State, TwoBody, distance
 
 
 def fly(instance: Instance, plan: Plan) -> Flight:
-    """Fly the burns of a plan in two-body motion.
+    """Fly the burns of a plan in the dynamics of its instance.
 
     Each leg begins on the origin's own orbit; the burns are taken from the plan as they are.
-    Bodies move on the circles that the model plans with (MODEL section 1). A leg with an eccentric
-    orbit is flown a second time on the true orbits. What that costs is counted tank by tank.
+    Bodies move on the circles that the model plans with (MODEL section 1). In two-body motion a
+    leg with an eccentric orbit is flown a second time on the true orbits. What that costs is
+    counted tank by tank.
 
     Parameters
     ----------
@@ -38,19 +41,18 @@ def fly(instance: Instance, plan: Plan) -> Flight:
         boinor is not installed.
     """
     refuse_what_cannot_be_flown(instance, plan)
-    two_body = TwoBody()
+    motion = MeanDynamics() if instance.dynamics == "j2" else TwoBody()
     orbits = dict(zip(instance.names, instance.body_orbits, strict=True))
-    circles = {name: two_body.circle_at_epoch(orbit) for name, orbit in orbits.items()}
     flown = []
     for number, leg in enumerate(plan.legs, start=1):
         ends = [orbits[leg.origin], orbits[leg.destination]]
         eccentric = None
-        if any(orbit.eccentricity > 0.0 for orbit in ends):
-            origin, destination = (two_body.true_at_epoch(orbit) for orbit in ends)
+        if instance.dynamics == "two-body" and any(orbit.eccentricity > 0.0 for orbit in ends):
+            origin, destination = (motion.true_at_epoch(orbit) for orbit in ends)
             eccentric = fly_eccentric(
-                two_body, origin, destination, leg, instance.transfer.standoff_m
+                motion, origin, destination, leg, instance.transfer.standoff_m
             )
-        flown.append(_fly_leg(instance, two_body, circles, number, leg, eccentric))
+        flown.append(_fly_leg(instance, motion, orbits, number, leg, eccentric))
     worst = max((leg.miss_m for leg in flown), default=0.0)
     return Flight(worst, tuple(flown), tuple(_tanks(instance, plan, flown)))
 
@@ -78,26 +80,26 @@ def _tanks(instance: Instance, plan: Plan, flown: list[LegFlight]) -> Iterator[T
 
 def _fly_leg(
     instance: Instance,
-    two_body: TwoBody,
-    states: dict[str, State],
+    motion: TwoBody,
+    orbits: dict[str, Orbit],
     number: int,
     leg: Leg,
     eccentric: EccentricFlight | None,
 ) -> LegFlight:
-    target = states[leg.destination]
+    target = orbits[leg.destination]
     standoff = None
     try:
         now = leg.burns[0].time_s
-        chaser = two_body.coast(states[leg.origin], now)
+        chaser = motion.body(orbits[leg.origin], now)
         for burn in leg.burns:
-            position, velocity = two_body.coast(chaser, burn.time_s - now)
+            position, velocity = motion.coast(chaser, burn.time_s - now)
             now = burn.time_s
             if standoff is None and burn.phase == "approach":
-                behind = _behind(two_body.coast(target, now), instance.transfer.standoff_m)
+                behind = _behind(motion.body(target, now), instance.transfer.standoff_m)
                 standoff = (distance(position, behind[0]), distance(velocity, behind[1]))
             chaser = position, velocity + np.array(burn.delta_v_m_s)
-        at_arrival = two_body.coast(chaser, leg.arrival_s - now)
-        goal = two_body.coast(target, leg.arrival_s)
+        at_arrival = motion.coast(chaser, leg.arrival_s - now)
+        goal = motion.body(target, leg.arrival_s)
     except ArithmeticError as error:
         raise InputError(f"leg {number}: cannot be flown: {error}; correct its burns") from None
     assert standoff is not None  # every leg has an approach

@@ -61,6 +61,10 @@ class TwoBody:
         mean = self._angles.E_to_M(self._angles.nu_to_E(_true_anomaly(orbit), e), e)
         return self._state(orbit, 0.0, 0.0, math.radians(orbit.argument_of_perigee_deg) + mean)
 
+    def body(self, orbit: Orbit, time_s: float) -> State:
+        """Position [m] and velocity [m/s] of a body at a time, on the circle planned with."""
+        return self.coast(self.circle_at_epoch(orbit), time_s)
+
     def true_at_epoch(self, orbit: Orbit) -> State:
         """Position [m] and velocity [m/s] at the epoch, on the Kepler orbit of the elements."""
         perigee = math.radians(orbit.argument_of_perigee_deg)

@@ -10,7 +10,10 @@ EARTH_RADIUS_M = 6378137.0
 """Equatorial radius of the Earth [m]; altitudes are radii minus this."""
 
 J2 = 1.08262668e-3
-"""Second zonal harmonic of the Earth; the model does not use it, its warnings do."""
+"""Second zonal harmonic of the Earth."""
+
+OBLATENESS_M2 = J2 * EARTH_RADIUS_M**2
+"""What secular rates are proportional to [m²]."""
 
 STATION = 0
 """Index of the refuelling station among the bodies."""

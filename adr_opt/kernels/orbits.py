@@ -1,13 +1,15 @@
-"""Circular orbits: frames, relative nodes and states.
+"""Where bodies are at a time: the ephemeris, frames, relative nodes and states.
 
-A body is a row of :data:`ORBIT_COLUMNS`; ``argument_of_latitude`` is taken at t = 0.
+A body is a row of :data:`ORBIT_COLUMNS`, angles at t = 0. It moves on a circle whose node and
+argument of latitude advance at the rates of the row: those of two-body motion, or the secular ones
+of J2 (MODEL section 1). Who asks for elements or states at a time asks here.
 """
 
 import math
 
 import numpy as np
 
-from .compile import kernel
+from .compile import inlined, kernel
 from .constants import MU_M3_S2
 
 ORBIT_COLUMNS = (
@@ -48,6 +50,51 @@ def latitude_rate(radius, inclination, oblateness):
     """Secular rate of the argument of latitude of a circular orbit (MODEL section 1) [rad/s]."""
     widening = 1.5 * oblateness / radius**2 * (4.0 * math.cos(inclination) ** 2 - 1.0)
     return mean_motion(radius) * (1.0 + widening)
+
+
+@kernel
+def secular_rates(axis, eccentricity, inclination, oblateness):
+    """Secular rates of a mean orbit (MODEL section 1).
+
+    Parameters
+    ----------
+    axis, eccentricity, inclination : float
+        [m], –, [rad].
+    oblateness : float
+        J2 R², 0 for two bodies [m²].
+
+    Returns
+    -------
+    node, perigee, anomaly : float
+        Of RAAN, argument of perigee and mean anomaly [rad/s].
+    """
+    n = mean_motion(axis)
+    square = 1.0 - eccentricity * eccentricity
+    strength = 1.5 * oblateness / (axis * square) ** 2 * n
+    cosine = math.cos(inclination)
+    return (
+        -strength * cosine,
+        0.5 * strength * (5.0 * cosine * cosine - 1.0),
+        n + 0.5 * strength * math.sqrt(square) * (3.0 * cosine * cosine - 1.0),
+    )
+
+
+@inlined
+def node_at(orbit, time):
+    """RAAN of a body at a time [rad]."""
+    return orbit[RAAN] + orbit[RAAN_RATE] * time
+
+
+@inlined
+def latitude_at(orbit, time):
+    """Argument of latitude of a body at a time [rad]."""
+    return orbit[ARGUMENT_OF_LATITUDE] + orbit[LATITUDE_RATE] * time
+
+
+@inlined
+def revolution(orbit):
+    """How long a body takes from node to node [s]."""
+    return 2.0 * math.pi / orbit[LATITUDE_RATE]
 
 
 @kernel
@@ -126,11 +173,13 @@ def relative_node(inclination_i, raan_i, inclination_j, raan_j):
 
 @kernel
 def state(orbit, time):
-    """Inertial position and velocity on a circular orbit.
+    """Inertial position and velocity of a body.
+
+    The velocity is that of the circle, as if its plane stood still.
 
     Parameters
     ----------
-    orbit : (4,) float64
+    orbit : (columns,) float64
         One row of :data:`ORBIT_COLUMNS`.
     time : float
         Time since the epoch [s].
@@ -141,8 +190,8 @@ def state(orbit, time):
         [m], [m/s].
     """
     n = mean_motion(orbit[RADIUS])
-    u = orbit[ARGUMENT_OF_LATITUDE] + orbit[LATITUDE_RATE] * time
-    ascending, ahead, _ = frame(orbit[INCLINATION], orbit[RAAN] + orbit[RAAN_RATE] * time)
+    u = latitude_at(orbit, time)
+    ascending, ahead, _ = frame(orbit[INCLINATION], node_at(orbit, time))
     position, velocity = np.empty(3), np.empty(3)
     for axis in range(3):
         outward = math.cos(u) * ascending[axis] + math.sin(u) * ahead[axis]

@@ -9,9 +9,10 @@ import numpy.typing as npt
 
 from ..errors import InputError
 from ..instance import Instance
+from ..kernels import orbits
 from ..kernels.constants import MU_M3_S2
 from ..orbit import Orbit
-from .kepler import Array, propagate
+from .kepler import Array, propagate, turned
 
 
 def body_states(
@@ -28,7 +29,8 @@ def body_states(
         Times since the epoch [s].
     true_orbits : bool
         False: on the circle that the plan is made with (MODEL section 1), where the chaser meets
-        it. True: on the Kepler orbit of its elements. The same for circles.
+        it. True: on the ellipse of its elements. The same for circles. Both drift where the
+        dynamics of the instance do.
 
     Returns
     -------
@@ -46,8 +48,8 @@ def body_states(
     except ValueError:
         raise InputError(f"{body!r} is not a body of the instance") from None
     if true_orbits and orbit.eccentricity > 0.0:
-        return propagate(*true_state_at_epoch(orbit), times)
-    return _on_circle(orbit, times)
+        return _on_ellipse(orbit, instance.oblateness_m2, times)
+    return _on_circle(orbit, instance.oblateness_m2, times)
 
 
 def body_positions(
@@ -83,15 +85,37 @@ def true_state_at_epoch(orbit: Orbit) -> tuple[Array, Array]:
     )
 
 
-def _on_circle(orbit: Orbit, times: Array) -> tuple[Array, Array]:
-    radius, _, _, latitude = orbit.circular_elements()
-    rate = math.sqrt(MU_M3_S2 / radius) / radius
-    u = (latitude + rate * times)[:, None]
+def _on_circle(orbit: Orbit, oblateness_m2: float, times: Array) -> tuple[Array, Array]:
+    row = orbit.row(oblateness_m2)
+    u = (row[orbits.ARGUMENT_OF_LATITUDE] + row[orbits.LATITUDE_RATE] * times)[:, None]
     node, ahead = _axes(orbit)
-    return (
-        radius * (np.cos(u) * node + np.sin(u) * ahead),
-        radius * rate * (np.cos(u) * ahead - np.sin(u) * node),
-    )
+    speed = math.sqrt(MU_M3_S2 / row[orbits.RADIUS])
+    positions = row[orbits.RADIUS] * (np.cos(u) * node + np.sin(u) * ahead)
+    velocities = speed * (np.cos(u) * ahead - np.sin(u) * node)
+    return _precessed(positions, velocities, row[orbits.RAAN_RATE] * times)
+
+
+def _on_ellipse(orbit: Orbit, oblateness_m2: float, times: Array) -> tuple[Array, Array]:
+    """Kepler motion at the pace of the mean anomaly, whose perigee and node move."""
+    row = orbit.row(oblateness_m2)
+    perigee_rate, axis = row[orbits.PERIGEE_RATE], row[orbits.RADIUS]
+    pace = (row[orbits.LATITUDE_RATE] - perigee_rate) / orbits.mean_motion(axis)
+    positions, velocities = propagate(*true_state_at_epoch(orbit), pace * times)
+    if oblateness_m2 == 0.0:
+        return positions, velocities
+    node, ahead = _axes(orbit)
+    # Within its plane the whole orbit turns with the perigee.
+    c, s = np.cos(perigee_rate * times)[:, None], np.sin(perigee_rate * times)[:, None]
+    for vectors in (positions, velocities):
+        x, y = (vectors @ node)[:, None], (vectors @ ahead)[:, None]
+        vectors[:] = (c * x - s * y) * node + (s * x + c * y) * ahead
+    return _precessed(positions, velocities, row[orbits.RAAN_RATE] * times)
+
+
+def _precessed(positions: Array, velocities: Array, angles: Array) -> tuple[Array, Array]:
+    if not angles.any():
+        return positions, velocities
+    return turned(positions, angles), turned(velocities, angles)
 
 
 def _axes(orbit: Orbit) -> tuple[Array, Array]:

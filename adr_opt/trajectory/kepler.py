@@ -1,4 +1,4 @@
-"""Two-body motion on closed orbits, in closed form up to Kepler's equation."""
+"""Motion on closed orbits, in closed form up to Kepler's equation."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from ..kernels import orbits
 from ..kernels.constants import MU_M3_S2
 
 Array = npt.NDArray[np.float64]
@@ -19,6 +20,56 @@ TOLERANCE_RAD = 1e-14
 
 MOST_REVOLUTIONS = 1e5
 """Longest coast: beyond it too few digits of the phase are left."""
+
+
+def drift(
+    position_m: npt.ArrayLike,
+    velocity_m_s: npt.ArrayLike,
+    after_s: npt.ArrayLike,
+    oblateness_m2: float,
+) -> tuple[Array, Array]:
+    """States on one nearly circular orbit in the mean dynamics (MODEL sections 1 and 2).
+
+    Two-body motion at the pace at which the argument of latitude advances, in a plane that turns
+    with the node.
+
+    Parameters
+    ----------
+    position_m, velocity_m_s, after_s
+        As :func:`propagate` takes them.
+    oblateness_m2 : float
+        J2 R²; with 0 it is :func:`propagate`.
+
+    Returns
+    -------
+    positions_m, velocities_m_s : (n, 3) float64
+
+    Raises
+    ------
+    ArithmeticError
+        As :func:`propagate`.
+    """
+    times = np.atleast_1d(np.asarray(after_s, dtype=float))
+    if oblateness_m2 == 0.0:
+        return propagate(position_m, velocity_m_s, times)
+    r, v = np.asarray(position_m, dtype=float), np.asarray(velocity_m_s, dtype=float)
+    inverse_axis = 2.0 / math.hypot(*r) - float(v @ v) / MU_M3_S2
+    if not inverse_axis > 0.0:
+        raise ArithmeticError(f"at {math.hypot(*v):.6g} m/s the chaser leaves the Earth")
+    momentum = np.cross(r, v)
+    inclination = math.acos(momentum[2] / math.hypot(*momentum))
+    axis = 1.0 / inverse_axis
+    pace = orbits.latitude_rate(axis, inclination, oblateness_m2) / orbits.mean_motion(axis)
+    angles = orbits.node_rate(axis, inclination, oblateness_m2) * times
+    positions, velocities = propagate(r, v, pace * times)
+    return turned(positions, angles), turned(velocities, angles)
+
+
+def turned(vectors: Array, angles: Array) -> Array:
+    """Vectors turned about the axis of the Earth, each by its angle; shape (n, 3)."""
+    c, s = np.cos(angles), np.sin(angles)
+    x, y, z = vectors.T
+    return np.stack([c * x - s * y, s * x + c * y, z], axis=1)
 
 
 def propagate(

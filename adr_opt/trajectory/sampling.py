@@ -15,7 +15,7 @@ from ..kernels.burns import PHASES as BURN_PHASES
 from ..limits import service_begins
 from ..plan import Leg, Plan
 from .bodies import body_states
-from .kepler import Array, propagate
+from .kepler import Array, drift
 
 PHASES = ("wait", *BURN_PHASES, "service")
 """Phases of a leg in their order: waiting at the origin, five of flight, service at the end.
@@ -118,7 +118,7 @@ class Trajectory:
 
 
 def sample(instance: Instance, plan: Plan, step_s: float = 60.0) -> Trajectory:
-    """Fly a plan in two-body motion and sample the flight.
+    """Fly a plan in the dynamics of its instance and sample the flight.
 
     As :func:`adr_opt.flight.fly` flies it: each leg begins on the origin's orbit, at its first
     burn, and its burns are taken from the plan as they are. At the arrival the chaser is docked,
@@ -180,7 +180,9 @@ def _arcs(instance: Instance, number: int, leg: Leg, step_s: float) -> tuple[Arc
             times = _times(burn.time_s, end, step_s)
             if times is None:
                 continue
-            positions, velocities = propagate(position, velocity, times - burn.time_s)
+            positions, velocities = drift(
+                position, velocity, times - burn.time_s, instance.oblateness_m2
+            )
             found.append(_arc(burn.phase, times, positions, velocities))
             position, velocity = positions[-1], velocities[-1]
     except ArithmeticError as error:
