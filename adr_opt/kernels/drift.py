@@ -28,7 +28,7 @@ import numpy as np
 from . import orbits
 from .compile import inlined, kernel
 from .constants import MU_M3_S2
-from .lists import wider
+from .lists import chosen, wider
 
 POLAR = 1e-3
 """Where the cosine of the mean inclination is less, q is taken by its limit."""
@@ -52,8 +52,8 @@ class DriftPair(NamedTuple):
     least_climb, most_climb : float
         Between which b_y keeps the drift orbit within the altitude limits [m/s].
     eccentricity_i, eccentricity_j : float
-    perigee_i, perigee_rate_i, perigee_j, perigee_rate_j : float
-        Arguments of perigee at t = 0 and their rates [rad], [rad/s].
+    perigee_lag, perigee_lag_rate : float
+        ω_j − ω_i at t = 0 [rad], and how fast it grows [rad/s].
     """
 
     speed: float
@@ -68,10 +68,8 @@ class DriftPair(NamedTuple):
     most_climb: float
     eccentricity_i: float
     eccentricity_j: float
-    perigee_i: float
-    perigee_rate_i: float
-    perigee_j: float
-    perigee_rate_j: float
+    perigee_lag: float
+    perigee_lag_rate: float
 
 
 @kernel
@@ -117,10 +115,8 @@ def prepare(orbit_i, orbit_j, min_radius, max_radius, oblateness):
         reach * (max_radius - ri),
         orbit_i[orbits.ECCENTRICITY],
         orbit_j[orbits.ECCENTRICITY],
-        orbit_i[orbits.PERIGEE],
-        orbit_i[orbits.PERIGEE_RATE],
-        orbit_j[orbits.PERIGEE],
-        orbit_j[orbits.PERIGEE_RATE],
+        orbit_j[orbits.PERIGEE] - orbit_i[orbits.PERIGEE],
+        orbit_j[orbits.PERIGEE_RATE] - orbit_i[orbits.PERIGEE_RATE],
     )
 
 
@@ -135,12 +131,8 @@ def node_left(pair, arrival):
 @kernel
 def shape_left(pair, arrival):
     """E: ΔV at either end that the eccentricity vectors ask for, on arrival [m/s]."""
-    ei, ej = pair.eccentricity_i, pair.eccentricity_j
-    angle = pair.perigee_j - pair.perigee_i
-    angle += (pair.perigee_rate_j - pair.perigee_rate_i) * arrival
-    # |e_j e^{iω_j} − e_i e^{iω_i}| without its cancellation.
-    chord = (ej - ei) ** 2 + 4.0 * ei * ej * math.sin(0.5 * angle) ** 2
-    return 0.25 * pair.speed * math.sqrt(chord)
+    angle = pair.perigee_lag + pair.perigee_lag_rate * arrival
+    return 0.25 * pair.speed * orbits.chord(pair.eccentricity_i, pair.eccentricity_j, angle)
 
 
 @inlined
@@ -212,25 +204,31 @@ def costs(pair, step, node, shape, begin, last, cost):
 
 
 @kernel
-def of_pair(pair, step, longest, duration, most, resolution):
-    """The long transfers of a pair that no other one dominates, on a grid of times.
+def of_pair(pair, step, longest, duration, most, resolution, departure, arrival, delta_v, kept):
+    """The transfers of a pair that no other one dominates: long ones on a grid of times, and short.
 
     Parameters
     ----------
     pair : DriftPair
     step, longest : float
-        Of the grid, and the longest time of a transfer [s].
+        Of the grid, and the longest time of a long transfer [s].
     duration : float
         The last arrival [s].
     most : float
         Dearer ones are left out [m/s].
     resolution : float
         A transfer that saves no more than this is dominated [m/s].
+    departure, arrival, delta_v : (short,) float64
+        Short transfers, none of which dominates another, in order of departure [s], [s], [m/s].
+    kept : (short,) bool
+        Written: those that no long one dominates.
 
     Returns
     -------
-    departure, arrival, delta_v : (transfers,) float64
-        [s], [s], [m/s]; in order of departure from the last to the first, then of arrival.
+    departures, arrivals : (long,) int32
+        Numbers of times of the grid; in order of departure, then of arrival.
+    costs : (long,) float64
+        [m/s].
     """
     times = math.floor(duration / step) + 1
     furthest = min(math.floor(longest / step), times - 1)
@@ -241,22 +239,47 @@ def of_pair(pair, step, longest, duration, most, resolution):
         node[t], shape[t] = node_left(pair, t * step), shape_left(pair, t * step)
         stair[t] = math.inf
     room = 1024
-    departures, arrivals, found = np.empty(room), np.empty(room), np.empty(room)
-    count = 0
+    departures, arrivals = np.empty(room, np.int32), np.empty(room, np.int32)
+    costs_found = np.empty(room)
+    count, short = 0, departure.size - 1
     # Whatever is drifted, radius and inclination have to be changed in all.
-    if math.hypot(pair.climb, pair.tilt) > most:
-        times = 0
-    for begin in range(times - 2, -1, -1):
+    reachable = math.hypot(pair.climb, pair.tilt) <= most
+    for begin in range(times - 1, -1, -1):
+        while short >= 0 and departure[short] >= begin * step:
+            kept[short] = True
+            for t in range(begin + 1, min(math.floor(arrival[short] / step), times - 1) + 1):
+                kept[short] = kept[short] and delta_v[short] < stair[t] - resolution
+            there = math.ceil(arrival[short] / step)
+            if there < times:
+                stair[there] = min(stair[there], delta_v[short])
+            short -= 1
+        if not reachable:
+            continue
         last = min(begin + furthest, times - 1)
         costs(pair, step, node, shape, begin, last, cost)
         cheapest = most + resolution
-        for arrival in range(begin + 1, last + 1):
-            cheapest = min(cheapest, stair[arrival])
-            if cost[arrival] < cheapest - resolution:
+        for t in range(begin + 1, last + 1):
+            cheapest = min(cheapest, stair[t])
+            if cost[t] < cheapest - resolution:
                 if count == departures.size:
                     departures, arrivals = wider(departures, count), wider(arrivals, count)
-                    found = wider(found, count)
-                departures[count], arrivals[count] = begin * step, arrival * step
-                cheapest = found[count] = stair[arrival] = cost[arrival]
+                    costs_found = wider(costs_found, count)
+                departures[count], arrivals[count] = begin, t
+                cheapest = costs_found[count] = stair[t] = cost[t]
                 count += 1
-    return departures[:count], arrivals[:count], found[:count]
+    # From the last departure to the first, each by arrival: turned round departure by departure.
+    order = np.empty(count, np.int64)
+    high, at = count, 0
+    while high > 0:
+        low = high - 1
+        while low > 0 and departures[low - 1] == departures[high - 1]:
+            low -= 1
+        for c in range(low, high):
+            order[at] = c
+            at += 1
+        high = low
+    return (
+        chosen(departures, order, count),
+        chosen(arrivals, order, count),
+        chosen(costs_found, order, count),
+    )

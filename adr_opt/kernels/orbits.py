@@ -98,6 +98,13 @@ def revolution(orbit):
 
 
 @kernel
+def chord(eccentricity_i, eccentricity_j, angle):
+    """|e_j e^{iω_j} − e_i e^{iω_i}| for perigees an angle apart, without its cancellation."""
+    between = 4.0 * eccentricity_i * eccentricity_j * math.sin(0.5 * angle) ** 2
+    return math.sqrt((eccentricity_j - eccentricity_i) ** 2 + between)
+
+
+@kernel
 def period(radius):
     """Period of a circular orbit [s]."""
     return 2.0 * math.pi / mean_motion(radius)

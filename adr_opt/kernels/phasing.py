@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import transfer
-from .compile import kernel
+from . import precession, transfer
+from .compile import inlined, kernel
 
 NODES = 16
 """Nodes of an interpolation. The compiler unrolls the loop over them only if it knows how many."""
@@ -44,8 +44,9 @@ class Curves(NamedTuple):
     ----------
     time : (revolutions + 1, nodes) float64
         Flight times of the nodes [s].
-    coefficients : (revolutions + 1, 4, nodes) float64
-        Newton's divided differences of the four numbers; none where limits are wide.
+    coefficients : (revolutions + 1, 5, nodes) float64
+        Newton's divided differences of the four numbers, and of ε (:mod:`.precession`) under J2;
+        none where limits are wide.
     """
 
     time: np.ndarray
@@ -68,17 +69,20 @@ def curves_of(pair, rule):
     middle = 0.5 * (rule.max_radius + rule.min_radius)
     half = 0.5 * (rule.max_radius - rule.min_radius)
     counts = 0 if half > WIDE * middle else rule.max_phasing_revolutions + 1
-    time, coefficients = np.empty((counts, NODES)), np.empty((counts, 4, NODES))
+    time, coefficients = np.empty((counts, NODES)), np.empty((counts, 5, NODES))
     if counts == 0:
         return Curves(time, coefficients)
-    flight, lap = np.empty(NODES), np.empty(NODES)
+    drifts = rule.oblateness != 0.0
+    parts = 5 if drifts else 4
+    flight, lap, radius = np.empty(NODES), np.empty(NODES), np.empty(NODES)
     direct, phased = np.empty((4, NODES)), np.empty((4, NODES))
     for n in range(NODES):
-        r = middle + half * POINTS[n]
-        flight[n] = transfer.flight_time(pair.radius_i, pair.radius_j, rule.first_leg_fraction, r)[
-            0
-        ]
-        lap[n] = transfer.lap_time(r)[0]
+        r = radius[n] = middle + half * POINTS[n]
+        flight[n] = transfer.flight_time(
+            pair.radius_i, pair.radius_j, pair.widening_i, pair.widening_j,
+            rule.first_leg_fraction, r,
+        )[0]  # fmt: skip
+        lap[n] = transfer.lap_time(r, pair.widening_j)[0]
         direct[0, n], direct[1, n], direct[2, n], direct[3, n] = transfer.burn_parts(
             pair, rule, 0, r
         )
@@ -91,12 +95,28 @@ def curves_of(pair, rule):
             time[k, n] = flight[n] + k * lap[n]
             for part in range(4):
                 own[part, n] = values[part, n]
+            own[4, n] = precession.carried(pair, rule, k, radius[n], time[k, n]) if drifts else 0.0
         for first in range(1, NODES):
             for n in range(first, NODES):
                 share = 1.0 / (time[k, n] - time[k, first - 1])
-                for part in range(4):
+                for part in range(parts):
                     own[part, n] = (own[part, n] - own[part, first - 1]) * share
     return Curves(time, coefficients)
+
+
+@inlined
+def parts_at(curves, k, time):
+    """The four numbers of a sequence with k revolutions by its flight time, and ε under J2."""
+    climb = rest = chord = square = shift = 0.0
+    nodes, own = curves.time[k], curves.coefficients[k]
+    for n in range(NODES - 1, -1, -1):
+        after = time - nodes[n]
+        climb = climb * after + own[0, n]
+        rest = rest * after + own[1, n]
+        chord = chord * after + own[2, n]
+        square = square * after + own[3, n]
+        shift = shift * after + own[4, n]
+    return climb, rest, chord, square, shift
 
 
 @kernel

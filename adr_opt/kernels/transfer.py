@@ -69,7 +69,7 @@ class Pair(NamedTuple):
     theta: float
     phase_i: float  # u_i − α_i at t = 0 [rad]
     phase_j: float
-    rate_i: float  # mean motions [rad/s]
+    rate_i: float  # of the arguments of latitude [rad/s]
     rate_j: float
     speed_i: float  # circular speeds [m/s]
     speed_j: float
@@ -87,6 +87,21 @@ class Pair(NamedTuple):
     shortest_lap: float
     longest: float  # the same at the greatest radius, and a slack more
     longest_lap: float
+    inclination_i: float  # [rad]
+    inclination_j: float
+    lag: float  # Ω_j − Ω_i at t = 0 [rad]
+    lag_rate: float  # [rad/s]
+    node_rate_j: float
+    latitude_i: float  # u at t = 0 [rad]
+    latitude_j: float
+    widening_i: float  # 3/2 J2 R² (4 cos² i − 1): what a² has to it in the latitude's rate [m²]
+    widening_j: float
+    shift_i: float  # −3/2 π J2 R² cos i: a node's shift in half a revolution, but for a² [rad m²]
+    shift_j: float
+    eccentricity_i: float  # where perigees drift; else 0, and the cost is in fixed_delta_v
+    eccentricity_j: float
+    perigee_lag: float  # ω_j − ω_i at t = 0 [rad]
+    perigee_lag_rate: float  # [rad/s]
 
 
 class Sequence(NamedTuple):
@@ -99,13 +114,21 @@ class Sequence(NamedTuple):
 
 
 @inlined
-def flight_time(radius_i, radius_j, fraction, r):
+def pace(axis, widening):
+    """How much longer than a period two-body motion takes to the same latitude; 1 without J2."""
+    return 1.0 if widening == 0.0 else 1.0 / (1.0 + widening / (axis * axis))
+
+
+@inlined
+def flight_time(radius_i, radius_j, widening_i, widening_j, fraction, r):
     """T(r_x) without phasing revolutions, and its first two derivatives (MODEL section 2).
 
     Parameters
     ----------
     radius_i, radius_j : float
         Radii of origin and destination [m].
+    widening_i, widening_j : float
+        As in :class:`Pair` [m²].
     fraction : float
         f of the co-elliptic radius r_c = r + f (r_j − r).
     r : float
@@ -114,7 +137,7 @@ def flight_time(radius_i, radius_j, fraction, r):
     Returns
     -------
     time, first, second : float
-        [s], [s/m], [s/m²].
+        [s], [s/m], [s/m²]; of the derivatives what J2 adds is kept to its first order, and to none.
     """
     half = 0.5 * (1.0 - fraction)
     a1 = 0.5 * (radius_i + r)
@@ -123,18 +146,26 @@ def flight_time(radius_i, radius_j, fraction, r):
     b2 = 1.0 - 0.5 * fraction
     s1, s2, s3 = math.sqrt(a1), math.sqrt(a2), math.sqrt(a3)
     scale = math.pi / SQRT_MU
-    time = scale * (a1 * s1 + a2 * s2 + a3 * s3)
     first = 1.5 * scale * (0.5 * s1 + b2 * s2 + half * s3)
     second = 0.75 * scale * (0.25 / s1 + b2 * b2 / s2 + half * half / s3)
+    if widening_j == 0.0 and widening_i == 0.0:
+        time = scale * (a1 * s1 + a2 * s2 + a3 * s3)
+    else:
+        time = a1 * s1 * pace(a1, widening_i) + a2 * s2 * pace(a2, widening_j)
+        time = scale * (time + a3 * s3 * pace(a3, widening_j))
+        first *= 1.0 + widening_j / (3.0 * r * r)
     return time, first, second
 
 
 @inlined
-def lap_time(r):
+def lap_time(r, widening):
     """Period of the phasing circle and its first two derivatives."""
     root = math.sqrt(r)
     scale = TWO_PI / SQRT_MU
-    return scale * r * root, 1.5 * scale * root, 0.75 * scale / root
+    first = 1.5 * scale * root
+    if widening != 0.0:
+        first *= 1.0 + widening / (3.0 * r * r)
+    return scale * r * root * pace(r, widening), first, 0.75 * scale / root
 
 
 @kernel
@@ -146,7 +177,8 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule):
     orbit_i, orbit_j : (4,) float64
         Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
     extra_delta_v : float
-        Cost of matching the eccentricity vector, zero between circles [m/s].
+        Cost of matching the eccentricity vector, zero between circles [m/s]. Under J2 it depends
+        on the time, and is :func:`shape`.
     rule : TransferRule
 
     Returns
@@ -160,17 +192,29 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule):
         orbit_j[orbits.INCLINATION],
         orbit_j[orbits.RAAN],
     )
-    rate_i, rate_j = orbits.mean_motion(ri), orbits.mean_motion(rj)
-    fixed = 0.5 * rate_j * rule.standoff + extra_delta_v
+    inclination_i, inclination_j = orbit_i[orbits.INCLINATION], orbit_j[orbits.INCLINATION]
+    cosine_i, cosine_j = math.cos(inclination_i), math.cos(inclination_j)
+    strength = 1.5 * rule.oblateness
+    wide_i = strength * (4.0 * cosine_i * cosine_i - 1.0)
+    wide_j = strength * (4.0 * cosine_j * cosine_j - 1.0)
+    drifts = rule.oblateness != 0.0
+    fixed = 0.5 * orbits.mean_motion(rj) * rule.standoff
+    eccentricity_i = eccentricity_j = 0.0
+    if drifts:
+        eccentricity_i, eccentricity_j = orbit_i[orbits.ECCENTRICITY], orbit_j[orbits.ECCENTRICITY]
+    else:
+        fixed += extra_delta_v
     # The turning burn takes the velocity v₁ of arc 1 to a velocity at the angle θ: it is at least
     # the distance of v₁ from that direction, v₁ sin θ (v₁ itself beyond a right angle), and v₁ is
     # least at the greatest radius.
     slowest = math.sqrt(2.0 * MU_M3_S2 * ri / (rule.max_radius * (ri + rule.max_radius)))
     turn_floor = slowest * (math.sin(theta) if theta < 0.5 * math.pi else 1.0)
+    if drifts:
+        turn_floor = 0.0  # planes drift towards each other
     f = rule.first_leg_fraction
     reference = 0.5 * (ri + rj)
-    flight, flight_1, flight_2 = flight_time(ri, rj, f, reference)
-    lap, lap_1, lap_2 = lap_time(reference)
+    flight, flight_1, flight_2 = flight_time(ri, rj, wide_i, wide_j, f, reference)
+    lap, lap_1, lap_2 = lap_time(reference, wide_j)
     return Pair(
         ri,
         rj,
@@ -179,8 +223,8 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule):
         theta,
         orbit_i[orbits.ARGUMENT_OF_LATITUDE] - alpha_i,
         orbit_j[orbits.ARGUMENT_OF_LATITUDE] - alpha_j,
-        rate_i,
-        rate_j,
+        orbit_i[orbits.LATITUDE_RATE],
+        orbit_j[orbits.LATITUDE_RATE],
         math.sqrt(MU_M3_S2 / ri),
         math.sqrt(MU_M3_S2 / rj),
         4.0 * math.sin(0.5 * theta) ** 2,
@@ -193,11 +237,35 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule):
         lap,
         lap_1,
         lap_2,
-        flight_time(ri, rj, f, rule.min_radius)[0] - SLACK_S,
-        lap_time(rule.min_radius)[0],
-        flight_time(ri, rj, f, rule.max_radius)[0] + SLACK_S,
-        lap_time(rule.max_radius)[0],
+        flight_time(ri, rj, wide_i, wide_j, f, rule.min_radius)[0] - SLACK_S,
+        lap_time(rule.min_radius, wide_j)[0],
+        flight_time(ri, rj, wide_i, wide_j, f, rule.max_radius)[0] + SLACK_S,
+        lap_time(rule.max_radius, wide_j)[0],
+        inclination_i,
+        inclination_j,
+        orbit_j[orbits.RAAN] - orbit_i[orbits.RAAN],
+        orbit_j[orbits.RAAN_RATE] - orbit_i[orbits.RAAN_RATE],
+        orbit_j[orbits.RAAN_RATE],
+        orbit_i[orbits.ARGUMENT_OF_LATITUDE],
+        orbit_j[orbits.ARGUMENT_OF_LATITUDE],
+        wide_i,
+        wide_j,
+        -strength * math.pi * cosine_i,
+        -strength * math.pi * cosine_j,
+        eccentricity_i,
+        eccentricity_j,
+        orbit_j[orbits.PERIGEE] - orbit_i[orbits.PERIGEE],
+        orbit_j[orbits.PERIGEE_RATE] - orbit_i[orbits.PERIGEE_RATE],
     )
+
+
+@inlined
+def shape(pair, time):
+    """Cost of matching the eccentricity vector at a time, where perigees drift [m/s]."""
+    if pair.eccentricity_i == 0.0 and pair.eccentricity_j == 0.0:
+        return 0.0
+    angle = pair.perigee_lag + pair.perigee_lag_rate * time
+    return 0.5 * pair.speed_j * orbits.chord(pair.eccentricity_i, pair.eccentricity_j, angle)
 
 
 @kernel
@@ -238,9 +306,12 @@ def phasing_radius(pair, rule, revolutions, time):
     d -= 0.5 * (pair.flight_2 + k * pair.lap_2) / slope * d * d
     r = pair.reference + d
     for _ in range(8):
-        t0, t1, t2 = flight_time(pair.radius_i, pair.radius_j, rule.first_leg_fraction, r)
+        t0, t1, t2 = flight_time(
+            pair.radius_i, pair.radius_j, pair.widening_i, pair.widening_j,
+            rule.first_leg_fraction, r,
+        )  # fmt: skip
         if revolutions > 0:
-            p0, p1, p2 = lap_time(r)
+            p0, p1, p2 = lap_time(r, pair.widening_j)
             t0 += k * p0
             t1 += k * p1
             t2 += k * p2
@@ -285,26 +356,29 @@ def burn_parts(pair, rule, revolutions, r):
 @inlined
 def sequence_delta_v(pair, rule, revolutions, r):
     """ΔV of the sequence with phasing radius r, by vis-viva (MODEL section 2) [m/s]."""
+    return turned_delta_v(pair, rule, revolutions, r, pair.turn)
+
+
+@inlined
+def turned_delta_v(pair, rule, revolutions, r, turn):
+    """The same for another turn, 4 sin²(θ/2)."""
     climb, rest, chord, square = burn_parts(pair, rule, revolutions, r)
     # (v₁ − v₂)² + 4 v₁ v₂ sin²(θ/2) is the cosine formula without its cancellation.
-    turn = math.sqrt(chord * chord + square * pair.turn)
-    return abs(climb) + abs(rest) + turn + pair.fixed_delta_v
+    turning = math.sqrt(chord * chord + square * turn)
+    return abs(climb) + abs(rest) + turning + pair.fixed_delta_v
 
 
 @kernel
 def half_ellipse_clock(r1, r2, r):
-    """Time from r1 to r on the half ellipse from apsis r1 to apsis r2 [s]."""
-    a = 0.5 * (r1 + r2)
+    """Share of its time that a half ellipse from apsis r1 to apsis r2 takes from r1 to r."""
     e = abs(r2 - r1) / (r1 + r2)
     if e == 0.0:
         return 0.0
     # (1 − r/a) / e without its cancellation, which costs seconds on nearly circular arcs.
     cosine = min(1.0, max(-1.0, ((r1 - r) + (r2 - r)) / abs(r2 - r1)))
     anomaly = math.acos(cosine)
-    since_perigee = (anomaly - e * math.sin(anomaly)) * math.sqrt(a / MU_M3_S2) * a
-    if r2 > r1:
-        return since_perigee
-    return math.pi * math.sqrt(a / MU_M3_S2) * a - since_perigee
+    since_perigee = (anomaly - e * math.sin(anomaly)) / math.pi
+    return since_perigee if r2 > r1 else 1.0 - since_perigee
 
 
 @kernel
@@ -316,8 +390,8 @@ def half_ellipse_meets(r1, r2, start, end, zone):
     if r1 == r2:
         return True
     # The radius is monotone along the arc, so the stay in the band is one closed interval.
-    first = start + half_ellipse_clock(r1, r2, min(max(r1, low), high))
-    last = start + half_ellipse_clock(r1, r2, min(max(r2, low), high))
+    first = start + (end - start) * half_ellipse_clock(r1, r2, min(max(r1, low), high))
+    last = start + (end - start) * half_ellipse_clock(r1, r2, min(max(r2, low), high))
     return first <= zone[3] and last >= zone[2]
 
 
@@ -333,10 +407,10 @@ def is_blocked(pair, rule, revolutions, r, departure):
     rc = r + rule.first_leg_fraction * (rj - r)
     scale = math.pi / SQRT_MU
     a1, a2, a3 = 0.5 * (ri + r), 0.5 * (r + rc), 0.5 * (rc + rj)
-    t1 = departure + scale * a1 * math.sqrt(a1)
-    t2 = t1 + revolutions * lap_time(r)[0]
-    t3 = t2 + scale * a2 * math.sqrt(a2)
-    t4 = t3 + scale * a3 * math.sqrt(a3)
+    t1 = departure + scale * a1 * math.sqrt(a1) * pace(a1, pair.widening_i)
+    t2 = t1 + revolutions * lap_time(r, pair.widening_j)[0]
+    t3 = t2 + scale * a2 * math.sqrt(a2) * pace(a2, pair.widening_j)
+    t4 = t3 + scale * a3 * math.sqrt(a3) * pace(a3, pair.widening_j)
     t5 = t4 + rule.approach_revolutions * TWO_PI / pair.rate_j
     for z in range(rule.zones.shape[0]):
         zone = rule.zones[z]
