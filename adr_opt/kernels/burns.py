@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from . import orbits, transfer
+from . import orbits, precession, transfer
 from .compile import kernel
 from .constants import MU_M3_S2
 
@@ -37,7 +37,7 @@ def burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r):
     pair : adr_opt.kernels.transfer.Pair
     rule : adr_opt.kernels.transfer.TransferRule
     departure : float
-        A departure event of the pair [s].
+        When the chaser is at the line of nodes [s].
     revolutions : int
         k.
     r : float
@@ -64,53 +64,70 @@ def burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r):
     v2, v2_end = half_ellipse_speeds(r, rc)
     v3, v3_end = half_ellipse_speeds(rc, rj)
     circle = math.sqrt(MU_M3_S2 / r) if revolutions > 0 else v2
-
-    # Half a revolution turns the forward direction round; before the turn it lies in plane i,
-    # after it in plane j, square to the same line of nodes.
-    _, _, normal_j = orbits.frame(orbit_j[orbits.INCLINATION], orbit_j[orbits.RAAN])
-    position, velocity = orbits.state(orbit_i, departure)
-    outward, ahead_i, ahead_j = position, velocity, np.empty(3)
-    for axis in range(3):
-        outward[axis] /= ri
-        ahead_i[axis] /= pair.speed_i
-    for axis in range(3):
-        second, third = (axis + 1) % 3, (axis + 2) % 3
-        ahead_j[axis] = normal_j[second] * outward[third] - normal_j[third] * outward[second]
-    length = math.sqrt(ahead_j[0] ** 2 + ahead_j[1] ** 2 + ahead_j[2] ** 2)
-    for axis in range(3):
-        ahead_j[axis] /= length
-
     clock = math.pi / transfer.SQRT_MU
     a1, a2, a3 = 0.5 * (ri + r), 0.5 * (r + rc), 0.5 * (rc + rj)
+    # Nodes shift on every arc; without J2 all of this is 0.
+    turned_1 = pair.shift_i / (a1 * a1 + pair.widening_i)
+    turned_k = 2.0 * revolutions * pair.shift_j / (r * r + pair.widening_j)
+    turned_2 = pair.shift_j / (a2 * a2 + pair.widening_j)
+    turned_3 = pair.shift_j / (a3 * a3 + pair.widening_j)
+
+    position, velocity = orbits.state(orbit_i, departure)
+    outward, ahead = position, velocity
+    for axis in range(3):
+        outward[axis] /= ri
+        ahead[axis] /= pair.speed_i
     now = departure
     times[0], phases[0] = now, HOHMANN_1
-    combine(vectors[0], v1 - pair.speed_i, ahead_i, 0.0, ahead_j)
-    now += clock * a1 * math.sqrt(a1)
+    combine(vectors[0], v1 - pair.speed_i, ahead, 0.0, ahead)
+    # Half a revolution turns both directions round.
+    orbits.turn(outward, turned_1)
+    orbits.turn(ahead, turned_1)
+    now += clock * a1 * math.sqrt(a1) * transfer.pace(a1, pair.widening_i)
     times[1], phases[1] = now, CO_ELLIPTIC
-    combine(vectors[1], v1_end, ahead_i, -circle, ahead_j)
+    met = now + revolutions * transfer.lap_time(r, pair.widening_j)[0]
+    met += clock * a2 * math.sqrt(a2) * transfer.pace(a2, pair.widening_j)
+    met += clock * a3 * math.sqrt(a3) * transfer.pace(a3, pair.widening_j)
+    # Into the plane that the remaining arcs carry onto the target's.
+    raan = orbits.node_at(orbit_j, met) - turned_k - turned_2 - turned_3
+    _, _, normal = orbits.frame(orbit_j[orbits.INCLINATION], raan)
+    after = np.empty(3)
+    for axis in range(3):
+        second, third = (axis + 1) % 3, (axis + 2) % 3
+        after[axis] = normal[second] * outward[third] - normal[third] * outward[second]
+    length = math.sqrt(after[0] ** 2 + after[1] ** 2 + after[2] ** 2)
+    for axis in range(3):
+        after[axis] /= length
+    combine(vectors[1], v1_end, ahead, -circle, after)
     b = 2
     if revolutions > 0:
         phases[1] = PHASING
-        now += revolutions * transfer.lap_time(r)[0]
+        now += revolutions * transfer.lap_time(r, pair.widening_j)[0]
+        orbits.turn(outward, turned_k)
+        orbits.turn(after, turned_k)
         times[2], phases[2] = now, CO_ELLIPTIC
-        combine(vectors[2], 0.0, ahead_i, circle - v2, ahead_j)
+        combine(vectors[2], circle - v2, after, 0.0, after)
         b = 3
-    now += clock * a2 * math.sqrt(a2)
+    now += clock * a2 * math.sqrt(a2) * transfer.pace(a2, pair.widening_j)
+    orbits.turn(outward, turned_2)
+    orbits.turn(after, turned_2)
     times[b], phases[b] = now, TERMINAL
-    combine(vectors[b], 0.0, ahead_i, v3 - v2_end, ahead_j)
-    now += clock * a3 * math.sqrt(a3)
+    combine(vectors[b], v3 - v2_end, after, 0.0, after)
+    now += clock * a3 * math.sqrt(a3) * transfer.pace(a3, pair.widening_j)
+    orbits.turn(outward, turned_3)
+    orbits.turn(after, turned_3)
     times[b + 1], phases[b + 1] = now, TERMINAL
-    combine(vectors[b + 1], 0.0, ahead_i, v3_end - pair.speed_j, ahead_j)
+    combine(vectors[b + 1], v3_end - pair.speed_j, after, 0.0, after)
 
     # Half of a 2:1 relative ellipse: a radial impulse n L/4 towards the Earth at its beginning
     # and the same at its end (Clohessy–Wiltshire).
-    impulse = 0.25 * pair.rate_j * rule.standoff
+    impulse = 0.25 * pair.speed_j / rj * rule.standoff
     times[b + 2], phases[b + 2] = now, APPROACH
-    combine(vectors[b + 2], impulse, outward, 0.0, ahead_j)
+    combine(vectors[b + 2], impulse, outward, 0.0, after)
     now += rule.approach_revolutions * transfer.TWO_PI / pair.rate_j
     at_target, _ = orbits.state(orbit_j, now)
     times[b + 3], phases[b + 3] = now, APPROACH
-    combine(vectors[b + 3], -impulse / rj, at_target, 0.0, ahead_j)
+    combine(vectors[b + 3], -impulse / rj, at_target, 0.0, after)
     return times, vectors, phases
 
 
@@ -132,7 +149,10 @@ def burns_between(orbit_i, orbit_j, extra_delta_v, rule, departure, arrival, rev
         As of :func:`burns`.
     """
     pair = transfer.prepare(orbit_i, orbit_j, extra_delta_v, rule)
-    flight = arrival - departure - rule.approach_revolutions * transfer.TWO_PI / pair.rate_j
+    stand_off = arrival - rule.approach_revolutions * transfer.TWO_PI / pair.rate_j
+    if rule.oblateness != 0.0:
+        departure = precession.leaving(pair, rule, revolutions, departure, stand_off)
+    flight = stand_off - departure
     r = transfer.phasing_radius(pair, rule, revolutions, flight)
     times, vectors, phases = burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r)
     times[times.size - 1] = arrival  # to the last digit

@@ -22,14 +22,11 @@ from .constants import SLACK_S
 from .lists import chosen, rising, wider
 from .transfer import TWO_PI
 
-STEP_S = 16.0
-"""Departures are rounded down to whole steps after their event."""
-
-ROUNDING_S = 1e-3
-"""A departure so little before a step counts as at it."""
-
 BAND_S = 300.0
 """A sequence whose flight time is estimated so far from what its revolutions allow is left out."""
+
+SURE_STEPS = 4
+"""A fixed point that takes no more is found again from anywhere near."""
 
 ERROR_M_S, BEND_M_S = 0.05, 400.0
 """How far the estimate of a ΔV may be off: so much, and so much times (ε/θ)²."""
@@ -83,8 +80,8 @@ def events_of(pair, duration, spacing):
 @inlined
 def _listed(event, departure):
     """By when a chaser has to be ready that leaves at a time near an event [s]."""
-    steps = math.floor((departure - event + ROUNDING_S) / STEP_S)
-    return min(departure, event + steps * STEP_S)
+    steps = math.floor((departure - event + precession.ROUNDING_S) / precession.STEP_S)
+    return min(departure, event + steps * precession.STEP_S)
 
 
 @kernel
@@ -175,8 +172,14 @@ def short(pair, rule, duration, spacing, most, resolution):
                     pair, rule, k, found.radius, found.departure
                 ):
                     continue
+                listed = max(_listed(event, found.departure), 0.0)
+                if found.steps > SURE_STEPS:
+                    # Who flies it must find the departure again.
+                    again = precession.leaving(pair, rule, k, listed, found.stand_off)
+                    if not abs(again - found.departure) < precession.ROUNDING_S:
+                        continue
                 best, best_k = found.delta_v, k
-                best_d, best_a = found.departure, found.stand_off + approach
+                best_d, best_a = listed, found.stand_off + approach
             for c in (crossing - 1, crossing):
                 if best_k < 0 or until[c] <= best_a + SLACK_S:
                     cheapest = min(cheapest, known[c])
@@ -184,7 +187,7 @@ def short(pair, rule, duration, spacing, most, resolution):
                 if count == departures.size:
                     departures, arrivals = wider(departures, count), wider(arrivals, count)
                     costs, laps = wider(costs, count), wider(laps, count)
-                departures[count], arrivals[count] = max(_listed(event, best_d), 0.0), best_a
+                departures[count], arrivals[count] = best_d, best_a
                 costs[count], laps[count] = best, best_k
                 count += 1
                 cheapest = best

@@ -128,6 +128,14 @@ def frame(inclination, raan):
     return ascending, ahead, normal
 
 
+@inlined
+def turn(vector, angle):
+    """Turn a vector about the axis of the Earth, in place."""
+    c, s = math.cos(angle), math.sin(angle)
+    x, y = vector[0], vector[1]
+    vector[0], vector[1] = c * x - s * y, s * x + c * y
+
+
 @kernel
 def relative_node(inclination_i, raan_i, inclination_j, raan_j):
     """Line of nodes of two planes, N = h_i × h_j.

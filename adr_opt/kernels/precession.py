@@ -23,11 +23,22 @@ from .compile import inlined, kernel
 from .constants import SLACK_S
 from .transfer import TWO_PI
 
-MOST_STEPS = 24
-"""Steps of a fixed point; where planes nearly coincide so many may not be enough."""
+MOST_STEPS, MORE_STEPS = 8, 60
+"""Steps of a fixed point; where planes nearly coincide so few are not enough for a sequence, and
+there is none; to find a departure again there are more."""
 
 CLOSE_S = 1e-7
 """A fixed point is found when a step is less [s]."""
+
+STEP_S = 16.0
+"""Departures are rounded down to whole steps after their event [s]."""
+
+ROUNDING_S = 1e-3
+"""A departure so little before a step counts as at it [s]."""
+
+GUESSES = 8
+"""A departure is looked for from so many places within a step: where planes nearly coincide, the
+line of nodes moves as fast as the chaser."""
 
 STEP_RAD = 1e-6
 """By which a difference of RAANs is moved to see how the line of nodes moves with it [rad]."""
@@ -147,7 +158,7 @@ def meeting(pair, rule, half_turns, alpha_j, time):
 class Settled(NamedTuple):
     """A sequence: when it leaves and is at the stand-off [s], r_x [m], 4 sin²(θ/2) and ΔV [m/s].
 
-    ΔV is +inf where there is none.
+    ΔV is +inf where there is none; ``steps`` is how many it took to find it.
     """
 
     departure: float
@@ -155,6 +166,7 @@ class Settled(NamedTuple):
     radius: float
     turn: float
     delta_v: float
+    steps: int
 
 
 @kernel
@@ -174,8 +186,8 @@ def settle(pair, rule, half_turns, revolutions, departure, stand_off, alpha_i, a
     Settled
     """
     r, theta = pair.reference, 0.0
-    found = False
-    for _ in range(MOST_STEPS):
+    steps = MOST_STEPS + 1
+    for number in range(MOST_STEPS):
         time = stand_off - departure
         r = transfer.phasing_radius(pair, rule, revolutions, time)
         lag = pair.lag + pair.lag_rate * departure + carried(pair, rule, revolutions, r, time)
@@ -186,16 +198,62 @@ def settle(pair, rule, half_turns, revolutions, departure, stand_off, alpha_i, a
         step = abs(left - departure) + abs(met - stand_off)
         departure, stand_off = left, met
         if step < CLOSE_S:
-            found = True
+            steps = number + 1
             break
     turn = 4.0 * math.sin(0.5 * theta) ** 2
     time = stand_off - departure
     low = pair.shortest + revolutions * pair.shortest_lap
     high = pair.longest + revolutions * pair.longest_lap
-    if not found or not low <= time <= high:
-        return Settled(departure, stand_off, r, turn, math.inf)
+    if steps > MOST_STEPS or not low <= time <= high:
+        return Settled(departure, stand_off, r, turn, math.inf, steps)
     return Settled(
         departure, stand_off, r, turn,
         transfer.turned_delta_v(pair, rule, revolutions, r, turn)
         + transfer.shape(pair, departure),
+        steps,
     )  # fmt: skip
+
+
+@kernel
+def leaving(pair, rule, revolutions, ready, stand_off):
+    """When a sequence leaves that arrives at a time: the first crossing of its line from then on.
+
+    Parameters
+    ----------
+    pair : Pair
+    rule : TransferRule
+    revolutions : int
+        k.
+    ready : float
+        The chaser leaves then or within a step of departures [s].
+    stand_off : float
+        Arrival at the stand-off [s].
+
+    Returns
+    -------
+    float
+        [s]; not a number if there is none.
+    """
+    for guess in range(GUESSES + 1):
+        departure = ready + guess * STEP_S / GUESSES
+        half_turns, alpha_i, alpha_j = 0, 0.0, 0.0
+        for number in range(MORE_STEPS):
+            time = stand_off - departure
+            r = transfer.phasing_radius(pair, rule, revolutions, time)
+            lag = pair.lag + pair.lag_rate * departure + carried(pair, rule, revolutions, r, time)
+            found, alpha_j, _ = line(pair, lag)
+            if number == 0:
+                past = (pair.latitude_i + pair.rate_i * departure - found) / math.pi
+                half_turns, alpha_i = math.floor(past + 0.5), found
+            alpha_i = near(found, alpha_i)
+            before = departure
+            departure = (alpha_i + math.pi * half_turns - pair.latitude_i) / pair.rate_i
+            if abs(departure - before) < CLOSE_S:
+                break
+        met = meeting(pair, rule, half_turns, alpha_j, stand_off)
+        if (
+            ready - ROUNDING_S <= departure <= ready + STEP_S + ROUNDING_S
+            and abs(met - stand_off) < ROUNDING_S
+        ):
+            return departure
+    return math.nan
