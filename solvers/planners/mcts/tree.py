@@ -8,7 +8,7 @@ import numpy as np
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import inlined, kernel
 from adr_opt.kernels.memory import borrowed, write
-from adr_opt.kernels.rules import State
+from adr_opt.kernels.rules import state_at
 
 from . import policy as policies
 
@@ -125,21 +125,10 @@ def new_record(bodies: int) -> Record:
     )
 
 
-@inlined
-def lent(tree):
-    """The tree without ownership, for use within a kernel: no look at it is counted."""
-    return Tree(
-        borrowed(tree.body), borrowed(tree.since), borrowed(tree.serviced), borrowed(tree.time),
-        borrowed(tree.left), borrowed(tree.spent), borrowed(tree.visits), borrowed(tree.total),
-        borrowed(tree.best), borrowed(tree.child), borrowed(tree.sibling), borrowed(tree.untried),
-        borrowed(tree.moves),
-    )  # fmt: skip
-
-
 @kernel
 def write_node(tree, node, state, spent):
     """Make a node without children and without simulations."""
-    tree = lent(tree)
+    tree = borrowed(tree)
     tree.body[node], tree.since[node] = state.body, state.since
     tree.serviced[node] = state.serviced
     tree.time[node], tree.left[node], tree.spent[node] = state.time, state.left, spent
@@ -148,30 +137,18 @@ def write_node(tree, node, state, spent):
     tree.untried[node] = NOT_LISTED
 
 
-@inlined
-def state_of(tree, node):
-    """The state of a node."""
-    return State(
-        np.int64(tree.body[node]),
-        tree.time[node],
-        tree.left[node],
-        np.int64(tree.since[node]),
-        np.int64(tree.serviced[node]),
-    )
-
-
 @kernel
 def copy_root(tree, node):
     """Begin a new tree at the state of a node of the old one; the nodes in use: 1."""
-    write_node(tree, 0, state_of(tree, node), tree.spent[node])
+    write_node(tree, 0, state_at(tree, node), tree.spent[node])
     return 1
 
 
 @kernel
 def list_moves(rules, policy, search, tree, node, scratch):
     """Write down the moves of a node: all that may be legal, or the cheapest safe ones."""
-    rules, tree, scratch = rule_kernels.lent(rules), lent(tree), policies.lent(scratch)
-    state, moves = state_of(tree, node), tree.moves[node]
+    rules, tree, scratch = borrowed(rules), borrowed(tree), borrowed(scratch)
+    state, moves = state_at(tree, node), tree.moves[node]
     if search.guarded:
         tree.untried[node] = policies.cheapest_moves(
             rules, policy, state, scratch.visited, search.width, moves, scratch.weight
@@ -194,8 +171,8 @@ def expand(rules, search, rng, tree, node, used):
     child : int
         ``NONE`` if every legal move has one.
     """
-    rules, tree = rule_kernels.lent(rules), lent(tree)
-    moves, state = tree.moves[node], state_of(tree, node)
+    rules, tree = borrowed(rules), borrowed(tree)
+    moves, state = tree.moves[node], state_at(tree, node)
     while tree.untried[node] > 0:
         tree.untried[node] -= 1
         last = tree.untried[node]
@@ -223,7 +200,7 @@ def value_of(search, tree, node):
 @kernel
 def select(search, tree, node, record):
     """The child with the greatest Q + c sqrt(ln N / n); ``NONE`` without children."""
-    tree = lent(tree)
+    tree = borrowed(tree)
     child = tree.child[node]
     if child == NONE:
         return NONE
@@ -289,7 +266,7 @@ def step(rules, policy, search, rng, tree, used, root, played, collected, visite
     root, used : int
         The node of that move, and the nodes in use.
     """
-    rules, tree, scratch = rule_kernels.lent(rules), lent(tree), policies.lent(scratch)
+    rules, tree, scratch = borrowed(rules), borrowed(tree), borrowed(scratch)
     if used + search.simulations > tree.body.size:
         used, root = copy_root(tree, root), 0
     path = scratch.path
@@ -318,7 +295,7 @@ def step(rules, policy, search, rng, tree, used, root, played, collected, visite
             if is_new:
                 break
         moves, gain, spent = policies.rollout(
-            rules, policy, rng, scratch, moves, state_of(tree, node)
+            rules, policy, rng, scratch, moves, state_at(tree, node)
         )
         prizes += gain
         spent += tree.spent[node]
