@@ -13,7 +13,9 @@ import numpy.typing as npt
 from .errors import InputError
 from .instance import Instance
 from .kernels import connections as kernels
-from .kernels.constants import HOUR_S, SLACK_S
+from .kernels import drifting
+from .kernels import timetable as tables
+from .kernels.constants import HOUR_S, SLACK_M_S, SLACK_S
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -35,7 +37,7 @@ class Connections:
     delta_v : (connections,) float64
         [m/s].
     revolutions : (connections,) int8
-        Phasing revolutions.
+        Phasing revolutions; −1 for a transfer that drifts.
     """
 
     departure: FloatArray
@@ -57,27 +59,91 @@ class Connections:
 class Connecting:
     """Works out the connections of an instance, pair by pair.
 
+    Where events are regular (two-body motion) a pair takes a tenth of a millisecond, and is worked
+    out whenever somebody asks. Where nodes drift it takes some milliseconds, and what planning
+    needs is kept: :meth:`list`.
+
     Parameters
     ----------
     instance : Instance
+
+    Attributes
+    ----------
+    lists : dict of (origin, destination) to Found, or None
+        Those kept.
     """
 
     def __init__(self, instance: Instance) -> None:
-        self._orbits = instance.orbits()
-        self._extra = instance.eccentricity_delta_v()
-        self._rule = instance.transfer_rule()
+        self.instance = instance
+        self.inputs = instance.orbits(), instance.eccentricity_delta_v(), instance.transfer_rule()
+        self.times = _times(instance)
+        self.lists: dict[tuple[int, int], kernels.Found] | None = None
         self._resolution = instance.transfer.delta_v_resolution_m_s
         self._end = instance.mission.duration_s + SLACK_S
+
+    @property
+    def drifts(self) -> bool:
+        """Whether departure events are not regular."""
+        return self.times is not None
+
+    @property
+    def planning_resolution_m_s(self) -> float:
+        """Connections that save no more are left out of planning [m/s].
+
+        None is, where that is affordable: where events are regular.
+        """
+        return self._resolution if self.drifts else 0.0
+
+    def find(self, i: int, j: int, resolution_m_s: float) -> kernels.Found:
+        """Work out all connections of two bodies."""
+        orbits, extra, rule = self.inputs
+        if self.times is None:
+            return kernels.of_pair(
+                orbits[i], orbits[j], extra[i, j], rule, self._end, resolution_m_s
+            )
+        return drifting.of_pair(
+            orbits[i], orbits[j], extra[i, j], rule, self.times, self._end, resolution_m_s
+        )
+
+    def list_pairs(self, order: npt.NDArray[np.int64], first: int, last: int) -> None:
+        """Work out and keep the pairs from number ``first`` to before ``last`` of an order."""
+        assert self.lists is not None
+        for number in range(first, last):
+            i, j = pair_of(order, number)
+            if i != j and (i, j) not in self.lists:
+                self.lists[i, j] = self.find(i, j, self.planning_resolution_m_s)
+
+    def part(self, instance: Instance, kept: list[int]) -> Connecting:
+        """That of an instance with some of the bodies, and what is kept of them."""
+        made = Connecting(instance)
+        if self.lists is not None:
+            made.lists = {
+                (a, b): self.lists[i, j]
+                for a, i in enumerate(kept)
+                for b, j in enumerate(kept)
+                if i != j
+            }
+        return made
+
+    def table(self, limits: tables.Limits, time_value_m_s_per_h: float) -> tables.Table:
+        """The timetable of a choice among what is kept."""
+        assert self.lists is not None
+        chosen = []
+        for (i, j), found in self.lists.items():
+            taken = np.empty(found.departure.size, dtype=np.int64)
+            count = tables.choose(found, limits, j, time_value_m_s_per_h / HOUR_S, taken)
+            chosen.append((i, j, found, taken[taken.size - count :]))
+        return tables.pack(len(self.instance.names), chosen, limits.duration)
 
     def of_pair(self, i: int, j: int, resolution_m_s: float) -> Connections:
         """All connections of a pair; none from a body to itself."""
         if i == j:
             none = np.empty(0)
             return Connections(none, none, none, np.empty(0, dtype=np.int8))
-        orbits = self._orbits
-        found = kernels.of_pair(
-            orbits[i], orbits[j], self._extra[i, j], self._rule, self._end, resolution_m_s
-        )
+        if self.lists is not None and resolution_m_s == self.planning_resolution_m_s:
+            found = self.lists[i, j]
+        else:
+            found = self.find(i, j, resolution_m_s)
         return Connections(found.departure, found.arrival, found.delta_v, found.revolutions)
 
     def choose(
@@ -101,7 +167,7 @@ class Connecting:
         """
 
         def fill(i: int) -> None:
-            for j in range(len(self._orbits)):
+            for j in range(len(self.instance.names)):
                 if i == j:
                     delta_v[:, i, j] = duration[:, i, j] = 0.0
                     continue
@@ -117,7 +183,15 @@ class Connecting:
                 duration[there, i, j] = found.arrival[chosen] - times[there]
 
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-            list(pool.map(fill, range(len(self._orbits))))
+            list(pool.map(fill, range(len(self.instance.names))))
+
+
+def pair_of(order: npt.NDArray[np.int64], number: int) -> tuple[int, int]:
+    """Origin and destination of a number, by shells, see :func:`.kernels.timetable.fill`."""
+    shell = math.isqrt(number)
+    rest = number - shell * shell
+    i, j = (rest, shell) if rest < shell else (shell, rest - shell)
+    return int(order[i]), int(order[j])
 
 
 def weights_of(choose: Choice) -> tuple[float, float]:
@@ -140,3 +214,14 @@ def weights_of(choose: Choice) -> tuple[float, float]:
             "a number of m/s ≥ 0"
         )
     return 1.0, value / HOUR_S
+
+
+def _times(instance: Instance) -> drifting.Times | None:
+    """When transfers may leave; None where events are regular, which needs no such thing."""
+    settings = instance.transfer
+    if instance.dynamics == "two-body" and settings.departure_spacing_s == 0.0:
+        return None
+    return drifting.Times(
+        settings.departure_spacing_s, settings.drift_step_s, settings.max_drift_s,
+        instance.chaser.tank.delta_v_m_s + SLACK_M_S,
+    )  # fmt: skip

@@ -21,9 +21,17 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from .errors import InputError
 from .kernels import drift, orbits
-from .kernels.burns import half_ellipse_speeds
-from .kernels.constants import MU_M3_S2
+from .kernels.burns import (
+    APPROACH,
+    CO_ELLIPTIC,
+    DRIFT,
+    HOHMANN_1,
+    TERMINAL,
+    half_ellipse_speeds,
+)
+from .kernels.constants import DAY_S, MU_M3_S2
 from .kernels.transfer import TransferRule
 
 FloatArray = npt.NDArray[np.float64]
@@ -36,9 +44,12 @@ TRIED = 12
 CLOSE_M, FARTHEST_M, MOST_STEPS = 1e-6, 5e3, 40
 """A radius that misses by less is found; a step moves it no farther; and the most steps [m]."""
 
-PHASES = ("hohmann-1", "drift", "co-elliptic", "terminal", "terminal", "approach", "approach")
+PHASES = (HOHMANN_1, DRIFT, CO_ELLIPTIC, TERMINAL, TERMINAL, APPROACH, APPROACH)
 """Phases that the burns of a drift begin; the second terminal burn and the second approach burn end
 theirs."""
+
+FREEDOM_S = (0.5 * DAY_S, DAY_S, 2.0 * DAY_S)
+"""The chaser may leave so much later, and arrive so much earlier: the first that is enough."""
 
 
 class Plane(NamedTuple):
@@ -120,6 +131,47 @@ class _Arcs:
         return r
 
 
+def flown(
+    orbit_i: FloatArray, orbit_j: FloatArray, rule: TransferRule, departure: float, arrival: float
+) -> Flight:
+    """The burns of a transfer that drifts.
+
+    Parameters
+    ----------
+    orbit_i, orbit_j : (columns,) float64
+        Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
+    rule : TransferRule
+    departure, arrival : float
+        Of the connection [s].
+
+    Raises
+    ------
+    InputError
+        The phase is not met in any way that was tried.
+    """
+    for freedom in FREEDOM_S:
+        if 2.0 * freedom > arrival - departure and freedom > FREEDOM_S[0]:
+            break
+        found = Drifting(orbit_i, orbit_j, rule, departure, arrival, freedom).flight()
+        if found is not None:
+            return found
+    raise InputError(
+        f"no burns were found that drift from {departure:.0f} s to {arrival:.0f} s and meet the "
+        "target; raise drift_step_s"
+    )
+
+
+def shape_m_s(
+    orbit_i: FloatArray, orbit_j: FloatArray, rule: TransferRule, departure: float, arrival: float
+) -> float:
+    """What the eccentricity vectors add to the ΔV of a transfer that drifts [m/s]."""
+    pair = drift.prepare(orbit_i, orbit_j, rule.min_radius, rule.max_radius, rule.oblateness)
+    node, span = drift.node_left(pair, arrival), arrival - departure
+    climb = drift.climb_of(pair, span, node)
+    circles = drift.cost_of(pair, span, node, 0.0, climb)
+    return float(drift.delta_v(pair, departure, arrival) - circles)
+
+
 class Drifting:
     """The drift of a pair between two times.
 
@@ -197,13 +249,22 @@ class Drifting:
                         continue
                     rate = (offset + math.pi * half_turns) / coast
                     radius = self._arcs.radius_of(rate, drifting.inclination)
-                    if not self._rule.min_radius <= radius <= self._rule.max_radius:
+                    if not self._allowed(radius):
                         continue
                     climb = self._climb(radius)
                     cost = drift.cost_of(pair, span, node, 0.0, climb)
                     ways.append((cost, start, parity, half_turns, met, climb))
         ways.sort()
         return [way[1:] for way in ways[:TRIED]]
+
+    def _allowed(self, radius: float) -> bool:
+        """Whether the drift orbit may have a radius: where there are zones, one that was judged."""
+        if self._rule.zones.size:
+            planned = self._planned_radius
+            margin = drift.margin(planned - float(self._i[orbits.RADIUS]))
+            if abs(radius - planned) > margin:
+                return False
+        return bool(self._rule.min_radius <= radius <= self._rule.max_radius)
 
     def _true_drift(self) -> float:
         """How far the radius at which a node drifts as planned is from that of the closed form [m].
@@ -220,7 +281,7 @@ class Drifting:
         planned -= (pair.by_radius * climb + pair.by_inclination * tilt) * span / (
             pair.speed * pair.sine or 1.0
         )
-        linear = radius = self._radius(climb)
+        self._planned_radius = linear = radius = self._radius(climb)
         for _ in range(20):
             rate = self._arcs.node_rate(radius, inclination)
             if rate == 0.0:
@@ -340,7 +401,7 @@ class Drifting:
                 slope = (missed - miss) / (radius - where)
             where, missed = radius, miss
             radius += min(max(miss / slope if slope else miss, -FARTHEST_M), FARTHEST_M)
-            if not rule.min_radius <= radius <= rule.max_radius:
+            if not self._allowed(radius):
                 return None
         else:
             return None

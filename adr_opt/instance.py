@@ -100,6 +100,15 @@ class Instance(Record):
         return chasers
 
     @model_validator(mode="after")
+    def _something_drifts(self) -> Self:
+        if self.dynamics == "two-body" and self.transfer.max_drift_s > 0.0:
+            raise ValueError(
+                f"field transfer.max_drift_s = {self.transfer.max_drift_s!r}: nothing drifts in "
+                'two-body motion; write 0.0, or dynamics "j2"'
+            )
+        return self
+
+    @model_validator(mode="after")
     def _names_differ(self) -> Self:
         seen = set()
         for field in ("stations", "targets", "chasers"):
@@ -295,8 +304,11 @@ class Instance(Record):
         Returns
         -------
         (origin, destination) float64
-            [m/s]; zero between circles (MODEL section 1).
+            [m/s]; zero between circles (MODEL section 1), and where perigees drift: then it is
+            worked out for each departure.
         """
+        if self.dynamics == "j2":
+            return np.zeros((len(self.names), len(self.names)))
         orbits = self.body_orbits
         vectors = np.array([orbit.eccentricity_vector() for orbit in orbits])
         speeds = np.sqrt(MU_M3_S2 / np.array([orbit.semi_major_axis_m for orbit in orbits]))

@@ -8,7 +8,7 @@ import numpy as np
 
 from .instance import Instance
 from .kernels.constants import SLACK_S
-from .kernels.orbits import period
+from .kernels.orbits import revolution
 from .kernels.timetable import Limits
 from .plan import Leg
 from .records import Window
@@ -17,7 +17,7 @@ from .records import Window
 def limits_of(instance: Instance) -> Limits:
     """The times of an instance as the kernels take them; the arrays are read-only."""
     mission, first = instance.mission, instance.first_target
-    periods = np.array([period(radius) for radius in instance.orbits()[:, 0]])
+    periods = np.array([revolution(row) for row in instance.orbits()])
     service = mission.refuel_revolutions * periods
     if mission.service_revolutions is not None:
         service[first:] = mission.service_revolutions * periods[first:]

@@ -18,7 +18,6 @@ from .kernels.constants import SLACK_M_S
 from .kernels.timetable import transfer_exists
 from .kernels.transfer import TransferRule
 from .schedule import Schedule, Scheduler
-from .support import refuse_unsupported
 from .timetable import Timetable
 from .tolerance import RELATIVE, ROUNDING, common_step
 
@@ -60,7 +59,6 @@ class Mission:
     ) -> None:
         if not 0.0 <= margin < 1.0:
             raise InputError(f"margin = {margin!r}: must be a share of the tank, from 0 to below 1")
-        refuse_unsupported(instance)
         self.instance = instance
         self.margin = margin
         self.names = instance.names
@@ -74,13 +72,15 @@ class Mission:
                 raise InputError("the timetable belongs to another instance")
             self.time_value_m_s_per_h = timetable.time_value_m_s_per_h
             self.__dict__["timetable"] = timetable
+            self.__dict__["connecting"] = timetable.connecting
 
     @cached_property
     def timetable(self) -> Timetable:
         """The exact costs of the connection chosen for every transfer at every time."""
         return Timetable(
-            self.instance, self._threads, time_value_m_s_per_h=self.time_value_m_s_per_h
-        )
+            self.instance, self._threads, time_value_m_s_per_h=self.time_value_m_s_per_h,
+            connecting=self.connecting,
+        )  # fmt: skip
 
     @property
     def has_timetable(self) -> bool:
@@ -97,7 +97,7 @@ class Mission:
         """
         timetable = Timetable(
             self.instance, self._threads, time_value_m_s_per_h=self.time_value_m_s_per_h,
-            order=order, enough=enough,
+            order=order, enough=enough, connecting=self.connecting,
         )  # fmt: skip
         if timetable.instance is not self.instance:
             return Mission(timetable.instance, timetable, margin=self.margin)
@@ -209,6 +209,7 @@ class Mission:
                 time_value_m_s_per_h=time_value_m_s_per_h,
             )  # fmt: skip
             other._variants = self._variants
+            other.__dict__["connecting"] = self.connecting
             other.__dict__["schedules"] = self.schedules
             self._variants[time_value_m_s_per_h] = other
         return self._variants[time_value_m_s_per_h]
@@ -233,8 +234,7 @@ class Mission:
         self,
     ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], TransferRule]:
         """Orbits, eccentricity costs and transfer rule of the instance, worked out once."""
-        instance = self.instance
-        return instance.orbits(), instance.eccentricity_delta_v(), instance.transfer_rule()
+        return self.connecting.inputs
 
     @cached_property
     def has_transfer(self) -> npt.NDArray[np.bool_]:

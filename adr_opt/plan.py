@@ -32,21 +32,23 @@ class Burn(Record):
 
     time_s: Time
     delta_v_m_s: Annotated[Vector, Field(strict=False)]
-    phase: Literal["hohmann-1", "phasing", "co-elliptic", "terminal", "approach"]
+    phase: Literal["hohmann-1", "phasing", "co-elliptic", "terminal", "approach", "drift"]
 
 
 class Leg(Record):
     """One transfer with the service that follows it.
 
-    ``ready_s`` is when the chaser is free at the origin, ``departure_s`` the node crossing,
-    ``arrival_s`` the end of the approach, ``end_s`` the end of service (refuelling, at the
+    ``ready_s`` is when the chaser is free at the origin, ``departure_s`` the node crossing (of a
+    leg that drifts, when the time begins within which the phase is met), ``arrival_s`` the end of
+    the approach, ``end_s`` the end of service (refuelling, at the
     station); ``delta_v_left_m_s`` is what is left then: the full budget after refuelling.
     ``eccentricity_delta_v_m_s`` is the part of ``delta_v_m_s`` that matches eccentricity vectors;
     it has no burn, because the burns fly between circles (MODEL section 1). ``kind`` is that of the
-    transfer: ``short`` is the co-elliptic sequence.
+    transfer: ``short`` is the co-elliptic sequence, ``drift`` waits on an orbit whose node moves
+    otherwise; its ``delta_v_m_s`` is that of the closed form, near the sum of its burns.
     """
 
-    kind: Literal["short"] = "short"
+    kind: Literal["short", "drift"] = "short"
     origin: Name
     destination: Name
     ready_s: Time

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Literal, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
+from . import drifting
 from .errors import InputError
 from .kernels import burns as burn_kernels
+from .kernels import transfer as transfers
 from .kernels.constants import SLACK_M_S
 from .mission import Mission
 from .plan import Burn, Leg, Reason, Unvisited
+
+FloatArray = npt.NDArray[np.float64]
 
 APPROXIMATE = (
     "some orbits are eccentric: the burns fly between circles of the same semi-major axes, and "
@@ -33,40 +39,74 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
             f"move {timing.made + 1} of the sequence, to {mission.names[moves[timing.made]]!r}, "
             "breaks the mission rules"
         )
-    orbits, extra, rule = mission.transfer_inputs
     priced = []
     i, ready = mission.rules.start, mission.rules.ready
     for at, j in enumerate(moves):
-        departure, arrival = timing.departures[at], timing.arrivals[at]
-        delta_v, revolutions = timing.delta_vs[at], timing.revolutions[at]
-        end, left = timing.ends[at], timing.lefts[at]
-        times, vectors, phases = burn_kernels.burns_between(
-            orbits[i], orbits[j], extra[i, j], rule, departure, arrival, revolutions
+        transfer = _transfer(
+            mission, i, j, timing.departures[at], timing.arrivals[at], int(timing.revolutions[at])
         )
         priced.append(
             Leg(
+                kind=transfer.kind,
                 origin=mission.names[i],
                 destination=mission.names[j],
                 ready_s=float(ready),
-                departure_s=float(departure),
-                arrival_s=float(arrival),
-                end_s=float(end),
-                delta_v_m_s=float(delta_v),
-                delta_v_left_m_s=float(left - SLACK_M_S) + mission.reserve_m_s,
-                phasing_revolutions=int(revolutions),
-                eccentricity_delta_v_m_s=float(extra[i, j]),
+                departure_s=transfer.departure,
+                arrival_s=float(timing.arrivals[at]),
+                end_s=float(timing.ends[at]),
+                delta_v_m_s=float(timing.delta_vs[at]),
+                delta_v_left_m_s=float(timing.lefts[at] - SLACK_M_S) + mission.reserve_m_s,
+                phasing_revolutions=max(int(timing.revolutions[at]), 0),
+                eccentricity_delta_v_m_s=transfer.shape,
                 burns=tuple(
                     Burn(
                         time_s=float(time),
                         delta_v_m_s=(float(vector[0]), float(vector[1]), float(vector[2])),
                         phase=burn_kernels.PHASES[phase],  # type: ignore[arg-type]
                     )
-                    for time, vector, phase in zip(times, vectors, phases, strict=True)
+                    for time, vector, phase in zip(*transfer.burns, strict=True)
                 ),
             )
         )
-        i, ready = j, end
+        i, ready = j, timing.ends[at]
     return tuple(priced)
+
+
+class _Transfer(NamedTuple):
+    """How a connection is flown.
+
+    Attributes
+    ----------
+    kind : {"short", "drift"}
+    departure : float
+        [s].
+    shape : float
+        Part of the ΔV that matches eccentricity vectors, without burns [m/s].
+    burns : (times, vectors, phases)
+        As of :func:`adr_opt.kernels.burns.burns`.
+    """
+
+    kind: Literal["short", "drift"]
+    departure: float
+    shape: float
+    burns: tuple[FloatArray, FloatArray, Iterable[int]]
+
+
+def _transfer(
+    mission: Mission, i: int, j: int, departure: float, arrival: float, revolutions: int
+) -> _Transfer:
+    orbits, extra, rule = mission.transfer_inputs
+    if revolutions < 0:
+        flight = drifting.flown(orbits[i], orbits[j], rule, departure, arrival)
+        shape = drifting.shape_m_s(orbits[i], orbits[j], rule, departure, arrival)
+        burns = flight.times, flight.vectors, drifting.PHASES
+        return _Transfer("drift", float(departure), shape, burns)
+    flown = burn_kernels.burns_between(
+        orbits[i], orbits[j], extra[i, j], rule, departure, arrival, revolutions
+    )
+    pair = transfers.prepare(orbits[i], orbits[j], extra[i, j], rule)
+    shape = float(extra[i, j] + transfers.shape(pair, flown[0][0]))
+    return _Transfer("short", float(flown[0][0]), shape, flown)
 
 
 def unvisited(mission: Mission, sequence: Iterable[int]) -> tuple[Unvisited, ...]:

@@ -95,7 +95,7 @@ class Scheduler:
         self._by_time = cost == "duration"
 
         def of_pair(i: int, j: int) -> Connections:
-            return connecting.of_pair(i, j, 0.0)
+            return connecting.of_pair(i, j, connecting.planning_resolution_m_s)
 
         def least(i: int, j: int) -> float:
             return float(self.connections(i, j).delta_v.min(initial=math.inf))

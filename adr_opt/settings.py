@@ -92,19 +92,16 @@ class SequenceSettings(Record):
 class TransferSettings(SequenceSettings):
     """Parameters of the transfers (MODEL sections 2 to 4).
 
-    Beside those of the co-elliptic sequence: listings and matrices leave out a connection that
-    another one dominates up to ``delta_v_resolution_m_s``, and departures lie no closer than
-    ``departure_spacing_s``. The last two are the grid and the longest time of transfers that drift.
+    Beside those of the co-elliptic sequence: a connection that another one dominates up to
+    ``delta_v_resolution_m_s`` is left out, and departures of a pair lie no closer than
+    ``departure_spacing_s``. The last two are the grid of transfers that drift and the longest time
+    that one may take, 0 for none.
     """
 
     delta_v_resolution_m_s: NonNegative = 0.1
     departure_spacing_s: NonNegative = 0.0
     drift_step_s: Positive = DAY_S
-    max_drift_s: Annotated[
-        NonNegative,
-        Field(json_schema_extra={"const": 0.0}),
-        not_yet(lambda span: isinstance(span, float | int) and span > 0, "write 0.0", "drift"),
-    ] = 0.0
+    max_drift_s: NonNegative = 0.0
 
 
 class Objective(Record):

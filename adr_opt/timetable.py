@@ -8,7 +8,6 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -35,23 +34,37 @@ SLICE_ENTRIES = 20_000
 MEMORY_SHARE = 0.7
 """Part of the free memory that building a timetable may take; planners need some too."""
 
+BYTES_PER_CONNECTION = 29
+"""Memory that a connection takes that is kept."""
+
+SAMPLED_PAIRS = 8
+"""Of so many pairs the connections are counted to estimate those of all."""
+
 TEMPORARY_BYTES = 80
 """Memory that working out the costs of eccentricity takes for each pair of bodies."""
 
 
 @dataclass(frozen=True)
 class Size:
-    """How large a timetable is going to be: arithmetic, nothing is built.
+    """How large a timetable is going to be: nothing of it is built.
 
     Attributes
     ----------
     bodies : int
     events : int
         Most departure events of a pair.
+    listed : float
+        Connections of a pair that are kept, in the mean, where nodes drift: by a sample.
     """
 
     bodies: int
     events: int
+    listed: float = 0.0
+
+    @property
+    def connections(self) -> int:
+        """Number of connections that are kept, about."""
+        return int(self.bodies * (self.bodies - 1) * self.listed)
 
     @property
     def entries(self) -> int:
@@ -61,7 +74,8 @@ class Size:
     @property
     def bytes(self) -> int:
         """Memory that building it takes."""
-        return kernels.size_of(self.bodies, self.events) + TEMPORARY_BYTES * self.bodies**2
+        lists = BYTES_PER_CONNECTION * self.connections
+        return kernels.size_of(self.bodies, self.events) + TEMPORARY_BYTES * self.bodies**2 + lists
 
     @property
     def fits(self) -> bool:
@@ -73,7 +87,21 @@ def estimate(instance: Instance) -> Size:
     """How large the timetable of an instance is going to be."""
     lowest = min(orbit.semi_major_axis_m for orbit in instance.body_orbits)
     shortest = math.pi * math.sqrt(lowest**3 / MU_M3_S2)
-    return Size(len(instance.names), int(instance.mission.duration_s / shortest) + 2)
+    duration, bodies = instance.mission.duration_s, len(instance.names)
+    connecting = Connecting(instance)
+    if not connecting.drifts:
+        return Size(bodies, int(duration / shortest) + 2)
+    settings = instance.transfer
+    events = duration / max(shortest, settings.departure_spacing_s) + 2
+    if settings.max_drift_s > 0.0:
+        events += duration / settings.drift_step_s
+    # Pairs all over the field, since how far planes are apart decides what is worth flying.
+    rng = np.random.default_rng(0)
+    pairs = [rng.choice(bodies, 2, replace=False) for _ in range(SAMPLED_PAIRS)] * (bodies > 1)
+    listed = [
+        connecting.find(i, j, connecting.planning_resolution_m_s).departure.size for i, j in pairs
+    ]
+    return Size(bodies, int(events), float(np.mean(listed)) if listed else 0.0)
 
 
 @dataclass(frozen=True)
@@ -124,6 +152,8 @@ class Timetable:
     time_value_m_s_per_h : float, optional
         What an hour is worth: of all connections that depart at a time or later, the table holds
         the one with the least ΔV + value · (arrival − ready); the instance's by default [m/s].
+    connecting : Connecting, optional
+        Of the instance, if there is one already: what it keeps is not worked out again.
 
     Attributes
     ----------
@@ -150,6 +180,7 @@ class Timetable:
         order: Sequence[int] | None = None,
         enough: Callable[[float], bool] = lambda share: False,
         time_value_m_s_per_h: float | None = None,
+        connecting: Connecting | None = None,
     ) -> None:
         if time_value_m_s_per_h is None:
             time_value_m_s_per_h = instance.time_value_m_s_per_h
@@ -170,24 +201,42 @@ class Timetable:
             instance = instance.part(kept)
             order = [kept.index(body) for body in order[: size.bodies]]
         turns = np.array(order, dtype=np.int64)
-        table = kernels.allocate(size.bodies, size.events)
-        rule = instance.transfer_rule(time_value_m_s_per_h)
-        given = instance.orbits(), instance.eccentricity_delta_v(), rule
         limits = limits_of(instance)
         pairs = size.bodies**2
-        done = _in_slices(
-            lambda first, last: kernels.fill(first, last, turns, *given, limits, table),
-            pairs,
-            max(1, SLICE_ENTRIES // size.events),
-            threads or os.cpu_count() or 1,
-            lambda filled: enough(filled / wanted),
-        )
-        if done < pairs:
+        threads = threads or os.cpu_count() or 1
+
+        def so_far(filled: int) -> bool:
+            return enough(filled / wanted)
+
+        if connecting is None or connecting.instance is not instance:
+            connecting = Connecting(instance)
+        if not connecting.drifts:
+            table = kernels.allocate(size.bodies, size.events)
+            given = (*connecting.inputs[:2], instance.transfer_rule(time_value_m_s_per_h))
+            done = _in_slices(
+                lambda first, last: kernels.fill(first, last, turns, *given, limits, table),
+                pairs, max(1, SLICE_ENTRIES // size.events), threads, so_far,
+            )  # fmt: skip
             whole = np.sort(turns[: max(1, math.isqrt(done))])
-            instance, table = instance.part(whole.tolist()), kernels.part(table, whole)
+            if done < pairs:
+                table = kernels.part(table, whole)
+        else:
+            if connecting.lists is None:
+                connecting.lists = {}
+            done = _in_slices(
+                lambda first, last: connecting.list_pairs(turns, first, last),
+                pairs, 1, threads, so_far,
+            )  # fmt: skip
+            whole = np.sort(turns[: max(1, math.isqrt(done))])
+        if done < pairs:
+            instance = instance.part(whole.tolist())
+            connecting = connecting.part(instance, whole.tolist())
             limits = limits_of(instance)
+        if connecting.drifts:
+            table = connecting.table(limits, time_value_m_s_per_h)
         for array in table:
             array.setflags(write=False)
+        self.connecting = connecting
         self.instance = instance
         self.names = instance.names
         self.table = table
@@ -268,11 +317,7 @@ class Timetable:
             if not (math.isfinite(value) and value >= 0.0):
                 raise InputError(f"{name} = {value!r}: must be a finite number ≥ 0")
         i, j = self.index(origin), self.index(destination)
-        return self._connecting.of_pair(i, j, float(resolution_m_s)).after(after)
-
-    @cached_property
-    def _connecting(self) -> Connecting:
-        return Connecting(self.instance)
+        return self.connecting.of_pair(i, j, float(resolution_m_s)).after(after)
 
     def matrices(
         self, departures: Sequence[float] | FloatArray, choose: Choice | None = None
@@ -305,7 +350,7 @@ class Timetable:
             words = f"{_words(self.time_value_m_s_per_h)}, service in time"
             return Matrices(times, self.names, delta_v, duration, words)
         weights = weights_of(choose)
-        self._connecting.choose(times, *weights, delta_v, duration)
+        self.connecting.choose(times, *weights, delta_v, duration)
         return Matrices(times, self.names, delta_v, duration, _words(choose))
 
 
@@ -317,6 +362,13 @@ def _words(choose: Choice) -> str:
 
 def _too_large(instance: Instance, size: Size) -> str:
     """Why there is no timetable."""
+    if size.connections:
+        return (
+            f"the about {size.connections:.2g} connections of {size.bodies} bodies over "
+            f"{instance.mission.duration_s / DAY_S:.4g} days take {size.bytes / 2**30:.3g} GiB, "
+            f"and {available_bytes() / 2**30:.3g} GiB of memory are free; raise drift_step_s, "
+            "departure_spacing_s or delta_v_resolution_m_s, or take fewer targets"
+        )
     return (
         f"the timetable of {size.bodies} bodies over {instance.mission.duration_s / DAY_S:.4g} "
         f"days takes {size.bytes / 2**30:.3g} GiB, and {available_bytes() / 2**30:.3g} GiB of "

@@ -17,7 +17,6 @@ from ..errors import InputError
 from ..formats_1 import is_of
 from ..instance import Instance
 from ..plan import Plan
-from ..support import refuse_unsupported
 from .mission import check_legs, check_routes
 from .totals import check_cost, check_totals
 from .violation import (
@@ -55,7 +54,6 @@ def check(instance: Instance, plan: Plan) -> tuple[Violation, ...]:
             f"(sha256 {plan.instance.sha256[:12]}…), not to {instance.name!r} "
             f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
         )
-    refuse_unsupported(instance)
     return (
         *check_routes(instance, plan),
         *check_legs(instance, plan),

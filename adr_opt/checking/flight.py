@@ -9,11 +9,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from .. import drifting
+from ..errors import InputError
 from ..instance import Instance
 from ..keep_out import crossed
 from ..kernels import burns as burn_kernels
-from ..kernels import transfer
-from ..kernels.constants import SLACK_S
+from ..kernels import orbits, precession, transfer
+from ..kernels.constants import MU_M3_S2, SLACK_S
+from ..kernels.drift import POLAR
 from ..plan import Leg
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 
@@ -61,9 +64,15 @@ def check_transfer(
     Returns when the chaser arrives and the ΔV, to go on from: recomputed, but as stated where the
     plan is wrong about them, so that one mistake is reported once.
     """
+    if leg.kind == "drift":
+        return (yield from check_drift(instance, physics, number, leg, i, j, free))
     elements, rule, extra = physics.elements, physics.rule, float(physics.extra[i, j])
     pair = transfer.prepare(elements[i], elements[j], extra, rule)
-    sequence = yield from _check_sequence(pair, rule, number, leg, free)
+    if instance.dynamics == "j2":
+        sequence = yield from _check_drifting_planes(pair, rule, number, leg, free)
+        extra = float(transfer.shape(pair, leg.departure_s))
+    else:
+        sequence = yield from _check_sequence(pair, rule, number, leg, free)
     if sequence is None:
         return leg.arrival_s, leg.delta_v_m_s
     yield from _check_figures(sequence, extra, number, leg)
@@ -75,7 +84,7 @@ def check_transfer(
             "zone",
             "touches the edge of a keep-out zone while that is closed; edges belong to zones",
         )
-    yield from _check_burns(
+    yield from check_burns(
         number,
         leg,
         *burn_kernels.burns(
@@ -88,6 +97,101 @@ def check_transfer(
         sequence.arrival if arrives_as_stated else leg.arrival_s,
         sequence.delta_v if costs_as_stated else leg.delta_v_m_s,
     )
+
+
+def check_drift(
+    instance: Instance, physics: Physics, number: int, leg: Leg, i: int, j: int, free: float
+) -> Generator[Violation, None, tuple[float, float]]:
+    """A leg that drifts costs what MODEL section 3 says, and its burns meet the target."""
+    as_stated = leg.arrival_s, leg.delta_v_m_s
+    origin, destination = physics.elements[i], physics.elements[j]
+    span, longest = leg.arrival_s - leg.departure_s, instance.transfer.max_drift_s
+    if not 0.0 < span <= longest + TIME_TOLERANCE_S:
+        yield Violation(
+            number, "drift", f"drifts for {span!r} s, and may for no more than {longest!r} s"
+        )
+        return as_stated
+    if leg.departure_s < free - SLACK_S:
+        yield Violation(number, "departure", "leaves before the chaser is ready")
+        return as_stated
+    delta_v, shape = drift_cost(origin, destination, physics.rule, leg)
+    if abs(leg.delta_v_m_s - delta_v) > DELTA_V_TOLERANCE_M_S:
+        yield Violation(
+            number, "cost", f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {delta_v!r}"
+        )
+    if abs(leg.eccentricity_delta_v_m_s - shape) > DELTA_V_TOLERANCE_M_S:
+        yield Violation(
+            number,
+            "eccentricity",
+            f"eccentricity_delta_v_m_s = {leg.eccentricity_delta_v_m_s!r}, but it is {shape!r}",
+        )
+    try:
+        flight = drifting.flown(
+            origin, destination, physics.rule, leg.departure_s, leg.arrival_s
+        )
+    except InputError as error:
+        yield Violation(number, "burns", str(error))
+        return as_stated
+    yield from check_burns(number, leg, flight.times, flight.vectors, np.array(drifting.PHASES))
+    costs_as_stated = abs(leg.delta_v_m_s - delta_v) <= DELTA_V_TOLERANCE_M_S
+    return leg.arrival_s, delta_v if costs_as_stated else leg.delta_v_m_s
+
+
+def drift_cost(
+    origin: npt.NDArray[np.float64],
+    destination: npt.NDArray[np.float64],
+    rule: transfer.TransferRule,
+    leg: Leg,
+) -> tuple[float, float]:
+    """ΔV of a drift, and the part of it that eccentricity asks for, by the matrices of MODEL [m/s].
+
+    Written out once more, with the matrices that :mod:`adr_opt.kernels.drift` has solved by hand.
+    """
+    span = leg.arrival_s - leg.departure_s
+    mean = 0.5 * (origin + destination)
+    radius, inclination = mean[orbits.RADIUS], mean[orbits.INCLINATION]
+    speed = math.sqrt(MU_M3_S2 / radius)
+    later = destination - origin
+    node = math.remainder(
+        later[orbits.RAAN] + later[orbits.RAAN_RATE] * leg.arrival_s, 2.0 * math.pi
+    )
+    todo = speed * np.array([
+        node * math.sin(inclination), 0.5 * later[orbits.RADIUS] / radius,
+        later[orbits.INCLINATION],
+    ])  # fmt: skip
+    rate = mean[orbits.RAAN_RATE]
+    if abs(math.cos(inclination)) > POLAR:
+        slope = rate * math.tan(inclination)
+    else:
+        slope = -1.5 * rule.oblateness * speed / radius**3 * math.sin(inclination)
+    m, q = 7.0 * rate * math.sin(inclination) * span, slope * math.sin(inclination) * span
+    grown = np.array([[1.0, -m, -q], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    first = np.linalg.solve(np.eye(3) + grown.T @ grown, grown.T @ todo)
+    reach = 0.5 * speed / radius
+    held = np.clip(
+        first[1],
+        reach * (rule.min_radius - origin[orbits.RADIUS]),
+        reach * (rule.max_radius - origin[orbits.RADIUS]),
+    )
+    if held != first[1]:
+        free, rest = grown[:, [0, 2]], todo - held * grown[:, 1]
+        along, tilt = np.linalg.solve(np.eye(2) + free.T @ free, free.T @ rest)
+        first = np.array([along, held, tilt])
+    second = todo - grown @ first
+    perigees = mean_perigee(origin, leg.arrival_s), mean_perigee(destination, leg.arrival_s)
+    vectors = [
+        orbit[orbits.ECCENTRICITY] * np.array([math.cos(perigee), math.sin(perigee)])
+        for orbit, perigee in zip((origin, destination), perigees, strict=True)
+    ]
+    shape = 0.25 * speed * float(np.linalg.norm(vectors[1] - vectors[0]))
+    lengths = [float(np.linalg.norm(change)) for change in (first, second)]
+    whole = sum(math.hypot(length, shape) for length in lengths)
+    return whole, whole - sum(lengths)
+
+
+def mean_perigee(orbit: npt.NDArray[np.float64], time: float) -> float:
+    """Argument of perigee of a body at a time [rad]."""
+    return float(orbit[orbits.PERIGEE] + orbit[orbits.PERIGEE_RATE] * time)
 
 
 def _check_sequence(
@@ -141,6 +245,53 @@ def _check_sequence(
     return _Sequence(departure, arrival, delta_v, laps, radius)
 
 
+def _check_drifting_planes(
+    pair: transfer.Pair, rule: transfer.TransferRule, number: int, leg: Leg, free: float
+) -> Generator[Violation, None, _Sequence | None]:
+    """The same where nodes drift: the line of nodes is that of the turn, and of this sequence."""
+    laps, departure = leg.phasing_revolutions, leg.departure_s
+    stand_off = leg.arrival_s - rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
+    flight = stand_off - departure
+    low = pair.shortest + laps * pair.shortest_lap
+    high = pair.longest + laps * pair.longest_lap
+    if not 0 <= laps <= rule.max_phasing_revolutions or not low <= flight <= high:
+        yield Violation(
+            number,
+            "phasing",
+            f"with {laps} phasing revolutions of at most {rule.max_phasing_revolutions}, between "
+            f"the altitude limits, a flight takes {low!r} to {high!r} s, and not {flight!r}",
+        )
+        return None
+    if departure < free - SLACK_S:
+        yield Violation(number, "departure", "leaves before the chaser is ready")
+        return None
+    radius = transfer.phasing_radius(pair, rule, laps, flight)
+    apart = pair.lag + pair.lag_rate * departure
+    apart += precession.carried(pair, rule, laps, radius, flight)
+    alpha_i, alpha_j, theta = orbits.relative_node(
+        pair.inclination_i, 0.0, pair.inclination_j, apart
+    )
+    past = (pair.latitude_i + pair.rate_i * departure - alpha_i) / math.pi
+    half_turns = round(past)
+    crossing = departure + (half_turns - past) * math.pi / pair.rate_i
+    if abs(crossing - departure) > TIME_TOLERANCE_S:
+        yield Violation(
+            number,
+            "departure",
+            f"departure_s = {departure!r} is not a crossing of the line of nodes; the nearest is "
+            f"at {crossing!r}",
+        )
+        return None
+    behind = alpha_j + math.pi * (half_turns + 1) + rule.standoff / pair.radius_j
+    behind -= pair.latitude_j + pair.rate_j * stand_off
+    late = math.remainder(behind, 2.0 * math.pi) / pair.rate_j
+    turn = 4.0 * math.sin(0.5 * theta) ** 2
+    delta_v = float(
+        transfer.turned_delta_v(pair, rule, laps, radius, turn) + transfer.shape(pair, departure)
+    )
+    return _Sequence(departure, leg.arrival_s + late, delta_v, laps, radius)
+
+
 def _check_figures(sequence: _Sequence, extra: float, number: int, leg: Leg) -> Iterator[Violation]:
     """Arrival and ΔV are those of the sequence."""
     if abs(leg.arrival_s - sequence.arrival) > TIME_TOLERANCE_S:
@@ -161,7 +312,7 @@ def _check_figures(sequence: _Sequence, extra: float, number: int, leg: Leg) -> 
         )
 
 
-def _check_burns(
+def check_burns(
     number: int,
     leg: Leg,
     times: npt.NDArray[np.float64],

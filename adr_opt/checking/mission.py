@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
 
 from ..chasers import AtStation
 from ..instance import Instance
@@ -75,8 +79,9 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
         i, j = bodies.number[leg.origin], bodies.number[leg.destination]
         arrival, delta_v = yield from check_transfer(instance, physics, number, leg, i, j, now.free)
         yield from _check_zones(instance, number, leg)
-        radius = float(physics.elements[j, orbits.RADIUS])
-        end = yield from _check_service(instance, bodies, number, leg, arrival, radius)
+        end = yield from _check_service(
+            instance, bodies, number, leg, arrival, physics.elements[j]
+        )
         now.left = yield from _check_tank(instance, bodies, now, number, leg, delta_v)
         if leg.destination in bodies.stations:
             now.since_refuelling = 0
@@ -129,12 +134,17 @@ def _check_zones(instance: Instance, number: int, leg: Leg) -> Iterator[Violatio
 
 
 def _check_service(
-    instance: Instance, bodies: _Bodies, number: int, leg: Leg, arrival: float, radius: float
+    instance: Instance,
+    bodies: _Bodies,
+    number: int,
+    leg: Leg,
+    arrival: float,
+    elements: npt.NDArray[np.float64],
 ) -> Generator[Violation, None, float]:
     """The service lasts as long as it has to, within all limits; returns when it ends."""
     opens, closes = bodies.windows.get(leg.destination, (0.0, None))
     at_station = leg.destination in bodies.stations
-    end = max(arrival, opens) + _service_s(instance, radius, at_station)
+    end = max(arrival, opens) + _service_s(instance, elements, at_station)
     if abs(leg.end_s - end) > TIME_TOLERANCE_S:
         yield Violation(number, "service", f"end_s = {leg.end_s!r}, but it ends at {end!r}")
     for rule, last in (
@@ -147,14 +157,16 @@ def _check_service(
     return end
 
 
-def _service_s(instance: Instance, radius: float, at_station: bool) -> float:
-    """How long a chaser stays at a body on a circle of a radius [s]."""
+def _service_s(
+    instance: Instance, elements: npt.NDArray[np.float64], at_station: bool
+) -> float:
+    """How long a chaser stays at a body [s]."""
     mission = instance.mission
     if not at_station and mission.service_s is not None:
         return mission.service_s
     revolutions = mission.refuel_revolutions if at_station else mission.service_revolutions
     assert revolutions is not None
-    return revolutions * float(orbits.period(radius))
+    return revolutions * 2.0 * math.pi / float(elements[orbits.LATITUDE_RATE])
 
 
 def _check_tank(

@@ -8,8 +8,8 @@ from . import orbits, precession, transfer
 from .compile import kernel
 from .constants import MU_M3_S2
 
-HOHMANN_1, PHASING, CO_ELLIPTIC, TERMINAL, APPROACH = range(5)
-PHASES = ("hohmann-1", "phasing", "co-elliptic", "terminal", "approach")
+HOHMANN_1, PHASING, CO_ELLIPTIC, TERMINAL, APPROACH, DRIFT = range(6)
+PHASES = ("hohmann-1", "phasing", "co-elliptic", "terminal", "approach", "drift")
 
 
 @kernel

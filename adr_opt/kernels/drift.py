@@ -30,6 +30,9 @@ from .compile import inlined, kernel
 from .constants import MU_M3_S2
 from .lists import chosen, wider
 
+MARGIN_M, MARGIN_SHARE = 20e3, 0.25
+"""See :func:`margin`."""
+
 POLAR = 1e-3
 """Where the cosine of the mean inclination is less, q is taken by its limit."""
 
@@ -49,6 +52,8 @@ class DriftPair(NamedTuple):
         v_y and v_z [m/s].
     by_radius, by_inclination : float
         m and q over T [1/s].
+    radius_i, radius_j : float
+        [m].
     least_climb, most_climb : float
         Between which b_y keeps the drift orbit within the altitude limits [m/s].
     eccentricity_i, eccentricity_j : float
@@ -64,6 +69,8 @@ class DriftPair(NamedTuple):
     tilt: float
     by_radius: float
     by_inclination: float
+    radius_i: float
+    radius_j: float
     least_climb: float
     most_climb: float
     eccentricity_i: float
@@ -111,6 +118,8 @@ def prepare(orbit_i, orbit_j, min_radius, max_radius, oblateness):
         speed * (orbit_j[orbits.INCLINATION] - orbit_i[orbits.INCLINATION]),
         7.0 * mean_rate * sine,
         per_cosine * sine * sine,
+        ri,
+        rj,
         reach * (min_radius - ri),
         reach * (max_radius - ri),
         orbit_i[orbits.ECCENTRICITY],
@@ -181,6 +190,38 @@ def delta_v(pair, departure, arrival):
     return cost_of(pair, span, node, shape_left(pair, arrival), climb_of(pair, span, node))
 
 
+@inlined
+def margin(change):
+    """How far the radius of a drift orbit that differs by so much may be off what is planned [m].
+
+    The phase moves it, and over months what the closed form leaves out.
+    """
+    return MARGIN_M + MARGIN_SHARE * abs(change)
+
+
+@kernel
+def is_blocked(pair, zones, departure, arrival):
+    """Whether a keep-out zone forbids a long transfer.
+
+    Nobody knows beforehand when its arcs are flown. So a zone forbids it that is closed at some
+    moment of it, in a band that any of its orbits may touch.
+    """
+    span, node = arrival - departure, node_left(pair, arrival)
+    change = climb_of(pair, span, node) * (pair.radius_i + pair.radius_j) / pair.speed
+    off, drifting = margin(change), pair.radius_i + change
+    low = min(min(pair.radius_i, pair.radius_j), drifting - off)
+    high = max(max(pair.radius_i, pair.radius_j), drifting + off)
+    for z in range(zones.shape[0]):
+        if (
+            zones[z, 0] <= high
+            and zones[z, 1] >= low
+            and zones[z, 2] <= arrival
+            and zones[z, 3] >= departure
+        ):
+            return True
+    return False
+
+
 @kernel
 def costs(pair, step, node, shape, begin, last, cost):
     """ΔV of the transfers that leave at one time of the grid, by the time of arrival.
@@ -204,12 +245,16 @@ def costs(pair, step, node, shape, begin, last, cost):
 
 
 @kernel
-def of_pair(pair, step, longest, duration, most, resolution, departure, arrival, delta_v, kept):
+def of_pair(
+    pair, zones, step, longest, duration, most, resolution, departure, arrival, delta_v, kept
+):
     """The transfers of a pair that no other one dominates: long ones on a grid of times, and short.
 
     Parameters
     ----------
     pair : DriftPair
+    zones : (zones, 4) float64
+        As in :class:`adr_opt.kernels.transfer.TransferRule`.
     step, longest : float
         Of the grid, and the longest time of a long transfer [s].
     duration : float
@@ -261,6 +306,8 @@ def of_pair(pair, step, longest, duration, most, resolution, departure, arrival,
         for t in range(begin + 1, last + 1):
             cheapest = min(cheapest, stair[t])
             if cost[t] < cheapest - resolution:
+                if zones.shape[0] > 0 and is_blocked(pair, zones, begin * step, t * step):
+                    continue
                 if count == departures.size:
                     departures, arrivals = wider(departures, count), wider(arrivals, count)
                     costs_found = wider(costs_found, count)

@@ -304,7 +304,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolution):
     drifts = drift.prepare(orbit_i, orbit_j, rule.min_radius, rule.max_radius, rule.oblateness)
     kept = np.empty(shorts, np.bool_)
     leaves, lands, long_cost = drift.of_pair(
-        drifts, times.step, times.longest, duration, times.most, resolution,
+        drifts, rule.zones, times.step, times.longest, duration, times.most, resolution,
         departure, arrival, cost, kept,
     )  # fmt: skip
     return _merged(departure, arrival, cost, laps, kept, leaves, lands, long_cost, times.step)

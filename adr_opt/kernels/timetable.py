@@ -6,6 +6,9 @@ two events nothing depends on the time but the wait, so a table over events is e
 spaced and where entries lie is known to this module alone: planners ask :func:`next_event` and
 :func:`lookup`.
 
+The events of two-body motion are half a period apart, and are counted. Where nodes drift they are
+not; then a table holds when the connections depart that are ever chosen, and nothing else.
+
 Who steps hundreds of missions keeps timetables side by side, with a leading axis of slots, and the
 entries of one destination packed, as a :class:`Column`.
 """
@@ -17,6 +20,7 @@ import numpy as np
 
 from . import orbits, transfer
 from .compile import inlined, kernel
+from .connections import Found
 from .constants import SLACK_S
 
 
@@ -50,7 +54,8 @@ class Table(NamedTuple):
     first : (bodies, bodies) float64
         Time of the first departure event of the pair (origin, destination) [s].
     spacing : (bodies,) float64
-        Time between events of an origin: half its period [s].
+        Time between events of an origin: half its period, or its multiple; where events are not
+        regular, a time of which no more go into the mission than there is room for events [s].
     total : (bodies, bodies) int32
         Number of events at or before the end of the mission; 0 on the diagonal.
     entries : (bodies, events, bodies, 2) float64
@@ -58,12 +63,15 @@ class Table(NamedTuple):
         both +inf where no connection departs at the event or later. Destinations lie side by side
         because planners ask for all of them at one time, and their events then have equal or
         adjacent numbers.
+    departure : (bodies, events, bodies) float64
+        When an event is [s]; without events where they are regular.
     """
 
     first: np.ndarray
     spacing: np.ndarray
     total: np.ndarray
     entries: np.ndarray
+    departure: np.ndarray
 
 
 class Column(NamedTuple):
@@ -77,11 +85,14 @@ class Column(NamedTuple):
         Number of events; 0 for the destination itself.
     entries : (bodies, events, 2) float32
         ΔV [m/s], and arrival after the departure event [s].
+    departure : (bodies, events) float64
+        As in :class:`Table` [s].
     """
 
     first: np.ndarray
     total: np.ndarray
     entries: np.ndarray
+    departure: np.ndarray
 
 
 @kernel
@@ -111,7 +122,7 @@ def fill(first, last, order, bodies, extra_delta_v, rule, limits, table):
         rest = number - shell * shell
         i = order[rest] if rest < shell else order[shell]
         j = order[shell] if rest < shell else order[rest - shell]
-        half_period = math.pi / orbits.mean_motion(bodies[i, orbits.RADIUS])
+        half_period = 0.5 * orbits.revolution(bodies[i])
         m = 0
         if i == j:
             table.spacing[i] = half_period
@@ -148,13 +159,76 @@ def fill(first, last, order, bodies, extra_delta_v, rule, limits, table):
                 here[0], here[1] = later[0], later[1]
 
 
-def allocate(bodies: int, most: int) -> Table:
+@kernel
+def choose(found, limits, j, time_value, taken):
+    """The connections of a pair that are ever chosen, in order of departure; how many.
+
+    Whoever is ready between the departure before and that of a connection takes it.
+
+    Parameters
+    ----------
+    found : adr_opt.kernels.connections.Found
+    limits : Limits
+    j : int
+        Destination.
+    time_value : float
+        [m/s per s].
+    taken : (connections,) int64
+        Written from the end.
+    """
+    count = 0
+    best = math.inf
+    for c in range(found.departure.size - 1, -1, -1):
+        begins = max(found.arrival[c], limits.opens[j])
+        if begins + limits.service[j] > limits.closes[j] or found.departure[c] > limits.duration:
+            continue
+        cost = found.delta_v[c] + time_value * begins
+        # Of those that leave together one is chosen; an earlier one has to be better.
+        if cost < best:
+            best = cost
+            last = taken.size - count
+            if count == 0 or found.departure[taken[last]] > found.departure[c]:
+                count += 1
+            taken[taken.size - count] = c
+    return count
+
+
+def pack(
+    bodies: int, chosen: list[tuple[int, int, Found, np.ndarray]], duration: float
+) -> Table:
+    """A table whose events are not regular.
+
+    Parameters
+    ----------
+    bodies : int
+    chosen : list of (origin, destination, Found, (events,) int64)
+        For each pair its connections, and which of them are chosen, in order of departure.
+    duration : float
+        Of the mission [s].
+    """
+    most = max([1, *(taken.size for _, _, _, taken in chosen)])
+    table = allocate(bodies, most, regular=False)
+    table.first[:], table.total[:], table.entries[:] = 0.0, 0, math.inf
+    table.departure[:] = math.inf
+    table.spacing[:] = max(duration, 1.0) / most * (1.0 + 1e-9)
+    for i, j, found, taken in chosen:
+        count = taken.size
+        table.total[i, j] = count
+        table.departure[i, :count, j] = found.departure[taken]
+        table.entries[i, :count, j, 0] = found.delta_v[taken]
+        table.entries[i, :count, j, 1] = found.arrival[taken]
+        table.first[i, j] = table.departure[i, 0, j] if count else 0.0
+    return table
+
+
+def allocate(bodies: int, most: int, *, regular: bool = True) -> Table:
     """A table of so many bodies and at most so many events of each; nothing is in it yet."""
     return Table(
         first=np.empty((bodies, bodies)),
         spacing=np.empty(bodies),
         total=np.empty((bodies, bodies), dtype=np.int32),
         entries=np.empty((bodies, most, bodies, 2)),
+        departure=np.empty((bodies, 0 if regular else most, bodies)),
     )
 
 
@@ -168,6 +242,11 @@ def most_events(table: Table) -> int:
     return int(table.entries.shape[-3])
 
 
+def is_regular(table: Table) -> bool:
+    """Whether events are a fixed time apart."""
+    return table.departure.shape[-2] == 0
+
+
 def count_entries(table: Table) -> int:
     """How many departure events all pairs have."""
     return int(table.total.sum())
@@ -175,20 +254,26 @@ def count_entries(table: Table) -> int:
 
 def shortest_spacing(table: Table) -> float:
     """Least time between two departure events of a pair [s]."""
-    return float(table.spacing.min())
+    if is_regular(table):
+        return float(table.spacing.min())
+    steps = np.diff(table.departure, axis=1)
+    return float(np.min(steps, where=np.isfinite(steps), initial=math.inf))
 
 
-def allocate_slots(slots: int, bodies: int, most: int) -> tuple[Table, Column]:
+def allocate_slots(slots: int, bodies: int, most: int, *, regular: bool) -> tuple[Table, Column]:
     """Tables and columns side by side, without a departure event yet."""
+    listed = 0 if regular else most
     return Table(
         first=np.zeros((slots, bodies, bodies)),
         spacing=np.ones((slots, bodies)),
         total=np.zeros((slots, bodies, bodies), dtype=np.int32),
         entries=np.full((slots, bodies, most, bodies, 2), np.inf),
+        departure=np.full((slots, bodies, listed, bodies), np.inf),
     ), Column(
         first=np.zeros((slots, bodies)),
         total=np.zeros((slots, bodies), dtype=np.int32),
         entries=np.zeros((slots, bodies, most, 2), dtype=np.float32),
+        departure=np.full((slots, bodies, listed), np.inf),
     )
 
 
@@ -200,6 +285,8 @@ def put(tables: Table, slot: int, table: Table) -> None:
     tables.total[slot, :bodies, :bodies] = table.total
     tables.entries[slot] = np.inf
     tables.entries[slot, :bodies, :most, :bodies] = table.entries
+    tables.departure[slot] = np.inf
+    tables.departure[slot, :bodies, : table.departure.shape[1], :bodies] = table.departure
 
 
 def part(table: Table, kept: np.ndarray) -> Table:
@@ -219,19 +306,25 @@ def part(table: Table, kept: np.ndarray) -> Table:
         spacing=table.spacing[kept],
         total=table.total[pairs],
         entries=packed(table.entries),
+        departure=packed(table.departure),
     )
 
 
 @inlined
 def in_slot(tables, slot):
     """One of the tables that stand side by side."""
-    return Table(tables.first[slot], tables.spacing[slot], tables.total[slot], tables.entries[slot])
+    return Table(
+        tables.first[slot], tables.spacing[slot], tables.total[slot], tables.entries[slot],
+        tables.departure[slot],
+    )  # fmt: skip
 
 
 @inlined
 def column_in_slot(columns, slot):
     """One of the columns."""
-    return Column(columns.first[slot], columns.total[slot], columns.entries[slot])
+    return Column(
+        columns.first[slot], columns.total[slot], columns.entries[slot], columns.departure[slot]
+    )
 
 
 @inlined
@@ -243,6 +336,8 @@ def events(table, i, j):
 @inlined
 def departure_at(table, i, j, event):
     """Time of a departure event of the pair [s]."""
+    if table.departure.shape[1] > 0:
+        return table.departure[i, event, j]
     return table.first[i, j] + event * table.spacing[i]
 
 
@@ -262,6 +357,15 @@ def earliest_taken(ready):
 def next_event(table, i, j, ready):
     """The event that a chaser takes; :func:`events` of the pair if there is none left."""
     earliest = earliest_taken(ready)
+    if table.departure.shape[1] > 0:
+        low, high = 0, table.total[i, j]
+        while low < high:
+            middle = (low + high) // 2
+            if table.departure[i, middle, j] < earliest:
+                low = middle + 1
+            else:
+                high = middle
+        return low
     spacing = table.spacing[i]
     first = table.first[i, j]
     m = max(0, math.ceil((earliest - first) / spacing))
@@ -312,12 +416,27 @@ def fill_column(table, j, column):
             for m in range(table.total[i, j]):
                 delta_v, arrival = entry_at(table, i, j, m)
                 column.entries[i, m, 0] = delta_v
-                column.entries[i, m, 1] = arrival - departure_at(table, i, j, m)
+                departure = departure_at(table, i, j, m)
+                column.entries[i, m, 1] = arrival - departure
+                if column.departure.shape[1] > 0:
+                    column.departure[i, m] = departure
 
 
 @inlined
 def lookup_in_column(column, table, i, ready):
     """ΔV [m/s] and time [s] from ready to the arrival at the destination; +inf for no transfer."""
+    if column.departure.shape[1] > 0:
+        low, high = 0, column.total[i]
+        while low < high:
+            middle = (low + high) // 2
+            if column.departure[i, middle] < earliest_taken(ready):
+                low = middle + 1
+            else:
+                high = middle
+        if low >= column.total[i]:
+            return math.inf, math.inf
+        time = column.departure[i, low] - ready + column.entries[i, low, 1]
+        return column.entries[i, low, 0], time
     spacing = table.spacing[i]
     m = max(0, math.ceil((earliest_taken(ready) - column.first[i]) / spacing))
     if m >= column.total[i]:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels import connections
-from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.compile import inlined, kernel
 from adr_opt.kernels.lists import chosen, rising
 from adr_opt.kernels.timetable import earliest_taken
 from adr_opt.mission import Mission
@@ -127,22 +127,46 @@ def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
     return count, rows, shortest
 
 
+@inlined
+def _reachable(i, j, rules):
+    """Nobody goes to where he is, back to an orbit that is no body's, or to refuel unearned."""
+    if rules.is_station[j]:
+        return i >= rules.first_target and i != j
+    return j != i and j >= rules.first_target
+
+
 @kernel
-def _from_body(i, orbits, extra_delta_v, transfer_rule, rules):
+def _found(i, j, orbits, extra_delta_v, transfer_rule, listed, last):
+    """The connections of a pair: worked out, or copied where they are listed.
+
+    The same ones as schedules are made of: what a leg that comes too late dominates is gone.
+    """
+    # Compiled for one of the two: whether there are lists is told by a type.
+    if listed is None:
+        return connections.of_pair(
+            orbits[i], orbits[j], extra_delta_v[i, j], transfer_rule, last, 0.0
+        )
+    begin = listed.first[j]
+    size = listed.first[j + 1] - begin if last > 0.0 else 0
+    departure, arrival, delta_v = np.empty(size), np.empty(size), np.empty(size)
+    crossing = np.empty(size, np.int32)
+    for c in range(size):
+        departure[c], arrival[c] = listed.departure[begin + c], listed.arrival[begin + c]
+        delta_v[c], crossing[c] = listed.delta_v[begin + c], listed.crossing[begin + c]
+    return connections.Found(departure, arrival, delta_v, np.empty(0, np.int8), crossing)
+
+
+@kernel
+def _from_body(i, orbits, extra_delta_v, transfer_rule, listed, rules):
     """All legs of a body that fit into the mission: an :class:`Outgoing`."""
     bodies = rules.service.size
     departures, costs, numbers = [np.empty(0)], [np.empty(0)], [np.empty(0, np.int32)]
     ends, counts = [np.empty(0)], np.empty(bodies, np.int64)
     rows, legs, services, shortest = 0, 0, 0, np.inf
     for j in range(bodies):
-        # Nobody goes to where he is, back to an orbit that is no body's, or to refuel unearned.
-        reachable = j != i and j >= rules.first_target
-        if rules.is_station[j]:
-            reachable = i >= rules.first_target
-        # The same lists as schedules are made of: what a leg that comes too late dominates is gone.
-        last = rules.duration if reachable else -1.0
-        departure, arrival, delta_v, _, crossing = connections.of_pair(
-            orbits[i], orbits[j], extra_delta_v[i, j], transfer_rule, last, 0.0
+        last = rules.duration if _reachable(i, j, rules) else -1.0
+        departure, arrival, delta_v, _, crossing = _found(
+            i, j, orbits, extra_delta_v, transfer_rule, listed, last
         )
         crossings = 0
         for c in range(crossing.size):
@@ -235,7 +259,9 @@ def build(mission: Mission, *, jobs: int) -> Network:
     inputs, rules = mission.transfer_inputs, mission.rules
     bodies = rules.service.size
     with ThreadPoolExecutor(jobs) as pool:
-        found = list(pool.map(lambda i: _from_body(i, *inputs, rules), range(bodies)))
+        found = list(
+            pool.map(lambda i: _from_body(i, *inputs, _listed(mission, i), rules), range(bodies))
+        )
         start = np.zeros(bodies + 1, dtype=np.int64)
         start[1:] = np.cumsum([outgoing.departure.size + 1 for outgoing in found])
         departure = np.full(int(start[-1]), math.inf)
@@ -267,6 +293,43 @@ def build(mission: Mission, *, jobs: int) -> Network:
         rules.may_end,
         int(start[rules.start] + np.searchsorted(ahead, earliest_taken(rules.ready))),
         shortest,
+    )
+
+
+class Listed(NamedTuple):
+    """The connections that are kept of one origin, destination after destination.
+
+    Attributes
+    ----------
+    first : (bodies + 1,) int64
+        First connection to each destination.
+    departure, arrival, delta_v : (connections,) float64
+    crossing : (connections,) int32
+        As in :class:`adr_opt.kernels.connections.Found`.
+    """
+
+    first: np.ndarray
+    departure: np.ndarray
+    arrival: np.ndarray
+    delta_v: np.ndarray
+    crossing: np.ndarray
+
+
+def _listed(mission: Mission, i: int) -> Listed | None:
+    """What is kept of the connections of an origin; None where nothing is."""
+    lists = mission.connecting.lists
+    if lists is None:
+        return None
+    there = [(j, lists[i, j]) for j in range(len(mission.names)) if j != i]
+    first = np.zeros(len(mission.names) + 1, dtype=np.int64)
+    for j, found in there:
+        first[j + 1] = found.departure.size
+    return Listed(
+        np.cumsum(first),
+        np.concatenate([found.departure for _, found in there]),
+        np.concatenate([found.arrival for _, found in there]),
+        np.concatenate([found.delta_v for _, found in there]),
+        np.concatenate([found.crossing for _, found in there]),
     )
 
 
