@@ -22,7 +22,7 @@ import numpy as np
 from . import transfer
 from .compile import kernel
 from .constants import SLACK_S
-from .lists import chosen, wider
+from .lists import chosen, wider, with_stair
 from .transfer import TWO_PI
 
 CELLS = 256
@@ -160,25 +160,14 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
             costs[count], laps[count] = best, best_k
             count += 1
             cheapest = best
-        # Into the staircase: each new connection hides the stairs that are later and no cheaper.
+        # Into the staircase of all that depart no earlier than the next event to be looked at.
         for c in range(begin, count):
             low = 0
             while low < size and step_arrival[low] < arrivals[c] - SLACK_S:
                 low += 1
-            high = low
-            while high < size and step_cost[high] >= costs[c]:
-                high += 1
             if size == step_arrival.size:
                 step_arrival, step_cost = wider(step_arrival, size), wider(step_cost, size)
-            shift = 1 - (high - low)
-            if shift > 0:
-                for q in range(size, low, -1):
-                    step_arrival[q], step_cost[q] = step_arrival[q - 1], step_cost[q - 1]
-            elif shift < 0:
-                for q in range(high, size):
-                    step_arrival[q + shift], step_cost[q + shift] = step_arrival[q], step_cost[q]
-            step_arrival[low], step_cost[low] = arrivals[c], costs[c]
-            size += shift
+            size = with_stair(step_arrival, step_cost, size, low, arrivals[c], costs[c])
         # Nothing that departs earlier arrives after these.
         while size > 1 and step_arrival[size - 1] > departure + longest + approach:
             size -= 1

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .compile import kernel
+from .compile import inlined, kernel
 
 RUN = 16
 """So many numbers are sorted by insertion before runs are merged."""
@@ -24,6 +24,38 @@ def chosen(numbers, order, size):
     for place in range(size):
         copy[place] = numbers[order[place]]
     return copy
+
+
+@inlined
+def with_stair(places, costs, size, low, place, cost):
+    """Put a stair into a staircase, whose later stairs are cheaper; it hides those no cheaper.
+
+    Parameters
+    ----------
+    places, costs : (room,)
+        The first ``size`` are the stairs; updated, with room for one more.
+    size, low : int
+        Number of stairs, and of those that lie before the new one.
+    place, cost
+        The new one.
+
+    Returns
+    -------
+    size : int
+        Number of stairs now.
+    """
+    high = low
+    while high < size and costs[high] >= cost:
+        high += 1
+    shift = 1 - (high - low)
+    if shift > 0:
+        for stair in range(size, low, -1):
+            places[stair], costs[stair] = places[stair - 1], costs[stair - 1]
+    elif shift < 0:
+        for stair in range(high, size):
+            places[stair + shift], costs[stair + shift] = places[stair], costs[stair]
+    places[low], costs[low] = place, cost
+    return size + shift
 
 
 @kernel

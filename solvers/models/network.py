@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.lists import with_stair
 from adr_opt.kernels.rules import Rules
 
 from ..relaxation.network import Network as Rows
@@ -174,18 +175,7 @@ def _dominated(pair, landing, delta_v, dominated):
         if dominated[leg]:
             continue
         low = at - 1 if at > 0 and lands[at - 1] == landing[leg] else at
-        high = low
-        while high < size and costs[high] >= delta_v[leg]:
-            high += 1
-        shift = 1 - (high - low)
-        if shift > 0:
-            for q in range(size, low, -1):
-                lands[q], costs[q] = lands[q - 1], costs[q - 1]
-        elif shift < 0:
-            for q in range(high, size):
-                lands[q + shift], costs[q + shift] = lands[q], costs[q]
-        lands[low], costs[low] = landing[leg], delta_v[leg]
-        size += shift
+        size = with_stair(lands, costs, size, low, landing[leg], delta_v[leg])
 
 
 def all_of(rows: Rows, rules: Rules) -> Network:
