@@ -157,7 +157,7 @@ def new_episodes(count: int, bodies: int) -> Episodes:
         budget=np.zeros(count),
         duration=np.zeros(count),
         body=np.zeros(count, dtype=np.int32),
-        since_refuel=np.zeros(count, dtype=np.int32),
+        since=np.zeros(count, dtype=np.int32),
         time=np.zeros(count),
         left=np.zeros(count),
         visited=np.zeros((count, bodies), dtype=np.bool_),

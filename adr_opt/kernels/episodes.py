@@ -17,7 +17,7 @@ from .compile import inlined, kernel
 from .constants import SLACK_M_S, SLACK_S
 from .memory import borrowed
 from .outlook import HOME, Outlook
-from .rules import Rules, State
+from .rules import Rules, state_at
 
 SERVICE, OPENS, CLOSES, PRIZE = range(4)
 """Rows of :attr:`Pool.limits`."""
@@ -67,14 +67,13 @@ class Episodes(NamedTuple):
         Field of the pool.
     budget, duration : (episodes,) float64
         Full ΔV budget [m/s] and end of the mission [s].
-    body, since_refuel : (episodes,) int32
-        Where the chaser is; targets serviced since it last refuelled.
+    body, since, serviced : (episodes,) int32
     time, left : (episodes,) float64
-        Since when the chaser is free [s]; ΔV left with the slack of the model [m/s].
+        As in :class:`adr_opt.kernels.rules.State`.
     visited : (episodes, bodies) bool
         Serviced targets; also True for bodies that the field does not have.
-    serviced, refuelled : (episodes,) int32
-        Targets serviced and refuelling stops so far.
+    refuelled : (episodes,) int32
+        Refuelling stops so far.
     delta_v : (episodes,) float64
         ΔV of all moves so far [m/s].
     collected : (episodes,) float64
@@ -85,7 +84,7 @@ class Episodes(NamedTuple):
     budget: np.ndarray
     duration: np.ndarray
     body: np.ndarray
-    since_refuel: np.ndarray
+    since: np.ndarray
     time: np.ndarray
     left: np.ndarray
     visited: np.ndarray
@@ -120,7 +119,7 @@ def lent(pool, episodes):
             borrowed(episodes.budget),
             borrowed(episodes.duration),
             borrowed(episodes.body),
-            borrowed(episodes.since_refuel),
+            borrowed(episodes.since),
             borrowed(episodes.time),
             borrowed(episodes.left),
             borrowed(episodes.visited),
@@ -158,18 +157,6 @@ def rules_of(pool, episodes, e):
 
 
 @inlined
-def state_of(episodes, e):
-    """The state of an episode."""
-    return State(
-        np.int64(episodes.body[e]),
-        episodes.time[e],
-        episodes.left[e],
-        np.int64(episodes.since_refuel[e]),
-        np.int64(episodes.serviced[e]),
-    )
-
-
-@inlined
 def outlook_of(pool, slot):
     """The outlook of a slot."""
     return Outlook(
@@ -186,7 +173,7 @@ def outlook_of(pool, slot):
 def begin(pool, episodes, e):
     """Put an episode at its start: docked at the station with a full budget at t = 0."""
     episodes.body[e] = HOME
-    episodes.since_refuel[e] = 0
+    episodes.since[e] = 0
     episodes.time[e] = 0.0
     episodes.left[e] = episodes.budget[e] + SLACK_M_S
     episodes.serviced[e] = 0
@@ -220,14 +207,14 @@ def move(pool, episodes, e, destination):
         Nothing has changed if not.
     """
     pool, episodes = lent(pool, episodes)
-    rules, state = rules_of(pool, episodes, e), state_of(episodes, e)
+    rules, state = rules_of(pool, episodes, e), state_at(episodes, e)
     if not rule_kernels.may_go(rules, state, episodes.visited[e], destination):
         return False
     legal, delta_v, after = rule_kernels.step(rules, state, destination)
     if not legal:
         return False
     episodes.body[e], episodes.time[e], episodes.left[e] = after.body, after.time, after.left
-    episodes.since_refuel[e], episodes.serviced[e] = after.since, after.serviced
+    episodes.since[e], episodes.serviced[e] = after.since, after.serviced
     episodes.delta_v[e] += delta_v
     episodes.collected[e] += rules.prize[destination]
     if rules.is_station[destination]:
@@ -244,7 +231,7 @@ def make_mask(pool, episodes, e, mask):
     rules = rules_of(pool, episodes, e)
     bodies = pool.bodies[episodes.slot[e]]
     targets = mask.size - 1
-    state = state_of(episodes, e)
+    state = state_at(episodes, e)
     count = 0
     for action in range(targets + 1):
         mask[action] = False

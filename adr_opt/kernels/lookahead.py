@@ -17,7 +17,7 @@ import numpy as np
 
 from . import rules as rule_kernels
 from .compile import inlined, kernel
-from .episodes import clip, lent, outlook_of, rules_of, state_of
+from .episodes import clip, lent, outlook_of, rules_of
 from .memory import borrowed
 from .observation import LIMIT, PER_HOUR, PER_KM_S, PER_TEN, observe_transfer
 from .outlook import AHEAD, HOME, M_S_PER_HOUR, NOBODY
@@ -131,7 +131,7 @@ def observe_lookahead(
         e = order[place]
         rules = rules_of(pool, episodes, e)
         outlook = outlook_of(pool, episodes.slot[e])
-        state, visited = state_of(episodes, e), episodes.visited[e]
+        state, visited = rule_kernels.state_at(episodes, e), episodes.visited[e]
         if prized:
             for j in range(rules.prize.size):
                 gain[j], per_gain[j] = rules.prize[j], 1.0 / rules.prize[j]

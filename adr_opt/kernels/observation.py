@@ -14,7 +14,7 @@ import numpy as np
 
 from . import rules as rule_kernels
 from .compile import kernel
-from .episodes import clip, lent, make_mask, outlook_of, rules_of, state_of, turned
+from .episodes import clip, lent, make_mask, outlook_of, rules_of, turned
 from .memory import borrowed, fetch
 from .orbits import ARGUMENT_OF_LATITUDE, INCLINATION, RAAN, RADIUS, mean_motion
 from .outlook import AHEAD, DELTA_V_UNIT_M_S, HOME, HOUR_UNIT, M_S_PER_HOUR, NEAR, NOBODY
@@ -206,7 +206,7 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
         bodies = pool.bodies[slot]
         visited = episodes.visited[e]
         out = moves[e]
-        state = state_of(episodes, e)
+        state = rule_kernels.state_at(episodes, e)
         body, now, left, since = state.body, state.time, state.left, state.since
         duration, refuelling = rules.duration, rules.service[HOME]
         remaining = duration - now

@@ -134,6 +134,18 @@ def beginning(rules):
 
 
 @inlined
+def state_at(states, place):
+    """The state at a place of ``states``, arrays under the names of the fields of a state."""
+    return State(
+        np.int64(states.body[place]),
+        states.time[place],
+        states.left[place],
+        np.int64(states.since[place]),
+        np.int64(states.serviced[place]),
+    )
+
+
+@inlined
 def fits(rules, body, time, left, destination):
     """What a move costs, and whether it fits ΔV and time.
 

@@ -43,7 +43,7 @@ class Prior:
         """
         episode, targets = self._episode, self._field.targets
         episode.body[0], episode.time[0], episode.left[0] = body, time, left
-        episode.since_refuel[0] = since_refuel
+        episode.since[0] = since_refuel
         episode.visited[0, : visited.size] = visited
         board = self._field.board(episode)
         if not board.legal[0]:

@@ -8,7 +8,7 @@ import numpy as np
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import inlined, kernel
 from adr_opt.kernels.memory import borrowed, write
-from adr_opt.kernels.rules import State
+from adr_opt.kernels.rules import state_at
 
 from . import policy as policies
 
@@ -148,22 +148,10 @@ def write_node(tree, node, state, spent):
     tree.untried[node] = NOT_LISTED
 
 
-@inlined
-def state_of(tree, node):
-    """The state of a node."""
-    return State(
-        np.int64(tree.body[node]),
-        tree.time[node],
-        tree.left[node],
-        np.int64(tree.since[node]),
-        np.int64(tree.serviced[node]),
-    )
-
-
 @kernel
 def copy_root(tree, node):
     """Begin a new tree at the state of a node of the old one; the nodes in use: 1."""
-    write_node(tree, 0, state_of(tree, node), tree.spent[node])
+    write_node(tree, 0, state_at(tree, node), tree.spent[node])
     return 1
 
 
@@ -171,7 +159,7 @@ def copy_root(tree, node):
 def list_moves(rules, policy, search, tree, node, scratch):
     """Write down the moves of a node: all that may be legal, or the cheapest safe ones."""
     rules, tree, scratch = rule_kernels.lent(rules), lent(tree), policies.lent(scratch)
-    state, moves = state_of(tree, node), tree.moves[node]
+    state, moves = state_at(tree, node), tree.moves[node]
     if search.guarded:
         tree.untried[node] = policies.cheapest_moves(
             rules, policy, state, scratch.visited, search.width, moves, scratch.weight
@@ -195,7 +183,7 @@ def expand(rules, search, rng, tree, node, used):
         ``NONE`` if every legal move has one.
     """
     rules, tree = rule_kernels.lent(rules), lent(tree)
-    moves, state = tree.moves[node], state_of(tree, node)
+    moves, state = tree.moves[node], state_at(tree, node)
     while tree.untried[node] > 0:
         tree.untried[node] -= 1
         last = tree.untried[node]
@@ -318,7 +306,7 @@ def step(rules, policy, search, rng, tree, used, root, played, collected, visite
             if is_new:
                 break
         moves, gain, spent = policies.rollout(
-            rules, policy, rng, scratch, moves, state_of(tree, node)
+            rules, policy, rng, scratch, moves, state_at(tree, node)
         )
         prizes += gain
         spent += tree.spent[node]
