@@ -98,40 +98,6 @@ TURN = 2.0 * math.pi
 
 
 @inlined
-def lent(pool, episodes):
-    """Pool and episodes without ownership, for use within a kernel: no slice of them is counted."""
-    return (
-        Pool(
-            borrowed(pool.bodies),
-            borrowed(pool.orbits),
-            borrowed(pool.limits),
-            borrowed(pool.is_station),
-            timetable.lent(pool.tables),
-            borrowed(pool.angle),
-            borrowed(pool.near),
-            borrowed(pool.near_angle),
-            borrowed(pool.ahead),
-            timetable.lent_column(pool.home),
-            borrowed(pool.rate),
-        ),
-        Episodes(
-            borrowed(episodes.slot),
-            borrowed(episodes.budget),
-            borrowed(episodes.duration),
-            borrowed(episodes.body),
-            borrowed(episodes.since),
-            borrowed(episodes.time),
-            borrowed(episodes.left),
-            borrowed(episodes.visited),
-            borrowed(episodes.serviced),
-            borrowed(episodes.refuelled),
-            borrowed(episodes.delta_v),
-            borrowed(episodes.collected),
-        ),
-    )
-
-
-@inlined
 def rules_of(pool, episodes, e):
     """The rules of an episode."""
     slot = episodes.slot[e]
@@ -206,7 +172,7 @@ def move(pool, episodes, e, destination):
     legal : bool
         Nothing has changed if not.
     """
-    pool, episodes = lent(pool, episodes)
+    pool, episodes = borrowed(pool), borrowed(episodes)
     rules, state = rules_of(pool, episodes, e), state_at(episodes, e)
     if not rule_kernels.may_go(rules, state, episodes.visited[e], destination):
         return False
@@ -227,7 +193,7 @@ def move(pool, episodes, e, destination):
 @kernel
 def make_mask(pool, episodes, e, mask):
     """Legal actions of an episode, written into ``mask`` (actions,) bool; returns their number."""
-    (pool, episodes), mask = lent(pool, episodes), borrowed(mask)
+    pool, episodes, mask = borrowed(pool), borrowed(episodes), borrowed(mask)
     rules = rules_of(pool, episodes, e)
     bodies = pool.bodies[episodes.slot[e]]
     targets = mask.size - 1
@@ -253,7 +219,7 @@ def begin_many(pool, episodes, which, slots, budgets, durations):
     slots : (starts,) int
     budgets, durations : (starts,) float64
     """
-    pool, episodes = lent(pool, episodes)
+    pool, episodes = borrowed(pool), borrowed(episodes)
     for place in range(which.size):
         e = which[place]
         episodes.slot[e] = slots[place]
@@ -275,7 +241,7 @@ def act(pool, episodes, first, last, actions, rewards, order=None):
     order : (episodes,) int, optional
         The episodes are ``order[first:last]`` instead.
     """
-    pool, episodes = lent(pool, episodes)
+    pool, episodes = borrowed(pool), borrowed(episodes)
     targets = episodes.visited.shape[1] - 1
     for place in range(first, last):
         e = place if order is None else order[place]

@@ -17,7 +17,7 @@ import numpy as np
 
 from . import rules as rule_kernels
 from .compile import inlined, kernel
-from .episodes import clip, lent, outlook_of, rules_of
+from .episodes import clip, outlook_of, rules_of
 from .memory import borrowed
 from .observation import LIMIT, PER_HOUR, PER_KM_S, PER_TEN, observe_transfer
 from .outlook import AHEAD, HOME, M_S_PER_HOUR, NOBODY
@@ -114,7 +114,7 @@ def observe_lookahead(
         Written.
     """
     observe_transfer(pool, episodes, order, first, last, moves, mission, mask, legal, prized)
-    pool, episodes = lent(pool, episodes)
+    pool, episodes = borrowed(pool), borrowed(episodes)
     moves, mask = borrowed(moves), borrowed(mask)
     promises = Promises(
         borrowed(promises.prize), borrowed(promises.time_left), borrowed(promises.lead)

@@ -33,7 +33,9 @@ def _lend(context, builder, kind, value):
 def _borrowed(_, array):
     """The same array, or named tuple of arrays, without ownership: no look at it is counted.
 
-    For arguments of a kernel and within it only: the caller holds the arrays for so long.
+    Every look at an array of a named tuple that came as an argument counts a reference to it, which
+    takes longer than most moves do. For arguments of a kernel and within it only: the caller holds
+    the arrays for so long.
     """
 
     def generate(context, builder, signature, arguments):

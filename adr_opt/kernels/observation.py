@@ -14,7 +14,7 @@ import numpy as np
 
 from . import rules as rule_kernels
 from .compile import kernel
-from .episodes import clip, lent, make_mask, outlook_of, rules_of, turned
+from .episodes import clip, make_mask, outlook_of, rules_of, turned
 from .memory import borrowed, fetch
 from .orbits import ARGUMENT_OF_LATITUDE, INCLINATION, RAAN, RADIUS, mean_motion
 from .outlook import AHEAD, DELTA_V_UNIT_M_S, HOME, HOUR_UNIT, M_S_PER_HOUR, NEAR, NOBODY
@@ -131,7 +131,7 @@ def observe_published(pool, episodes, order, first, last, out, mask, legal):
     legal : (episodes,) int32
         Written: number of legal actions.
     """
-    pool, episodes = lent(pool, episodes)
+    pool, episodes = borrowed(pool), borrowed(episodes)
     out, mask, legal = borrowed(out), borrowed(mask), borrowed(legal)
     targets = mask.shape[1] - 1
     for place in range(first, last):
@@ -185,7 +185,7 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
     prized : bool
         Write the prize of every move, into column :data:`PRIZE`.
     """
-    pool, episodes = lent(pool, episodes)
+    pool, episodes = borrowed(pool), borrowed(episodes)
     moves, mission, mask, legal = (
         borrowed(moves),
         borrowed(mission),

@@ -101,33 +101,6 @@ class State(NamedTuple):
 
 
 @inlined
-def lent(rules):
-    """The rules without ownership, for use within a kernel.
-
-    Every look at an array of rules that came as an argument counts a reference to it, which takes
-    longer than most moves do.
-    """
-    return Rules(
-        timetable.lent(rules.table),
-        borrowed(rules.service),
-        borrowed(rules.opens),
-        borrowed(rules.closes),
-        borrowed(rules.prize),
-        borrowed(rules.is_station),
-        borrowed(rules.may_end),
-        rules.stations,
-        rules.first_target,
-        rules.start,
-        rules.ready,
-        rules.most_targets,
-        rules.returns,
-        rules.budget,
-        rules.duration,
-        rules.shortest_sortie,
-    )
-
-
-@inlined
 def beginning(rules):
     """The state in which a mission begins."""
     return State(np.int64(rules.start), rules.ready, rules.budget, np.int64(0), np.int64(0))
@@ -275,7 +248,7 @@ def legal_moves(rules, state, visited, mask):
     -------
     count : int
     """
-    rules = lent(rules)
+    rules = borrowed(rules)
     count = 0
     for j in range(rules.service.size):
         legal = False
@@ -310,7 +283,7 @@ def replay(rules, sequence, state, visited, ends, lefts):
     state : State
         The state after them.
     """
-    rules = lent(rules)
+    rules = borrowed(rules)
     total = 0.0
     for index in range(sequence.size):
         j = sequence[index]

@@ -18,7 +18,6 @@ import numpy as np
 from . import orbits, transfer
 from .compile import inlined, kernel
 from .constants import SLACK_S
-from .memory import borrowed
 
 
 class Limits(NamedTuple):
@@ -221,23 +220,6 @@ def part(table: Table, kept: np.ndarray) -> Table:
         total=table.total[pairs],
         entries=packed(table.entries),
     )
-
-
-@inlined
-def lent(table):
-    """A table without ownership, for use within a kernel: no look at it is counted."""
-    return Table(
-        borrowed(table.first),
-        borrowed(table.spacing),
-        borrowed(table.total),
-        borrowed(table.entries),
-    )
-
-
-@inlined
-def lent_column(column):
-    """A column likewise."""
-    return Column(borrowed(column.first), borrowed(column.total), borrowed(column.entries))
 
 
 @inlined

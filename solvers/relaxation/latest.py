@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels.compile import inlined, kernel
-from adr_opt.kernels.memory import borrowed
 from adr_opt.mission import Mission
 
 from .walks import WalkBound
@@ -47,18 +46,6 @@ class Latest(NamedTuple):
     step: float
     multipliers: np.ndarray
     goal: float
-
-
-@inlined
-def lent(latest):
-    """The same without ownership, for use within a kernel: no look is counted."""
-    return Latest(
-        borrowed(latest.time),
-        latest.slot,
-        latest.step,
-        borrowed(latest.multipliers),
-        latest.goal,
-    )
 
 
 @inlined

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.memory import write
+from adr_opt.kernels.memory import borrowed, write
 from adr_opt.mission import Mission
 
 GUARDED_BETA = 0.0125
@@ -58,7 +58,7 @@ def greedy_sequence(
 
 @kernel
 def _greedy(rules, is_required, beginning, alpha, beta, guarded):
-    rules = rule_kernels.lent(rules)
+    rules = borrowed(rules)
     bodies = rules.service.size
     visited = np.zeros(bodies, dtype=np.bool_)
     ends, lefts = np.empty(beginning.size), np.empty(beginning.size)

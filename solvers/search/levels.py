@@ -12,7 +12,7 @@ from adr_opt.kernels.lists import rising
 from adr_opt.kernels.memory import borrowed, write
 from adr_opt.kernels.rules import Rules, State
 
-from ..relaxation.latest import Latest, latest_time, lent
+from ..relaxation.latest import Latest, latest_time
 
 STRAIGHT = -1
 """Stands for no station on the way."""
@@ -211,22 +211,6 @@ def new_candidates(room):
 
 
 @inlined
-def _lent(level, cand):
-    """A level and candidates without ownership, for use within a kernel: no look is counted."""
-    return (
-        Level(
-            borrowed(level.body), borrowed(level.since), borrowed(level.time),
-            borrowed(level.left), borrowed(level.spent), borrowed(level.prize),
-            borrowed(level.ahead), borrowed(level.key), borrowed(level.visited),
-        ),
-        Candidates(
-            borrowed(cand.score), borrowed(cand.parent), borrowed(cand.move), borrowed(cand.via),
-            borrowed(cand.end), borrowed(cand.left), borrowed(cand.spent),
-        ),
-    )  # fmt: skip
-
-
-@inlined
 def _is_in(level, s, j):
     """Whether a state has visited a target."""
     return (level.visited[s, j >> 6] >> np.uint64(j & 63)) & np.uint64(1) != 0
@@ -253,8 +237,8 @@ def succeed(search, level, size, serviced, wanted, cand):
     priced : int
         Successors looked at.
     """
-    rules, (level, cand) = rule_kernels.lent(search.rules), _lent(level, cand)
-    keys, guide = borrowed(search.keys), lent(search.guide)
+    rules, level, cand = borrowed(search.rules), borrowed(level), borrowed(cand)
+    keys, guide = borrowed(search.keys), borrowed(search.guide)
     guided, weights = search.guided, search.weights
     room = cand.score.size
     bodies = rules.service.size
@@ -336,8 +320,8 @@ def keep(search, level, serviced, cand, count, most, share, scratch, after):
     after : Level
         Written.
     """
-    rules, (level, cand) = rule_kernels.lent(search.rules), _lent(level, cand)
-    after = _lent(after, cand)[0]
+    rules, level, cand = borrowed(search.rules), borrowed(level), borrowed(cand)
+    after = borrowed(after)
     keys, guide, weights = search.keys, search.guide, search.weights
     head, chain, held, waiting, which = scratch
     order = rising(cand.score, count)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels import rules as rule_kernels
-from adr_opt.kernels.compile import inlined, kernel
+from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.memory import borrowed
 from adr_opt.kernels.rules import State
 from adr_opt.mission import Mission
@@ -64,22 +64,10 @@ def make_labels(mission: Mission) -> Labels:
     return labels
 
 
-@inlined
-def lent(labels):
-    """The labels without ownership, for use within a kernel: no look at them is counted."""
-    return Labels(
-        borrowed(labels.size),
-        borrowed(labels.end),
-        borrowed(labels.left),
-        borrowed(labels.parent),
-        borrowed(labels.via),
-    )
-
-
 @kernel
 def _add(labels, position, count, end, left, parent, via):
     """Add a label unless one there is as good; drop those that it makes useless."""
-    labels = lent(labels)
+    labels = borrowed(labels)
     for a in range(count):
         if labels.end[position, a] <= end and labels.left[position, a] >= left:
             return count
@@ -117,7 +105,7 @@ def extend(rules, order, labels, position):
     count : int
         0 if the target cannot be reached.
     """
-    rules, labels = rule_kernels.lent(rules), lent(labels)
+    rules, labels = borrowed(rules), borrowed(labels)
     j = order[position]
     i = np.int64(rules.start if position == 0 else order[position - 1])
     count = 0
@@ -163,7 +151,7 @@ def time_order(rules, order, length, start, labels, changed, reference, patience
     end : float
         Earliest end of the last service [s]; +inf if not legal or given up.
     """
-    labels, reference = lent(labels), borrowed(reference)
+    labels, reference = borrowed(labels), borrowed(reference)
     for position in range(start, length):
         if extend(rules, order, labels, position) == 0:
             return np.inf

@@ -6,9 +6,8 @@ import math
 
 import numpy as np
 
-from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.memory import write
+from adr_opt.kernels.memory import borrowed, write
 
 from ...search.orders import Labels, time_order, with_refuelling
 from . import moves
@@ -58,7 +57,7 @@ def anneal(rules, order, length, labels, kept, worth, weights, hot, cold, iterat
         Of the last order accepted.
     accepted : int
     """
-    rules = rule_kernels.lent(rules)
+    rules = borrowed(rules)
     trial = order.copy()
     reference = np.empty(order.size + 1)
     end = time_order(rules, order, length, 0, labels, order.size, reference, np.inf)

@@ -76,20 +76,6 @@ def scratch(bodies: int) -> Scratch:
 
 
 @inlined
-def lent(scratch):
-    """The memory without ownership, for use within a kernel: no look at it is counted."""
-    return Scratch(
-        borrowed(scratch.sequence),
-        borrowed(scratch.path),
-        borrowed(scratch.visited),
-        borrowed(scratch.open),
-        borrowed(scratch.places),
-        borrowed(scratch.weight),
-        borrowed(scratch.end),
-    )
-
-
-@inlined
 def refuelling(rules, state):
     """The station at which refuelling ends first, if it is legal and of use; −1 if nowhere."""
     chosen, soonest = -1, rules.duration - rules.shortest_sortie
@@ -120,7 +106,7 @@ def cheapest_moves(rules, policy, state, visited, width, moves, cost):
     -------
     count : int
     """
-    rules, visited = rule_kernels.lent(rules), borrowed(visited)
+    rules, visited = borrowed(rules), borrowed(visited)
     moves, cost = borrowed(moves), borrowed(cost)
     count = 0
     soonest, unsafe = math.inf, -1
@@ -191,7 +177,7 @@ def _draw_guarded(rules, policy, rng, scratch, count, state):
     draw: the distribution is that over the safe targets, at a fraction of the look-ups. Returns
     as :func:`_draw_uniform`.
     """
-    rules, scratch = rule_kernels.lent(rules), lent(scratch)
+    rules, scratch = borrowed(rules), borrowed(scratch)
     candidates, places, weight, ends = scratch.open, scratch.places, scratch.weight, scratch.end
     found = 0
     least = math.inf
@@ -263,7 +249,7 @@ def rollout(rules, policy, rng, scratch, moves, state):
     spent : float
         ΔV of the rollout [m/s].
     """
-    rules, scratch = rule_kernels.lent(rules), lent(scratch)
+    rules, scratch = borrowed(rules), borrowed(scratch)
     candidates = scratch.open
     count = 0
     for j in range(rules.service.size):

@@ -125,21 +125,10 @@ def new_record(bodies: int) -> Record:
     )
 
 
-@inlined
-def lent(tree):
-    """The tree without ownership, for use within a kernel: no look at it is counted."""
-    return Tree(
-        borrowed(tree.body), borrowed(tree.since), borrowed(tree.serviced), borrowed(tree.time),
-        borrowed(tree.left), borrowed(tree.spent), borrowed(tree.visits), borrowed(tree.total),
-        borrowed(tree.best), borrowed(tree.child), borrowed(tree.sibling), borrowed(tree.untried),
-        borrowed(tree.moves),
-    )  # fmt: skip
-
-
 @kernel
 def write_node(tree, node, state, spent):
     """Make a node without children and without simulations."""
-    tree = lent(tree)
+    tree = borrowed(tree)
     tree.body[node], tree.since[node] = state.body, state.since
     tree.serviced[node] = state.serviced
     tree.time[node], tree.left[node], tree.spent[node] = state.time, state.left, spent
@@ -158,7 +147,7 @@ def copy_root(tree, node):
 @kernel
 def list_moves(rules, policy, search, tree, node, scratch):
     """Write down the moves of a node: all that may be legal, or the cheapest safe ones."""
-    rules, tree, scratch = rule_kernels.lent(rules), lent(tree), policies.lent(scratch)
+    rules, tree, scratch = borrowed(rules), borrowed(tree), borrowed(scratch)
     state, moves = state_at(tree, node), tree.moves[node]
     if search.guarded:
         tree.untried[node] = policies.cheapest_moves(
@@ -182,7 +171,7 @@ def expand(rules, search, rng, tree, node, used):
     child : int
         ``NONE`` if every legal move has one.
     """
-    rules, tree = rule_kernels.lent(rules), lent(tree)
+    rules, tree = borrowed(rules), borrowed(tree)
     moves, state = tree.moves[node], state_at(tree, node)
     while tree.untried[node] > 0:
         tree.untried[node] -= 1
@@ -211,7 +200,7 @@ def value_of(search, tree, node):
 @kernel
 def select(search, tree, node, record):
     """The child with the greatest Q + c sqrt(ln N / n); ``NONE`` without children."""
-    tree = lent(tree)
+    tree = borrowed(tree)
     child = tree.child[node]
     if child == NONE:
         return NONE
@@ -277,7 +266,7 @@ def step(rules, policy, search, rng, tree, used, root, played, collected, visite
     root, used : int
         The node of that move, and the nodes in use.
     """
-    rules, tree, scratch = rule_kernels.lent(rules), lent(tree), policies.lent(scratch)
+    rules, tree, scratch = borrowed(rules), borrowed(tree), borrowed(scratch)
     if used + search.simulations > tree.body.size:
         used, root = copy_root(tree, root), 0
     path = scratch.path

@@ -6,6 +6,7 @@ import numpy as np
 
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.memory import borrowed
 
 from .network import state_at
 
@@ -29,7 +30,7 @@ def best_insertion(rules, sequence, bodies, times, lefts, count):
     target, place : int
         Target −1 for none.
     """
-    rules = rule_kernels.lent(rules)
+    rules = borrowed(rules)
     given = np.zeros(rules.service.size, dtype=np.bool_)
     for j in sequence:
         given[j] = True

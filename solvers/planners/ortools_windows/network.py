@@ -16,7 +16,7 @@ import numpy as np
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels import timetable as table_kernels
 from adr_opt.kernels.compile import inlined, kernel
-from adr_opt.kernels.memory import write
+from adr_opt.kernels.memory import borrowed, write
 from adr_opt.kernels.rules import State
 
 
@@ -142,7 +142,7 @@ def fly_rest(rules, worth, rest, body, time):
     need : float
         ΔV of the moves until the first refuelling [m/s].
     """
-    rules = rule_kernels.lent(rules)
+    rules = borrowed(rules)
     value, need = 0.0, 0.0
     state = state_at(rules, body, time, math.inf)
     made = 0
@@ -182,7 +182,7 @@ def grow(rules, worth, window, limits):
     -------
     Network
     """
-    rules = rule_kernels.lent(rules)
+    rules = borrowed(rules)
     most, width, targets = limits.nodes, limits.width, window.open_targets
     body = np.empty(most, dtype=np.int64)
     origin = np.empty(most, dtype=np.int64)
@@ -352,7 +352,7 @@ def nearest(rules, stops, times, candidates, time_value, cost):
     cost : (targets,) float64
         Written: least ΔV + time_value · duration; +inf if there is no move.
     """
-    rules = rule_kernels.lent(rules)
+    rules = borrowed(rules)
     cost[:] = math.inf
     for s in range(stops.size):
         for c in range(candidates.size):

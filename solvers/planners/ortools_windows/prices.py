@@ -9,15 +9,14 @@ import math
 
 import numpy as np
 
-from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.memory import write
+from adr_opt.kernels.memory import borrowed, write
 
 
 @kernel
 def _longest(rules, worth, net, price, fuel_price, best, choice):
     """Worth and first move of the best priced path from every node on; −1 leaves the window."""
-    rules = rule_kernels.lent(rules)
+    rules = borrowed(rules)
     for n in range(net.body.size - 1, -1, -1):
         fuel = fuel_price[net.tank[n]]
         best[n] = net.rest_worth[n] - fuel * net.rest_need[n]
@@ -68,7 +67,7 @@ def edge_worths(rules, worth, net, window, goal, steps):
     worths : (edges,) float64
         No path over the edge is worth more. All −inf if the bound is below the goal.
     """
-    rules = rule_kernels.lent(rules)
+    rules = borrowed(rules)
     nodes, targets = net.body.size, window.open_targets
     price, fuel_price = np.zeros(rules.service.size), np.zeros(window.refuels + 1)
     best_price, best_fuel_price = price.copy(), fuel_price.copy()
