@@ -1,0 +1,64 @@
+"""Check a plan against its instance, from the instance alone.
+
+Shares nothing with the planners but the physics of one transfer (`kernels.orbits`,
+`kernels.transfer`, `kernels.burns`) and the slack of the model (`kernels.constants`): departure
+events, the choice of the entry and the mission rules are stated here a second time, on purpose, and
+plainly; so are the keep-out zones, in `keep_out`, from the burns alone.
+
+The mission is followed by a clock and a tank of its own, and the rules are asked about those, with
+the slack and nothing more. The figures of the plan only have to agree with them, to the tolerances
+of `violation`; so no plan gains anything by rounding its figures in its own favour, leg after leg,
+and what is accepted here is what is proven about.
+"""
+
+from __future__ import annotations
+
+from ..errors import InputError
+from ..formats_1 import is_of
+from ..instance import Instance
+from ..plan import Plan
+from ..support import refuse_unsupported
+from .mission import check_legs, check_routes
+from .totals import check_cost, check_totals
+from .violation import (
+    DELTA_V_TOLERANCE_M_S,
+    OBJECTIVE_TOLERANCE,
+    TIME_TOLERANCE_S,
+    Violation,
+)
+
+__all__ = [
+    "DELTA_V_TOLERANCE_M_S",
+    "OBJECTIVE_TOLERANCE",
+    "TIME_TOLERANCE_S",
+    "Violation",
+    "check",
+]
+
+
+def check(instance: Instance, plan: Plan) -> tuple[Violation, ...]:
+    """All violations of a plan; none means that it may be flown.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan
+
+    Raises
+    ------
+    InputError
+        The plan belongs to another instance, or nothing can plan this one yet.
+    """
+    if not is_of(plan.instance, instance):
+        raise InputError(
+            f"the plan belongs to the instance {plan.instance.name!r} "
+            f"(sha256 {plan.instance.sha256[:12]}…), not to {instance.name!r} "
+            f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
+        )
+    refuse_unsupported(instance)
+    return (
+        *check_routes(instance, plan),
+        *check_legs(instance, plan),
+        *check_totals(instance, plan),
+        *check_cost(instance, plan),
+    )

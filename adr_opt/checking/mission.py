@@ -1,0 +1,197 @@
+"""Follow the mission of a plan leg by leg, with a clock and a tank that are not the plan's."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from dataclasses import dataclass, field
+
+from ..chasers import AtStation
+from ..instance import Instance
+from ..keep_out import crossed
+from ..kernels import orbits
+from ..kernels.constants import SLACK_M_S, SLACK_S
+from ..plan import Leg, Plan
+from .flight import Physics, check_transfer
+from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
+
+
+class _Bodies:
+    """The bodies of an instance by name: their number, and what they are."""
+
+    def __init__(self, instance: Instance) -> None:
+        self.number = {name: number for number, name in enumerate(instance.names)}
+        self.stations = {station.name for station in instance.stations}
+        self.windows = {target.name: target.window_s for target in instance.targets}
+
+
+@dataclass
+class _Followed:
+    """The chaser as it is followed.
+
+    Attributes
+    ----------
+    where : str
+    free : float
+        Since when it is [s].
+    left : float
+        ΔV left [m/s].
+    since_refuelling : int
+        Targets serviced since then.
+    visited : set of str
+        Targets.
+    """
+
+    where: str
+    free: float
+    left: float
+    since_refuelling: int = 0
+    visited: set[str] = field(default_factory=set)
+
+
+def check_routes(instance: Instance, plan: Plan) -> Iterator[Violation]:
+    """Each route is that of a chaser of the instance, and each chaser has one at most."""
+    known = [chaser.name for chaser in instance.chasers]
+    stated = [route.chaser for route in plan.routes]
+    for name in sorted(set(stated) - set(known)):
+        yield Violation(None, "chaser", f"{name!r} is not a chaser of the instance")
+    for name in sorted({name for name in stated if stated.count(name) > 1}):
+        yield Violation(None, "chaser", f"{name!r} has more than one route")
+
+
+def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
+    """Follow the mission leg by leg: order, times, ΔV, burns."""
+    bodies, physics, chaser = _Bodies(instance), Physics.of(instance), instance.chasers[0]
+    now = _Followed(chaser.start_name, chaser.available_s[0], chaser.tank.delta_v_m_s)
+    for number, leg in enumerate(plan.legs, start=1):
+        leads_on = yield from _check_order(bodies, now, number, leg)
+        if not leads_on:
+            return
+        if abs(leg.ready_s - now.free) > TIME_TOLERANCE_S:
+            yield Violation(
+                number,
+                "ready",
+                f"ready_s = {leg.ready_s!r}, but the chaser is free at {now.free!r}",
+            )
+        i, j = bodies.number[leg.origin], bodies.number[leg.destination]
+        arrival, delta_v = yield from check_transfer(instance, physics, number, leg, i, j, now.free)
+        yield from _check_zones(instance, number, leg)
+        radius = float(physics.elements[j, orbits.RADIUS])
+        end = yield from _check_service(instance, bodies, number, leg, arrival, radius)
+        now.left = yield from _check_tank(instance, bodies, now, number, leg, delta_v)
+        if leg.destination in bodies.stations:
+            now.since_refuelling = 0
+        else:
+            now.since_refuelling += 1
+            now.visited.add(leg.destination)
+        now.where, now.free = leg.destination, end
+    yield from _check_end(instance, plan, now)
+
+
+def _check_order(
+    bodies: _Bodies, now: _Followed, number: int, leg: Leg
+) -> Generator[Violation, None, bool]:
+    """The leg starts where the chaser is and goes where it may; returns whether it leads on.
+
+    Nothing after a leg that leads nowhere has a state to be checked against.
+    """
+    unknown = [name for name in (leg.origin, leg.destination) if name not in bodies.number]
+    if unknown:
+        yield Violation(number, "body", f"{unknown[0]!r} is not a body of the instance")
+        return False
+    if leg.origin != now.where:
+        yield Violation(
+            number, "chain", f"starts at {leg.origin!r}, but the chaser is at {now.where!r}"
+        )
+    if leg.destination == leg.origin:
+        yield Violation(number, "order", f"goes from {leg.origin!r} to itself")
+        return False
+    if leg.destination in bodies.stations:
+        if now.since_refuelling == 0:
+            yield Violation(number, "refuelling", "no target was visited since the last refuelling")
+    elif leg.destination not in bodies.windows:
+        yield Violation(number, "order", f"{leg.destination!r} is no target and no station")
+    elif leg.destination in now.visited:
+        yield Violation(number, "order", f"{leg.destination!r} was visited before")
+    return True
+
+
+def _check_zones(instance: Instance, number: int, leg: Leg) -> Iterator[Violation]:
+    """No arc lies in a keep-out zone while that is closed."""
+    for which in crossed(instance, leg):
+        zone = instance.keep_out_zones[which]
+        yield Violation(
+            number,
+            "zone",
+            f"crosses keep_out_zones[{which}], {zone.min_altitude_m:.0f}–"
+            f"{zone.max_altitude_m:.0f} m, while it is closed from {zone.start_s:.0f} s "
+            f"to {zone.end_s:.0f} s",
+        )
+
+
+def _check_service(
+    instance: Instance, bodies: _Bodies, number: int, leg: Leg, arrival: float, radius: float
+) -> Generator[Violation, None, float]:
+    """The service lasts as long as it has to, within all limits; returns when it ends."""
+    opens, closes = bodies.windows.get(leg.destination, (0.0, None))
+    at_station = leg.destination in bodies.stations
+    end = max(arrival, opens) + _service_s(instance, radius, at_station)
+    if abs(leg.end_s - end) > TIME_TOLERANCE_S:
+        yield Violation(number, "service", f"end_s = {leg.end_s!r}, but it ends at {end!r}")
+    for rule, last in (
+        ("duration", instance.mission.duration_s),
+        ("availability", instance.chasers[0].available_s[1]),
+        ("window", closes),
+    ):
+        if last is not None and end > last + SLACK_S:
+            yield Violation(number, rule, f"ends at {end!r} s, after {last!r} s")
+    return end
+
+
+def _service_s(instance: Instance, radius: float, at_station: bool) -> float:
+    """How long a chaser stays at a body on a circle of a radius [s]."""
+    mission = instance.mission
+    if not at_station and mission.service_s is not None:
+        return mission.service_s
+    revolutions = mission.refuel_revolutions if at_station else mission.service_revolutions
+    assert revolutions is not None
+    return revolutions * float(orbits.period(radius))
+
+
+def _check_tank(
+    instance: Instance, bodies: _Bodies, now: _Followed, number: int, leg: Leg, delta_v: float
+) -> Generator[Violation, None, float]:
+    """The ΔV suffices; returns what is left, after refuelling at a station [m/s]."""
+    if delta_v > now.left + SLACK_M_S:
+        yield Violation(number, "delta-v", f"needs {delta_v!r} m/s, but only {now.left!r} are left")
+    left = now.left - delta_v
+    if leg.destination in bodies.stations:
+        left = instance.chasers[0].tank.delta_v_m_s
+    if abs(leg.delta_v_left_m_s - left) > DELTA_V_TOLERANCE_M_S:
+        yield Violation(
+            number,
+            "delta-v-left",
+            f"delta_v_left_m_s = {leg.delta_v_left_m_s!r}, but {left!r} are left",
+        )
+    return left
+
+
+def _check_end(instance: Instance, plan: Plan, now: _Followed) -> Iterator[Violation]:
+    """The mission ends where it has to, with no target too many and none that is required left."""
+    chaser = instance.chasers[0]
+    if chaser.max_targets is not None and len(now.visited) > chaser.max_targets:
+        yield Violation(
+            None,
+            "targets",
+            f"{len(now.visited)} targets are visited, and {chaser.max_targets} may be",
+        )
+    if plan.status not in ("optimal", "feasible"):
+        return
+    if isinstance(chaser.end, AtStation) and now.where != chaser.end.station:
+        yield Violation(
+            None,
+            "end",
+            f"ends at {now.where!r}, but the chaser has to end at {chaser.end.station!r}",
+        )
+    for target in instance.targets:
+        if target.required and target.name not in now.visited:
+            yield Violation(None, "required", f"{target.name!r} is required, but not visited")

@@ -1,0 +1,99 @@
+"""The figures of a plan as a whole: objective, cost, and what is said to be proven of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..instance import Instance
+from ..plan import Plan
+from .violation import (
+    DELTA_V_TOLERANCE_M_S,
+    OBJECTIVE_TOLERANCE,
+    TIME_TOLERANCE_S,
+    Violation,
+)
+
+
+def check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
+    """Objective, certificate and the list of unvisited targets."""
+    prize = {target.name: target.prize for target in instance.targets}
+    visited = {leg.destination for leg in plan.legs} & set(prize)
+    objective = sum(prize[name] for name in sorted(visited))
+    if abs(plan.objective - objective) > OBJECTIVE_TOLERANCE * objective:
+        yield Violation(
+            None,
+            "objective",
+            f"objective = {plan.objective!r}, but the prizes sum to {objective!r}",
+        )
+    least = sum(sorted(prize.values(), reverse=True)[: instance.chasers[0].max_targets])
+    if plan.upper_bound is not None:
+        least = min(least, plan.upper_bound)
+        if plan.objective > plan.upper_bound + OBJECTIVE_TOLERANCE * abs(plan.upper_bound):
+            yield Violation(
+                None, "bound", f"objective {plan.objective!r} exceeds bound {plan.upper_bound!r}"
+            )
+        gap = 0.0
+        if plan.upper_bound > 0.0:
+            gap = (plan.upper_bound - plan.objective) / plan.upper_bound
+        if plan.gap is None or abs(plan.gap - gap) > OBJECTIVE_TOLERANCE:
+            yield Violation(None, "gap", f"gap = {plan.gap!r}, but it is {gap!r}")
+    elif plan.gap is not None:
+        yield Violation(None, "gap", "a gap is stated without an upper bound")
+    # Nothing can be worth more than all prizes, whether a bound is stated or not.
+    met = plan.objective >= least - OBJECTIVE_TOLERANCE * abs(least)
+    if plan.status == "optimal" and not met:
+        yield Violation(None, "status", f"optimal is stated, but the bound is {least!r}, not met")
+    elif plan.status == "feasible" and met:
+        yield Violation(
+            None, "status", f"feasible is stated, but the bound of {least!r} is met: it is optimal"
+        )
+    elif plan.status in ("infeasible", "unknown") and plan.legs:
+        yield Violation(None, "status", f"{plan.status} is stated, but the plan has legs")
+    stated = [entry.target for entry in plan.unvisited]
+    for name in sorted(set(prize) - visited - set(stated)):
+        yield Violation(None, "unvisited", f"{name!r} is neither visited nor listed")
+    for name in sorted({name for name in stated if stated.count(name) > 1}):
+        yield Violation(None, "unvisited", f"{name!r} is listed more than once")
+    for name in sorted(set(stated) & visited):
+        yield Violation(None, "unvisited", f"{name!r} is listed, but the plan visits it")
+    for name in sorted(set(stated) - set(prize)):
+        yield Violation(None, "unvisited", f"{name!r} is not a target of the instance")
+
+
+def check_cost(instance: Instance, plan: Plan) -> Iterator[Violation]:
+    """The cost, as the instance counts it, and what is said to be proven of it."""
+    if instance.objective.cost == "duration":
+        cost, slack = max([0.0, *(leg.end_s for leg in plan.legs)]), TIME_TOLERANCE_S
+    else:
+        cost = sum(leg.delta_v_m_s for leg in plan.legs)
+        slack = DELTA_V_TOLERANCE_M_S * len(plan.legs)
+    if abs(plan.cost - cost) > slack:
+        yield Violation(None, "cost", f"cost = {plan.cost!r}, but it is {cost!r}")
+    bound = plan.cost_bound
+    if bound is not None:
+        if plan.cost < bound - OBJECTIVE_TOLERANCE * abs(bound):
+            yield Violation(
+                None, "cost-bound", f"cost {plan.cost!r} is less than the bound {bound!r}"
+            )
+        gap = (plan.cost - bound) / plan.cost if plan.cost > 0.0 else 0.0
+        if plan.cost_gap is None or abs(plan.cost_gap - gap) > OBJECTIVE_TOLERANCE:
+            yield Violation(None, "cost-gap", f"cost_gap = {plan.cost_gap!r}, but it is {gap!r}")
+        if plan.cost_status is None:
+            yield Violation(None, "cost-status", "a bound of the cost is stated without a status")
+    elif plan.cost_gap is not None:
+        yield Violation(None, "cost-gap", "a gap of the cost is stated without a bound")
+    # Nothing costs less than nothing, whether a bound is stated or not.
+    most = max(0.0, bound or 0.0)
+    met = plan.cost <= most + OBJECTIVE_TOLERANCE * most
+    if plan.cost_status == "optimal" and not met:
+        yield Violation(
+            None, "cost-status", f"optimal is stated, but the bound is {most!r}, not met"
+        )
+    elif plan.cost_status == "feasible" and met:
+        yield Violation(
+            None,
+            "cost-status",
+            f"feasible is stated, but the bound of {most!r} is met: it is optimal",
+        )
+    elif plan.cost_status in ("infeasible", "unknown") and plan.legs:
+        yield Violation(None, "cost-status", f"{plan.cost_status} is stated, but the plan has legs")
