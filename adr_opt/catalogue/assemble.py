@@ -26,7 +26,8 @@ from ..wording import counted
 from .filters import Filters
 from .propagation import FLOAT, mean_elements, true_anomaly
 from .records import Catalogue, Dropped, Record
-from .station import densest, find, parse_orbit, plane_angles
+from .selection import named, nearest, within_limits
+from .station import densest, find, parse_orbit
 
 FAR_DAYS = 7.0
 """Elements farther than this from the epoch are warned of: SGP4 loses kilometres a day."""
@@ -141,20 +142,12 @@ def to_instance(
         raise InputError(f"max targets = {max_targets}: must be at least 1")
     if epoch is not None and epoch.tzinfo is None:
         raise InputError(f"epoch {epoch.isoformat()}: must say its time zone; add Z for UTC")
-    read = len(records)
 
     told = None if station is None else parse_orbit(station)
     host = find(records, station) if station is not None and told is None else None
-    candidates = []
-    for record in records:
-        if record is host:
-            continue
-        if filters.match_name(record):
-            candidates.append(record)
-        else:
-            dropped.append(Dropped.of(record, "name", "its name does not fit --name"))
+    candidates = named(records, host, filters, dropped)
     if not candidates:
-        raise _nothing_left(read, dropped)
+        raise _nothing_left(len(records), dropped)
     moved = candidates if host is None else [host, *candidates]
     if epoch is None:
         epoch = max(record.epoch for record in moved)
@@ -162,45 +155,30 @@ def to_instance(
     if failed and (not skip_bad or (host is not None and np.isnan(elements[0, 0]))):
         raise InputError(_failed_sentence(failed, epoch, host))
     dropped += failed
-
     if host is not None:
         told, elements = elements[0], elements[1:]
-    keep = np.isfinite(elements[:, 0])
-    for reason, outside in filters.outside(elements).items():
-        limits = f"it is outside --{reason}"
-        for row in np.flatnonzero(keep & outside):
-            dropped.append(Dropped.of(candidates[row], reason, limits))
-        keep &= ~outside
-    rows = np.flatnonzero(keep)
+    rows = within_limits(candidates, elements, filters, dropped)
     if rows.size == 0:
-        raise _nothing_left(read, dropped)
-
+        raise _nothing_left(len(records), dropped)
     place = told if told is not None else densest(elements[rows])
     if max_targets is not None and rows.size > max_targets:
-        angles = plane_angles(elements[rows], place[2], place[3])
-        # equally near ones in the order of the file
-        order = np.argsort(angles, kind="stable")
-        for row in np.sort(rows[order[max_targets:]]):
-            dropped.append(
-                Dropped.of(candidates[row], "max-targets", "nearer planes fill --max-targets")
-            )
-        rows = np.sort(rows[order[:max_targets]])
+        rows = nearest(candidates, elements, rows, place, max_targets, dropped)
 
     targets = [candidates[row] for row in rows]
-    names = _unique([record.label for record in targets], host.label if host else "station")
+    home = host.label if host else "station"
     instance = _instance(
         name or _default_name(targets, len(rows)),
         epoch,
-        host.label if host else "station",
+        home,
         place,
-        names,
+        _unique([record.label for record in targets], home),
         elements[rows],
         duration_s,
         delta_v_m_s,
     )
     return Imported(
         instance=instance,
-        read=read,
+        read=len(records),
         dropped=tuple(dropped),
         warnings=tuple(_warnings(targets, host, instance, epoch)),
         station=f"at {host.label}" if host else "as told" if told is not None else PLACED,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from datetime import datetime
 
 from ..errors import InputError
@@ -28,6 +28,26 @@ COMPONENTS = ("X", "Y", "Z", "VX", "VY", "VZ")
 MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
 
 SHORTEST_COAST_S = 1e-6
+
+PROPAGATOR = (
+    "",
+    "Create ForceModel TwoBody;",
+    "GMAT TwoBody.CentralBody = Earth;",
+    "GMAT TwoBody.PointMasses = {Earth};",
+    "GMAT TwoBody.Drag = None;",
+    "GMAT TwoBody.SRP = Off;",
+    "GMAT TwoBody.RelativisticCorrection = Off;",
+    "GMAT TwoBody.ErrorControl = RSSStep;",
+    "",
+    "Create Propagator Fly;",
+    "GMAT Fly.FM = TwoBody;",
+    "GMAT Fly.Type = RungeKutta89;",
+    "GMAT Fly.InitialStepSize = 60;",
+    "GMAT Fly.Accuracy = 1e-13;",
+    "GMAT Fly.MinStep = 0;",
+    "GMAT Fly.MaxStep = 600;",
+)
+"""How GMAT is to fly: in the gravity of a point, so exactly that nothing of it shows."""
 
 
 def to_gmat(trajectory: Trajectory, frame: str) -> str:
@@ -52,10 +72,26 @@ def _lines(trajectory: Trajectory, system: str) -> Iterator[str]:
     instance = trajectory.instance
     ends = {name for path in trajectory.legs for name in (path.leg.origin, path.leg.destination)}
     names = {body: _name(instance, body) for body in instance.names if body in ends}
-    crew = ", ".join([CHASER, *names.values()])
+    start = _whole_millisecond(instance, trajectory.start_s)
     for sentence in origin(instance, trajectory.plan):
         for line in textwrap.wrap(plain(sentence), WIDTH):
             yield f"% {line}"
+    yield from _earth(system)
+    chaser_at = trajectory.legs[0].leg.origin
+    for spacecraft, body in [(CHASER, chaser_at), *((names[body], body) for body in names)]:
+        yield ""
+        yield from _spacecraft(instance, system, spacecraft, body, start)
+    yield from PROPAGATOR
+    for path in trajectory.legs:
+        yield from _impulses(path, system)
+    crew = ", ".join([CHASER, *names.values()])
+    yield from _views(crew, system)
+    now = start
+    for path in trajectory.legs:
+        now = yield from _leg(path, names[path.leg.destination], crew, system, now)
+
+
+def _earth(system: str) -> Iterator[str]:
     yield ""
     yield f"GMAT Earth.Mu = {MU_M3_S2 / 1e9:.10g};"
     yield f"GMAT Earth.EquatorialRadius = {EARTH_RADIUS_M / 1e3:.10g};"
@@ -65,39 +101,20 @@ def _lines(trajectory: Trajectory, system: str) -> Iterator[str]:
         yield f"GMAT {system}.Origin = Earth;"
         yield f"GMAT {system}.Axes = ICRF;"
 
-    start = _whole_millisecond(instance, trajectory.start_s)
-    chaser_at = trajectory.legs[0].leg.origin
-    for spacecraft, body in [(CHASER, chaser_at), *((names[body], body) for body in names)]:
+
+def _impulses(path: LegPath, system: str) -> Iterator[str]:
+    """The burns of a leg, to be made by its manoeuvres."""
+    for number, burn in enumerate(path.leg.burns, start=1):
         yield ""
-        yield from _spacecraft(instance, system, spacecraft, body, start)
+        yield f"Create ImpulsiveBurn {_burn(path, number)};"
+        yield f"GMAT {_burn(path, number)}.CoordinateSystem = {system};"
+        for element, value in enumerate(burn.delta_v_m_s, start=1):
+            yield f"GMAT {_burn(path, number)}.Element{element} = {value / 1e3:.12f};"
+        yield f"GMAT {_burn(path, number)}.DecrementMass = false;"
 
-    yield from (
-        "",
-        "Create ForceModel TwoBody;",
-        "GMAT TwoBody.CentralBody = Earth;",
-        "GMAT TwoBody.PointMasses = {Earth};",
-        "GMAT TwoBody.Drag = None;",
-        "GMAT TwoBody.SRP = Off;",
-        "GMAT TwoBody.RelativisticCorrection = Off;",
-        "GMAT TwoBody.ErrorControl = RSSStep;",
-        "",
-        "Create Propagator Fly;",
-        "GMAT Fly.FM = TwoBody;",
-        "GMAT Fly.Type = RungeKutta89;",
-        "GMAT Fly.InitialStepSize = 60;",
-        "GMAT Fly.Accuracy = 1e-13;",
-        "GMAT Fly.MinStep = 0;",
-        "GMAT Fly.MaxStep = 600;",
-    )
-    for path in trajectory.legs:
-        for number, burn in enumerate(path.leg.burns, start=1):
-            yield ""
-            yield f"Create ImpulsiveBurn {_burn(path, number)};"
-            yield f"GMAT {_burn(path, number)}.CoordinateSystem = {system};"
-            for element, value in enumerate(burn.delta_v_m_s, start=1):
-                yield f"GMAT {_burn(path, number)}.Element{element} = {value / 1e3:.12f};"
-            yield f"GMAT {_burn(path, number)}.DecrementMass = false;"
 
+def _views(crew: str, system: str) -> Iterator[str]:
+    """What is to be seen of the mission: a file of arrivals, and a picture."""
     yield from (
         "",
         "Create ReportFile Arrivals;",
@@ -111,27 +128,38 @@ def _lines(trajectory: Trajectory, system: str) -> Iterator[str]:
         "",
         "BeginMissionSequence;",
     )
-    now = start
-    for path in trajectory.legs:
-        yield ""
-        yield f"% {plain(_title(path))}"
-        for number, burn in enumerate(path.leg.burns, start=1):
-            phase = path.leg.burns[number - 2].phase if number > 1 else "wait"
-            if burn.time_s - now >= SHORTEST_COAST_S:
-                yield _coast(path, phase, crew, burn.time_s - now)
-                now = burn.time_s
-            yield f"Maneuver '{burn.phase}' {_burn(path, number)}({CHASER});"
-        if path.leg.arrival_s - now >= SHORTEST_COAST_S:
-            yield _coast(path, "approach", crew, path.leg.arrival_s - now)
-            now = path.leg.arrival_s
-        goal = names[path.leg.destination]
-        told = [f"{who}.{system}.{axis}" for who in (CHASER, goal) for axis in COMPONENTS[:3]]
-        yield f"Report Arrivals {CHASER}.UTCGregorian {' '.join(told)};"
-        for axis in COMPONENTS:
-            yield f"GMAT {CHASER}.{system}.{axis} = {goal}.{system}.{axis};"
-        if path.leg.end_s - now >= SHORTEST_COAST_S:
-            yield _coast(path, "service", crew, path.leg.end_s - now)
-            now = path.leg.end_s
+
+
+def _leg(
+    path: LegPath, goal: str, crew: str, system: str, now: float
+) -> Generator[str, None, float]:
+    """Coasts and manoeuvres of a leg from a time on [s], and docking; returns when it is over."""
+    yield ""
+    yield f"% {plain(_title(path))}"
+    phase = "wait"
+    for number, burn in enumerate(path.leg.burns, start=1):
+        now = yield from _coast(path, phase, crew, now, burn.time_s)
+        yield f"Maneuver '{burn.phase}' {_burn(path, number)}({CHASER});"
+        phase = burn.phase
+    now = yield from _coast(path, "approach", crew, now, path.leg.arrival_s)
+    told = [f"{who}.{system}.{axis}" for who in (CHASER, goal) for axis in COMPONENTS[:3]]
+    yield f"Report Arrivals {CHASER}.UTCGregorian {' '.join(told)};"
+    for axis in COMPONENTS:
+        yield f"GMAT {CHASER}.{system}.{axis} = {goal}.{system}.{axis};"
+    return (yield from _coast(path, "service", crew, now, path.leg.end_s))
+
+
+def _coast(
+    path: LegPath, phase: str, crew: str, now: float, until: float
+) -> Generator[str, None, float]:
+    """A coast from one time to another [s], unless it is none; returns when it is over."""
+    if until - now < SHORTEST_COAST_S:
+        return now
+    yield (
+        f"Propagate 'leg {path.number}: {phase}' Fly({crew}) "
+        f"{{{CHASER}.ElapsedSecs = {until - now:.9f}}};"
+    )
+    return until
 
 
 def _spacecraft(
@@ -161,13 +189,6 @@ def _gregorian(time: datetime) -> str:
     return (
         f"{time.day:02d} {month} {time.year:04d} {time.hour:02d}:{time.minute:02d}:"
         f"{time.second:02d}.{time.microsecond // 1000:03d}"
-    )
-
-
-def _coast(path: LegPath, phase: str, crew: str, seconds: float) -> str:
-    return (
-        f"Propagate 'leg {path.number}: {phase}' Fly({crew}) "
-        f"{{{CHASER}.ElapsedSecs = {seconds:.9f}}};"
     )
 
 
