@@ -9,6 +9,7 @@ from adr_opt.mission import Mission
 from adr_opt.options import read
 from adr_opt.planner import Planner, options_of, silent
 from adr_opt.result import Result
+from adr_opt.stop import MaxRuntime
 
 
 def call(method: Planner, mission: Mission, **arguments: Any) -> Result:
@@ -19,3 +20,8 @@ def call(method: Planner, mission: Mission, **arguments: Any) -> Result:
     if options:
         more["options"] = read(options_of(method), options)
     return method(mission, **{"seed": 0, "progress": silent, **more})
+
+
+def prove(method: Planner, mission: Mission, **options: Any) -> Result:
+    """Run a method to its end."""
+    return call(method, mission, **{"stop": MaxRuntime(60.0), **options})

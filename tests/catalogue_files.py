@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from adr_opt.catalogue import Record
+from adr_opt.catalogue.reading import read_bytes
 
 sgp4_alpha5 = pytest.importorskip("sgp4.alpha5")
 sgp4_io = pytest.importorskip("sgp4.io")
@@ -188,3 +189,9 @@ SPELLINGS = {
     "json": as_json,
     "csv": as_csv,
 }
+
+
+def one(text: str) -> Record:
+    """The record of a text that holds one."""
+    (record,) = read_bytes(text.encode(), "file").records
+    return record

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+import stand_ins
 
 import adr_opt
 from adr_opt.__main__ import main
@@ -22,6 +23,16 @@ class Outcome:
 
 
 Cli = Callable[..., Outcome]
+
+
+def refused(outcome: Outcome, *named: str) -> None:
+    """One line on standard error that names what it should, nothing on standard output, exit 2."""
+    assert outcome.status == 2, outcome
+    assert outcome.out == ""
+    assert outcome.err.count("\n") == 1, outcome.err
+    for text in named:
+        assert text in outcome.err
+
 
 GIVE_BACK = pytest.StashKey[Callable[[], None]]()
 
@@ -68,3 +79,9 @@ def tiny_file(tmp_path: Path) -> Path:
     path = tmp_path / "tiny.json"
     path.write_text(adr_opt.generate("tiny", 0).to_json(), encoding="utf-8")
     return path
+
+
+@pytest.fixture
+def methods(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Methods that show how they were called, installed; returns the folder to import from."""
+    return stand_ins.install(tmp_path, monkeypatch)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+import adr_opt
+from adr_opt.instance import Instance
 from adr_opt.plan import Leg, Plan, Route
 
 
@@ -17,3 +19,10 @@ def with_legs(plan: Plan, legs: Iterable[Leg], **changes: Any) -> Plan:
         "cost": float(sum(leg.delta_v_m_s for leg in legs)),
     }
     return plan.replace(**(stated | changes))
+
+
+def solved(instance: Instance) -> Plan:
+    """A quick plan."""
+    plan = adr_opt.solve(instance, "greedy-guarded").plan
+    assert plan is not None
+    return plan

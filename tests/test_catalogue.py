@@ -1,35 +1,30 @@
-"""Catalogue files: the five spellings, what SGP4 makes of them, filters and the instance."""
+"""Catalogue files: the five spellings, and what SGP4 makes of them."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
 import math
-import os
-import time
 from datetime import UTC, datetime, timedelta
-from pathlib import Path
 
 import numpy as np
 import pytest
 from catalogue_files import (
     SPELLINGS,
-    as_csv,
     as_json,
     as_space_track_json,
     as_tle,
     field,
     omm_fields,
+    one,
     tle_lines,
 )
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-import adr_opt
-from adr_opt.catalogue import Catalogue, Filters, Record, read, to_instance
+from adr_opt.catalogue import Catalogue, Record, to_instance
 from adr_opt.catalogue.propagation import mean_elements, satellite_of, state, true_anomaly
 from adr_opt.catalogue.reading import read_bytes
-from adr_opt.catalogue.station import densest, normals, plane_angles
 from adr_opt.catalogue.tle import catalogue_number, checksum
 from adr_opt.errors import InputError
 from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
@@ -38,17 +33,6 @@ sgp4_api = pytest.importorskip("sgp4.api")
 sgp4_alpha5 = pytest.importorskip("sgp4.alpha5")
 sgp4_io = pytest.importorskip("sgp4.io")
 sgp4_omm = pytest.importorskip("sgp4.omm")
-
-DATA = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", "../shared/data"))
-external = [
-    pytest.mark.external,
-    pytest.mark.skipif(not DATA.is_dir(), reason=f"no folder {DATA} (ADR_OPT_EXTERNAL_DATA)"),
-]
-
-
-def one(text: str) -> Record:
-    (record,) = read_bytes(text.encode(), "file").records
-    return record
 
 
 def digits(decimals: int, most: float) -> st.SearchStrategy[float]:
@@ -280,163 +264,6 @@ def test_the_planned_circle_has_the_mean_phase() -> None:
         assert math.remainder(u - row[4] - row[5], 2.0 * math.pi) == pytest.approx(0.0, abs=1e-8)
 
 
-def test_filters_keep_what_is_inside() -> None:
-    """Each filter keeps exactly the orbits between its limits, and says what it left out."""
-    records = field(200)
-    everything = to_instance(records).instance
-    filters = Filters(
-        altitude_km=(700.0, 900.0), inclination_deg=(60.0, 90.0), raan_deg=(300.0, 60.0)
-    )
-    made = to_instance(records, filters=filters)
-
-    def inside(target: adr_opt.instance.Target) -> bool:
-        orbit = target.orbit
-        return (
-            700e3 <= orbit.semi_major_axis_m - EARTH_RADIUS_M <= 900e3
-            and 60.0 <= orbit.inclination_deg <= 90.0
-            and (orbit.raan_deg >= 300.0 or orbit.raan_deg <= 60.0)
-        )
-
-    wanted = [target for target in everything.targets if inside(target)]
-    assert 0 < len(wanted) < 100
-    assert list(made.instance.targets) == wanted
-    assert set(made.counts) == {"altitude", "inclination", "raan"}
-    assert sum(made.counts.values()) == len(records) - len(wanted)
-    assert made.read == len(records)
-
-
-@pytest.mark.parametrize(
-    ("pattern", "count"),
-    [("object 3 deb", 3), ("OBJECT ? DEB", 27), ("*9[0-6] DEB", 14), ("ROCKET", 0), ("deb", 200)],
-)
-def test_name_patterns(pattern: str, count: int) -> None:
-    """Patterns fit whole names and other texts parts of them, whatever the case."""
-    filters = Filters(names=(pattern,))
-    names = [record.name.lower() for record in field(200)]
-    assert sum(filters.match_name(record) for record in field(200)) == {
-        "object 3 deb": names.count("object 3 deb"),
-        "OBJECT ? DEB": sum(len(name) == len("object 3 deb") for name in names),
-    }.get(pattern, count)
-
-
-def test_raan_range_through_zero_and_all_around() -> None:
-    """Ranges of RAAN go eastwards, through 0 if need be; 0:360 is everything."""
-    elements = np.zeros((4, 6))
-    elements[:, 3] = np.radians([355.0, 5.0, 15.0, -20.0])
-    for limits, outside in (
-        ((350.0, 10.0), [False, False, True, True]),
-        ((-10.0, 10.0), [False, False, True, True]),
-        ((0.0, 360.0), [False, False, False, False]),
-        ((5.0, 15.0), [True, False, False, True]),
-    ):
-        assert list(Filters(raan_deg=limits).outside(elements)["raan"]) == outside
-
-
-def test_the_densest_plane_has_most_neighbours() -> None:
-    """The station's plane is the centre of the largest group within two degrees (brute force)."""
-    random = np.random.default_rng(5)
-    elements = np.zeros((300, 6))
-    elements[:, 0] = EARTH_RADIUS_M + random.uniform(600e3, 900e3, 300)
-    elements[:, 2] = np.radians(random.uniform(80.0, 100.0, 300))
-    elements[:, 3] = np.radians(random.uniform(0.0, 40.0, 300))
-    found = densest(elements)
-    near = np.array(
-        [plane_angles(elements, row[2], row[3]) < math.radians(2.0) for row in elements]
-    )
-    group = near[near.sum(axis=1).argmax()]
-    assert found[0] == np.median(elements[group, 0])
-    centre = normals(elements[group]).mean(axis=0)
-    assert normals(found[None])[0] == pytest.approx(centre / np.linalg.norm(centre), abs=1e-12)
-
-
-def test_max_targets_are_the_nearest_planes() -> None:
-    """With --max-targets the planes nearest to the station's stay, in the order of the file."""
-    records = field(100)
-    made = to_instance(records, station="750,86.4,120", max_targets=10)
-    everything = to_instance(records, station="750,86.4,120").instance
-    home = everything.stations[0].orbit
-    assert (home.inclination_deg, home.raan_deg, home.true_anomaly_deg) == (86.4, 120.0, 0.0)
-    station = adr_opt.kernels.orbits.frame(*np.radians([86.4, 120.0]))[2]
-
-    def angle(target: adr_opt.instance.Target) -> float:
-        _, i, o, _ = target.orbit.circular_elements()
-        return math.acos(station @ adr_opt.kernels.orbits.frame(i, o)[2])
-
-    nearest = sorted(everything.targets, key=angle)[:10]
-    kept = made.instance.targets
-    assert {target.name for target in kept} == {target.name for target in nearest}
-    assert [t.name for t in kept] == [t.name for t in everything.targets if t in kept]
-    assert made.counts == {"max-targets": 90}
-
-
-def test_a_station_at_an_object() -> None:
-    """An object told by number, name or designator is the station and no target."""
-    records = field(5)
-    for told in ("10002", "object 2 deb", records[2].object_id):
-        instance = to_instance(records, station=told).instance
-        assert instance.stations[0].name == "OBJECT 2 DEB 10002"
-        assert len(instance.targets) == 4
-        assert instance.stations[0].orbit == to_instance(records).instance.targets[2].orbit
-
-
-def test_names_of_targets_are_unique() -> None:
-    """Objects of one name are told apart by their numbers, or else counted."""
-    records = field(98)
-    names = to_instance(records).instance.names
-    assert len(set(names)) == 99
-    assert {"OBJECT 0 DEB 10000", "OBJECT 0 DEB 10097"} <= set(names)
-    fields = omm_fields(records[0]) | {"NORAD_CAT_ID": None, "OBJECT_ID": None}
-    odd = [
-        one(json.dumps(fields | {"OBJECT_NAME": name})) for name in ("station", "x\x1b[2J\ud800")
-    ]
-    assert to_instance(odd).instance.names == ("station", "station (2)", "x?[2J?")
-    called = to_instance([one(json.dumps(fields | {"OBJECT_NAME": "chaser"}))]).instance
-    assert (called.names, called.chaser.name) == (("station", "chaser"), "chaser-1")
-
-
-def test_the_same_catalogue_gives_the_same_file() -> None:
-    """All spellings of a catalogue give one instance file, byte for byte."""
-    records = field(30)
-    texts = {
-        to_instance(read_bytes(write(records).encode(), "a.txt"), max_targets=20).instance.to_json()
-        for write in SPELLINGS.values()
-    }
-    assert len(texts) == 1
-
-
-def test_an_imported_instance_is_planned_and_checked() -> None:
-    """An instance made of a catalogue loads, is planned by greedy and passes the check."""
-    instance = to_instance(field(400), max_targets=15, station="800,86.4,100").instance
-    result = adr_opt.solve(instance, method="greedy-guarded")
-    assert result.objective >= 1.0
-    assert adr_opt.check(instance, result.plan) == ()
-
-
-def test_a_catalogue_of_24000_objects_takes_less_than_5_s(tmp_path: Path) -> None:
-    """24,000 objects are read, propagated, filtered and made an instance in under 5 s of work."""
-    path = tmp_path / "all.csv"
-    path.write_text(as_csv(field(24_000)), encoding="utf-8")
-    begin = time.process_time()
-    found = read(path)
-    made = to_instance(found, filters=Filters(inclination_deg=(80.0, 90.0)), max_targets=100)
-    assert time.process_time() - begin < 5.0
-    assert made.read == 24_000
-    assert len(made.instance.targets) == 100
-
-
-def test_warnings_name_days_altitudes_and_numbers() -> None:
-    """Old elements, unreachable altitudes and too many targets are warned of, with numbers."""
-    records = field(10)
-    assert to_instance(records, duration_s=600.0).warnings == ()
-    late = max(record.epoch for record in records) + timedelta(days=30)
-    (warning,) = to_instance(records, epoch=late, duration_s=600.0).warnings
-    assert "10 of 10 objects are more than 7 days from the epoch" in warning
-    assert "30." in warning
-    high = one(as_json(records[:1]).replace(str(records[0].mean_motion_rev_day), "2.0"))
-    (warning,) = to_instance([high], duration_s=600.0).warnings
-    assert "2 of 2 bodies are outside the altitudes of phasing, 300 to 2000 km" in warning
-
-
 def test_a_catalogue_is_a_sequence_of_records() -> None:
     """What is read can be counted and walked through."""
     found = read_bytes(as_json(field(3)).encode(), "x")
@@ -444,117 +271,6 @@ def test_a_catalogue_is_a_sequence_of_records() -> None:
     assert len(found) == 3
     assert [record.number for record in found] == [10_000, 10_001, 10_002]
     assert found.formats == {"x": "OMM JSON"}
-
-
-class TestExternal:
-    """Files that nobody here wrote."""
-
-    pytestmark = external
-
-    def test_five_spellings_of_mario(self) -> None:
-        """The record in five spellings gives five equal records and the published states."""
-        first, *others = (
-            read(DATA / "omm" / f"mario.{suffix}").records
-            for suffix in ("tle", "xml", "kvn", "json", "csv")
-        )
-        assert len(first) == 1
-        for other in others:
-            assert other == first
-        for minutes, published in (
-            (0.0, (-5357.6986727762815, -3934.6109046434312, -0.00239536765505865)),
-            (720.0, (-5490.038306922299, -3742.6513290039406, 96.22012243244025)),
-        ):
-            assert state(first[0], minutes)[0] == pytest.approx(published, abs=1e-8)
-
-    def test_every_tle_and_omm_file_is_read(self) -> None:
-        """Every file that is TLE or OMM is read, with the number of objects it has."""
-        counts = {"celestrak_2025-04_iridium-33-debris.csv": 121} | {
-            "celestrak_2025-02_iridium-33-debris.txt": 119
-        }
-        paths = [*DATA.glob("omm/*"), *DATA.glob("tle/*"), *DATA.glob("ccsds/OMM*")]
-        assert len(paths) >= 19
-        for path in paths:
-            assert len(read(path)) == counts.get(path.name, 1), path.name
-
-    def test_other_messages_are_refused_by_name(self) -> None:
-        """OEM and OPM files are told from OMM in one sentence."""
-        paths = [*DATA.glob("ccsds/OEM*.xml"), *DATA.glob("ccsds/OPM*")]
-        assert len(paths) >= 10
-        for path in paths:
-            with pytest.raises(InputError, match=f"an {path.name[:3]}, not an OMM"):
-                read(path)
-
-    def test_published_states(self) -> None:
-        """All 33 verification satellites have the published states, to the printed digits."""
-        lines = (DATA / "sgp4/SGP4-VER.TLE").read_text().splitlines()
-        pairs = [lines[n : n + 2] for n, line in enumerate(lines) if line.startswith("1 ")]
-        blocks: list[list[list[str]]] = []
-        for line in (DATA / "sgp4/tcppver.out").read_text().splitlines():
-            if line.endswith("xx"):
-                blocks.append([])
-            elif line.strip():
-                blocks[-1].append(line.split()[:7])
-        assert len(pairs) == len(blocks) == 33
-        compared = 0
-        for pair, block in zip(pairs, blocks, strict=True):
-            # three of them are made up to fail, and so are their checksums
-            record = one("\n".join(sgp4_io.fix_checksum(line) for line in pair))
-            for minutes, *published in block:
-                if record.number == 33334:  # "try and check error code 2", and so it does
-                    with pytest.raises(ArithmeticError, match="SGP4 error"):
-                        state(record, float(minutes))
-                    continue
-                numbers = np.concatenate(state(record, float(minutes)))
-                for number, text in zip(numbers, published, strict=True):
-                    printed = 10.0 ** -len(text.partition(".")[2])
-                    # half a unit of the last digit; one object 3.5 years after its epoch loses one
-                    assert abs(number - float(text)) <= (
-                        0.51 * printed if abs(float(minutes)) < 1e6 else 12.0 * printed
-                    ), (record.number, minutes)
-                    compared += 1
-        assert compared == 3996
-
-    def test_the_verification_file_says_which_rows_are_bad(self) -> None:
-        """Its three wrong checksums and its repeated object are named by line; 29 are good."""
-        with pytest.raises(InputError, match=r"line 100 \(33333\).*checksum 4, its digits give 2"):
-            read(DATA / "sgp4/SGP4-VER.TLE")
-        found = read(DATA / "sgp4/SGP4-VER.TLE", skip_bad=True)
-        assert len(found) == 29
-        assert [(drop.line, drop.reason) for drop in found.dropped] == [
-            (100, "checksum"),
-            (103, "checksum"),
-            (106, "checksum"),
-            (109, "duplicate"),
-        ]
-
-    def test_a_real_cloud_is_planned(self) -> None:
-        """A real fragmentation cloud becomes an instance that is planned and checked."""
-        found = read(DATA / "omm/celestrak_2025-04_iridium-33-debris.csv")
-        assert len(to_instance(found).instance.targets) == 121
-        instance = to_instance(found, max_targets=50).instance
-        result = adr_opt.solve(instance, method="greedy-guarded")
-        assert result.objective >= 8.0
-        assert adr_opt.check(instance, result.plan) == ()
-
-    def test_two_catalogues_of_a_cloud_six_weeks_apart_agree(self) -> None:
-        """SGP4 brings the cloud of February near the elements published in April."""
-        names = (
-            "tle/celestrak_2025-02_iridium-33-debris.txt",
-            "omm/celestrak_2025-04_iridium-33-debris.csv",
-        )
-        old, new = (read(DATA / name).records for name in names)
-        now = {record.number: record for record in new}
-        both = [record for record in old if record.number in now]
-        assert len(both) > 100
-        then, failed = mean_elements(both, new[0].epoch)
-        there, _ = mean_elements([now[record.number] for record in both], new[0].epoch)
-        assert failed == []
-        apart = [
-            float(plane_angles(row[None], other[2], other[3])[0])
-            for row, other in zip(then, there, strict=True)
-        ]
-        assert np.degrees(np.median(apart)) < 0.05
-        assert np.median(np.abs(then[:, 0] - there[:, 0])) < 2e3
 
 
 @pytest.mark.parametrize(

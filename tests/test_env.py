@@ -1,7 +1,5 @@
 """The Gymnasium environment: the protocol, the rules, and what a user may get wrong."""
 
-# ruff: noqa: D102  the broken copies say in one sentence what is wrong with them
-
 from __future__ import annotations
 
 import dataclasses
@@ -14,32 +12,17 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.utils.env_checker import check_env
 from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
-from stable_baselines3.common.env_checker import check_env as check_env_of_sb3
+from small_fields import SMALL, tiny
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 
 import adr_opt
 from adr_opt.env import ID, OBSERVATIONS, PUBLISHED, VARIED, Fields, Limits, MissionEnv, space
 from adr_opt.env.fields import FIRST_SEED
 from adr_opt.errors import InputError
-from adr_opt.instance import Instance
 from adr_opt.kernels.lookahead import CHAIN_FIELDS, UNGUARDED_S
 from adr_opt.kernels.observation import LIMIT, MISSION_FIELDS, MOVE_FIELDS, PUBLISHED_ELEMENTS
 from adr_opt.result import certify
-
-HOUR_S = 3600.0
-SMALL = Fields(
-    "tiny", targets=(3, 9), share_of_family=0.3, zones=(0, 3), delta_v_m_s=(300.0, 1500.0),
-    duration_s=(15 * HOUR_S, 40 * HOUR_S), limits=(Limits(2000.0, 50 * HOUR_S),),
-    share_of_limits=0.2,
-)  # fmt: skip
-"""Fields whose timetables are worked out in milliseconds, of many sizes, budgets and durations."""
-
-
-def tiny(seed: int = 0, **limits: float) -> Instance:
-    instance = adr_opt.generate("tiny", seed)
-    return instance.with_limits(**limits)
 
 
 def play(env: MissionEnv, rng: np.random.Generator) -> tuple[float, list[Any]]:
@@ -58,135 +41,6 @@ def play(env: MissionEnv, rng: np.random.Generator) -> tuple[float, list[Any]]:
         if terminated:
             assert not env.action_masks().any()
             return total, seen
-
-
-@pytest.mark.parametrize("observation", OBSERVATIONS)
-def test_the_checkers_pass(observation: str) -> None:
-    """Gymnasium and Stable-Baselines3 find nothing to say against the environment."""
-    env = gymnasium.make(ID, fields=SMALL, observation=observation)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        # Rows of moves are no pictures, and Stable-Baselines3 would rather have vectors.
-        warnings.filterwarnings("ignore", message=".*unconventional shape.*")
-        check_env(env.unwrapped, skip_render_check=True)
-        check_env_of_sb3(env.unwrapped, warn=True)
-        check_env(gymnasium.make(ID, instance=tiny(), render_mode="ansi").unwrapped)
-        check_env(gymnasium.make(ID, instance=tiny(), render_mode="rgb_array").unwrapped)
-
-
-class Outside(MissionEnv):
-    """Observations outside the space."""
-
-    def step(self, action: Any) -> Any:
-        observation, *rest = super().step(action)
-        return {name: part + 100.0 for name, part in observation.items()}, *rest
-
-    def reset(self, **arguments: Any) -> Any:
-        observation, info = super().reset(**arguments)
-        return {name: part + 100.0 for name, part in observation.items()}, info
-
-
-class Missing(MissionEnv):
-    """A part of the observation is not there."""
-
-    def reset(self, **arguments: Any) -> Any:
-        observation, info = super().reset(**arguments)
-        return {"moves": observation["moves"]}, info
-
-
-class Wide(MissionEnv):
-    """Numbers of 64 bits."""
-
-    def reset(self, **arguments: Any) -> Any:
-        observation, info = super().reset(**arguments)
-        return {name: part.astype(float) for name, part in observation.items()}, info
-
-
-class Nan(MissionEnv):
-    """A number that is none."""
-
-    def reset(self, **arguments: Any) -> Any:
-        observation, info = super().reset(**arguments)
-        observation["mission"][0] = np.nan
-        return observation, info
-
-
-class Four(MissionEnv):
-    """A step in the old protocol."""
-
-    def step(self, action: Any) -> Any:
-        observation, reward, terminated, _, info = super().step(action)
-        return observation, reward, terminated, info
-
-
-class Words(MissionEnv):
-    """A reward that is no number."""
-
-    def step(self, action: Any) -> Any:
-        observation, _, *rest = super().step(action)
-        return observation, "much", *rest
-
-
-class Silent(MissionEnv):
-    """No info."""
-
-    def reset(self, **arguments: Any) -> Any:
-        return super().reset(**arguments)[0]
-
-
-class Numbered(MissionEnv):
-    """``terminated`` is no bool."""
-
-    def step(self, action: Any) -> Any:
-        observation, reward, terminated, *rest = super().step(action)
-        return observation, reward, float(terminated), *rest
-
-
-BROKEN = (Outside, Missing, Wide, Nan, Four, Silent)
-
-
-@pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize("broken", BROKEN)
-def test_the_checkers_fail_on_broken_copies(broken: type[MissionEnv]) -> None:
-    """Each deliberate fault is found by both checkers."""
-    for check in (check_env, check_env_of_sb3):
-        with pytest.raises((AssertionError, ValueError, TypeError)):
-            check(broken(tiny()))
-
-
-class Unseeded(MissionEnv):
-    """Forgets its seed."""
-
-    def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
-        return super().reset(options=options)
-
-
-class Leaking(MissionEnv):
-    """Gives out the array that the next step overwrites."""
-
-    def step(self, action: Any) -> Any:
-        _, *rest = super().step(action)
-        return self._board.arrays, *rest
-
-
-@pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize(
-    ("broken", "check"),
-    [
-        (Unseeded, check_env),
-        (Leaking, check_env),
-        (Words, check_env_of_sb3),
-        (Numbered, check_env_of_sb3),
-    ],
-    ids=lambda it: it.__module__ if it in (check_env, check_env_of_sb3) else it.__name__,
-)
-def test_a_checker_fails_on_faults_that_the_other_does_not_see(
-    broken: Callable[..., MissionEnv], check: Callable[[Any], None]
-) -> None:
-    """A forgotten seed, an array that changes afterwards and odd types are found."""
-    env = broken(tiny()) if broken is not Unseeded else broken(fields=SMALL)
-    with pytest.raises((AssertionError, ValueError)):
-        check(env)
 
 
 @pytest.mark.parametrize("observation", OBSERVATIONS)

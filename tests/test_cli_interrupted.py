@@ -1,0 +1,187 @@
+"""Signals and the live line: what `solve` does on a terminal, and when it is told to stop."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import adr_opt
+from adr_opt.cli.live import describe
+from adr_opt.plan import load_plan
+
+
+@pytest.mark.parametrize(
+    ("incumbent", "bound", "expected"),
+    [
+        (float("-inf"), float("inf"), "2.5 s  no plan yet"),
+        (3.0, float("inf"), "2.5 s  incumbent 3"),
+        (3.0, 4.0, "2.5 s  incumbent 3  bound 4  gap 25.0%"),
+        (float("-inf"), 4.0, "2.5 s  no plan yet  bound 4"),
+    ],
+)
+def test_live_line_tells_what_is_known(incumbent: float, bound: float, expected: str) -> None:
+    """The line has the elapsed time, and incumbent, bound and gap as far as there are any."""
+    assert describe(2.5, incumbent, bound) == expected
+
+
+def test_live_line_tells_how_much_of_the_timetable_is_built() -> None:
+    """Before there is anything to plan with, the line says how far that is."""
+    assert describe(2.5, -math.inf, math.inf, 0.374) == "2.5 s  timetable 37 %"
+
+
+# Children of a script in the background inherit an ignored SIGINT; a user's shell does not do that.
+CHILD = (
+    "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    "from adr_opt.__main__ import main; sys.exit(main())"
+)
+
+
+def begin(tiny_file: Path, method: str, *more: str, **how: Any) -> subprocess.Popen[str]:
+    """Start `solve` as a process and wait until the planner runs."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", CHILD, "solve", str(tiny_file), "--method", method,
+         "--time-limit", "60", *more],
+        cwd=tiny_file.parent, text=True, stdout=subprocess.PIPE,
+        **{"stderr": subprocess.PIPE, **how},
+    )  # fmt: skip
+    deadline = time.monotonic() + 60.0
+    while not (tiny_file.parent / "started").exists():
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    return process
+
+
+posix = pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
+
+
+@posix
+@pytest.mark.usefixtures("methods")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_first_signal_asks_for_the_best_plan(tiny_file: Path, number: int) -> None:
+    """Ctrl-C once: the best plan so far is printed and written, exit 0, a message on stderr."""
+    process = begin(tiny_file, "patient", "--json", "--out", "plan.json")
+    process.send_signal(number)
+    out, err = process.communicate(timeout=30.0)
+    assert process.returncode == 0, err
+    # Its one visit is fewer than those of the plan that every method falls back on.
+    assert json.loads(out)["objective"] == 3.0
+    assert load_plan(tiny_file.parent / "plan.json").to_json() == out
+    assert "interrupted: this is the best result until then" in err
+    assert "Traceback" not in err
+
+
+@posix
+@pytest.mark.usefixtures("methods")
+def test_second_signal_aborts(tiny_file: Path) -> None:
+    """Ctrl-C twice ends a planner that does not listen: exit 130, nothing written."""
+    process = begin(tiny_file, "deaf", "--out", "plan.json")
+    process.send_signal(signal.SIGINT)
+    assert process.stderr is not None
+    assert "once more to abort" in process.stderr.readline()
+    assert process.poll() is None
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=30.0)
+    assert process.returncode == 130
+    assert out == ""
+    assert err == "adr-opt: aborted\n"
+    assert not (tiny_file.parent / "plan.json").exists()
+
+
+@posix
+@pytest.mark.usefixtures("methods")
+def test_aborting_gives_the_cursor_back(tiny_file: Path) -> None:
+    """The live line hides the cursor; also after the second Ctrl-C it is shown again."""
+    ours, theirs = os.openpty()
+    environment = {**os.environ, "TERM": "xterm"}
+    process = begin(tiny_file, "deaf", stderr=theirs, env=environment)
+    os.close(theirs)
+    said = b""
+    sent = 0
+    try:
+        while part := os.read(ours, 4096):
+            said += part
+            if sent == (b"to abort" in said):
+                process.send_signal(signal.SIGINT)
+                sent += 1
+    except OSError:  # Linux says EIO when the other end is closed
+        pass
+    os.close(ours)
+    assert process.wait(timeout=30.0) == 130
+    hidden, shown = said.rfind(b"\x1b[?25l"), said.rfind(b"\x1b[?25h")
+    assert 0 <= hidden < shown
+
+
+@posix
+@pytest.mark.usefixtures("methods")
+@pytest.mark.parametrize("more", [[], ["--json"], ["--quiet"]])
+def test_live_line_only_on_a_terminal(tiny_file: Path, more: list[str]) -> None:
+    """On a terminal the line shows incumbent, bound and gap, but not with --json or --quiet."""
+    ours, theirs = os.openpty()
+    environment = {**os.environ, "TERM": "xterm", "COLUMNS": "80"}
+    process = begin(tiny_file, "patient", *more, stderr=theirs, env=environment)
+    os.close(theirs)
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    said = b""
+    try:
+        while part := os.read(ours, 4096):
+            said += part
+    except OSError:  # Linux says EIO when the other end is closed
+        pass
+    os.close(ours)
+    out, _ = process.communicate(timeout=30.0)
+    assert process.returncode == 0
+    assert ("incumbent 1  bound 4  gap 75.0%" in said.decode()) == (not more)
+    assert "gap 25.0%" in out or "--json" in more
+
+
+@posix
+@pytest.mark.usefixtures("methods")
+def test_no_live_line_without_a_terminal(tiny_file: Path) -> None:
+    """Into a pipe or a file nothing is said but messages."""
+    process = begin(tiny_file, "patient")
+    time.sleep(0.3)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=30.0)
+    assert all(line.startswith("adr-opt: ") for line in err.splitlines())
+    assert "incumbent" not in err
+
+
+@posix
+def test_interrupted_while_the_timetable_is_built(tmp_path: Path) -> None:
+    """A build of minutes is shown, and Ctrl-C ends it soon: a plan or a sentence, no traceback."""
+    path = tmp_path / "large.json"
+    instance = adr_opt.generate("nominal", 0, targets=150)
+    path.write_text(instance.with_limits(duration_s=200 * 86400.0).to_json())
+    ours, theirs = os.openpty()
+    process = subprocess.Popen(
+        [sys.executable, "-c", CHILD, "solve", str(path), "--time-limit", "900"],
+        stdout=subprocess.PIPE, stderr=theirs, env={**os.environ, "TERM": "xterm"}, text=True,
+    )  # fmt: skip
+    os.close(theirs)
+    said = b""
+    sent = math.inf
+    try:
+        while part := os.read(ours, 4096):
+            said += part
+            if b"timetable" in said and sent == math.inf:
+                process.send_signal(signal.SIGINT)
+                sent = time.monotonic()
+    except OSError:  # Linux says EIO when the other end is closed
+        pass
+    os.close(ours)
+    process.communicate(timeout=30.0)
+    assert time.monotonic() - sent < 10.0
+    assert process.returncode in (0, 1)
+    assert b"Traceback" not in said
+    assert b"of 150 targets" in said or b"no time to begin" in said

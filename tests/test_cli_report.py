@@ -1,0 +1,80 @@
+"""`report`: the page is written, or one sentence says why not."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import Cli
+from plans import solved
+
+import adr_opt
+
+pytest.importorskip("plotly.graph_objects")
+
+
+def test_verb(cli: Cli, tiny_file: Path) -> None:
+    """`report` writes the page; with --json standard output is one object that describes it."""
+    assert cli("solve", tiny_file, "--method", "greedy-guarded", "--out", "plan.json").status == 0
+    outcome = cli("report", tiny_file, "plan.json", "--out", "mission.html", "--json")
+    assert outcome.status == 0
+    said = json.loads(outcome.out)
+    written = Path("mission.html")
+    assert said["path"] == "mission.html"
+    assert said["bytes"] == written.stat().st_size
+    assert said["violations"] == []
+    assert written.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    outcome = cli("report", tiny_file, "plan.json", "--out", "mission.html", "--quiet")
+    assert (outcome.status, outcome.out, outcome.err) == (0, "", "")
+
+
+def test_verb_counts_violations(cli: Cli, tiny_file: Path) -> None:
+    """A plan with violations is reported, and the program says how many there are."""
+    plan = solved(adr_opt.load(tiny_file))
+    plan.replace(objective=plan.objective + 1.0).save("wrong.json")
+    outcome = cli("report", tiny_file, "wrong.json", "--out", "mission.html", "--json")
+    assert outcome.status == 0
+    assert json.loads(outcome.out)["violations"][0]["rule"] == "objective"
+    assert "wrong.json: the plan has 1 violation; the page begins with it" in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("out", "named"),
+    [
+        ("nowhere/mission.html", "nowhere/mission.html: the folder nowhere does not exist"),
+        (".", ".: this is a folder"),
+        ("tiny.json", "tiny.json: this is the input"),
+        ("plan.json", "plan.json: this is the input"),
+    ],
+)
+def test_a_place_that_cannot_be_written(cli: Cli, tiny_file: Path, out: str, named: str) -> None:
+    """A bad place for the page is one sentence that names it."""
+    solved(adr_opt.load(tiny_file)).save("plan.json")
+    outcome = cli("report", tiny_file, "plan.json", "--out", out)
+    assert outcome.status == 2
+    assert outcome.err.startswith(f"adr-opt: {named}")
+    assert outcome.err.count("\n") == 1
+
+
+def test_a_plan_of_another_instance(cli: Cli, tiny_file: Path) -> None:
+    """The plan of another instance is refused by name, and nothing is written."""
+    solved(adr_opt.generate("tiny", 1)).save("plan.json")
+    outcome = cli("report", tiny_file, "plan.json", "--out", "mission.html")
+    assert outcome.status == 2
+    assert outcome.err.startswith("adr-opt: plan.json: the plan belongs to the instance 'tiny-001'")
+    assert not Path("mission.html").exists()
+
+
+def test_without_plotly(cli: Cli, tiny_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A missing plotly is named together with the extra that installs it."""
+    solved(adr_opt.load(tiny_file)).save("plan.json")
+    for name in [name for name in sys.modules if name.split(".")[0] == "plotly"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "plotly", None)
+    outcome = cli("report", tiny_file, "plan.json", "--out", "mission.html")
+    assert outcome.status == 2
+    assert "plotly" in outcome.err
+    assert "pip install -e '.[viz]'" in outcome.err
+    assert not Path("mission.html").exists()
