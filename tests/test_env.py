@@ -21,7 +21,8 @@ from adr_opt.env import ID, OBSERVATIONS, PUBLISHED, VARIED, Fields, Limits, Mis
 from adr_opt.env.fields import FIRST_SEED
 from adr_opt.errors import InputError
 from adr_opt.kernels.lookahead import CHAIN_FIELDS, UNGUARDED_S
-from adr_opt.kernels.observation import LIMIT, MISSION_FIELDS, MOVE_FIELDS, PUBLISHED_ELEMENTS
+from adr_opt.kernels.observation import LIMIT, MISSION_FIELDS, MOVE_FIELDS
+from adr_opt.kernels.published import PUBLISHED_ELEMENTS
 from adr_opt.result import certify
 
 

@@ -18,7 +18,8 @@ from adr_opt.kernels.lookahead import (
     SLACK_PER_S,
     UNGUARDED_S,
 )
-from adr_opt.kernels.observation import LIMIT, MISSION_FIELDS, MOVE_FIELDS, PUBLISHED_ELEMENTS
+from adr_opt.kernels.observation import LIMIT, MISSION_FIELDS, MOVE_FIELDS
+from adr_opt.kernels.published import PUBLISHED_ELEMENTS
 
 MU = 398600.4418e9
 HOUR = 3600.0

@@ -17,7 +17,7 @@ def space(name: str, targets: int) -> spaces.Space[Any]:
     ``published``
         Box of shape (7·targets + 8,): visited (targets,), ΔV left / budget, time left / duration,
         six elements of the chaser, six of each target (see
-        :data:`adr_opt.kernels.observation.PUBLISHED_ELEMENTS`).
+        :data:`adr_opt.kernels.published.PUBLISHED_ELEMENTS`).
     ``transfer``
         Dict of ``moves``, shape (targets + 1, 29), one row for each action (see
         :data:`adr_opt.kernels.observation.MOVE_FIELDS`), and ``mission``, shape (16,) (see

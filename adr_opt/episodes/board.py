@@ -9,6 +9,7 @@ from ..errors import InputError
 from ..kernels import lookahead
 from ..kernels import observation as kernels
 from ..kernels.episodes import Episodes, Pool
+from ..kernels.published import observe_published
 
 Array = npt.NDArray[np.float32]
 Observation = dict[str, Array] | Array
@@ -110,9 +111,7 @@ class Board:
         last: int,
     ) -> None:
         if self.name == "published":
-            kernels.observe_published(
-                pool, episodes, order, first, last, self._flat, self.mask, self.legal
-            )
+            observe_published(pool, episodes, order, first, last, self._flat, self.mask, self.legal)
             return
         prized = sees_prizes(self.name)
         into = (self._moves, self._mission, self.mask, self.legal, prized)

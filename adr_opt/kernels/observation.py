@@ -1,11 +1,10 @@
 """Observations of many episodes, as the learned policies see them.
 
-``published`` is what the published study lists: visited mask, ΔV and time left, six elements of
-the chaser and of every target. ``transfer`` says of every move what it costs now and what it
-leaves; :mod:`adr_opt.kernels.lookahead` adds where it leads. Those two do not see prizes;
+``transfer`` says of every move what it costs now and what it leaves;
+:mod:`adr_opt.kernels.lookahead` adds where it leads. Those two do not see prizes;
 ``transfer-prizes`` and ``lookahead-prizes`` do, by one more number for every move.
-:data:`PUBLISHED_ELEMENTS`, :data:`MOVE_FIELDS` and :data:`MISSION_FIELDS` name every number in
-order, with its unit and scale; all are clipped to :data:`LIMIT`.
+:data:`MOVE_FIELDS` and :data:`MISSION_FIELDS` name every number in order, with its unit and scale;
+all are clipped to :data:`LIMIT`. What the published study lists is in :mod:`.published`.
 """
 
 import math
@@ -13,10 +12,10 @@ import math
 import numpy as np
 
 from . import rules as rule_kernels
-from .compile import kernel
-from .episodes import clip, make_mask, outlook_of, rules_of, turned
+from .compile import inlined, kernel
+from .episodes import clip, outlook_of, rules_of, turned
 from .memory import borrowed, fetch
-from .orbits import ARGUMENT_OF_LATITUDE, INCLINATION, RAAN, RADIUS, mean_motion
+from .orbits import ARGUMENT_OF_LATITUDE, INCLINATION, RAAN, RADIUS
 from .outlook import AHEAD, DELTA_V_UNIT_M_S, HOME, HOUR_UNIT, M_S_PER_HOUR, NEAR, NOBODY
 from .timetable import half_periods, lookup_in_column
 
@@ -31,15 +30,6 @@ PER_TEN = 1.0 / 10.0
 HOURS_PER_M_S = 1.0 / M_S_PER_HOUR
 WEEK_S = 604800.0
 TARGET_SCALE = 50.0
-
-PUBLISHED_ELEMENTS = (
-    "semi-major axis less the station's [50 km]",
-    "eccentricity",
-    "inclination less the station's [deg]",
-    "RAAN less the station's [deg]",
-    "argument of perigee [half turns]",
-    "true anomaly now [half turns]",
-)
 
 MOVE_FIELDS = (
     "legal",
@@ -116,51 +106,66 @@ DEGREES = 180.0 / math.pi
 FAR = LIMIT
 
 
-@kernel
-def observe_published(pool, episodes, order, first, last, out, mask, legal):
-    """Observations ``published`` of the episodes ``order[first:last]``.
+@inlined
+def _cheapest_ahead(line, visited, left, hours):
+    """What the two cheapest moves need from a target that a ΔV and some hours suffice for.
 
-    Parameters
-    ----------
-    order : (episodes,) int32
-    out : (episodes, 7·targets + 8) float32
-        Written: visited (targets), ΔV left / budget, time left / duration, six elements of the
-        chaser, six of each target; elements as :data:`PUBLISHED_ELEMENTS`.
-    mask : (episodes, actions) bool
-        Written: legal actions.
-    legal : (episodes,) int32
-        Written: number of legal actions.
+    Returns
+    -------
+    needed, taken, cost, second : float
+        ΔV [km/s], time [10 h] and cost [10 h] of the cheapest, and cost of the next; ``FAR`` where
+        there is none.
     """
-    pool, episodes = borrowed(pool), borrowed(episodes)
-    out, mask, legal = borrowed(out), borrowed(mask), borrowed(legal)
-    targets = mask.shape[1] - 1
-    for place in range(first, last):
-        e = order[place]
-        slot = episodes.slot[e]
-        legal[e] = make_mask(pool, episodes, e, mask[e])
-        for j in range(targets):
-            out[e, j] = 1.0 if episodes.visited[e, j + 1] else 0.0
-        out[e, targets] = clip(episodes.left[e] / episodes.budget[e], 0.0, LIMIT)
-        out[e, targets + 1] = clip(1.0 - episodes.time[e] / episodes.duration[e], 0.0, LIMIT)
-        orbits = pool.orbits[slot]
-        for row in range(targets + 1):
-            j = episodes.body[e] if row == 0 else row
-            at = targets + 2 + 6 * row
-            if j >= pool.bodies[slot]:
-                for column in range(6):
-                    out[e, at + column] = 0.0
-                continue
-            u = orbits[j, ARGUMENT_OF_LATITUDE] + episodes.time[e] * mean_motion(orbits[j, RADIUS])
-            radius = orbits[j, RADIUS] - orbits[HOME, RADIUS]
-            inclination = orbits[j, INCLINATION] - orbits[HOME, INCLINATION]
-            raan = turned(orbits[j, RAAN] - orbits[HOME, RAAN])
-            out[e, at] = clip(radius * PER_50_KM, -LIMIT, LIMIT)
-            # Bodies move on circles (MODEL section 1): e and the perigee are 0, ν is u.
-            out[e, at + 1] = 0.0
-            out[e, at + 2] = clip(inclination * DEGREES, -LIMIT, LIMIT)
-            out[e, at + 3] = clip(raan * DEGREES, -LIMIT, LIMIT)
-            out[e, at + 4] = 0.0
-            out[e, at + 5] = clip(turned(u) / math.pi, -1.0, 1.0)
+    needed, taken, best, second = FAR, FAR, FAR, FAR
+    for place in range(AHEAD):
+        k = line[3 * place]
+        if k == NOBODY:
+            break
+        if visited[k]:
+            continue
+        next_v = line[3 * place + 1] * DELTA_V_UNIT_M_S
+        next_h = line[3 * place + 2] * HOUR_UNIT
+        if next_v > left or next_h > hours:
+            continue
+        cost = (next_h + next_v * HOURS_PER_M_S) * PER_TEN
+        if best < FAR:
+            second = clip(cost, 0.0, LIMIT)
+            break
+        needed, taken = clip(next_v * PER_KM_S, 0.0, LIMIT), next_h * PER_TEN
+        best = clip(cost, 0.0, LIMIT)
+    return needed, taken, best, second
+
+
+@inlined
+def _open_nearby(outlook, visited, j):
+    """How many of the nearest targets are still open, and the sum of the angles to them."""
+    near, angle = 0, 0.0
+    for place in range(NEAR):
+        k = outlook.near[j, place]
+        if k >= 0 and not visited[k]:
+            near += 1
+            angle += outlook.near_angle[j, place]
+    return near, angle
+
+
+@inlined
+def _write_mission(row, rules, home, orbit, left, remaining, bodies, unvisited, legal):
+    """Write what is left of the mission, and where the chaser's orbit lies from the station's."""
+    row[LEFT] = clip(left * PER_KM_S, 0.0, LIMIT)
+    row[LEFT_OF_BUDGET] = clip(left / max(rules.budget, 1.0), 0.0, LIMIT)
+    row[BUDGET] = clip(rules.budget * PER_KM_S, 0.0, LIMIT)
+    row[TIME] = clip(remaining / WEEK_S, 0.0, LIMIT)
+    row[TIME_OF_DURATION] = clip(remaining / max(rules.duration, 1.0), 0.0, LIMIT)
+    row[DURATION] = clip(rules.duration / WEEK_S, 0.0, LIMIT)
+    row[OPEN_SHARE] = unvisited / max(bodies - 1, 1)
+    row[OPEN_TARGETS] = clip(unvisited / TARGET_SCALE, 0.0, LIMIT)
+    row[LEGAL_SHARE] = legal / max(bodies, 1)
+    row[CHASER_RADIUS] = clip((orbit[RADIUS] - home[RADIUS]) * PER_50_KM, -LIMIT, LIMIT)
+    inclination = orbit[INCLINATION] - home[INCLINATION]
+    row[CHASER_INCLINATION] = clip(inclination * DEGREES, -LIMIT, LIMIT)
+    node_scale = DEGREES * math.sin(home[INCLINATION])
+    row[CHASER_RAAN] = clip(turned(orbit[RAAN] - home[RAAN]) * node_scale, -LIMIT, LIMIT)
+    row[TIME_PER_TARGET] = clip(remaining * PER_HOUR / max(unvisited, 1) * PER_TEN, 0.0, LIMIT)
 
 
 @kernel
@@ -275,24 +280,9 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
                     margin = clip((after - home_costs[j]) * PER_KM_S, -LIMIT, LIMIT)
                     safe = home_costs[j] <= after and back_end <= duration
                     back_hours = clip((back_end - end) * PER_HOUR * PER_TEN, 0.0, LIMIT)
-                line = outlook.ahead[j, places[j]]
-                hours_left = (duration - end) * PER_HOUR
-                for place in range(AHEAD):
-                    k = line[3 * place]
-                    if k == NOBODY:
-                        break
-                    if visited[k]:
-                        continue
-                    next_v = line[3 * place + 1] * DELTA_V_UNIT_M_S
-                    next_h = line[3 * place + 2] * HOUR_UNIT
-                    if next_v > after or next_h > hours_left:
-                        continue
-                    cost = (next_h + next_v * HOURS_PER_M_S) * PER_TEN
-                    if best < FAR:
-                        second = clip(cost, 0.0, LIMIT)
-                        break
-                    best_v, best_h = clip(next_v * PER_KM_S, 0.0, LIMIT), next_h * PER_TEN
-                    best = clip(cost, 0.0, LIMIT)
+                best_v, best_h, best, second = _cheapest_ahead(
+                    outlook.ahead[j, places[j]], visited, after, (duration - end) * PER_HOUR
+                )
             out[row, BACK] = back
             out[row, LEFT_AFTER_BACK] = margin
             out[row, SAFE] = 1.0 if safe else 0.0
@@ -301,12 +291,7 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
             out[row, NEXT_TAKEN] = clip(best_h, 0.0, LIMIT)
             out[row, NEXT_COST] = best
             out[row, SECOND_COST] = second
-            near, angle = 0, 0.0
-            for place in range(NEAR):
-                k = outlook.near[j, place]
-                if k >= 0 and not visited[k]:
-                    near += 1
-                    angle += outlook.near_angle[j, place]
+            near, angle = _open_nearby(outlook, visited, j)
             out[row, NEAR_OPEN] = near * (1.0 / NEAR)
             out[row, NEAR_ANGLE] = clip(DEGREES * angle / near, 0.0, LIMIT) if near > 0 else LIMIT
             r, i, o = orbits[j, RADIUS], orbits[j, INCLINATION], orbits[j, RAAN]
@@ -327,23 +312,9 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
             for column in range(out.shape[1]):
                 out[row, column] = 0.0
         legal[e] = count
-        mission[e, LEFT] = clip(left * PER_KM_S, 0.0, LIMIT)
-        mission[e, LEFT_OF_BUDGET] = clip(left / max(rules.budget, 1.0), 0.0, LIMIT)
-        mission[e, BUDGET] = clip(rules.budget * PER_KM_S, 0.0, LIMIT)
-        mission[e, TIME] = clip(remaining / WEEK_S, 0.0, LIMIT)
-        mission[e, TIME_OF_DURATION] = clip(remaining / max(rules.duration, 1.0), 0.0, LIMIT)
-        mission[e, DURATION] = clip(rules.duration / WEEK_S, 0.0, LIMIT)
-        mission[e, OPEN_SHARE] = unvisited / max(bodies - 1, 1)
-        mission[e, OPEN_TARGETS] = clip(unvisited / TARGET_SCALE, 0.0, LIMIT)
-        mission[e, LEGAL_SHARE] = count / max(bodies, 1)
+        _write_mission(
+            mission[e], rules, orbits[HOME], orbits[body], left, remaining, bodies, unvisited, count
+        )
         mission[e, DOCKED] = 1.0 if body == HOME else 0.0
         mission[e, EARNED] = 1.0 if since > 0 else 0.0
-        mission[e, CHASER_RADIUS] = clip((radius - home_radius) * PER_50_KM, -LIMIT, LIMIT)
-        mission[e, CHASER_INCLINATION] = clip(
-            (inclination - home_inclination) * DEGREES, -LIMIT, LIMIT
-        )
-        mission[e, CHASER_RAAN] = clip(turned(raan - home_raan) * node_scale, -LIMIT, LIMIT)
         mission[e, HOME_REACHABLE] = 1.0 if station_reachable else 0.0
-        mission[e, TIME_PER_TARGET] = clip(
-            remaining * PER_HOUR / max(unvisited, 1) * PER_TEN, 0.0, LIMIT
-        )

@@ -14,7 +14,8 @@ import numpy.typing as npt
 from adr_opt.episodes import OBSERVATIONS, Observation
 from adr_opt.episodes.board import MISSION, MOVES, move_fields, published_size
 from adr_opt.errors import InputError, MissingExtra
-from adr_opt.kernels.observation import MISSION_FIELDS, PUBLISHED_ELEMENTS
+from adr_opt.kernels.observation import MISSION_FIELDS
+from adr_opt.kernels.published import PUBLISHED_ELEMENTS
 
 from .screening import ACTIONS, BATCH, check_graph, parsed
 
