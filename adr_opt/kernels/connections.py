@@ -5,76 +5,142 @@ that it phases. One connection dominates another of its pair if it departs no ea
 later and costs no more, up to a resolution: a chaser that may wait never needs the other one. What
 is left of all sequences (k, m) of all departure events is what a chaser can choose from.
 
-How the sequences are sifted. Events are gone through from the last to the first and the sequences
-of an event by flight time, so all that could dominate a sequence is known before it: a *staircase*
-of (arrival, ΔV), where later means cheaper. Most sequences cost far more than the stair at their
-arrival. That is seen without solving for their phasing radius: a quadratic inversion finds it to
-some kilometres, and a table over the radius holds what a sequence costs there at least.
-
-All arrivals of a pair lie where the target crosses the line of nodes, so different departures meet
-in the same one; the slack of the model keeps rounding from telling them apart.
+How the sequences are sifted. All arrivals of a pair lie where the target crosses the line of nodes,
+half a revolution apart, so different departures meet in the same ones: *crossings*, counted through
+the mission. For a block of departure events the least ΔV to each crossing is worked out at once
+(:mod:`.phasing`). Then events are gone through from the last to the first, and the crossings of an
+event by time. So all that could dominate a sequence is known before it: what it costs at least to
+arrive at each crossing by a later departure.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from . import transfer
+from . import phasing, transfer
 from .compile import kernel
 from .constants import SLACK_S
-from .lists import chosen, wider, with_stair
 from .transfer import TWO_PI
 
-CELLS = 256
-"""Cells of the table of least ΔV over the phasing radius."""
+BLOCK = 256
+"""Departure events that are laid out at once; the processor's cache holds them."""
 
-WIDE = 0.25
-"""Where an altitude limit is farther than this from the mean radius (relative), the quadratic
-inversion is worth nothing, and every sequence is solved for."""
+
+class Grid(NamedTuple):
+    """What sequences of a block of departure events cost, by the crossing at which they arrive.
+
+    Attributes
+    ----------
+    departure : (events,) float64
+        [s].
+    crossing : (events,) int64
+        At which the sequences of the first row arrive. Those of each further row arrive a
+        revolution of the target later: two crossings.
+    time : (rows, events) float64
+        Flight times [s].
+    cost : (rows, events) float64
+        Least ΔV of all numbers of phasing revolutions, +inf for none [m/s].
+    revolutions : (rows, events) int64
+        That number.
+    """
+
+    departure: np.ndarray
+    crossing: np.ndarray
+    time: np.ndarray
+    cost: np.ndarray
+    revolutions: np.ndarray
 
 
 @kernel
-def least_delta_v(pair, rule, least):
-    """Least ΔV of a sequence whose phasing radius is estimated to lie in a cell.
+def _lay_out(pair, rule, curves, begin, size, duration, grid):
+    """Fill a grid with the events from number ``begin`` on; what arrives too late may be missing."""
+    start, half_turns = transfer.first_departure(pair)
+    half_period, lap = math.pi / pair.rate_i, TWO_PI / pair.rate_j
+    offset = rule.standoff / pair.radius_j
+    rows = grid.time.shape[0]
+    # Counted from one before the first that there is.
+    origin = math.floor((pair.phase_j - offset + pair.rate_j * (start + pair.shortest)) / math.pi)
+    for e in range(size):
+        departure = start + (begin + e) * half_period
+        lead = transfer.target_lead(pair, departure, half_turns + begin + e)
+        phase = 3.0 * math.pi - lead + offset
+        s = math.ceil((pair.shortest * pair.rate_j - phase) / TWO_PI)
+        for row in range(rows):
+            grid.time[row, e] = (phase + TWO_PI * (s + row)) / pair.rate_j
+            grid.cost[row, e] = math.inf
+            grid.revolutions[row, e] = -1
+        grid.departure[e] = departure
+        angle = pair.phase_j - offset + pair.rate_j * (departure + grid.time[0, e])
+        grid.crossing[e] = int(round(angle / math.pi)) - origin + 1
+    last = duration - rule.approach_revolutions * lap - pair.shortest + SLACK_S
+    for k in range(rule.max_phasing_revolutions + 1):
+        least, most = k * pair.shortest_lap, pair.longest - pair.shortest + k * pair.longest_lap
+        for row in range(max(int(least / lap - 1e-6), 0), min(int(most / lap + 1e-6) + 1, rows)):
+            in_time = int(max((last - row * lap - start) / half_period, -1.0)) + 1 - begin
+            phasing.lower(
+                pair, rule, curves, k, grid.time[row], max(min(in_time, size), 0),
+                grid.cost[row], grid.revolutions[row],
+            )  # fmt: skip
 
-    A direct sequence (k = 0) is never dearer than one that phases at the same radius, since it
-    makes one burn of two. Within a cell the ΔV falls below its ends by no more than the steepest
-    slope near it allows. The estimate is off by the third order of the inversion, d³/(6 r²) at a
-    distance d from the mean radius r; half as much again covers what follows it.
+
+@kernel
+def _cheapest_open(pair, rule, departure, time, below):
+    """Least ΔV, less than a limit, of a sequence that meets no zone, and its k; +inf for none."""
+    best, best_k = math.inf, -1
+    for k in range(rule.max_phasing_revolutions + 1):
+        if pair.shortest + k * pair.shortest_lap > time:
+            break
+        if pair.longest + k * pair.longest_lap < time:
+            continue
+        r = transfer.phasing_radius(pair, rule, k, time)
+        delta_v = transfer.sequence_delta_v(pair, rule, k, r)
+        if delta_v < min(best, below) and not transfer.is_blocked(pair, rule, k, r, departure):
+            best, best_k = delta_v, k
+    return best, best_k
+
+
+@kernel
+def _sift(pair, rule, grid, e, latest, resolution, known, kept):
+    """The rows of an event that nothing dominates, in order of arrival; how many.
 
     Parameters
     ----------
-    pair : Pair
-    rule : TransferRule
-    least : (CELLS,) float64
-        Written [m/s].
+    latest : float
+        Longest flight time [s].
+    known : (crossings,) float64
+        Least ΔV by which one arrives at each crossing who departs later [m/s]; brought up to date.
+    kept : (rows,) int64
+        Written; their costs in the grid are those of sequences that meet no zone.
     """
-    far = max(rule.max_radius - pair.reference, pair.reference - rule.min_radius)
-    if far > WIDE * pair.reference:
-        for c in range(CELLS):
-            least[c] = -math.inf
-        return
-    ends = np.empty(CELLS + 1)
-    width = (rule.max_radius - rule.min_radius) / CELLS
-    off = 1 + math.ceil(0.25 * far**3 / pair.reference**2 / width)
-    for c in range(CELLS + 1):
-        ends[c] = transfer.sequence_delta_v(pair, rule, 0, rule.min_radius + c * width)
-    for c in range(CELLS):
-        low, steepest = math.inf, 0.0
-        for b in range(max(c - off, 0), min(c + off + 1, CELLS)):
-            low = min(low, min(ends[b], ends[b + 1]))
-            steepest = max(steepest, abs(ends[b + 1] - ends[b]))
-        least[c] = low - 0.6 * steepest - 1e-3
+    count, cheapest = 0, math.inf
+    crossing = grid.crossing[e]
+    for row in range(grid.time.shape[0]):
+        if grid.time[row, e] > latest:
+            break
+        cheapest = min(cheapest, min(known[crossing - 1], known[crossing]))
+        if cheapest - resolution <= pair.floor_delta_v:
+            break
+        if grid.cost[row, e] < cheapest - resolution:
+            if rule.zones.shape[0] > 0:
+                grid.cost[row, e], grid.revolutions[row, e] = _cheapest_open(
+                    pair, rule, grid.departure[e], grid.time[row, e], cheapest - resolution
+                )
+            if grid.revolutions[row, e] >= 0:
+                cheapest = known[crossing] = grid.cost[row, e]
+                kept[count] = row
+                count += 1
+        crossing += 2
+    return count
 
 
 @kernel
-def _estimated_cell(pair, rule, revolutions, time):
-    """Cell of the phasing radius at which a sequence takes a time, by a quadratic inversion."""
-    slope = pair.flight_1 + revolutions * pair.lap_1
-    d = (time - pair.flight - revolutions * pair.lap) / slope
-    d -= 0.5 * (pair.flight_2 + revolutions * pair.lap_2) / slope * d * d
-    share = (pair.reference + d - rule.min_radius) / (rule.max_radius - rule.min_radius)
-    return min(max(int(share * CELLS), 0), CELLS - 1)
+def _moved(numbers, at):
+    """A wider copy that has the numbers from a place on at its end."""
+    copy = np.empty(2 * numbers.size, numbers.dtype)
+    for place in range(at, numbers.size):
+        copy[numbers.size + place] = numbers[place]
+    return copy
 
 
 @kernel
@@ -103,91 +169,43 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
         Phasing revolutions k.
     """
     pair = transfer.prepare(orbit_i, orbit_j, extra_delta_v, rule)
-    half_period = math.pi / pair.rate_i
+    first = transfer.first_departure(pair)[0]
     lap = TWO_PI / pair.rate_j
     approach = rule.approach_revolutions * lap
-    first, half_turns = transfer.first_departure(pair)
-    most = rule.max_phasing_revolutions
-    longest = pair.longest + most * pair.longest_lap
-    least = np.empty(CELLS)
-    least_delta_v(pair, rule, least)
-
-    room = 1024
+    events = max(math.floor((duration - first) * pair.rate_i / math.pi) + 1, 0)
+    longest = pair.longest + rule.max_phasing_revolutions * pair.longest_lap
+    rows = int((longest - pair.shortest) / lap + 1e-6) + 1
+    size = min(events, BLOCK)
+    grid = Grid(
+        np.empty(size), np.empty(size, np.int64),
+        np.empty((rows, size)), np.empty((rows, size)), np.empty((rows, size), np.int64),
+    )  # fmt: skip
+    known = np.empty(int(max(duration - first, 0.0) / lap * 2.0) + 2 * rows + 8)
+    for crossing in range(known.size):
+        known[crossing] = math.inf
+    kept = np.empty(rows, np.int64)
+    # Filled from the end, as events are gone through.
+    room = 8 * events + rows
     departures, arrivals = np.empty(room), np.empty(room)
     costs, laps = np.empty(room), np.empty(room, np.int8)
-    count = 0
-    # The staircase of the events that were gone through, in order of arrival.
-    steps = 64
-    step_arrival, step_cost = np.empty(steps), np.empty(steps)
-    size = 0
-
-    events = math.floor((duration - first) / half_period) + 1 if first <= duration else 0
-    for m in range(events - 1, -1, -1):
-        departure = first + m * half_period
-        lead = transfer.target_lead(pair, departure, half_turns + m)
-        phase = 3.0 * math.pi - lead + rule.standoff / pair.radius_j
-        s = math.ceil((pair.shortest * pair.rate_j - phase) / TWO_PI)
-        latest = min(longest, duration - departure - approach)
-        begin, stair, fewest, cheapest = count, 0, 0, math.inf
-        while cheapest - resolution > pair.floor_delta_v:
-            time = (phase + TWO_PI * s) / pair.rate_j
-            s += 1
-            if time > latest:
-                break
-            arrival = departure + time + approach
-            while stair < size and step_arrival[stair] <= arrival + SLACK_S:
-                cheapest = min(cheapest, step_cost[stair])
-                stair += 1
-            while pair.longest + fewest * pair.longest_lap < time:
-                fewest += 1
-            best, best_k = cheapest - resolution, -1
-            k = fewest
-            while k <= most and pair.shortest + k * pair.shortest_lap <= time:
-                if least[_estimated_cell(pair, rule, k, time)] < best:
-                    r = transfer.phasing_radius(pair, rule, k, time)
-                    delta_v = transfer.sequence_delta_v(pair, rule, k, r)
-                    if delta_v < best and not (
-                        rule.zones.shape[0] > 0 and transfer.is_blocked(pair, rule, k, r, departure)
-                    ):
-                        best, best_k = delta_v, k
-                k += 1
-            if best_k < 0:
-                continue
-            if count == departures.size:
-                departures, arrivals = wider(departures, count), wider(arrivals, count)
-                costs, laps = wider(costs, count), wider(laps, count)
-            departures[count], arrivals[count] = departure, arrival
-            costs[count], laps[count] = best, best_k
-            count += 1
-            cheapest = best
-        # Into the staircase of all that depart no earlier than the next event to be looked at.
-        for c in range(begin, count):
-            low = 0
-            while low < size and step_arrival[low] < arrivals[c] - SLACK_S:
-                low += 1
-            if size == step_arrival.size:
-                step_arrival, step_cost = wider(step_arrival, size), wider(step_cost, size)
-            size = with_stair(step_arrival, step_cost, size, low, arrivals[c], costs[c])
-        # Nothing that departs earlier arrives after these.
-        while size > 1 and step_arrival[size - 1] > departure + longest + approach:
-            size -= 1
-    # From the last event to the first, each by arrival: turned round event by event.
-    order = np.empty(count, np.int64)
-    high, at = count, 0
-    while high > 0:
-        low = high - 1
-        while low > 0 and departures[low - 1] == departures[high - 1]:
-            low -= 1
-        for c in range(low, high):
-            order[at] = c
-            at += 1
-        high = low
-    return (
-        chosen(departures, order, count),
-        chosen(arrivals, order, count),
-        chosen(costs, order, count),
-        chosen(laps, order, count),
-    )
+    at = room
+    curves = phasing.curves_of(pair, rule)
+    for end in range(events, 0, -BLOCK):
+        begin = max(end - BLOCK, 0)
+        _lay_out(pair, rule, curves, begin, end - begin, duration, grid)
+        for e in range(end - begin - 1, -1, -1):
+            latest = min(longest, duration - grid.departure[e] - approach)
+            count = _sift(pair, rule, grid, e, latest, resolution, known, kept)
+            if at < count:
+                departures, arrivals = _moved(departures, at), _moved(arrivals, at)
+                costs, laps = _moved(costs, at), _moved(laps, at)
+                at, room = at + room, 2 * room
+            for c in range(count - 1, -1, -1):
+                at -= 1
+                departures[at] = grid.departure[e]
+                arrivals[at] = grid.departure[e] + grid.time[kept[c], e] + approach
+                costs[at], laps[at] = grid.cost[kept[c], e], grid.revolutions[kept[c], e]
+    return departures[at:].copy(), arrivals[at:].copy(), costs[at:].copy(), laps[at:].copy()
 
 
 @kernel

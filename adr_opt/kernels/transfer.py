@@ -250,8 +250,20 @@ def phasing_radius(pair, rule, revolutions, time):
 
 
 @inlined
-def sequence_delta_v(pair, rule, revolutions, r):
-    """ΔV of the sequence with phasing radius r, by vis-viva (MODEL section 2) [m/s]."""
+def burn_parts(pair, rule, revolutions, r):
+    """Four numbers that make up the ΔV of a sequence, each without a bend in r (MODEL section 2).
+
+    Returns
+    -------
+    climb : float
+        First burn, against the velocity if negative [m/s].
+    rest : float
+        All burns after the turn likewise: they have one sense [m/s].
+    chord : float
+        How much faster the chaser comes to the turn than it leaves [m/s].
+    square : float
+        The product of the two speeds [m²/s²].
+    """
     ri, rj = pair.radius_i, pair.radius_j
     rc = r + rule.first_leg_fraction * (rj - r)
     # Each half ellipse by its speed at departure; the arrival speed follows from r₁ v₁ = r₂ v₂.
@@ -259,15 +271,21 @@ def sequence_delta_v(pair, rule, revolutions, r):
     v2 = math.sqrt(2.0 * MU_M3_S2 * rc / (r * (r + rc)))
     v3 = math.sqrt(2.0 * MU_M3_S2 * rj / (rc * (rc + rj)))
     arrival = v1 * ri / r
-    total = abs(v1 - pair.speed_i) + abs(v3 - v2 * r / rc) + abs(pair.speed_j - v3 * rc / rj)
+    rest = (v3 - v2 * r / rc) + (pair.speed_j - v3 * rc / rj)
+    circle = v2
     if revolutions > 0:
         circle = math.sqrt(MU_M3_S2 / r)
-        total += abs(v2 - circle)
-    else:
-        circle = v2
+        rest += v2 - circle
+    return v1 - pair.speed_i, rest, arrival - circle, arrival * circle
+
+
+@inlined
+def sequence_delta_v(pair, rule, revolutions, r):
+    """ΔV of the sequence with phasing radius r, by vis-viva (MODEL section 2) [m/s]."""
+    climb, rest, chord, square = burn_parts(pair, rule, revolutions, r)
     # (v₁ − v₂)² + 4 v₁ v₂ sin²(θ/2) is the cosine formula without its cancellation.
-    total += math.sqrt((arrival - circle) ** 2 + arrival * circle * pair.turn)
-    return total + pair.fixed_delta_v
+    turn = math.sqrt(chord * chord + square * pair.turn)
+    return abs(climb) + abs(rest) + turn + pair.fixed_delta_v
 
 
 @kernel
