@@ -19,8 +19,10 @@ from typing import NamedTuple
 import numpy as np
 
 from . import phasing, transfer
-from .compile import kernel
+from .compile import inlined, kernel
 from .constants import SLACK_S
+from .lists import ending
+from .memory import borrowed
 from .transfer import TWO_PI
 
 BLOCK = 256
@@ -42,7 +44,7 @@ class Grid(NamedTuple):
     cost : (rows, events) float64
         Least ΔV of all numbers of phasing revolutions, +inf for none [m/s].
     revolutions : (rows, events) int64
-        That number.
+        That number, where there is a sequence.
     """
 
     departure: np.ndarray
@@ -52,27 +54,44 @@ class Grid(NamedTuple):
     revolutions: np.ndarray
 
 
+@inlined
+def _lent(grid):
+    """The same without ownership, for use within a kernel: no look is counted."""
+    return Grid(
+        borrowed(grid.departure), borrowed(grid.crossing), borrowed(grid.time),
+        borrowed(grid.cost), borrowed(grid.revolutions),
+    )  # fmt: skip
+
+
+@kernel
+def _begin_row(phase, turns, rate, row, time, cost):
+    """Flight times of a row, and no sequences yet; one loop that becomes vectors."""
+    for e in range(phase.size):
+        time[e] = (phase[e] + TWO_PI * (turns[e] + row)) / rate
+        cost[e] = math.inf
+
+
 @kernel
 def _lay_out(pair, rule, curves, begin, size, duration, grid):
-    """Fill a grid with the events from number ``begin`` on; what arrives too late may be missing."""
+    """Fill a grid with the events from number ``begin`` on; what arrives too late may miss."""
+    grid = _lent(grid)
     start, half_turns = transfer.first_departure(pair)
     half_period, lap = math.pi / pair.rate_i, TWO_PI / pair.rate_j
     offset = rule.standoff / pair.radius_j
     rows = grid.time.shape[0]
     # Counted from one before the first that there is.
     origin = math.floor((pair.phase_j - offset + pair.rate_j * (start + pair.shortest)) / math.pi)
+    phase, turns = np.empty(size), np.empty(size)
     for e in range(size):
-        departure = start + (begin + e) * half_period
-        lead = transfer.target_lead(pair, departure, half_turns + begin + e)
-        phase = 3.0 * math.pi - lead + offset
-        s = math.ceil((pair.shortest * pair.rate_j - phase) / TWO_PI)
-        for row in range(rows):
-            grid.time[row, e] = (phase + TWO_PI * (s + row)) / pair.rate_j
-            grid.cost[row, e] = math.inf
-            grid.revolutions[row, e] = -1
-        grid.departure[e] = departure
-        angle = pair.phase_j - offset + pair.rate_j * (departure + grid.time[0, e])
-        grid.crossing[e] = int(round(angle / math.pi)) - origin + 1
+        grid.departure[e] = start + (begin + e) * half_period
+        lead = transfer.target_lead(pair, grid.departure[e], half_turns + begin + e)
+        phase[e] = 3.0 * math.pi - lead + offset
+        turns[e] = math.ceil((pair.shortest * pair.rate_j - phase[e]) / TWO_PI)
+        time = (phase[e] + TWO_PI * turns[e]) / pair.rate_j
+        angle = pair.phase_j - offset + pair.rate_j * (grid.departure[e] + time)
+        grid.crossing[e] = math.floor(angle / math.pi + 0.5) - origin + 1
+    for row in range(rows):
+        _begin_row(phase, turns, pair.rate_j, row, grid.time[row], grid.cost[row])
     last = duration - rule.approach_revolutions * lap - pair.shortest + SLACK_S
     for k in range(rule.max_phasing_revolutions + 1):
         least, most = k * pair.shortest_lap, pair.longest - pair.shortest + k * pair.longest_lap
@@ -85,27 +104,35 @@ def _lay_out(pair, rule, curves, begin, size, duration, grid):
 
 
 @kernel
-def _cheapest_open(pair, rule, departure, time, below):
-    """Least ΔV, less than a limit, of a sequence that meets no zone, and its k; +inf for none."""
+def _cheapest_open(pair, rule, first, departure, time, below):
+    """Least ΔV, less than a limit, of a sequence that meets no zone, and its k; +inf for none.
+
+    ``first`` is the k of the least ΔV of all sequences, which is looked at first.
+    """
     best, best_k = math.inf, -1
-    for k in range(rule.max_phasing_revolutions + 1):
+    for turn in range(-1, rule.max_phasing_revolutions + 1):
+        k = first if turn < 0 else turn
         if pair.shortest + k * pair.shortest_lap > time:
             break
-        if pair.longest + k * pair.longest_lap < time:
+        if pair.longest + k * pair.longest_lap < time or turn == first:
             continue
         r = transfer.phasing_radius(pair, rule, k, time)
         delta_v = transfer.sequence_delta_v(pair, rule, k, r)
         if delta_v < min(best, below) and not transfer.is_blocked(pair, rule, k, r, departure):
             best, best_k = delta_v, k
+            if turn < 0:
+                break
     return best, best_k
 
 
 @kernel
-def _sift(pair, rule, grid, e, latest, resolution, known, kept):
+def _sift(pair, rule, zoned, grid, e, latest, resolution, known, kept):
     """The rows of an event that nothing dominates, in order of arrival; how many.
 
     Parameters
     ----------
+    zoned : bool
+        Whether there are zones.
     latest : float
         Longest flight time [s].
     known : (crossings,) float64
@@ -113,6 +140,7 @@ def _sift(pair, rule, grid, e, latest, resolution, known, kept):
     kept : (rows,) int64
         Written; their costs in the grid are those of sequences that meet no zone.
     """
+    grid, known, kept = _lent(grid), borrowed(known), borrowed(kept)
     count, cheapest = 0, math.inf
     crossing = grid.crossing[e]
     for row in range(grid.time.shape[0]):
@@ -122,25 +150,17 @@ def _sift(pair, rule, grid, e, latest, resolution, known, kept):
         if cheapest - resolution <= pair.floor_delta_v:
             break
         if grid.cost[row, e] < cheapest - resolution:
-            if rule.zones.shape[0] > 0:
+            if zoned:
                 grid.cost[row, e], grid.revolutions[row, e] = _cheapest_open(
-                    pair, rule, grid.departure[e], grid.time[row, e], cheapest - resolution
-                )
-            if grid.revolutions[row, e] >= 0:
+                    pair, rule, grid.revolutions[row, e], grid.departure[e], grid.time[row, e],
+                    cheapest - resolution,
+                )  # fmt: skip
+            if grid.cost[row, e] < math.inf:
                 cheapest = known[crossing] = grid.cost[row, e]
                 kept[count] = row
                 count += 1
         crossing += 2
     return count
-
-
-@kernel
-def _moved(numbers, at):
-    """A wider copy that has the numbers from a place on at its end."""
-    copy = np.empty(2 * numbers.size, numbers.dtype)
-    for place in range(at, numbers.size):
-        copy[numbers.size + place] = numbers[place]
-    return copy
 
 
 @kernel
@@ -185,27 +205,23 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
         known[crossing] = math.inf
     kept = np.empty(rows, np.int64)
     # Filled from the end, as events are gone through.
-    room = 8 * events + rows
+    room = rows * events
     departures, arrivals = np.empty(room), np.empty(room)
     costs, laps = np.empty(room), np.empty(room, np.int8)
-    at = room
+    at, zoned = room, rule.zones.shape[0] > 0
     curves = phasing.curves_of(pair, rule)
     for end in range(events, 0, -BLOCK):
         begin = max(end - BLOCK, 0)
         _lay_out(pair, rule, curves, begin, end - begin, duration, grid)
         for e in range(end - begin - 1, -1, -1):
             latest = min(longest, duration - grid.departure[e] - approach)
-            count = _sift(pair, rule, grid, e, latest, resolution, known, kept)
-            if at < count:
-                departures, arrivals = _moved(departures, at), _moved(arrivals, at)
-                costs, laps = _moved(costs, at), _moved(laps, at)
-                at, room = at + room, 2 * room
+            count = _sift(pair, rule, zoned, grid, e, latest, resolution, known, kept)
             for c in range(count - 1, -1, -1):
                 at -= 1
                 departures[at] = grid.departure[e]
                 arrivals[at] = grid.departure[e] + grid.time[kept[c], e] + approach
                 costs[at], laps[at] = grid.cost[kept[c], e], grid.revolutions[kept[c], e]
-    return departures[at:].copy(), arrivals[at:].copy(), costs[at:].copy(), laps[at:].copy()
+    return ending(departures, at), ending(arrivals, at), ending(costs, at), ending(laps, at)
 
 
 @kernel

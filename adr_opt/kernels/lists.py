@@ -18,6 +18,15 @@ def wider(numbers, size):
 
 
 @kernel
+def ending(numbers, first):
+    """A copy of the numbers from a place on."""
+    copy = np.empty(numbers.size - first, numbers.dtype)
+    for place in range(copy.size):
+        copy[place] = numbers[first + place]
+    return copy
+
+
+@kernel
 def chosen(numbers, order, size):
     """A copy of the numbers at the first ``size`` places of an order."""
     copy = np.empty(size, numbers.dtype)

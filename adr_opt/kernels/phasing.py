@@ -119,7 +119,7 @@ def _lower(times, size, k, low, high, nodes, coefficients, turn, fixed, cost, re
 
 @kernel
 def lower(pair, rule, curves, k, times, size, cost, revolutions):
-    """Lower the costs at flight times to those of sequences with k revolutions, where they are less.
+    """Lower costs at flight times to those of sequences with k revolutions, where these are less.
 
     Parameters
     ----------
