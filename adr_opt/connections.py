@@ -75,11 +75,10 @@ class Connecting:
             none = np.empty(0)
             return Connections(none, none, none, np.empty(0, dtype=np.int8))
         orbits = self._orbits
-        return Connections(
-            *kernels.of_pair(
-                orbits[i], orbits[j], self._extra[i, j], self._rule, self._end, resolution_m_s
-            )
+        found = kernels.of_pair(
+            orbits[i], orbits[j], self._extra[i, j], self._rule, self._end, resolution_m_s
         )
+        return Connections(found.departure, found.arrival, found.delta_v, found.revolutions)
 
     def choose(
         self,

@@ -88,7 +88,7 @@ def test_connections_are_what_is_left_of_all_sequences():
     for origin, destination, rule, resolution in random_cases(120):
         expected = sifted(every_sequence(origin, destination, 3.0, rule, 0.7 * DAY_S), resolution)
         found = np.column_stack(
-            connections.of_pair(origin, destination, 3.0, rule, 0.7 * DAY_S, resolution)
+            connections.of_pair(origin, destination, 3.0, rule, 0.7 * DAY_S, resolution)[:4]
         )
         case = (origin, destination, rule, resolution)
         assert found.shape == expected.shape, case

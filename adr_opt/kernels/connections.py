@@ -163,6 +163,26 @@ def _sift(pair, rule, zoned, grid, e, latest, resolution, known, kept):
     return count
 
 
+class Found(NamedTuple):
+    """Connections of a pair, in order of departure, then of arrival.
+
+    Attributes
+    ----------
+    departure, arrival, delta_v : (connections,) float64
+        [s], [s], [m/s]. The arrival is the end of the approach.
+    revolutions : (connections,) int8
+        Phasing revolutions k.
+    crossing : (connections,) int32
+        Those of one crossing arrive at one time, up to rounding; the later the crossing, the later.
+    """
+
+    departure: np.ndarray
+    arrival: np.ndarray
+    delta_v: np.ndarray
+    revolutions: np.ndarray
+    crossing: np.ndarray
+
+
 @kernel
 def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
     """All connections of a pair that no other one dominates.
@@ -182,11 +202,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
 
     Returns
     -------
-    departure, arrival, delta_v : (connections,) float64
-        [s], [s], [m/s]; in order of departure, then of arrival. The arrival is the end of the
-        approach.
-    revolutions : (connections,) int8
-        Phasing revolutions k.
+    Found
     """
     pair = transfer.prepare(orbit_i, orbit_j, extra_delta_v, rule)
     first = transfer.first_departure(pair)[0]
@@ -206,8 +222,8 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
     kept = np.empty(rows, np.int64)
     # Filled from the end, as events are gone through.
     room = rows * events
-    departures, arrivals = np.empty(room), np.empty(room)
-    costs, laps = np.empty(room), np.empty(room, np.int8)
+    departures, arrivals, costs = np.empty(room), np.empty(room), np.empty(room)
+    laps, crossings = np.empty(room, np.int8), np.empty(room, np.int32)
     at, zoned = room, rule.zones.shape[0] > 0
     curves = phasing.curves_of(pair, rule)
     for end in range(events, 0, -BLOCK):
@@ -221,7 +237,11 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
                 departures[at] = grid.departure[e]
                 arrivals[at] = grid.departure[e] + grid.time[kept[c], e] + approach
                 costs[at], laps[at] = grid.cost[kept[c], e], grid.revolutions[kept[c], e]
-    return ending(departures, at), ending(arrivals, at), ending(costs, at), ending(laps, at)
+                crossings[at] = grid.crossing[e] + 2 * kept[c]
+    return Found(
+        ending(departures, at), ending(arrivals, at), ending(costs, at), ending(laps, at),
+        ending(crossings, at),
+    )  # fmt: skip
 
 
 @kernel

@@ -51,7 +51,7 @@ def _least(i, j, orbits, extra_delta_v, transfer_rule, rules):
 
     Both are +inf if none fits the mission.
     """
-    departure, arrival, delta_v, _ = connections.of_pair(
+    departure, arrival, delta_v, _, _ = connections.of_pair(
         orbits[i], orbits[j], extra_delta_v[i, j], transfer_rule, rules.duration, 0.0
     )
     cost, flown = math.inf, math.inf

@@ -69,26 +69,71 @@ class Outgoing(NamedTuple):
         [s].
     destination : (rows,) int32
     first : (rows + 1,) int64
-    end : (legs,) float64
-        End of service [s].
     delta_v : (legs,) float64
         [m/s].
+    service : (legs,) int32
+        Number of the service that the leg leads to: far fewer than legs, since whoever arrives at
+        a body from this one at one time is served by one time.
+    end : (services,) float64
+        End of it [s].
+    body : (services,) int32
+        Where it is.
+    shortest : float
+        Least time from departure to the end of service of any leg, +inf without any [s].
     """
 
     departure: np.ndarray
     destination: np.ndarray
     first: np.ndarray
-    end: np.ndarray
     delta_v: np.ndarray
+    service: np.ndarray
+    end: np.ndarray
+    body: np.ndarray
+    shortest: float
+
+
+@kernel
+def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
+    """Keep the connections to j that fit into the mission at the beginning of their arrays.
+
+    Parameters
+    ----------
+    departure, arrival, delta_v, crossing : (connections,)
+        As in :class:`adr_opt.kernels.connections.Found`; crossings become numbers of services.
+    before : int
+        Services of the bodies before.
+    end : (crossings,) float64
+        Written: earliest end of service of who arrives there [s].
+
+    Returns
+    -------
+    count : int
+        Connections kept.
+    rows : int
+        Their departures.
+    shortest : float
+        [s].
+    """
+    count, rows, shortest = 0, 0, np.inf
+    for c in range(departure.size):
+        done = max(arrival[c], rules.opens[j]) + rules.service[j]
+        if delta_v[c] <= rules.budget and done <= rules.closes[j]:
+            end[crossing[c]] = min(end[crossing[c]], done)
+            shortest = min(shortest, done - departure[c])
+            rows += count == 0 or departure[c] != departure[count - 1]
+            departure[count], delta_v[count] = departure[c], delta_v[c]
+            crossing[count] = before + crossing[c]
+            count += 1
+    return count, rows, shortest
 
 
 @kernel
 def _from_body(i, orbits, extra_delta_v, transfer_rule, rules):
     """All legs of a body that fit into the mission: an :class:`Outgoing`."""
     bodies = rules.service.size
-    departures = [np.empty(0)]
-    ends = [np.empty(0)]
-    costs = [np.empty(0)]
+    departures, costs, numbers = [np.empty(0)], [np.empty(0)], [np.empty(0, np.int32)]
+    ends, counts = [np.empty(0)], np.empty(bodies, np.int64)
+    rows, legs, services, shortest = 0, 0, 0, np.inf
     for j in range(bodies):
         # Nobody goes to where he is, back to an orbit that is no body's, or to refuel unearned.
         reachable = j != i and j >= rules.first_target
@@ -96,51 +141,55 @@ def _from_body(i, orbits, extra_delta_v, transfer_rule, rules):
             reachable = i >= rules.first_target
         # The same lists as schedules are made of: what a leg that comes too late dominates is gone.
         last = rules.duration if reachable else -1.0
-        departure, arrival, delta_v, _ = connections.of_pair(
+        departure, arrival, delta_v, _, crossing = connections.of_pair(
             orbits[i], orbits[j], extra_delta_v[i, j], transfer_rule, last, 0.0
         )
-        possible = np.empty(departure.size, np.int64)
-        count = 0
-        for c in range(departure.size):
-            arrival[c] = max(arrival[c], rules.opens[j]) + rules.service[j]
-            if delta_v[c] <= rules.budget and arrival[c] <= rules.closes[j]:
-                possible[count] = c
-                count += 1
-        departures.append(chosen(departure, possible, count))
-        ends.append(chosen(arrival, possible, count))
-        costs.append(chosen(delta_v, possible, count))
-    rows, legs = 0, 0
+        crossings = 0
+        for c in range(crossing.size):
+            crossings = max(crossings, crossing[c] + 1)
+        end = np.empty(crossings)
+        for q in range(crossings):
+            end[q] = np.inf
+        counts[j], more, least = _possible(
+            j, departure, arrival, delta_v, crossing, rules, services, end
+        )
+        rows, legs, services = rows + more, legs + counts[j], services + crossings
+        shortest = min(shortest, least)
+        departures.append(departure)
+        costs.append(delta_v)
+        numbers.append(crossing)
+        ends.append(end)
+    time, destination = np.empty(rows), np.empty(rows, np.int32)
+    end, body = np.empty(services), np.empty(services, np.int32)
+    row, service = 0, 0
     for j in range(bodies):
         departure = departures[j + 1]
-        legs += departure.size
-        for c in range(departure.size):
-            rows += c == 0 or departure[c] != departure[c - 1]
-    time = np.empty(rows)
-    body = np.empty(rows, np.int32)
-    begin = np.empty(rows, np.int64)
-    row = 0
-    for j in range(bodies):
-        departure = departures[j + 1]
-        for c in range(departure.size):
+        for c in range(counts[j]):
             if c == 0 or departure[c] != departure[c - 1]:
-                time[row], body[row], begin[row] = departure[c], j, c
+                time[row], destination[row] = departure[c], j
                 row += 1
+        for done in ends[j + 1]:
+            end[service], body[service] = done, j
+            service += 1
     order = rising(time, rows)
-    first = np.empty(rows + 1, np.int64)
-    end, delta_v = np.empty(legs), np.empty(legs)
+    first, taken = np.empty(rows + 1, np.int64), np.zeros(bodies, np.int64)
+    delta_v, number = np.empty(legs), np.empty(legs, np.int32)
     leg = 0
     for r in range(rows):
-        q = order[r]
-        j = body[q]
-        departure = departures[j + 1]
+        j = destination[order[r]]
+        departure, cost, own = departures[j + 1], costs[j + 1], numbers[j + 1]
         first[r] = leg
-        c = begin[q]
-        while c < departure.size and departure[c] == time[q]:
-            end[leg], delta_v[leg] = ends[j + 1][c], costs[j + 1][c]
+        c = taken[j]
+        while c < counts[j] and departure[c] == time[order[r]]:
+            delta_v[leg], number[leg] = cost[c], own[c]
             leg += 1
             c += 1
+        taken[j] = c
     first[rows] = leg
-    return Outgoing(chosen(time, order, rows), chosen(body, order, rows), first, end, delta_v)
+    return Outgoing(
+        chosen(time, order, rows), chosen(destination, order, rows), first,
+        delta_v, number, end, body, shortest,
+    )  # fmt: skip
 
 
 @kernel
@@ -156,19 +205,22 @@ def _signpost(departure, start, duration, post):
 
 
 @kernel
-def _land(departure, start, post, duration, outgoing, landing):
-    """Landing rows of a body's legs."""
-    for r in range(outgoing.departure.size):
-        j = outgoing.destination[r]
+def _land(departure, start, post, duration, outgoing, landing, delta_v):
+    """Landing rows and ΔV of a body's legs."""
+    row_of = np.empty(outgoing.end.size, np.int32)
+    for service in range(outgoing.end.size):
+        # To a service that no leg leads to the end of time belongs, and the closing row.
+        time, j = earliest_taken(outgoing.end[service]), outgoing.body[service]
         rows = start[j + 1] - start[j]
-        for leg in range(outgoing.first[r], outgoing.first[r + 1]):
-            time = earliest_taken(outgoing.end[leg])
-            # One step early, whatever is rounded.
-            step = min(max(int(time / duration * rows) - 1, 0), rows - 1)
-            row = post[start[j] + step]
-            while departure[row] < time:
-                row += 1
-            landing[leg] = row
+        # One step early, whatever is rounded.
+        step = min(max(int(min(time / duration, 1.0) * rows) - 1, 0), rows - 1)
+        row = post[start[j] + step]
+        while departure[row] < time:
+            row += 1
+        row_of[service] = row
+    for leg in range(landing.size):
+        landing[leg] = row_of[outgoing.service[leg]]
+        delta_v[leg] = outgoing.delta_v[leg]
 
 
 def build(mission: Mission, *, jobs: int) -> Network:
@@ -191,18 +243,16 @@ def build(mission: Mission, *, jobs: int) -> Network:
             departure[start[i] : start[i + 1] - 1] = outgoing.departure
         post = np.empty(departure.size, dtype=np.int32)
         _signpost(departure, start, rules.duration, post)
-        landings = [np.empty(outgoing.end.size, dtype=np.int32) for outgoing in found]
-        list(
-            pool.map(
-                lambda i: _land(departure, start, post, rules.duration, found[i], landings[i]),
-                range(bodies),
-            )
-        )
-    shortest = rules.duration
-    for outgoing in found:
-        if outgoing.end.size:
-            left = np.repeat(outgoing.departure, np.diff(outgoing.first))
-            shortest = min(shortest, float((outgoing.end - left).min()))
+        first = joined([outgoing.first for outgoing in found])
+        landing = np.empty(int(first[-1]), dtype=np.int32)
+        delta_v = np.empty(landing.size)
+
+        def land(i: int) -> None:
+            own = slice(first[start[i]], first[start[i + 1]])
+            _land(departure, start, post, rules.duration, found[i], landing[own], delta_v[own])
+
+        list(pool.map(land, range(bodies)))
+    shortest = min(rules.duration, *(outgoing.shortest for outgoing in found))
     ahead = found[rules.start].departure
     return Network(
         start,
@@ -210,9 +260,9 @@ def build(mission: Mission, *, jobs: int) -> Network:
         np.concatenate(
             [np.append(outgoing.destination, np.int32(i)) for i, outgoing in enumerate(found)]
         ),
-        joined([outgoing.first for outgoing in found]),
-        np.concatenate(landings),
-        np.concatenate([outgoing.delta_v for outgoing in found]),
+        first,
+        landing,
+        delta_v,
         rules.is_station,
         rules.may_end,
         int(start[rules.start] + np.searchsorted(ahead, earliest_taken(rules.ready))),
