@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import time
 from collections.abc import Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -117,7 +116,6 @@ class _Prover:
         mission: Mission,
         certificate: Certificate,
         stop: Stop,
-        cores: int,
         options: ProofOptions,
     ) -> None:
         def tell(incumbent: float, bound: float) -> None:
@@ -126,7 +124,6 @@ class _Prover:
         self._mission = mission
         self._shared = certificate
         self._stop = stop
-        self._cores = cores
         self._options = options
         self._own = Certificate(mission, tell)
         self._proof: Proof | None = None
@@ -147,11 +144,7 @@ class _Prover:
             least_s = max(LEAST_PROOF_S, LEAST_SET_UPS * set_up_s(self._mission))
             if self._stop.remaining_s() < least_s:
                 return
-            self._proof = Proof(
-                self._mission, self._own, self._stop, jobs=self._cores,
-                delta_v_slot_m_s=self._options.delta_v_slot_m_s,
-                most_labels=self._options.most_labels,
-            )  # fmt: skip
+            self._proof = Proof(self._mission, self._own, self._stop, self._options)
             self._proof.begin()
             return
         self._proof.advance(lambda: self._stop.remaining_s() <= 0.0)
@@ -216,7 +209,6 @@ def auto(
     """
     began = time.perf_counter()
     given, mission = mission, mission.with_time_value(options.time_value_m_s_per_h)
-    cores = options.jobs or os.cpu_count() or 1
     certificate = Certificate(mission, progress)
     search = _Search(mission, seed, stop, certificate)
     certificate.offer(greedy_sequence(given, beta=GUARDED_BETA))
@@ -224,7 +216,7 @@ def auto(
         certificate.offer(start)
     prover = None
     if options.prove and fits_memory(mission):
-        prover = _Prover(mission, certificate, stop, cores, options)
+        prover = _Prover(mission, certificate, stop, options)
 
     def is_over() -> bool:
         return certificate.proven or stop(certificate.incumbent, certificate.bound)
@@ -240,7 +232,7 @@ def auto(
         search.usual(PILOT_WIDTH)
     # Beside a proof a beam is slower, so where time is short it comes before; on one core the proof
     # would come before it, and take what there is.
-    hurried = cores == 1 or search.needed_s(USUAL_WIDTH) > UNHURRIED * stop.remaining_s()
+    hurried = options.cores == 1 or search.needed_s(USUAL_WIDTH) > UNHURRIED * stop.remaining_s()
     if hurried and not certificate.proven:
         search.usual(USUAL_WIDTH)
     width, recreations = VARIED_WIDTH, 20
@@ -250,7 +242,7 @@ def auto(
             advancing: Future[None] | None = None
             if prover is not None and not prover.done:
                 prover.fetch()
-                if cores > 1:
+                if options.cores > 1:
                     advancing = pool.submit(prover.advance)
                 else:
                     prover.advance()

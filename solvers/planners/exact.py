@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from adr_opt.stop import Clock, Stop
 
 from ..certificate import Certificate
 from ..relaxation.latest import Latest
-from ..relaxation.proof import ProofOptions, bound_notes, prove, prove_cost
+from ..relaxation.proof import MOST_LABELS, ProofOptions, bound_notes, prove, prove_cost
 from ..search.beams import TIME_VALUE_M_S_PER_H, usual_settings
 from ..search.greedy_order import GUARDED_BETA, greedy_sequence
 from ..search.timely_beams import PILOT_WIDTH, Beams
@@ -45,9 +45,7 @@ COST_SLOT_M_S = 25.0
 class ExactOptions(ProofOptions, method="exact"):
     """Options of the method ``exact``."""
 
-    most_labels: int = option(
-        50_000_000, "Most labels of one search: about 70 bytes each.", least=1
-    )
+    most_labels: int = option(50_000_000, MOST_LABELS, least=1)
     cost: bool = option(
         False,
         "Go on to prove, once the prizes are proven, that no plan that collects as much costs less "
@@ -101,17 +99,12 @@ def exact(
             certificate.offer(beams.search(settings, guide=guide, seed=noise, mission=hurried))
         number = min(2 * number, MOST_BEAMS)
 
-    counters = prove(
-        mission, certificate, stop, enough, search=search,
-        jobs=options.jobs, delta_v_slot_m_s=options.delta_v_slot_m_s,
-        most_labels=options.most_labels,
-    )  # fmt: skip
+    counters = prove(mission, certificate, stop, enough, options, search=search)
     cost_bound = None
     if options.cost and certificate.proven and certificate.sequence is not None:
         cost_bound, counted = prove_cost(
-            mission, certificate, stop, jobs=options.jobs, delta_v_slot_m_s=COST_SLOT_M_S,
-            most_labels=options.most_labels,
-        )  # fmt: skip
+            mission, certificate, stop, replace(options, delta_v_slot_m_s=COST_SLOT_M_S)
+        )
         counters |= counted
     return certify(
         mission,

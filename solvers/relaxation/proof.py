@@ -32,6 +32,7 @@ from .cost import CostProof
 from .latest import Latest, latest_of
 from .multipliers import Descent
 from .routes import Routes
+from .waiting import bytes_each
 from .walks import TimeIsOver, WalkBound
 
 COARSER = 2.5
@@ -56,6 +57,10 @@ MEMORY_SHARE = 0.5
 """Part of the free memory that the network may take."""
 
 
+MOST_LABELS = f"Most labels of one search: about {bytes_each()} bytes each."
+"""What the option of this name means."""
+
+
 @dataclass(frozen=True)
 class ProofOptions(Options):
     """Options of the methods that prove by rounds."""
@@ -69,7 +74,12 @@ class ProofOptions(Options):
         unit="m/s",
         above=0.0,
     )
-    most_labels: int = option(8_000_000, "Most labels of one search: about 70 bytes each.", least=1)
+    most_labels: int = option(8_000_000, MOST_LABELS, least=1)
+
+    @property
+    def cores(self) -> int:
+        """How many cores that is."""
+        return self.jobs or os.cpu_count() or 1
 
 
 class Proof:
@@ -82,12 +92,7 @@ class Proof:
         Told of every bound and plan; asked for the incumbent.
     stop : Stop
         Its time alone counts here: a round is broken off when none is left.
-    jobs : int
-        Threads of an evaluation of the bound. The result does not depend on it.
-    delta_v_slot_m_s : float
-        As of :class:`.walks.WalkBound` [m/s].
-    most_labels : int
-        Most labels of a search.
+    options : ProofOptions
 
     Attributes
     ----------
@@ -98,25 +103,19 @@ class Proof:
     """
 
     def __init__(
-        self,
-        mission: Mission,
-        certificate: Certificate,
-        stop: Stop,
-        *,
-        jobs: int,
-        delta_v_slot_m_s: float,
-        most_labels: int,
+        self, mission: Mission, certificate: Certificate, stop: Stop, options: ProofOptions
     ) -> None:
         self._certificate = certificate
-        self._slot, self._jobs = delta_v_slot_m_s, jobs
+        self._options = options
         self._over = lambda: stop.remaining_s() <= 0.0
-        self._bound = WalkBound(mission, COARSER * delta_v_slot_m_s, jobs=jobs, over=self._over)
+        self._bound = WalkBound(
+            mission, COARSER * options.delta_v_slot_m_s, jobs=options.cores, over=self._over
+        )
         self._fine: WalkBound | None = None
         self._routes: Routes | None = None
         self._descent = Descent(self._bound)
-        self._most_labels = most_labels
         self._evaluations = FIRST_EVALUATIONS
-        self._labels = min(FIRST_LABELS, most_labels)
+        self._labels = min(FIRST_LABELS, options.most_labels)
         self.latest: Latest | None = None
         self._first = math.inf  # the bound without multipliers
         self._mission = mission
@@ -163,10 +162,10 @@ class Proof:
         self.done = (
             nothing_left
             or certificate.proven
-            or (self._labels == self._most_labels and descent.done and not enough())
+            or (self._labels == self._options.most_labels and descent.done and not enough())
         )
         self._evaluations *= 2
-        self._labels = min(GROWTH * self._labels, self._most_labels)
+        self._labels = min(GROWTH * self._labels, self._options.most_labels)
 
     def _multipliers(self) -> np.ndarray:
         """Those of the best bound; none, if the objective rounds the bound without any to it too.
@@ -189,8 +188,8 @@ class Proof:
         certificate, multipliers = self._certificate, self._multipliers()
         if self._routes is None:
             self._fine = WalkBound(
-                self._mission, self._slot, jobs=self._jobs, over=self._over,
-                network=self._bound.network,
+                self._mission, self._options.delta_v_slot_m_s, jobs=self._options.cores,
+                over=self._over, network=self._bound.network,
             )  # fmt: skip
             self._routes = Routes(self._fine)
         routes = self._routes
@@ -237,22 +236,18 @@ def prove(
     certificate: Certificate,
     stop: Stop,
     enough: Callable[[], bool],
+    options: ProofOptions,
     *,
-    jobs: int,
-    delta_v_slot_m_s: float,
-    most_labels: int,
     search: Callable[[Latest], None] = lambda latest: None,
 ) -> dict[str, float]:
     """Rounds of proof until nothing is left to do or it is enough; returns the counters.
 
     Parameters
     ----------
-    mission, certificate, stop, delta_v_slot_m_s, most_labels
+    mission, certificate, stop, options
         As :class:`Proof` takes them.
     enough : callable
         Asked once per iteration.
-    jobs : int
-        Threads, 0 for all cores.
     search : callable
         Looks for a better plan before each round.
     """
@@ -260,14 +255,7 @@ def prove(
         return {"evaluations": 0, "searches": 0, "labels": 0}
     if not fits_memory(mission):
         return {"evaluations": 0, "searches": 0, "labels": 0}
-    proof = Proof(
-        mission,
-        certificate,
-        stop,
-        jobs=jobs or os.cpu_count() or 1,
-        delta_v_slot_m_s=delta_v_slot_m_s,
-        most_labels=most_labels,
-    )
+    proof = Proof(mission, certificate, stop, options)
     with closing(proof):
         proof.begin()
         while not proof.done and not enough():
@@ -278,13 +266,7 @@ def prove(
 
 
 def prove_cost(
-    mission: Mission,
-    certificate: Certificate,
-    stop: Stop,
-    *,
-    jobs: int,
-    delta_v_slot_m_s: float,
-    most_labels: int,
+    mission: Mission, certificate: Certificate, stop: Stop, options: ProofOptions
 ) -> tuple[float, dict[str, float]]:
     """Prove how much ΔV the plans cost at least that are worth as much as the incumbent.
 
@@ -302,8 +284,8 @@ def prove_cost(
         return 0.0, {}
     proof = CostProof(
         mission, certificate.incumbent, certificate.offer, lambda: certificate.cost, over,
-        jobs=jobs or os.cpu_count() or 1,
-        delta_v_slot_m_s=delta_v_slot_m_s, most_labels=most_labels,
+        jobs=options.cores, delta_v_slot_m_s=options.delta_v_slot_m_s,
+        most_labels=options.most_labels,
     )  # fmt: skip
     with closing(proof):
         while not proof.done and not over():
@@ -340,10 +322,7 @@ def bounded(
     def enough() -> bool:
         return stop(certificate.incumbent, certificate.bound)
 
-    counters = prove(
-        mission, certificate, stop, enough, jobs=options.jobs,
-        delta_v_slot_m_s=options.delta_v_slot_m_s, most_labels=options.most_labels,
-    )  # fmt: skip
+    counters = prove(mission, certificate, stop, enough, options)
     return certify(
         mission,
         method,

@@ -24,7 +24,7 @@ from .labels import (
     most_of,
     path_of,
 )
-from .waiting import FINE, WORD, Labels, larger, room
+from .waiting import FINE, WORD, Labels, labels_room, larger, room
 from .walks import WalkBound
 
 EFFORT = 200_000
@@ -67,18 +67,10 @@ class Routes:
         self._body = np.repeat(np.arange(bodies, dtype=np.int32), np.diff(network.start))
         self._order = np.argsort(network.departure, kind="stable")
         self._first = np.empty(network.departure.size, dtype=np.int32)  # label of each row
-        self._labels = self._room(1 << 16)
+        self._labels = labels_room(1 << 16, self.neighbourhood.shape[1])
         self._gain = np.zeros(bodies, dtype=np.int64)
         self._total = 0.0
         self._unit = bound.unit * 2.0**-FINE
-
-    def _room(self, size: int) -> Labels:
-        words = self.neighbourhood.shape[1]
-        row, parent, following = (np.empty(size, dtype=np.int32) for _ in range(3))
-        visits, came_from = (np.empty(size, dtype=np.int16) for _ in range(2))
-        left, worth = np.empty(size), np.empty(size)
-        value, memory = np.empty(size, dtype=np.int64), np.empty((size, words), dtype=np.int64)
-        return Labels(row, parent, following, value, left, visits, came_from, worth, memory)
 
     def use(self, multipliers: np.ndarray) -> float:
         """Work out the completion values of some multipliers, and the bound that they give."""
@@ -165,7 +157,7 @@ class Routes:
                 self.labels_made += int(cursor[1])
                 return False, math.inf, None, 0
             if state == FULL:
-                self._labels = self._room(2 * labels.row.size)
+                self._labels = labels_room(2 * labels.row.size, labels.memory.shape[1])
                 for new, old in zip(self._labels, labels, strict=True):
                     new[: cursor[1]] = old[: cursor[1]]
         count = int(cursor[1])

@@ -54,6 +54,20 @@ class Labels(NamedTuple):
     memory: np.ndarray
 
 
+def labels_room(size: int, words: int = 1) -> Labels:
+    """Room for as many labels, that remember so many words each."""
+    row, parent, following = (np.empty(size, dtype=np.int32) for _ in range(3))
+    visits, came_from = (np.empty(size, dtype=np.int16) for _ in range(2))
+    left, worth = np.empty(size), np.empty(size)
+    value, memory = np.empty(size, dtype=np.int64), np.empty((size, words), dtype=np.int64)
+    return Labels(row, parent, following, value, left, visits, came_from, worth, memory)
+
+
+def bytes_each() -> int:
+    """Memory of a label that remembers one word."""
+    return sum(array.nbytes for array in labels_room(1))
+
+
 class Waiting(NamedTuple):
     """The labels at each body.
 
