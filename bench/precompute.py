@@ -1,9 +1,10 @@
-"""How fast the timetable is: per entry, on one core and on all, and against a reference library.
+"""How fast timetable, connections and first bound are, on one core and on all.
 
     python bench/precompute.py
 
-Medians of several runs in one process after a warm-up. Also the greedy plan from a ready
-timetable, and two whole processes: `import adr_opt` and `solve --method greedy`.
+Medians of several runs in one process after a warm-up. The timetable also by entry and against a
+reference library; the greedy plan from a ready timetable; what a first bound takes from there, and
+its parts; and two whole processes: `import adr_opt` and `solve --method greedy`.
 """
 
 from __future__ import annotations
@@ -15,14 +16,21 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from machine import heading
 from reference_leg import reference_leg
 
 import adr_opt
+from adr_opt.kernels import connections
+from adr_opt.kernels.compile import kernel
 from adr_opt.planner import get, silent
 from adr_opt.stop import MaxIterations
+from solvers.certificate import Certificate
+from solvers.relaxation import network
+from solvers.relaxation.proof import COARSER, Proof, ProofOptions
+from solvers.relaxation.walks import WalkBound
 
 
 def median_s(function: Callable[[], object], runs: int) -> tuple[float, float, float]:
@@ -40,6 +48,71 @@ def in_reference(table: adr_opt.Timetable, leg: tuple[int, int, float]) -> tuple
     """ΔV and arrival of one leg through the reference library [m/s], [s]."""
     i, j, ready = leg
     return reference_leg(table.instance, table.names[i], table.names[j], ready)
+
+
+@kernel
+def connections_from(i, orbits, extra_delta_v, rule, duration):  # type: ignore[no-untyped-def]
+    """How many connections leave a body; all of them are worked out."""
+    count = 0
+    for j in range(orbits.shape[0]):
+        if j != i:
+            found = connections.of_pair(
+                orbits[i], orbits[j], extra_delta_v[i, j], rule, duration, 0.0
+            )
+            count += found.departure.size
+    return count
+
+
+def all_connections(mission: adr_opt.Mission, jobs: int) -> int:
+    """Work out all connections of all pairs; how many there are."""
+    given = mission.transfer_inputs
+    with ThreadPoolExecutor(jobs) as pool:
+        return sum(
+            pool.map(
+                lambda i: connections_from(i, *given, mission.rules.duration), range(len(given[0]))
+            )
+        )
+
+
+def first_bound(mission: adr_opt.Mission, jobs: int) -> float:
+    """The first bound of a proof, with the usual options."""
+    certificate = Certificate(mission, silent)
+    proof = Proof(mission, certificate, MaxIterations(1), ProofOptions(jobs=jobs))
+    proof.begin()
+    proof.close()
+    return certificate.bound
+
+
+def print_bound(mission: adr_opt.Mission, runs: int) -> None:
+    """Print what a first bound takes from a ready timetable, and its parts."""
+    cores = os.cpu_count() or 1
+    built = network.build(mission, jobs=cores)
+    slot = COARSER * ProofOptions().delta_v_slot_m_s
+    walks = WalkBound(mission, slot, network=built)
+    bound = first_bound(mission, cores)
+    rows: list[tuple[str, Callable[[], object]]] = []
+    for jobs in dict.fromkeys((1, cores)):
+        on = "1 core" if jobs == 1 else f"{jobs} cores"
+        count = all_connections(mission, jobs)
+        rows += [
+            (f"all {count} connections, {on}", lambda jobs=jobs: all_connections(mission, jobs)),
+            (
+                f"network of {built.delta_v.size} legs, with them, {on}",
+                lambda jobs=jobs: network.build(mission, jobs=jobs),
+            ),
+            (
+                f"first bound of {bound:g} from a ready timetable, with all that, {on}",
+                lambda jobs=jobs: first_bound(mission, jobs),
+            ),
+        ]
+    rows.insert(
+        2,
+        (f"one sweep at {slot:g} m/s, 1 core", lambda: walks.evaluate(walks.first_point())),
+    )
+    for name, function in rows:
+        cells = " | ".join(f"{t:.3f} s" for t in median_s(function, runs))
+        print(f"| {name} | {cells} |")
+    walks.close()
 
 
 def main() -> None:
@@ -103,6 +176,7 @@ def main() -> None:
         + " | ".join(f"{t * 1e3:.1f} ms" for t in search)
         + " |"
     )
+    print_bound(mission, arguments.runs)
     path = os.path.join(os.path.dirname(__file__), "../instances/nominal/nominal-000.json")
     for name, command in (
         ("process: import adr_opt", ["-c", "import adr_opt"]),
