@@ -97,6 +97,35 @@ def test_connections_are_what_is_left_of_all_sequences():
     assert kept > 1500
 
 
+def test_those_of_a_crossing_arrive_together():
+    """Connections of a pair have one crossing if and only if they arrive at one time."""
+    for origin, destination, rule, resolution in random_cases(30):
+        found = connections.of_pair(origin, destination, 3.0, rule, 0.7 * DAY_S, resolution)
+        half_turn = math.pi / transfer.prepare(origin, destination, 3.0, rule).rate_j
+        if found.departure.size:
+            after = (found.arrival - found.arrival[0]) / half_turn
+            crossings = found.crossing - found.crossing[0]
+            np.testing.assert_allclose(after, crossings, rtol=0.0, atol=1e-6)
+            assert found.crossing.min() >= 1
+
+
+@pytest.mark.parametrize("zones", [0, 3])
+def test_a_longer_mission_has_the_same_connections_before_the_end_of_a_shorter_one(zones):
+    """What arrives later dominates nothing that arrives before, whatever number of events."""
+    instance = adr_opt.generate("nominal", 1, targets=5, zones=zones)
+    orbits, rule = instance.orbits(), instance.transfer_rule()
+    for i, j in ((0, 1), (2, 3), (5, 4)):
+        short, long = (
+            connections.of_pair(orbits[i], orbits[j], 0.0, rule, days * DAY_S, 0.0)
+            for days in (6.0, 30.0)
+        )
+        before = long.arrival <= 6.0 * DAY_S
+        events = np.unique(long.departure).size
+        assert events > 2 * connections.BLOCK and short.departure.size > 100
+        for name in ("departure", "arrival", "delta_v", "revolutions"):
+            np.testing.assert_array_equal(getattr(long, name)[before], getattr(short, name))
+
+
 @pytest.fixture(scope="module")
 def timetable() -> Timetable:
     return Timetable(adr_opt.generate("tiny", 2, zones=2))
