@@ -126,13 +126,24 @@ def _cheapest_open(pair, rule, first, departure, time, below):
 
 
 @kernel
-def _sift(pair, rule, zoned, grid, e, latest, resolution, known, kept):
+def _any_closed(zones, start, end):
+    """Whether any zone is closed at some moment of a flight."""
+    zones, closed = borrowed(zones), False
+    for z in range(zones.shape[0]):
+        closed = closed or (zones[z, 2] <= end and start <= zones[z, 3])
+    return closed
+
+
+@kernel
+def _sift(pair, rule, zoned, grid, e, approach, latest, resolution, known, kept):
     """The rows of an event that nothing dominates, in order of arrival; how many.
 
     Parameters
     ----------
     zoned : bool
         Whether there are zones.
+    approach : float
+        What follows the flight time [s].
     latest : float
         Longest flight time [s].
     known : (crossings,) float64
@@ -150,7 +161,9 @@ def _sift(pair, rule, zoned, grid, e, latest, resolution, known, kept):
         if cheapest - resolution <= pair.floor_delta_v:
             break
         if grid.cost[row, e] < cheapest - resolution:
-            if zoned:
+            if zoned and _any_closed(
+                rule.zones, grid.departure[e], grid.departure[e] + grid.time[row, e] + approach
+            ):
                 grid.cost[row, e], grid.revolutions[row, e] = _cheapest_open(
                     pair, rule, grid.revolutions[row, e], grid.departure[e], grid.time[row, e],
                     cheapest - resolution,
@@ -231,7 +244,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
         _lay_out(pair, rule, curves, begin, end - begin, duration, grid)
         for e in range(end - begin - 1, -1, -1):
             latest = min(longest, duration - grid.departure[e] - approach)
-            count = _sift(pair, rule, zoned, grid, e, latest, resolution, known, kept)
+            count = _sift(pair, rule, zoned, grid, e, approach, latest, resolution, known, kept)
             for c in range(count - 1, -1, -1):
                 at -= 1
                 departures[at] = grid.departure[e]

@@ -20,6 +20,7 @@ import numpy as np
 from . import orbits
 from .compile import inlined, kernel
 from .constants import MU_M3_S2, SLACK_M_S, SLACK_S
+from .memory import borrowed
 
 TWO_PI = 2.0 * math.pi
 SQRT_MU = math.sqrt(MU_M3_S2)
@@ -335,8 +336,9 @@ def is_blocked(pair, rule, revolutions, r, departure):
     t3 = t2 + scale * a2 * math.sqrt(a2)
     t4 = t3 + scale * a3 * math.sqrt(a3)
     t5 = t4 + rule.approach_revolutions * TWO_PI / pair.rate_j
-    for z in range(rule.zones.shape[0]):
-        zone = rule.zones[z]
+    zones = borrowed(rule.zones)
+    for z in range(zones.shape[0]):
+        zone = zones[z]
         if t5 < zone[2] or departure > zone[3]:
             continue
         if zone[0] <= r <= zone[1] and t1 <= zone[3] and t2 >= zone[2]:
