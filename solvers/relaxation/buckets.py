@@ -91,6 +91,15 @@ def _assign(network, length, start, of_row):
 
 
 @kernel
+def _look_up(delta_v, landing, of_row, parts, slot, prices, buckets):
+    """Steps of ΔV and landing buckets of legs: short loops do not wait for what is looked up."""
+    for leg in range(prices.size):
+        prices[leg] = max(0.0, math.floor(parts * delta_v[leg] / slot - SLACK))
+    for leg in range(buckets.size):
+        buckets[leg] = of_row[landing[leg]]
+
+
+@kernel
 def _keep(network, start, of_row, i, slot, parts, steps):
     """The legs of body i that count.
 
@@ -114,12 +123,15 @@ def _keep(network, start, of_row, i, slot, parts, steps):
     cost, least = np.empty(most, np.int32), np.empty(most)
     first = np.empty(start[i + 1] - base, np.int64)
     at = most
+    before = network.first[low]
+    delta_v = network.delta_v[before : before + most]
+    prices, buckets = np.empty(most, np.int32), np.empty(most, np.int32)
+    _look_up(delta_v, network.landing[before : before + most], of_row, parts, slot, prices, buckets)
     for row in range(high - 1, low - 1, -1):
         j = network.destination[row]
-        for leg in range(network.first[row], network.first[row + 1]):
-            price = max(0, math.floor(parts * network.delta_v[leg] / slot - SLACK))
-            cheapest[j, price] = min(cheapest[j, price], network.delta_v[leg])
-            there = of_row[network.landing[leg]]
+        for leg in range(network.first[row] - before, network.first[row + 1] - before):
+            price, there = prices[leg], buckets[leg]
+            cheapest[j, price] = min(cheapest[j, price], delta_v[leg])
             if earliest[j, price] <= there:
                 continue
             at -= 1
