@@ -50,14 +50,15 @@ GROWTH = 4
 SET_UP_S_PER_EVENT = 3e-6
 """Time that setting up a proof takes, which cannot be broken off, for each timetable entry.
 
-By `bench/set_up.py` on one core 0.7 to 1.0 µs on fields of 50 and 100 targets over 3 to 10 days,
-and 2.8 µs on one with six zones."""
+By `bench/set_up.py` on one core 0.6 to 0.9 µs on fields of 50 and 100 targets over 3 to 10 days,
+and 2.0 µs on one with six zones; more where limits of altitude are wide, see
+:data:`adr_opt.kernels.phasing.WIDE`."""
 
 BYTES_PER_EVENT = 900
 """Memory that a proof takes up to its first labels for each timetable entry.
 
-By `bench/set_up.py` at most 490 to 870 bytes on the same fields; most, where buckets have most
-slots of ΔV. An entry has some 10 connections."""
+By `bench/set_up.py` 490 to 870 bytes on the same fields, the values of the finer walks included.
+An entry has some 10 connections."""
 
 MEMORY_SHARE = 0.5
 """Part of the free memory that the network may take."""
