@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import phasing, transfer
-from .compile import inlined, kernel
+from .compile import kernel
 from .constants import SLACK_S
 from .lists import ending
 from .memory import borrowed
@@ -54,15 +54,6 @@ class Grid(NamedTuple):
     revolutions: np.ndarray
 
 
-@inlined
-def _lent(grid):
-    """The same without ownership, for use within a kernel: no look is counted."""
-    return Grid(
-        borrowed(grid.departure), borrowed(grid.crossing), borrowed(grid.time),
-        borrowed(grid.cost), borrowed(grid.revolutions),
-    )  # fmt: skip
-
-
 @kernel
 def _begin_row(phase, turns, rate, row, time, cost):
     """Flight times of a row, and no sequences yet; one loop that becomes vectors."""
@@ -74,7 +65,7 @@ def _begin_row(phase, turns, rate, row, time, cost):
 @kernel
 def _lay_out(pair, rule, curves, begin, size, duration, grid):
     """Fill a grid with the events from number ``begin`` on; what arrives too late may miss."""
-    grid = _lent(grid)
+    grid = borrowed(grid)
     start, half_turns = transfer.first_departure(pair)
     half_period, lap = math.pi / pair.rate_i, TWO_PI / pair.rate_j
     offset = rule.standoff / pair.radius_j
@@ -151,7 +142,7 @@ def _sift(pair, rule, zoned, grid, e, approach, latest, resolution, known, kept)
     kept : (rows,) int64
         Written; their costs in the grid are those of sequences that meet no zone.
     """
-    grid, known, kept = _lent(grid), borrowed(known), borrowed(kept)
+    grid, known, kept = borrowed(grid), borrowed(known), borrowed(kept)
     count, cheapest = 0, math.inf
     crossing = grid.crossing[e]
     for row in range(grid.time.shape[0]):
