@@ -97,17 +97,18 @@ class Connecting:
     def find(self, i: int, j: int, resolution_m_s: float) -> kernels.Found:
         """Work out all connections of two bodies."""
         orbits, extra, rule = self.inputs
+        pair = orbits[i], orbits[j], extra[i, j], rule
+        found: kernels.Found
         if self.times is None:
-            return kernels.of_pair(
-                orbits[i], orbits[j], extra[i, j], rule, self._end, resolution_m_s
-            )
-        return drifting.of_pair(
-            orbits[i], orbits[j], extra[i, j], rule, self.times, self._end, resolution_m_s
-        )
+            found = kernels.of_pair(*pair, self._end, resolution_m_s)
+        else:
+            found = drifting.of_pair(*pair, self.times, self._end, resolution_m_s)
+        return found
 
     def list_pairs(self, order: npt.NDArray[np.int64], first: int, last: int) -> None:
         """Work out and keep the pairs from number ``first`` to before ``last`` of an order."""
-        assert self.lists is not None
+        if self.lists is None:
+            self.lists = {}
         for number in range(first, last):
             i, j = pair_of(order, number)
             if i != j and (i, j) not in self.lists:

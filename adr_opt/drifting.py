@@ -122,7 +122,7 @@ class _Arcs:
 
     def radius_of(self, rate: float, inclination: float) -> float:
         """The radius of the circle on which the latitude advances at a rate."""
-        r = (MU_M3_S2 / rate**2) ** (1.0 / 3.0)
+        r = float((MU_M3_S2 / rate**2) ** (1.0 / 3.0))
         for _ in range(20):
             step = (self.latitude_rate(r, inclination) - rate) * r / (1.5 * rate)
             r += step
@@ -275,11 +275,13 @@ class Drifting:
         pair, span = self._pair, self._arrival - self._departure
         node = drift.node_left(pair, self._arrival)
         climb = drift.climb_of(pair, span, node)
-        along, tilt = drift.split_at(pair, span, node, climb)
+        _, tilt = drift.split_at(pair, span, node, climb)
         inclination = float(self._i[orbits.INCLINATION]) + tilt / pair.speed
         planned = float(self._i[orbits.RAAN_RATE]) * span
-        planned -= (pair.by_radius * climb + pair.by_inclination * tilt) * span / (
-            pair.speed * pair.sine or 1.0
+        planned -= (
+            (pair.by_radius * climb + pair.by_inclination * tilt)
+            * span
+            / (pair.speed * pair.sine or 1.0)
         )
         self._planned_radius = linear = radius = self._radius(climb)
         for _ in range(20):
@@ -295,12 +297,12 @@ class Drifting:
     def _radius(self, climb: float) -> float:
         """Radius of the drift orbit that a change b_y leads to [m]."""
         ri = float(self._i[orbits.RADIUS])
-        return ri + climb * (ri + self._rj) / self._pair.speed
+        return float(ri + climb * (ri + self._rj) / self._pair.speed)
 
     def _climb(self, radius: float) -> float:
         """The change b_y of the closed form that drifts as a radius does [m/s]."""
         ri = float(self._i[orbits.RADIUS])
-        return (radius - self._correction - ri) * self._pair.speed / (ri + self._rj)
+        return float((radius - self._correction - ri) * self._pair.speed / (ri + self._rj))
 
     def _leaving(self, span: float, node: float, climb: float) -> tuple[Plane, Turn]:
         """Plane of the drift orbit, its node counted from that of the origin, and the way there."""
@@ -369,7 +371,7 @@ class Drifting:
         start = self._crossing(self._i, first.before + math.pi * parity, start)
         begun = first.after + math.pi * (1 + parity)
         last = self._closing(drifting, radius, start, met)
-        where, slope = radius, 1.0
+        where, missed, slope = radius, 0.0, 1.0
         for step in range(MOST_STEPS):
             rc = radius + rule.first_leg_fraction * (rj - radius)
             out, out_shift = arcs.half(ri, radius, first.middle.inclination)

@@ -88,7 +88,7 @@ class _Stretch:
 
     def turned(self, times: Vector) -> Vector:
         """Eccentric anomaly since the beginning, by Newton's method."""
-        mean = (times - self.begins) * self.pace * math.sqrt(MU_M3_S2 / self.a**3)
+        mean: Vector = (times - self.begins) * self.pace * math.sqrt(MU_M3_S2 / self.a**3)
         x = mean.copy()
         for _ in range(KEPLER_STEPS):
             sine, cosine = np.sin(x), np.cos(x)
@@ -112,7 +112,9 @@ class _Stretch:
         f_rate = -math.sqrt(MU_M3_S2 * self.a) / (r * self.radius) * math.sin(x)
         angle = self.node_rate * (self.ends - self.begins)
         return (
-            _turned((1.0 - self.a / self.radius * share) * self.position + g * self.velocity, angle),
+            _turned(
+                (1.0 - self.a / self.radius * share) * self.position + g * self.velocity, angle
+            ),
             _turned(f_rate * self.position + (1.0 - self.a / r * share) * self.velocity, angle),
         )
 

@@ -221,10 +221,9 @@ class Timetable:
             if done < pairs:
                 table = kernels.part(table, whole)
         else:
-            if connecting.lists is None:
-                connecting.lists = {}
+            lister = connecting
             done = _in_slices(
-                lambda first, last: connecting.list_pairs(turns, first, last),
+                lambda first, last: lister.list_pairs(turns, first, last),
                 pairs, 1, threads, so_far,
             )  # fmt: skip
             whole = np.sort(turns[: max(1, math.isqrt(done))])

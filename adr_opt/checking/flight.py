@@ -126,9 +126,7 @@ def check_drift(
             f"eccentricity_delta_v_m_s = {leg.eccentricity_delta_v_m_s!r}, but it is {shape!r}",
         )
     try:
-        flight = drifting.flown(
-            origin, destination, physics.rule, leg.departure_s, leg.arrival_s
-        )
+        flight = drifting.flown(origin, destination, physics.rule, leg.departure_s, leg.arrival_s)
     except InputError as error:
         yield Violation(number, "burns", str(error))
         return as_stated

@@ -79,9 +79,7 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
         i, j = bodies.number[leg.origin], bodies.number[leg.destination]
         arrival, delta_v = yield from check_transfer(instance, physics, number, leg, i, j, now.free)
         yield from _check_zones(instance, number, leg)
-        end = yield from _check_service(
-            instance, bodies, number, leg, arrival, physics.elements[j]
-        )
+        end = yield from _check_service(instance, bodies, number, leg, arrival, physics.elements[j])
         now.left = yield from _check_tank(instance, bodies, now, number, leg, delta_v)
         if leg.destination in bodies.stations:
             now.since_refuelling = 0
@@ -157,9 +155,7 @@ def _check_service(
     return end
 
 
-def _service_s(
-    instance: Instance, elements: npt.NDArray[np.float64], at_station: bool
-) -> float:
+def _service_s(instance: Instance, elements: npt.NDArray[np.float64], at_station: bool) -> float:
     """How long a chaser stays at a body [s]."""
     mission = instance.mission
     if not at_station and mission.service_s is not None:

@@ -10,6 +10,7 @@ from ..instance import Instance
 from ..kernels import outlook as outlook_kernels
 from ..kernels import timetable as timetable_kernels
 from ..kernels.episodes import CLOSES, OPENS, PRIZE, SERVICE, Episodes, Pool, begin
+from ..kernels.orbits import ORBIT_COLUMNS
 from ..kernels.outlook import HOME
 from ..mission import Mission
 from ..wording import counted
@@ -26,6 +27,8 @@ class FieldPool:
         Room for so many bodies, the station included.
     events : int
         Room for so many departure events of one body.
+    regular : bool
+        Whether events are a fixed time apart, as they are where nodes do not drift.
 
     Attributes
     ----------
@@ -35,11 +38,11 @@ class FieldPool:
         What stands in each slot.
     """
 
-    def __init__(self, slots: int, bodies: int, events: int) -> None:
-        tables, home = timetable_kernels.allocate_slots(slots, bodies, events)
+    def __init__(self, slots: int, bodies: int, events: int, *, regular: bool = True) -> None:
+        tables, home = timetable_kernels.allocate_slots(slots, bodies, events, regular=regular)
         self.arrays = Pool(
             bodies=np.zeros(slots, dtype=np.int32),
-            orbits=np.zeros((slots, bodies, 4)),
+            orbits=np.zeros((slots, bodies, len(ORBIT_COLUMNS))),
             limits=np.zeros((slots, 4, bodies)),
             is_station=np.arange(bodies) < 1,
             tables=tables,
@@ -55,7 +58,8 @@ class FieldPool:
     @classmethod
     def of(cls, mission: Mission) -> FieldPool:
         """A pool with one slot that holds one mission."""
-        pool = cls(1, len(mission.names), mission.timetable.most_events)
+        regular = timetable_kernels.is_regular(mission.timetable.table)
+        pool = cls(1, len(mission.names), mission.timetable.most_events, regular=regular)
         pool.install(0, mission)
         return pool
 

@@ -68,4 +68,5 @@ class MeanDynamics(TwoBody):
 def _turned(vector: np.ndarray, angle: float) -> np.ndarray:
     """A vector turned about the axis of the Earth."""
     c, s = math.cos(angle), math.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ vector
+    x, y, z = vector
+    return np.array([c * x - s * y, s * x + c * y, z])

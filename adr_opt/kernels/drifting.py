@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import drift, orbits, phasing, precession, transfer
+from . import drift, phasing, precession, transfer
 from .compile import inlined, kernel
 from .connections import Found
 from .constants import SLACK_S
@@ -142,7 +142,7 @@ def short(pair, rule, duration, spacing, most, resolution):
         while met - event <= latest:
             base = met - event
             turned = pair.latitude_j + pair.rate_j * met - offset - alpha_j
-            crossing = int(math.floor(turned / math.pi + 0.5)) + 1
+            crossing = math.floor(turned / math.pi + 0.5) + 1
             crossing = min(max(crossing, 1), crossings - 1)
             best, best_k = math.inf, -1
             best_d = best_a = 0.0
@@ -191,8 +191,8 @@ def short(pair, rule, duration, spacing, most, resolution):
                 costs[count], laps[count] = best, best_k
                 count += 1
                 cheapest = best
-                until[crossing] = best_a if known[crossing] == math.inf else max(
-                    until[crossing], best_a
+                until[crossing] = (
+                    best_a if known[crossing] == math.inf else max(until[crossing], best_a)
                 )
                 known[crossing] = min(known[crossing], best)
             met += lap

@@ -122,7 +122,8 @@ def event_at(pair, half_turns, time, alpha_i, alpha_j):
     moved_i, moved_j, _ = line(pair, lag + STEP_RAD)
     return Event(
         half_turns, time, lag, alpha_i, alpha_j,
-        (near(moved_i, alpha_i) - alpha_i) / STEP_RAD, (near(moved_j, alpha_j) - alpha_j) / STEP_RAD,
+        (near(moved_i, alpha_i) - alpha_i) / STEP_RAD,
+        (near(moved_j, alpha_j) - alpha_j) / STEP_RAD,
         theta,
     )  # fmt: skip
 
@@ -149,7 +150,7 @@ def later_event(pair, event, steps):
 
 @inlined
 def meeting(pair, rule, half_turns, alpha_j, time):
-    """When the target lets the chaser arrive at the stand-off, as near as possible to a time [s]."""
+    """When the target lets the chaser arrive at the stand-off, as near as it can to a time [s]."""
     latitude = alpha_j + math.pi * (half_turns + 1) + rule.standoff / pair.radius_j
     behind = latitude - pair.latitude_j - pair.rate_j * time
     return time + (behind - TWO_PI * math.floor(behind / TWO_PI + 0.5)) / pair.rate_j

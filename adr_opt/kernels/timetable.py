@@ -193,9 +193,7 @@ def choose(found, limits, j, time_value, taken):
     return count
 
 
-def pack(
-    bodies: int, chosen: list[tuple[int, int, Found, np.ndarray]], duration: float
-) -> Table:
+def pack(bodies: int, chosen: list[tuple[int, int, Found, np.ndarray]], duration: float) -> Table:
     """A table whose events are not regular.
 
     Parameters
@@ -244,7 +242,7 @@ def most_events(table: Table) -> int:
 
 def is_regular(table: Table) -> bool:
     """Whether events are a fixed time apart."""
-    return table.departure.shape[-2] == 0
+    return int(table.departure.shape[-2]) == 0
 
 
 def count_entries(table: Table) -> int:
