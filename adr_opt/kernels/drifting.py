@@ -25,7 +25,7 @@ from .transfer import TWO_PI
 BAND_S = 300.0
 """A sequence whose flight time is estimated so far from what its revolutions allow is left out."""
 
-SURE_STEPS = 4
+SURE_STEPS = 3
 """A fixed point that takes no more is found again from anywhere near."""
 
 ERROR_M_S, BEND_M_S = 0.05, 400.0
@@ -151,6 +151,7 @@ def short(pair, rule, duration, spacing, most, resolution):
                     break
                 if pair.longest + k * pair.longest_lap < base - BAND_S:
                     continue
+                left, there = event, met
                 if curves.time.shape[0] > 0:
                     shift = phasing.parts_at(curves, k, base)[4]
                     time = base + moves * shift
@@ -161,8 +162,10 @@ def short(pair, rule, duration, spacing, most, resolution):
                     off = ERROR_M_S + BEND_M_S * (shift / theta) ** 2
                     if estimate - off >= min(cheapest - resolution, best):
                         continue
+                    left += numbers[4, e] * shift / pair.rate_i
+                    there += numbers[5, e] * shift / pair.rate_j
                 found = precession.settle(
-                    pair, rule, half_turns[e], k, event, met, alpha_i, alpha_j
+                    pair, rule, half_turns[e], k, left, there, alpha_i, alpha_j
                 )
                 if found.delta_v >= min(cheapest - resolution, best):
                     continue

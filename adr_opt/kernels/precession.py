@@ -27,8 +27,8 @@ MOST_STEPS, MORE_STEPS = 8, 60
 """Steps of a fixed point; where planes nearly coincide so few are not enough for a sequence, and
 there is none; to find a departure again there are more."""
 
-CLOSE_S = 1e-7
-"""A fixed point is found when a step is less [s]."""
+CLOSE_S = 1e-6
+"""A fixed point is found when a step is less: the next one would be less by far [s]."""
 
 STEP_S = 16.0
 """Departures are rounded down to whole steps after their event [s]."""
