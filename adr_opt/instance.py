@@ -46,6 +46,10 @@ from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings
 
 FORMAT: Literal["adr-opt-instance/2"] = "adr-opt-instance/2"
 
+SPENT_BY_DRIFTING, REFUELLED = 0.8, 3.0
+"""What an hour is worth where planes drift, as a multiple of a tank over the mission; and so many
+times as much where there are stations."""
+
 TIME_VALUE_M_S_PER_H = 75.0
 """What an hour is worth to whoever chooses one transfer without looking ahead, if nobody says."""
 
@@ -90,7 +94,7 @@ class Instance(Record):
     objective: Objective = Objective()
     keep_out_zones: Annotated[tuple[KeepOutZone, ...], Field(strict=False)] = ()
 
-    _time_value_m_s_per_h: float = PrivateAttr(default=TIME_VALUE_M_S_PER_H)
+    _time_value_m_s_per_h: float | None = PrivateAttr(default=None)
 
     @field_validator("chasers", mode="after")
     @classmethod
@@ -162,7 +166,9 @@ class Instance(Record):
         InputError
             A change is not valid.
         """
-        return super().replace(**changes).with_time_value(self._time_value_m_s_per_h)
+        made = super().replace(**changes)
+        made._time_value_m_s_per_h = self._time_value_m_s_per_h
+        return made
 
     def with_time_value(self, time_value_m_s_per_h: float) -> Self:
         """The same instance for those who value an hour so, see :attr:`time_value_m_s_per_h`.
@@ -191,7 +197,23 @@ class Instance(Record):
         No part of the file, of equality and of :attr:`sha256`: a default for methods, and that of
         a file of the format ``adr-opt-instance/1`` is what the file says.
         """
+        if self._time_value_m_s_per_h is None:
+            return TIME_VALUE_M_S_PER_H * self.hurry
         return self._time_value_m_s_per_h
+
+    @property
+    def hurry(self) -> float:
+        """How dear time is here, against a mission of days: 1, and less where planes drift.
+
+        There time buys ΔV, and is worth what the mission spends on the average; a chaser that can
+        refuel spends more than one tank.
+        """
+        duration_s = self.mission.duration_s
+        if self.transfer.max_drift_s == 0.0 or duration_s == 0.0:
+            return 1.0
+        share = SPENT_BY_DRIFTING * (REFUELLED if self.stations else 1.0)
+        spent = share * self.chaser.tank.delta_v_m_s * HOUR_S / duration_s
+        return min(1.0, spent / TIME_VALUE_M_S_PER_H)
 
     def with_limits(
         self, duration_s: float | None = None, delta_v_m_s: float | None = None

@@ -20,8 +20,8 @@ from adr_opt.stop import Stop
 from ..certificate import Certificate
 from ..relaxation.latest import Latest
 from ..relaxation.proof import Proof, ProofOptions, bound_notes, fits_memory, set_up_s
-from ..search.beams import TIME_VALUE_M_S_PER_H, usual_settings
-from ..search.greedy_order import GUARDED_BETA, greedy_sequence
+from ..search.beams import USUAL, hurried, usual_settings
+from ..search.greedy_order import guarded_sequence
 from ..search.recreate import recreate
 from ..search.timely_beams import PILOT_WIDTH, Beams
 from ..search.varied_beams import varied
@@ -178,9 +178,7 @@ class AutoOptions(ProofOptions, method="auto"):
         True,
         "Whether to work on the bound; without it only beams and local search are used.",
     )
-    time_value_m_s_per_h: float = option(
-        TIME_VALUE_M_S_PER_H, "As for `beam`.", unit="m/s per h", least=0.0
-    )
+    time_value_m_s_per_h: float = option(USUAL, "As for `beam`.", unit="m/s per h")
 
 
 def auto(
@@ -208,10 +206,10 @@ def auto(
         A plan to begin from: bodies in order.
     """
     began = time.perf_counter()
-    given, mission = mission, mission.with_time_value(options.time_value_m_s_per_h)
+    given, mission = mission, hurried(mission, options.time_value_m_s_per_h)
     certificate = Certificate(mission, progress)
     search = _Search(mission, seed, stop, certificate)
-    certificate.offer(greedy_sequence(given, beta=GUARDED_BETA))
+    certificate.offer(guarded_sequence(given))
     if start is not None:
         certificate.offer(start)
     prover = None
@@ -232,8 +230,8 @@ def auto(
         search.usual(PILOT_WIDTH)
     # Beside a proof a beam is slower, so where time is short it comes before; on one core the proof
     # would come before it, and take what there is.
-    hurried = options.cores == 1 or search.needed_s(USUAL_WIDTH) > UNHURRIED * stop.remaining_s()
-    if hurried and not certificate.proven:
+    short_of_time = options.cores == 1 or search.needed_s(USUAL_WIDTH) > UNHURRIED * stop.remaining_s()
+    if short_of_time and not certificate.proven:
         search.usual(USUAL_WIDTH)
     width, recreations = VARIED_WIDTH, 20
     with nullcontext() if prover is None else closing(prover), ThreadPoolExecutor(1) as pool:

@@ -18,7 +18,7 @@ from ..learned import load_policy
 from ..learned.decoding import Field
 from ..learned.policy_beam import BeamSettings as PolicyBeam
 from ..learned.policy_beam import beam as beam_by_policy
-from ..search.beams import TIME_VALUE_M_S_PER_H, BeamSettings
+from ..search.beams import USUAL, BeamSettings, hurried
 from ..search.timely_beams import PILOT_WIDTH, Beams
 from ..search.worth import worth_of
 
@@ -34,11 +34,11 @@ class BeamOptions(Options, method="beam"):
         most=1_000_000,
     )
     time_value_m_s_per_h: float = option(
-        TIME_VALUE_M_S_PER_H,
+        USUAL,
         "Of all connections to a target, the one with the least ΔV + value · (arrival − ready) is "
-        "looked at; the plan found is flown at its best schedule over all of them.",
+        "looked at; the plan found is flown at its best schedule over all of them. Below 0: 110, "
+        "and less where planes drift.",
         unit="m/s per h",
-        least=0.0,
     )
     time_weight: float = option(
         1.0,
@@ -81,7 +81,7 @@ def beam(
     it does allow; one that is late all the same is hurried to its end.
     """
     began = time.perf_counter()
-    mission = mission.with_time_value(options.time_value_m_s_per_h)
+    mission = hurried(mission, options.time_value_m_s_per_h)
     best = Incumbent(mission)
     states = 0
     if options.policy:

@@ -26,8 +26,8 @@ from adr_opt.stop import Clock, Stop
 from ..certificate import Certificate
 from ..relaxation.latest import Latest
 from ..relaxation.proof import MOST_LABELS, ProofOptions, bound_notes, prove, prove_cost
-from ..search.beams import TIME_VALUE_M_S_PER_H, usual_settings
-from ..search.greedy_order import GUARDED_BETA, greedy_sequence
+from ..search.beams import hurried, usual_settings
+from ..search.greedy_order import guarded_sequence
 from ..search.timely_beams import PILOT_WIDTH, Beams
 from ..search.varied_beams import varied
 
@@ -80,11 +80,11 @@ def exact(
 
     beams, rng = Beams(mission, Clock(stop)), np.random.default_rng(seed)
     if not certificate.proven and not enough():
-        certificate.offer(greedy_sequence(mission, beta=GUARDED_BETA))
+        certificate.offer(guarded_sequence(mission))
     if not certificate.proven and not enough():
-        hurried = mission.with_time_value(TIME_VALUE_M_S_PER_H)
+        layer = hurried(mission)
         for width in (PILOT_WIDTH, WIDTH):
-            certificate.offer(beams.search(usual_settings(hurried, width), mission=hurried))
+            certificate.offer(beams.search(usual_settings(layer, width), mission=layer))
 
     number = FIRST_BEAMS
 
@@ -94,9 +94,9 @@ def exact(
         for _ in range(number):
             if certificate.incumbent >= goal or stop.remaining_s() <= 0.0:
                 break
-            hurried, settings, noise = varied(mission, WIDTH, rng)
+            layer, settings, noise = varied(mission, WIDTH, rng)
             guide = latest._replace(goal=goal)
-            certificate.offer(beams.search(settings, guide=guide, seed=noise, mission=hurried))
+            certificate.offer(beams.search(settings, guide=guide, seed=noise, mission=layer))
         number = min(2 * number, MOST_BEAMS)
 
     counters = prove(mission, certificate, stop, enough, options, search=search)

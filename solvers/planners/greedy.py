@@ -34,10 +34,10 @@ class GuardedOptions(GreedyOptions, method="greedy-guarded"):
     """Options of the planner ``greedy-guarded``."""
 
     beta: float = option(
-        GUARDED_BETA,
-        "Weight of the time from ready to arrival: 45 m/s an hour.",
+        -1.0,
+        "Weight of the time from ready to arrival. Below 0: 0.0125, which is 45 m/s an hour, and "
+        "less where planes drift.",
         unit="per s",
-        least=0.0,
     )
 
 
@@ -47,8 +47,9 @@ def _plan(
     start = time.perf_counter()
     if options.time_value_m_s_per_h >= 0.0:
         mission = mission.with_time_value(options.time_value_m_s_per_h)
+    beta = options.beta if options.beta >= 0.0 else GUARDED_BETA * mission.instance.hurry
     sequence = greedy_sequence(
-        mission, alpha=options.alpha, beta=options.beta, guarded=name == "greedy-guarded"
+        mission, alpha=options.alpha, beta=beta, guarded=name == "greedy-guarded"
     )
     runtime = time.perf_counter() - start
     progress(float(mission.collected(sequence)), math.inf)

@@ -36,7 +36,11 @@ from .levels import Scratch, Search, Weights
 from .worth import worth_of
 
 TIME_VALUE_M_S_PER_H = 110.0
-"""What an hour is worth where beams, and windows, choose one connection for each move."""
+"""What an hour is worth where beams, and windows, choose one connection for each move; where planes
+drift it is less by as much as time is cheaper there."""
+
+USUAL = -1.0
+"""Stands for that in options."""
 
 CANDIDATES = 8
 """Candidates looked at for each state kept: some are dominated, stranded, or at a full body."""
@@ -76,6 +80,13 @@ class BeamSettings:
     crowding: float = 1.7
     noise: float = 0.0
     guarded: bool = True
+
+
+def hurried(mission: Mission, time_value_m_s_per_h: float = USUAL) -> Mission:
+    """The mission for beams to search: on the usual choice of connections, or on a given one."""
+    if time_value_m_s_per_h < 0.0:
+        time_value_m_s_per_h = TIME_VALUE_M_S_PER_H * mission.instance.hurry
+    return mission.with_time_value(time_value_m_s_per_h)
 
 
 def usual_settings(mission: Mission, width: int) -> BeamSettings:

@@ -56,6 +56,11 @@ def greedy_sequence(
     return sequence
 
 
+def guarded_sequence(mission: Mission) -> npt.NDArray[np.int64]:
+    """The guarded greedy order as the planner ``greedy-guarded`` has it."""
+    return greedy_sequence(mission, beta=GUARDED_BETA * mission.instance.hurry)
+
+
 @kernel
 def _greedy(rules, is_required, beginning, alpha, beta, guarded):
     rules = borrowed(rules)

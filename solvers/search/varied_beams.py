@@ -28,11 +28,11 @@ class Varied(NamedTuple):
 
 def varied(mission: Mission, width: int, rng: np.random.Generator) -> Varied:
     """A beam whose settings are drawn; the same number of draws whatever they are."""
-    hurry = float(rng.choice(TIME_VALUES_M_S_PER_H))
+    value = float(rng.choice(TIME_VALUES_M_S_PER_H)) * mission.instance.hurry
     factor, crowding = rng.uniform(0.6, 1.6), rng.uniform(1.2, 2.5)
     noise, unguarded = rng.uniform(0.0, 0.4), rng.random() < 0.3
     seed = int(rng.integers(2**31))
-    hurried = mission.with_time_value(hurry)
+    hurried = mission.with_time_value(value)
     worth = worth_of(hurried)
     settings = BeamSettings(
         width=width,

@@ -16,7 +16,7 @@ from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
 from ...incumbent import Incumbent
-from ...search.greedy_order import GUARDED_BETA, greedy_sequence
+from ...search.greedy_order import guarded_sequence
 from ...search.orders import make_labels
 from ...search.recreate import recreate
 from ...search.worth import worth_of
@@ -111,7 +111,7 @@ def local_search(
     """
     began = time.perf_counter()
     if start is None:
-        start = greedy_sequence(mission, beta=GUARDED_BETA)
+        start = guarded_sequence(mission)
     search = LocalSearch(mission, start, seed)
     progress(search.best.objective, math.inf)
     iterations = improved = 0

@@ -21,8 +21,8 @@ from adr_opt.result import Result, certify
 from adr_opt.start import start_sequence
 from adr_opt.stop import Stop
 
-from ...search.beams import TIME_VALUE_M_S_PER_H
-from ...search.greedy_order import GUARDED_BETA, greedy_sequence
+from ...search.beams import USUAL, hurried
+from ...search.greedy_order import guarded_sequence
 from .network import Limits
 from .order import Order, filled, flown
 from .replan import Choice, Replanned, replan, worth_of
@@ -61,11 +61,10 @@ class OrtoolsOptions(Options, method="ortools"):
         0.4, "Limit of one CP-SAT search in its deterministic time, about seconds.", above=0.0
     )
     time_value_m_s_per_h: float = option(
-        TIME_VALUE_M_S_PER_H,
+        USUAL,
         "Windows choose from the connections of least ΔV + this · arrival; plans are timed over "
-        "all.",
+        "all. Below 0: as for `beam`.",
         unit="m/s per h",
-        least=0.0,
     )
 
 
@@ -95,7 +94,7 @@ def ortools(
         The start plan is not legal.
     """
     begun = time.perf_counter()
-    layer = mission.with_time_value(options.time_value_m_s_per_h)
+    layer = hurried(mission, options.time_value_m_s_per_h)
     rules = layer.rules
     limits = Limits(
         NODES,
@@ -104,7 +103,7 @@ def ortools(
         LAG * float(rules.prize.sum()) / max(1, int(np.count_nonzero(rules.prize))),
     )
     if start is None:
-        first = greedy_sequence(mission, beta=GUARDED_BETA)
+        first = guarded_sequence(mission)
     else:
         first = np.array(start_sequence(mission, start), dtype=np.int64)
     best = flown(layer, first) or Order(layer, np.empty(0, np.int64))
