@@ -13,11 +13,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import adr_opt
-from adr_opt import Instance, Plan, support
+from adr_opt import Instance, Plan
 from adr_opt import instance as instance_module
 from adr_opt import plan as plan_module
 from adr_opt.bodies import Station
 from adr_opt.chasers import AtStation, Chaser, InOrbit, Tank, free_name
+from adr_opt.kernels.orbits import ORBIT_COLUMNS
 from adr_opt.plan import cost_of
 from adr_opt.settings import MissionSettings, Objective, TransferSettings
 
@@ -105,32 +106,11 @@ def test_bodies_are_stations_then_the_start_then_targets(instance: Instance) -> 
     assert len(instance.body_orbits) == len(names)
     for number, target in enumerate(instance.targets, start=first):
         assert instance.body_orbits[number] == target.orbit
-    assert instance.orbits().shape == (len(names), 4)
+    assert instance.orbits().shape == (len(names), len(ORBIT_COLUMNS))
     assert instance.eccentricity_delta_v().shape == (len(names), len(names))
     part = instance.part([first + 2, first, 0])
     assert part.targets == (instance.targets[0], instance.targets[2])
     assert part.names[:first] == instance.names[:first]
-
-
-@settings(max_examples=60, deadline=None)
-@given(stated())
-def test_all_that_departs_from_what_can_be_planned_is_refused(instance: Instance) -> None:
-    """An instance is refused exactly if one of the rules that wait for planners is stated."""
-    usual = TransferSettings().departure_spacing_s
-    departs = instance.transfer.departure_spacing_s != usual
-    said = support.unsupported(instance)
-    assert (said is not None) == departs
-    if said is not None:
-        assert "not supported yet" in said
-        with pytest.raises(adr_opt.InputError, match="not supported yet"):
-            adr_opt.Mission(instance)
-
-
-def test_what_the_generator_draws_can_be_planned() -> None:
-    """Generated instances, also without targets, state nothing that would be refused."""
-    for family in ("tiny", "nominal", "cloud"):
-        assert support.unsupported(adr_opt.generate(family, 1, zones=2)) is None
-    assert support.unsupported(adr_opt.generate("tiny", 1, targets=0)) is None
 
 
 def test_limits_are_changed_together() -> None:

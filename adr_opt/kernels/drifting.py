@@ -37,7 +37,7 @@ class Times(NamedTuple):
 
     Attributes
     ----------
-    spacing : float
+    interval : float
         Between departure events of a pair, at least [s].
     step, longest : float
         Of the grid of long transfers, and the longest of them, 0 for none [s].
@@ -45,7 +45,7 @@ class Times(NamedTuple):
         Transfers that cost more are of no use to anybody [m/s].
     """
 
-    spacing: float
+    interval: float
     step: float
     longest: float
     most: float
@@ -296,7 +296,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolution):
     """
     pair = transfer.prepare(orbit_i, orbit_j, extra_delta_v, rule)
     departure, arrival, cost, laps = short(
-        pair, rule, duration, times.spacing, times.most, resolution
+        pair, rule, duration, times.interval, times.most, resolution
     )
     order = _by_departure(departure, arrival)
     shorts = order.size

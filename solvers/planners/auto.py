@@ -230,7 +230,9 @@ def auto(
         search.usual(PILOT_WIDTH)
     # Beside a proof a beam is slower, so where time is short it comes before; on one core the proof
     # would come before it, and take what there is.
-    short_of_time = options.cores == 1 or search.needed_s(USUAL_WIDTH) > UNHURRIED * stop.remaining_s()
+    short_of_time = (
+        options.cores == 1 or search.needed_s(USUAL_WIDTH) > UNHURRIED * stop.remaining_s()
+    )
     if short_of_time and not certificate.proven:
         search.usual(USUAL_WIDTH)
     width, recreations = VARIED_WIDTH, 20
