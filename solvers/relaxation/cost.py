@@ -47,7 +47,7 @@ REACH_SHARE = 1.0 / 150.0
 EVALUATIONS = 8
 """Prices tried for the first bound."""
 
-FIRST_LABELS, GROWTH = 2_000_000, 2
+FIRST_LABELS, GROWTH = 4_000_000, 2
 """Labels of the first searches, and how many times as many the next ones may make."""
 
 LEAST_SHARE = 1.0 / 8.0

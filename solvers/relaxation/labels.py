@@ -31,6 +31,8 @@ from .waiting import FINE, WORD, arrive, dominates, is_dominated, keep
 
 EXHAUSTED, CHUNK_DONE, FULL, CROWDED = 0, 1, 2, 3
 
+SHORT = 4
+
 
 class Table(NamedTuple):
     """Completion values: what a walk can still collect, by body, time and ΔV left.
@@ -299,6 +301,56 @@ def _value(network, labels, body, label, price, least_worth):
     return labels.value[label] - np.int64(price * beyond)
 
 
+@inlined
+def _cycle(network, path, length, neighbourhood, seen):
+    """The cycle of a walk that the fewest more memories forbid.
+
+    Returns
+    -------
+    begin, end : int
+        Where the same target is first and next; −1 if there is no cycle.
+    fewest : int
+        Memories that it takes; 0 if the walk is forbidden already.
+    """
+    for j in range(seen.size):
+        seen[j] = -1
+    begin, end, fewest = -1, -1, seen.size
+    for a in range(length):
+        j = path[a]
+        if network.is_station[j]:
+            continue
+        if seen[j] >= 0:
+            missing = 0
+            for b in range(seen[j] + 1, a):
+                missing += not neighbourhood[path[b], j // WORD] >> (j % WORD) & 1
+            if missing < fewest:
+                begin, end, fewest = seen[j], a, missing
+        seen[j] = a
+    return begin, end, fewest
+
+
+@inlined
+def _forbid(network, path, length, neighbourhood, seen, most):
+    """Forbid the cycles of a walk that at most so many more memories forbid; returns how many."""
+    for j in range(seen.size):
+        seen[j] = -1
+    grown = 0
+    for a in range(length):
+        j = path[a]
+        if network.is_station[j]:
+            continue
+        if seen[j] >= 0:
+            missing = 0
+            for b in range(seen[j] + 1, a):
+                missing += not neighbourhood[path[b], j // WORD] >> (j % WORD) & 1
+            if missing <= most:
+                grown += missing
+                for b in range(seen[j] + 1, a):
+                    neighbourhood[path[b], j // WORD] |= 1 << (j % WORD)
+        seen[j] = a
+    return grown
+
+
 @kernel
 def learn(
     network, labels, body, count, least, price, least_worth, most_walks, neighbourhood, path
@@ -346,23 +398,12 @@ def learn(
             continue
         number += 1
         length = path_of(labels, body, label, path)
-        seen[:] = -1
-        is_plan = True
-        for a in range(length):
-            j = path[a]
-            if network.is_station[j]:
-                continue
-            if seen[j] >= 0:
-                is_plan = False
-                if number % stride == 0:
-                    bit = 1 << (j % WORD)
-                    for b in range(seen[j] + 1, a):
-                        if not neighbourhood[path[b], j // WORD] & bit:
-                            neighbourhood[path[b], j // WORD] |= bit
-                            grown += 1
-            seen[j] = a
-        if is_plan and value > most:
-            plan, most = label, value
+        begin, end, fewest = _cycle(network, path, length, neighbourhood, seen)
+        if begin < 0:
+            if value > most:
+                plan, most = label, value
+        elif fewest > 0 and number % stride == 0:
+            grown += _forbid(network, path, length, neighbourhood, seen, max(fewest, SHORT))
     return plan, grown
 
 

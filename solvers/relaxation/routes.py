@@ -34,7 +34,7 @@ EFFORT = 200_000
 FIRST_WAITING = 256
 """Labels that may wait at each body before there has to be more room."""
 
-WALKS = 64
+WALKS = 1000
 """Walks to learn from after a search."""
 
 
