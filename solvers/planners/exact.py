@@ -37,8 +37,8 @@ WIDTH = 2000
 FIRST_BEAMS, MOST_BEAMS = 8, 16
 """How many before the first round, twice as many before each further one."""
 
-COST_SLOT_M_S = 25.0
-"""Slot of ΔV in proofs of the least cost; they take the memory of three tables [m/s]."""
+COST_SLOT_M_S = 12.5
+"""Slot of ΔV in proofs of the least cost, of walks that do not pay for it [m/s]."""
 
 
 @dataclass(frozen=True)

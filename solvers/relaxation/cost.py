@@ -50,6 +50,9 @@ EVALUATIONS = 8
 FIRST_LABELS, GROWTH = 4_000_000, 2
 """Labels of the first searches, and how many times as many the next ones may make."""
 
+NEAR = 0.15
+"""Gap, as a share of the cost known, within which the whole of it is asked for at first."""
+
 LEAST_SHARE = 1.0 / 8.0
 """Of the gap, asked for at least before more labels are allowed."""
 
@@ -147,7 +150,8 @@ class CostProof:
         self._price = 0.0
         self._pool = ThreadPoolExecutor(1) if jobs > 1 else None
         self._labels, self._most_labels = min(FIRST_LABELS, most_labels), most_labels
-        self._share, self._finding_share = 1.0, 1.0
+        self._share, self._finding_share = 0.5, 1.0
+        self._tried = False  # whether the whole gap was ever too much
         self._ready = False
         self.bound = 0.0
         self.done = self.proven
@@ -203,6 +207,8 @@ class CostProof:
 
     def _search(self) -> None:
         """Ask for plans that cost no more than a share of the gap above the bound."""
+        if not self._tried and self._cost() - self.bound <= NEAR * self._cost():
+            self._share = 1.0
         known, most = self._price * self._worth, self._below(self._share)
         finding: Future[None] | None = None
         self._finding.compared = self._proving.neighbourhood.copy()
@@ -219,6 +225,7 @@ class CostProof:
             if finding is not None:
                 finding.result()
         if not finished:
+            self._tried |= self._share == 1.0
             if self._share > LEAST_SHARE:
                 self._share *= 0.5
             elif self._labels < self._most_labels:

@@ -147,7 +147,7 @@ def _stay(search, labels, waiting, row, i, kept):
             labels.came_from[label],
         )  # fmt: skip
     keep(waiting, i, kept, 2 * search.neighbourhood.shape[1])
-    waiting.bucket[i] = search.reach.bucket[row]
+    waiting.bucket[i] = search.values.bucket[row]
 
 
 @inlined
@@ -217,7 +217,7 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
             if not arrive(waiting, labels, i, pending[row], search.compared[i]):
                 return CROWDED
             pending[row] = labels.following[pending[row]]
-        if waiting.bucket[i] != search.reach.bucket[row]:
+        if waiting.bucket[i] != search.values.bucket[row]:
             _stay(search, labels, waiting, row, i, kept)
         j = network.destination[row]
         to_station, compared = network.is_station[j], search.compared[j]
@@ -226,15 +226,15 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
             here = waiting.label[i, k]
             if here < 0:
                 continue
-            left, value, worth = labels.left[here], labels.value[here], labels.worth[here]
-            collected = worth + search.worths[j] if search.price > 0.0 else worth
-            if not _may_lead_on(network, search, row, value, left, collected, behind, j):
-                continue
             if not to_station:
                 if labels.memory[here, j // WORD] >> (j % WORD) & 1:
                     continue
                 if labels.visits[here] == search.most_visits:
                     continue
+            left, value, worth = labels.left[here], labels.value[here], labels.worth[here]
+            collected = worth + search.worths[j] if search.price > 0.0 else worth
+            if not _may_lead_on(network, search, row, value, left, collected, behind, j):
+                continue
             # What does not limit a walk is not counted, so that it tells no labels apart.
             visits = labels.visits[here] + (counts and not to_station)
             for w in range(words):
