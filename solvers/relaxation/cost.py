@@ -150,7 +150,7 @@ class CostProof:
         self._price = 0.0
         self._pool = ThreadPoolExecutor(1) if jobs > 1 else None
         self._labels, self._most_labels = min(FIRST_LABELS, most_labels), most_labels
-        self._share, self._finding_share = 0.5, 1.0
+        self._share, self._finding_share = 0.25, 1.0
         self._tried = False  # whether the whole gap was ever too much
         self._ready = False
         self.bound = 0.0
