@@ -1,4 +1,4 @@
-"""The least ΔV at the best prize: what ``exact`` with ``cost=true`` proves in a time, field by field.
+"""The least ΔV at the best prize: what ``exact`` proves of it in a time, field by field.
 
     python bench/cost.py nominal --limit 60 --out cost.jsonl
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ import adr_opt
 from adr_opt.mission import Mission
 from adr_opt.result import certify
 from adr_opt.settings import Objective
+from solvers.relaxation.cost import CostProof
 from solvers.relaxation.routes import Routes
 from solvers.relaxation.walks import WalkBound
 
@@ -118,3 +120,42 @@ def test_the_least_cost_is_proven(part):
         assert adr_opt.check(instance, plan) == (), seed
         proven += plan.cost > 0.0
     assert proven > 5
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_cut_short_no_plan_costs_less_than_the_bound(jobs):
+    """After one round of a proof the bound on the cost holds, and no plan on the way beats it."""
+    open_ends = 0
+    for seed in range(30):
+        instance = random_mission(3000 + seed).replace(objective=Objective(cost="delta-v"))
+        mission = Mission(instance)
+        prizes, cost, _ = brute_force(mission)
+        if not math.isfinite(prizes):
+            continue
+        found = adr_opt.solve(mission, "exact", time_limit=60.0).sequence
+        costs = []
+
+        def offer(sequence, mission=mission, costs=costs):
+            costs.append(mission.time(tuple(int(j) for j in sequence)).cost)
+
+        known = mission.time(found).cost
+        proof = CostProof(
+            mission, mission.worth(prizes), offer, lambda: min([known, *costs]), lambda: False,
+            jobs=jobs, delta_v_slot_m_s=100.0, most_labels=10**6,
+        )  # fmt: skip
+        with closing(proof):
+            if not proof.done:
+                proof.advance()
+        assert proof.bound <= cost * (1.0 + 1e-9) + 1e-6, seed
+        assert min(costs, default=cost) >= cost - 1e-6, seed
+        open_ends += not proof.proven
+    assert open_ends > 3
+
+
+def test_of_the_end_of_the_mission_nothing_is_proven():
+    """Where the cost is the mission's end, asking for a proof of ΔV leaves no bound behind."""
+    mission = Mission(adr_opt.generate("tiny", 0).replace(objective=Objective(cost="duration")))
+    plan = adr_opt.solve(mission, "exact", time_limit=60.0, cost=True).plan
+    assert plan.status == "optimal"
+    assert plan.cost_bound is None
+

@@ -101,7 +101,8 @@ def exact(
 
     counters = prove(mission, certificate, stop, enough, options, search=search)
     cost_bound = None
-    if options.cost and certificate.proven and certificate.sequence is not None:
+    by_delta_v = mission.instance.objective.cost == "delta-v"
+    if options.cost and by_delta_v and certificate.proven and certificate.sequence is not None:
         cost_bound, counted = prove_cost(
             mission, certificate, stop, replace(options, delta_v_slot_m_s=COST_SLOT_M_S)
         )

@@ -29,6 +29,7 @@ import numpy.typing as npt
 from adr_opt.mission import Mission
 
 from .labels import Table
+from .network import Network
 from .routes import Routes
 from .walks import LARGEST, TimeIsOver, WalkBound
 
@@ -72,7 +73,7 @@ class PricedBound(WalkBound):
         delta_v_slot_m_s: float,
         jobs: int,
         over: Callable[[], bool],
-        network: object = None,
+        network: Network | None = None,
     ) -> None:
         super().__init__(
             mission, delta_v_slot_m_s, jobs=jobs, over=over, network=network, parts=PARTS

@@ -14,17 +14,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .labels import (
-    CROWDED,
-    EXHAUSTED,
-    FULL,
-    Search,
-    Table,
-    extend,
-    learn,
-    most_of,
-    path_of,
-)
+from .labels import CROWDED, EXHAUSTED, FULL, Search, Table, extend
+from .learning import learn, most_of, path_of
 from .waiting import FINE, WORD, Labels, labels_room, larger, room
 from .walks import WalkBound
 
