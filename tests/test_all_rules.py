@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ import adr_opt
 from adr_opt.mission import Mission
 from adr_opt.result import certify
 from adr_opt.settings import Objective
+from solvers.relaxation.cost import CostProof
 from solvers.relaxation.routes import Routes
 from solvers.relaxation.walks import WalkBound
 
@@ -118,3 +120,41 @@ def test_the_least_cost_is_proven(part):
         assert adr_opt.check(instance, plan) == (), seed
         proven += plan.cost > 0.0
     assert proven > 5
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_no_plan_costs_less_than_the_bound(jobs):
+    """However dear the plan known, after each round of a proof of the cost the bound holds."""
+    closed = 0
+    for seed in range(40):
+        instance = random_mission(3000 + seed).replace(objective=Objective(cost="delta-v"))
+        mission = Mission(instance)
+        prizes, cost, _ = brute_force(mission)
+        if not math.isfinite(prizes):
+            continue
+        found = []
+        # It hears of no better plan, so that walks are asked for that there are.
+        proof = CostProof(
+            mission, mission.worth(prizes), found.append, lambda dear=4.0 * cost + 1.0: dear,
+            lambda: False, jobs=jobs, delta_v_slot_m_s=100.0, most_labels=10**6,
+        )  # fmt: skip
+        with closing(proof):
+            for _ in range(8):
+                if not proof.done:
+                    proof.advance()
+                assert proof.bound <= cost * (1.0 + 1e-9) + 1e-6, seed
+        for sequence in found:
+            schedule = mission.time(tuple(int(j) for j in sequence))
+            assert schedule.made == len(sequence), seed
+            assert schedule.objective >= mission.worth(prizes) - 1e-6, seed
+            assert schedule.cost >= cost - 1e-6, seed
+        closed += proof.bound >= cost * (1.0 - 1e-6) - 1e-6
+    assert closed > 20
+
+
+def test_of_the_end_of_the_mission_nothing_is_proven():
+    """Where the cost is the mission's end, asking for a proof of ΔV leaves no bound behind."""
+    mission = Mission(adr_opt.generate("tiny", 0).replace(objective=Objective(cost="duration")))
+    plan = adr_opt.solve(mission, "exact", time_limit=60.0, cost=True).plan
+    assert plan.status == "optimal"
+    assert plan.cost_bound is None

@@ -37,8 +37,8 @@ WIDTH = 2000
 FIRST_BEAMS, MOST_BEAMS = 8, 16
 """How many before the first round, twice as many before each further one."""
 
-COST_SLOT_M_S = 25.0
-"""Slot of ΔV in proofs of the least cost; they take the memory of three tables [m/s]."""
+COST_SLOT_M_S = 12.5
+"""Slot of ΔV in proofs of the least cost, of walks that do not pay for it [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,8 @@ def exact(
 
     counters = prove(mission, certificate, stop, enough, options, search=search)
     cost_bound = None
-    if options.cost and certificate.proven and certificate.sequence is not None:
+    by_delta_v = mission.instance.objective.cost == "delta-v"
+    if options.cost and by_delta_v and certificate.proven and certificate.sequence is not None:
         cost_bound, counted = prove_cost(
             mission, certificate, stop, replace(options, delta_v_slot_m_s=COST_SLOT_M_S)
         )

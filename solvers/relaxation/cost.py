@@ -1,20 +1,26 @@
 """Least ΔV at the best prize: the relaxation with walks that pay for what they use.
 
-Of the plans worth at least P, which costs least? With a price λ on worth and multipliers ρ_j ≥ 0 on
-"target j at most once", all in m/s, every such plan costs at least
+Of the plans worth at least P, which costs least? With a price λ on worth, in m/s, every such plan
+costs at least
 
-    λ P − Σ ρ_j − max over walks [ Σ over services (λ worth_j − ρ_j) − ΔV ] ,
+    λ P − max over walks [ Σ over services λ worth_j − ΔV ] ,
 
-since it is a walk, is worth P or more, and leaves the ρ of what it does not visit. The walks are
-those of :mod:`.walks`, times exact; a leg pays the least ΔV that any leg between the same bodies in
-as many slots costs. Labels pay exactly, and are also dropped when their worth can no longer reach
-P, by the values of a sweep in which nothing is paid.
+since it is a walk and is worth P or more. The walks are those of :mod:`.walks`, times exact; a leg
+pays the least ΔV that any leg between the same bodies in as many slots costs. Labels pay exactly.
+They are dropped when they would cost too much at either of two prices, a moderate one and one at
+which a service is worth any ΔV, and when their worth can no longer reach P, by the values of a
+sweep in which nothing is paid. That one is what keeps them few, and so the finest: a mission at its
+best prize has hardly any time to spare.
+
+There are no multipliers here. They raise the bound of walks by little compared with what is left to
+the cost of a plan, and without them labels that collect as many targets can be compared.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 
 import numpy as np
@@ -22,11 +28,10 @@ import numpy.typing as npt
 
 from adr_opt.mission import Mission
 
-from .multipliers import Descent
+from .labels import Table
+from .network import Network
 from .routes import Routes
 from .walks import LARGEST, TimeIsOver, WalkBound
-
-FloatArray = npt.NDArray[np.float64]
 
 RELATIVE = 1e-6
 """A cost is the least if it exceeds the bound by no more than this share of it."""
@@ -34,11 +39,20 @@ RELATIVE = 1e-6
 GREATEST_TANKS = 2.0
 """Most that a service is worth to a walk [tanks]."""
 
-FIRST_EVALUATIONS, FIRST_LABELS, GROWTH = 24, 2_000_000, 4
-"""Effort of the first round, and how that of the next ones grows."""
+COARSER, PARTS = 4.0, 10
+"""Slots of walks that pay, in slots of walks that do not; and steps of ΔV in one of theirs."""
 
-PARTS = 25
-"""Steps of ΔV in a slot: what a leg pays is known to a step."""
+REACH_SHARE = 1.0 / 150.0
+"""Length of a bucket of time as a share of the shortest leg where nothing is paid."""
+
+EVALUATIONS = 8
+"""Prices tried for the first bound."""
+
+FIRST_LABELS, GROWTH = 4_000_000, 2
+"""Labels of the first searches, and how many times as many the next ones may make."""
+
+NEAR = 0.15
+"""Gap, as a share of the cost known, within which the whole of it is asked for at first."""
 
 LEAST_SHARE = 1.0 / 8.0
 """Of the gap, asked for at least before more labels are allowed."""
@@ -49,70 +63,39 @@ class PricedBound(WalkBound):
 
     Parameters
     ----------
-    mission, delta_v_slot_m_s, jobs, over
+    mission, delta_v_slot_m_s, jobs, over, network
         As of :class:`WalkBound`.
-
-    Attributes
-    ----------
-    reach : (before + buckets·width,) float32
-        Most worth that is still to be had from each state.
-    least_worth : float
-        P, to be set before anything is evaluated.
     """
 
     def __init__(
-        self, mission: Mission, delta_v_slot_m_s: float, jobs: int, over: Callable[[], bool]
+        self,
+        mission: Mission,
+        delta_v_slot_m_s: float,
+        jobs: int,
+        over: Callable[[], bool],
+        network: Network | None = None,
     ) -> None:
-        super().__init__(mission, delta_v_slot_m_s, jobs=jobs, over=over, parts=PARTS)
-        super().evaluate(np.zeros(self.prize.size))
-        self.reach = ((self.values.best >> self.bits) * self.unit).astype(np.float32) + 1e-3
-        self.least_worth = 0.0
+        super().__init__(
+            mission, delta_v_slot_m_s, jobs=jobs, over=over, network=network, parts=PARTS
+        )
         self.worths = np.array(mission.rules.prize)
         self.price = 1.0
         self.greatest_prize = GREATEST_TANKS * max(self.budget, 1.0)
+        self.greatest_price = self.greatest_prize / (float(self.worths.max(initial=0.0)) or 1.0)
         room = LARGEST / (1 << self.bits) / self.most_legs / self.greatest_prize
         self.unit = 2.0 ** -math.floor(math.log2(room))
         most = LARGEST // (1 << self.bits) // 2
         self.toll = np.minimum(np.floor(self.buckets.least / self.unit), most).astype(np.int32)
 
-    @property
-    def dimensions(self) -> int:
-        """Multipliers, and the price of worth behind them."""
-        return self.prize.size + 1
-
-    @property
-    def radius(self) -> float:
-        """How far a step of the multipliers may go [m/s]."""
-        return 0.25 * self.greatest_prize
-
-    def allowed(self, point: FloatArray) -> FloatArray:
-        """The nearest point at which the bound can be evaluated."""
-        most = self.greatest_prize / max(1e-12, float(self.worths.max(initial=0.0)))
-        point = np.clip(point, 0.0, self.greatest_prize)
-        point[:-1][~self.is_target] = 0.0
-        point[-1] = min(point[-1], most)
-        return point
-
-    def first_point(self) -> FloatArray:
-        """Where the descent begins: no multipliers, and a mean leg's price."""
-        point = np.zeros(self.dimensions)
-        mean = float(self.worths[self.worths > 0.0].mean()) if self.worths.any() else 1.0
-        point[-1] = 0.2 * self.budget / mean
-        return self.allowed(point)
-
-    def at(self, point: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-        """Minus the bound on the cost at a point, the point, and the slope there."""
-        self.prize = point[-1] * self.worths
-        value, rounded = self.evaluate(point[:-1], keep=True)
-        slope = np.empty(self.dimensions)
-        slope[:-1] = 1.0 - np.bincount(self.walk, minlength=self.prize.size)
-        slope[:-1][~self.is_target] = 0.0
-        slope[-1] = float(self.worths[self.walk].sum()) - self.least_worth
-        return value - point[-1] * self.least_worth, np.append(rounded, point[-1]), slope
+    def cost_at(self, price: float, worth: float) -> tuple[float, float]:
+        """The bound at a price of worth [m/s], and what the best walk is worth there."""
+        self.prize = price * self.worths
+        value, _ = self.evaluate(np.zeros(self.prize.size), keep=True)
+        return price * worth - value, float(self.worths[self.walk].sum())
 
 
 class CostProof:
-    """Rounds of bound and search for the least ΔV of plans that are worth enough.
+    """Rounds of search for the least ΔV of plans that are worth enough.
 
     Parameters
     ----------
@@ -128,6 +111,7 @@ class CostProof:
     jobs : int
         Threads.
     delta_v_slot_m_s : float
+        Of walks that do not pay.
     most_labels : int
         Most labels of a search.
 
@@ -151,17 +135,25 @@ class CostProof:
         delta_v_slot_m_s: float,
         most_labels: int,
     ) -> None:
-        self._offer, self._cost, self._over = offer, cost, over
-        self._walks = PricedBound(mission, delta_v_slot_m_s, jobs, over)
+        self._offer, self._cost, self._over, self._jobs = offer, cost, over, jobs
+        self._reach = WalkBound(
+            mission, delta_v_slot_m_s, bucket_share=REACH_SHARE, jobs=jobs, over=over
+        )
+        self._walks = PricedBound(
+            mission, COARSER * delta_v_slot_m_s, jobs, over, self._reach.network
+        )
         # A little less, so that no rounding of a sum of prizes counts.
-        self._walks.least_worth = least_worth * (1.0 - 1e-9)
-        self._routes = Routes(self._walks)
-        self._routes.least_worth = least_worth - 1e-9 * max(1.0, abs(least_worth))
-        self._routes.reach = self._walks.reach
-        self._descent = Descent(self._walks)
-        self._evaluations = FIRST_EVALUATIONS
+        self._worth = least_worth - 1e-9 * max(1.0, abs(least_worth))
+        self._proving, self._finding = Routes(self._walks), Routes(self._walks)
+        # All that was visited is remembered, so that each walk found is a plan; labels are told
+        # apart by what proofs remember only, so that some are lost, but there are not too many.
+        self._finding.neighbourhood[:] = -1
+        self._price = 0.0
+        self._pool = ThreadPoolExecutor(1) if jobs > 1 else None
         self._labels, self._most_labels = min(FIRST_LABELS, most_labels), most_labels
-        self._share = 1.0
+        self._share, self._finding_share = 0.25, 1.0
+        self._tried = False  # whether the whole gap was ever too much
+        self._ready = False
         self.bound = 0.0
         self.done = self.proven
 
@@ -171,59 +163,109 @@ class CostProof:
         return self._cost() <= self.bound * (1.0 + RELATIVE) + RELATIVE
 
     def advance(self) -> None:
-        """One round: steps of the multipliers, then a search."""
+        """One round: searches for plans that cost less, one that proves and one that finds."""
         with suppress(TimeIsOver):
-            for _ in range(self._evaluations):
-                if self._descent.done or self.proven or self._over():
-                    break
-                self._descent.step()
-                self.bound = max(self.bound, -self._descent.value)
+            if not self._ready:
+                self._prepare()
             if not self.proven and not self._over():
                 self._search()
-        self._evaluations *= 2
-        self.done = self.proven or (
-            self._descent.done and self._labels == self._most_labels and self._share <= LEAST_SHARE
-        )
+        self.done = self.done or self.proven
+
+    def _prepare(self) -> None:
+        """Sweeps: a first bound, and the values that labels are dropped by."""
+        reach, walks = self._reach, self._walks
+        reach.evaluate(np.zeros(reach.prize.size), keep=True)
+        low, high = 0.0, walks.greatest_price
+        price, best = 0.05 * high, 0.0
+        for _ in range(EVALUATIONS):
+            bound, worth = walks.cost_at(price, self._worth)
+            if bound > self.bound:
+                self.bound, best = bound, price
+            if worth < self._worth:
+                low = price
+            else:
+                high = price
+            price = 0.5 * (low + high) if high < walks.greatest_price else 2.0 * price
+            price = min(price, walks.greatest_price)
+        prices = np.array([best or price, 0.75 * walks.greatest_price])
+        tables = []
+        for price in prices:
+            walks.cost_at(price, self._worth)
+            tables.append((walks.values.best.copy(), walks.values.second.copy()))
+        values = Table(
+            walks.buckets.of_row, np.stack([one for one, _ in tables]),
+            np.stack([one for _, one in tables]), walks.bits, walks.width, walks.top, walks.slot,
+        )  # fmt: skip
+        for routes in (self._proving, self._finding):
+            routes.pay(values, prices, reach, self._worth)
+        self._price = float(prices[0])
+        self._ready = True
+
+    def _below(self, share: float) -> float:
+        """A cost to ask for: at a share of the gap, less than that of the plan known."""
+        cost = self._cost()
+        return min(self.bound + share * (cost - self.bound), cost * (1.0 - 0.5 * RELATIVE))
 
     def _search(self) -> None:
         """Ask for plans that cost no more than a share of the gap above the bound."""
-        walks, routes = self._walks, self._routes
-        point = np.array(self._descent.multipliers)
-        while not self.proven and not self._over():
-            most = self.bound + self._share * (self._cost() - self.bound)
-            if self._share == 1.0:
-                most = self._cost() - 0.5 * RELATIVE * self._cost()
-            walks.prize = point[-1] * walks.worths
-            routes.use(point[:-1])
-            before, known = self._cost(), point[-1] * walks.least_worth
-            finished, value, plan, grown = routes.search(known - most, self._labels, self._over)
-            if not finished:
-                if self._share > LEAST_SHARE:
-                    self._share *= 0.5
-                    continue
+        if not self._tried and self._cost() - self.bound <= NEAR * self._cost():
+            self._share = 1.0
+        known, most = self._price * self._worth, self._below(self._share)
+        finding: Future[None] | None = None
+        self._finding.compared = self._proving.neighbourhood.copy()
+        if self._pool is None:
+            self._find()
+            most = self._below(self._share)
+        else:
+            finding = self._pool.submit(self._find)
+        try:
+            finished, value, plan, grown = self._proving.search(
+                known - most, self._labels, self._over
+            )
+        finally:
+            if finding is not None:
+                finding.result()
+        if not finished:
+            self._tried |= self._share == 1.0
+            if self._share > LEAST_SHARE:
+                self._share *= 0.5
+            elif self._labels < self._most_labels:
                 self._labels = min(GROWTH * self._labels, self._most_labels)
-                self._share = 1.0
-                return
-            # Every plan left out costs more than what was asked for.
-            self.bound = min(max(self.bound, min(most, known - value)), self._cost())
-            if plan is not None:
-                self._offer(plan)
-            if value == -math.inf:
-                self._share = min(1.0, 2.0 * self._share)
-            elif grown == 0 and self._cost() >= before:
-                if not point[:-1].any():
-                    return
-                point[:-1] = np.where(point[:-1] > 1.0, 0.5 * point[:-1], 0.0)
+            else:
+                self.done = True
+            return
+        before = self._cost()
+        if plan is not None:
+            self._offer(plan)
+        # Every plan left out costs more than what was asked for.
+        self.bound = min(max(self.bound, min(most, known - value)), self._cost())
+        if value == -math.inf:
+            self._share = min(1.0, 2.0 * self._share)
+        elif grown == 0 and self._cost() >= before:
+            self.done = True
+
+    def _find(self) -> None:
+        """Look for plans that cost less, in a search that may overlook some."""
+        known, most = self._price * self._worth, self._below(self._finding_share)
+        finished, _, plan, _ = self._finding.search(known - most, self._labels, self._over)
+        if plan is not None:
+            self._offer(plan)
+        if not finished:
+            self._finding_share = max(0.5 * self._finding_share, LEAST_SHARE)
+        elif plan is None:
+            self._finding_share = min(1.0, 1.5 * self._finding_share)
 
     def close(self) -> None:
         """End the threads."""
         self._walks.close()
+        self._reach.close()
+        if self._pool is not None:
+            self._pool.shutdown()
 
     @property
     def counters(self) -> dict[str, float]:
         """What was done so far."""
         return {
-            "cost_evaluations": self._descent.evaluations,
-            "cost_searches": self._routes.searches,
-            "cost_labels": self._routes.labels_made,
+            "cost_searches": self._proving.searches + self._finding.searches,
+            "cost_labels": self._proving.labels_made + self._finding.labels_made,
         }

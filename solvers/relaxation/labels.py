@@ -32,22 +32,46 @@ from .waiting import FINE, WORD, arrive, dominates, is_dominated, keep
 EXHAUSTED, CHUNK_DONE, FULL, CROWDED = 0, 1, 2, 3
 
 
+class Table(NamedTuple):
+    """Completion values: what a walk can still collect, by body, time and ΔV left.
+
+    Attributes
+    ----------
+    bucket : (rows,) int32
+        Where the values of a row lie.
+    best, second : (kinds, before + buckets·width) int32
+        The values of each kind, packed as :class:`.walks.Values` says.
+    bits, width, top : int
+    slot : float
+        As of the bound that they come from [m/s].
+    """
+
+    bucket: np.ndarray
+    best: np.ndarray
+    second: np.ndarray
+    bits: int
+    width: int
+    top: int
+    slot: float
+
+
 class Search(NamedTuple):
     """What a search asks for, and what it may not forget.
 
     Attributes
     ----------
-    bucket : (rows,) int32
-        Where the completion values of a row lie.
-    best, second : (before + buckets·width,) int32
-        The completion values of the same multipliers; ``bits``, ``width``, ``top``, ``slot`` say
-        how they are packed.
+    values : Table
+        Of one kind, or several where ΔV is paid for.
+    shift : (kinds,) float64
+        What worth adds to the value of a walk to make its value of that kind [fine units].
+    need : (kinds,) int64
+        Value of each kind below which a walk is of no use [fine units].
     gain : (bodies,) int64
         Prize less multiplier [fine units].
-    need : int
-        Value below which a walk is of no use [fine units].
     neighbourhood : (bodies, words) int64
         What walks remember at each body.
+    compared : (bodies, words) int64
+        What of it tells labels apart there. All of it in a proof.
     budget : float
         [m/s].
     most_visits : int
@@ -58,66 +82,74 @@ class Search(NamedTuple):
         What targets are worth, where it is.
     least_worth : float
         Walks worth less are of no use, where it is.
-    reach : (before + buckets·width,) float32
-        Most worth that is still to be had, as ``best`` is laid out, where it is.
+    reach : Table
+        Most worth that is still to be had, where it is.
+    reach_unit : float
+        Worth of a unit of these values.
     """
 
-    bucket: np.ndarray
-    best: np.ndarray
-    second: np.ndarray
-    bits: int
-    width: int
-    top: int
-    slot: float
+    values: Table
+    shift: np.ndarray
+    need: np.ndarray
     gain: np.ndarray
-    need: int
     neighbourhood: np.ndarray
+    compared: np.ndarray
     budget: float
     most_visits: int
     price: float
     worths: np.ndarray
     least_worth: float
-    reach: np.ndarray
+    reach: Table
+    reach_unit: float
 
 
 @inlined
-def _place(search, bucket, left):
-    """Where the completion values of a bucket and some ΔV lie."""
-    slots = min(int(left / search.slot + SLACK), search.top)
-    return (bucket + 1) * search.width + slots
+def _place(table, row, left):
+    """Where the completion values at a row with some ΔV left lie."""
+    slots = min(int(left / table.slot + SLACK), table.top)
+    return (table.bucket[row] + 1) * table.width + slots
 
 
 @inlined
-def _completion(search, at, came_from):
-    """Most that a walk can still collect without going back at once [fine units]."""
-    packed = search.best[at]
-    if packed & ((1 << search.bits) - 1) == came_from:
-        packed = search.second[at]
-    return np.int64(packed >> search.bits) << FINE
+def _completion(table, kind, at, came_from):
+    """Most that a walk can still collect without going back at once [units]."""
+    packed = table.best[kind, at]
+    if packed & ((1 << table.bits) - 1) == came_from:
+        packed = table.second[kind, at]
+    return np.int64(packed >> table.bits)
 
 
 @inlined
-def _reaches(search, at, worth):
-    """Whether a walk that has a worth can still be worth enough, where that counts."""
-    return search.price == 0.0 or worth + search.reach[at] >= search.least_worth
+def _promises(search, row, left, value, worth, came_from):
+    """Whether a walk that is ready by a row can still become one that is asked for."""
+    values = search.values
+    at = _place(values, row, left)
+    for kind in range(search.need.size):
+        most = value + (_completion(values, kind, at, came_from) << FINE)
+        if most + np.int64(search.shift[kind] * worth) < search.need[kind]:
+            return False
+    if search.price == 0.0:
+        return True
+    at = _place(search.reach, row, left)
+    most_worth = _completion(search.reach, 0, at, came_from) * search.reach_unit
+    return worth + most_worth >= search.least_worth
 
 
 @inlined
-def _stay(search, labels, waiting, bucket, i, kept):
-    """Drop the labels at body i that are too late in a bucket; they are so in later ones, too."""
+def _stay(search, labels, waiting, row, i, kept):
+    """Drop the labels at body i that are too late by a row; they are so by later ones, too."""
     for k in range(waiting.size[i]):
         label = waiting.label[i, k]
-        kept[k] = False
-        if label >= 0:
-            at = _place(search, bucket, labels.left[label])
-            most = labels.value[label] + _completion(search, at, labels.came_from[label])
-            kept[k] = most >= search.need and _reaches(search, at, labels.worth[label])
+        kept[k] = label >= 0 and _promises(
+            search, row, labels.left[label], labels.value[label], labels.worth[label],
+            labels.came_from[label],
+        )  # fmt: skip
     keep(waiting, i, kept, 2 * search.neighbourhood.shape[1])
-    waiting.bucket[i] = bucket
+    waiting.bucket[i] = search.values.bucket[row]
 
 
 @inlined
-def _may_lead_on(network, search, row, value, left, i, j):
+def _may_lead_on(network, search, row, value, left, worth, i, j):
     """Whether any leg of a row can lead on: by the earliest landing and the least ΔV of all."""
     first, last = network.first[row], network.first[row + 1] - 1
     rest = left - network.delta_v[last]
@@ -125,15 +157,15 @@ def _may_lead_on(network, search, row, value, left, i, j):
         return False
     if network.is_station[j]:
         rest = search.budget
-    at = _place(search, search.bucket[network.landing[first]], rest)
-    return value + search.gain[j] + _completion(search, at, i) >= search.need
+    most = value + search.gain[j] - np.int64(search.price * network.delta_v[last])
+    return _promises(search, network.landing[first], rest, most, worth, i)
 
 
 @inlined
-def _waits_behind(labels, label, value, left, visits, worth, memory):
+def _waits_behind(labels, label, value, left, visits, worth, memory, compared):
     """Whether one of a chain of labels dominates what could come there."""
     while label >= 0:
-        if dominates(labels, label, value, left, visits, worth, memory):
+        if dominates(labels, label, value, left, visits, worth, memory, compared):
             return True
         label = labels.following[label]
     return False
@@ -178,51 +210,48 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
     # Closing rows come last, and nothing leaves there.
     while cursor[0] < order.size and network.departure[order[cursor[0]]] < np.inf:
         row = order[cursor[0]]
-        i, bucket = body[row], search.bucket[row]
+        i = body[row]
         while pending[row] >= 0:
-            if not arrive(waiting, labels, i, pending[row]):
+            if not arrive(waiting, labels, i, pending[row], search.compared[i]):
                 return CROWDED
             pending[row] = labels.following[pending[row]]
-        if waiting.bucket[i] != bucket:
-            _stay(search, labels, waiting, bucket, i, kept)
+        if waiting.bucket[i] != search.values.bucket[row]:
+            _stay(search, labels, waiting, row, i, kept)
         j = network.destination[row]
-        to_station = network.is_station[j]
+        to_station, compared = network.is_station[j], search.compared[j]
         behind = -1 if network.is_station[i] else i
         for k in range(waiting.size[i] - 1, -1, -1):
             here = waiting.label[i, k]
             if here < 0:
-                continue
-            left, value, worth = labels.left[here], labels.value[here], labels.worth[here]
-            if not _may_lead_on(network, search, row, value, left, behind, j):
                 continue
             if not to_station:
                 if labels.memory[here, j // WORD] >> (j % WORD) & 1:
                     continue
                 if labels.visits[here] == search.most_visits:
                     continue
+            left, value, worth = labels.left[here], labels.value[here], labels.worth[here]
+            collected = worth + search.worths[j] if search.price > 0.0 else worth
+            if not _may_lead_on(network, search, row, value, left, collected, behind, j):
+                continue
             # What does not limit a walk is not counted, so that it tells no labels apart.
             visits = labels.visits[here] + (counts and not to_station)
             for w in range(words):
                 remembered[w] = labels.memory[here, w] & search.neighbourhood[j, w]
             if behind >= 0:
                 remembered[i // WORD] |= 1 << (i % WORD)
-            collected = worth + search.worths[j] if search.price > 0.0 else worth
             for leg in range(network.first[row], network.first[row + 1]):
                 if network.delta_v[leg] > left:
                     continue
                 landing = network.landing[leg]
                 rest = search.budget if to_station else left - network.delta_v[leg]
                 then = value + search.gain[j] - np.int64(search.price * network.delta_v[leg])
-                at = _place(search, search.bucket[landing], rest)
-                if then + _completion(search, at, behind) < search.need:
-                    continue
-                if not _reaches(search, at, collected):
+                if not _promises(search, landing, rest, then, collected, behind):
                     continue
                 cursor[2] += 1
                 if is_dominated(
-                    waiting, labels, j, then, rest, visits, collected, remembered
+                    waiting, labels, j, then, rest, visits, collected, remembered, compared
                 ) or _waits_behind(
-                    labels, pending[landing], then, rest, visits, collected, remembered
+                    labels, pending[landing], then, rest, visits, collected, remembered, compared
                 ):
                     continue
                 count = cursor[1]
@@ -243,99 +272,3 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
     else:
         return EXHAUSTED
     return CHUNK_DONE
-
-
-@kernel
-def path_of(labels, body, label, path):
-    """The bodies of a label's walk in order; returns how many."""
-    length = 0
-    while labels.parent[label] >= 0:
-        path[length] = body[labels.row[label]]
-        length += 1
-        label = labels.parent[label]
-    for a in range(length // 2):
-        path[a], path[length - 1 - a] = path[length - 1 - a], path[a]
-    return length
-
-
-@inlined
-def _counts(network, labels, body, label, least, least_worth):
-    """Whether a label is of enough value and worth, at a body where a mission may end."""
-    return (
-        labels.value[label] >= least
-        and labels.worth[label] >= least_worth
-        and network.may_end[body[labels.row[label]]]
-    )
-
-
-@kernel
-def learn(network, labels, body, count, least, least_worth, most_walks, neighbourhood, path):
-    """Look at walks worth at least so much, and let the bodies inside their cycles remember.
-
-    Parameters
-    ----------
-    network : Network
-    labels : Labels
-    body : (rows,) int32
-        Body of each row.
-    count : int
-        Number of labels.
-    least : int
-        Walks of less value are not looked at [fine units].
-    least_worth : float
-        Nor are those of less worth.
-    most_walks : int
-        Walks to learn from, spread evenly over all of them: neighbours share their cycles.
-    neighbourhood : (bodies, words) int64
-        Updated.
-    path : (legs,) int64
-        Desk.
-
-    Returns
-    -------
-    plan : int
-        A label of the greatest value without any cycle, where a mission may end; −1 for none.
-    grown : int
-        How many memories were added.
-    """
-    network, labels, body = borrowed(network), borrowed(labels), borrowed(body)
-    walks = 0
-    for label in range(count):
-        walks += _counts(network, labels, body, label, least, least_worth)
-    stride = max(1, walks // most_walks)
-    seen = np.empty(neighbourhood.shape[0], dtype=np.int64)
-    plan, grown, number = -1, 0, 0
-    for label in range(count):
-        if not _counts(network, labels, body, label, least, least_worth):
-            continue
-        number += 1
-        length = path_of(labels, body, label, path)
-        seen[:] = -1
-        is_plan = True
-        for a in range(length):
-            j = path[a]
-            if network.is_station[j]:
-                continue
-            if seen[j] >= 0:
-                is_plan = False
-                if number % stride == 0:
-                    bit = 1 << (j % WORD)
-                    for b in range(seen[j] + 1, a):
-                        if not neighbourhood[path[b], j // WORD] & bit:
-                            neighbourhood[path[b], j // WORD] |= bit
-                            grown += 1
-            seen[j] = a
-        if is_plan and (plan < 0 or labels.value[label] > labels.value[plan]):
-            plan = label
-    return plan, grown
-
-
-@kernel
-def most_of(network, labels, body, count, least, least_worth):
-    """Greatest value of the walks that count, see :func:`_counts`; ``least`` if all are below."""
-    network, labels, body = borrowed(network), borrowed(labels), borrowed(body)
-    best = least
-    for label in range(count):
-        if _counts(network, labels, body, label, least, least_worth):
-            best = max(best, labels.value[label])
-    return best

@@ -14,16 +14,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .labels import (
-    CROWDED,
-    EXHAUSTED,
-    FULL,
-    Search,
-    extend,
-    learn,
-    most_of,
-    path_of,
-)
+from .labels import CROWDED, EXHAUSTED, FULL, Search, Table, extend
+from .learning import learn, most_of, path_of
 from .waiting import FINE, WORD, Labels, labels_room, larger, room
 from .walks import WalkBound
 
@@ -33,8 +25,17 @@ EFFORT = 200_000
 FIRST_WAITING = 256
 """Labels that may wait at each body before there has to be more room."""
 
-WALKS = 64
+WALKS = 1000
 """Walks to learn from after a search."""
+
+
+def table_of(bound: WalkBound) -> Table:
+    """The completion values of the last evaluation of a bound."""
+    best, second = bound.values
+    return Table(
+        bound.buckets.of_row, best[None], second[None], bound.bits, bound.width, bound.top,
+        bound.slot,
+    )  # fmt: skip
 
 
 class Routes:
@@ -49,6 +50,8 @@ class Routes:
     ----------
     neighbourhood : (bodies, words) int64
         What walks remember at each body; kept from search to search.
+    compared : (bodies, words) int64
+        What of it tells labels apart there; all of it but in searches that prove nothing.
     greatest_prize : float
     labels_made, searches : int
     """
@@ -59,9 +62,11 @@ class Routes:
         network = bound.network
         bodies = bound.prize.size
         self.neighbourhood = np.zeros((bodies, (bodies - 1) // WORD + 1), dtype=np.int64)
-        # Only where ΔV is paid for, see :mod:`.cost`.
-        self.least_worth = 0.0
-        self.reach = np.empty(0, dtype=np.float32)
+        self.compared = np.full_like(self.neighbourhood, -1)
+        self._values = self._reach = table_of(bound)
+        # More is set only where ΔV is paid for, see :mod:`.cost`.
+        self._reach_unit, self.least_worth = 1.0, 0.0
+        self._prices = np.zeros(1)
         self.labels_made = 0
         self.searches = 0
         self._body = np.repeat(np.arange(bodies, dtype=np.int32), np.diff(network.start))
@@ -82,14 +87,37 @@ class Routes:
         self._total = float(kept.sum())
         return value
 
+    def pay(self, values: Table, prices: np.ndarray, reach: WalkBound, least_worth: float) -> None:
+        """Let walks pay for ΔV from now on: without multipliers.
+
+        Parameters
+        ----------
+        values : Table
+            Of the same walks at several prices of worth.
+        prices : (kinds,) float64
+            These [m/s].
+        reach : WalkBound
+            In its values nothing is paid.
+        least_worth : float
+            What a walk has to be worth.
+        """
+        bound = self._bound
+        self._values, self._prices = values, prices
+        self._reach, self._reach_unit, self.least_worth = table_of(reach), reach.unit, least_worth
+        self._gain = np.ceil(prices[0] * bound.worths / self._unit).astype(np.int64)
+        self._total = 0.0
+
     def _extension(self, need: int) -> Callable[[Labels, np.ndarray], int]:
         """What extends labels for a while, for one search: takes them and the cursor."""
         bound = self._bound
+        shift = (self._prices - self._prices[0]) / self._unit
+        # A walk that is asked for is worth the least at any price; shifts are rounded.
+        needs = need + np.floor(shift * self.least_worth).astype(np.int64) - 2
+        needs[0] = need
         search = Search(
-            bound.buckets.of_row, bound.values.best, bound.values.second,
-            bound.bits, bound.width, bound.top, bound.slot, self._gain, need,
-            self.neighbourhood, bound.budget, bound.most_targets,
-            bound.price / self._unit, bound.worths, self.least_worth, self.reach,
+            self._values, shift, needs, self._gain, self.neighbourhood, self.compared,
+            bound.budget, bound.most_targets, bound.price / self._unit, bound.worths,
+            self.least_worth, self._reach, self._reach_unit,
         )  # fmt: skip
         words = self.neighbourhood.shape[1]
         waiting = room(bound.prize.size, words, FIRST_WAITING)
@@ -162,12 +190,13 @@ class Routes:
                     new[: cursor[1]] = old[: cursor[1]]
         count = int(cursor[1])
         self.labels_made += count
-        best = int(most_of(bound.network, labels, self._body, count, need - 1, self.least_worth))
+        counts = self._prices[0] / self._unit, self.least_worth
+        best = int(most_of(bound.network, labels, self._body, count, need - 1, *counts))
         if best < need:
             return True, -math.inf, None, 0
         path = np.empty(bound.most_legs + 1, dtype=np.int64)
         plan, grown = learn(
-            bound.network, labels, self._body, count, need, self.least_worth, WALKS,
+            bound.network, labels, self._body, count, need, *counts, WALKS,
             self.neighbourhood, path,
         )  # fmt: skip
         sequence = None

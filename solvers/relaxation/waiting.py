@@ -120,20 +120,23 @@ def _part(memory, part):
 
 
 @inlined
-def dominates(labels, one, value, left, visits, worth, memory):
-    """Whether label ``one`` is worth as much, has as much left and remembers nothing more."""
+def dominates(labels, one, value, left, visits, worth, memory, compared):
+    """Whether label ``one`` is worth as much, has as much left and remembers nothing more.
+
+    Of the memory only the targets in ``compared`` count.
+    """
     if labels.value[one] < value or labels.left[one] < left or labels.visits[one] > visits:
         return False
     if labels.worth[one] < worth:
         return False
     beyond = 0
     for w in range(memory.size):
-        beyond |= labels.memory[one, w] & ~memory[w]
+        beyond |= labels.memory[one, w] & ~memory[w] & compared[w]
     return beyond == 0
 
 
 @kernel
-def is_dominated(waiting, labels, j, value, left, visits, worth, memory):
+def is_dominated(waiting, labels, j, value, left, visits, worth, memory, compared):
     """Whether a label that waits at body j dominates what could come there."""
     capacity = waiting.label.shape[1]
     parts = 2 * memory.size
@@ -144,11 +147,12 @@ def is_dominated(waiting, labels, j, value, left, visits, worth, memory):
         hits &= simd.at_least(simd.load(waiting.keys, base + capacity + k), least_value)
         for part in range(parts):
             kept = simd.load(waiting.keys, base + (2 + part) * capacity + k)
-            hits &= simd.disjoint(kept, simd.spread(~_part(memory, part)))
+            beyond = ~_part(memory, part) & _part(compared, part)
+            hits &= simd.disjoint(kept, simd.spread(beyond))
         lane = 0
         while hits >> lane:
             if hits >> lane & 1 and dominates(
-                labels, waiting.label[j, k + lane], value, left, visits, worth, memory
+                labels, waiting.label[j, k + lane], value, left, visits, worth, memory, compared
             ):
                 return True
             lane += 1
@@ -156,7 +160,7 @@ def is_dominated(waiting, labels, j, value, left, visits, worth, memory):
 
 
 @kernel
-def _drop_dominated(waiting, labels, j, label):
+def _drop_dominated(waiting, labels, j, label, compared):
     """Mark the labels at body j that another label dominates from now on."""
     capacity = waiting.label.shape[1]
     memory = labels.memory[label]
@@ -169,14 +173,15 @@ def _drop_dominated(waiting, labels, j, label):
         hits &= simd.at_least(most_value, simd.load(waiting.keys, base + capacity + k))
         for part in range(parts):
             kept = simd.load(waiting.keys, base + (2 + part) * capacity + k)
-            hits &= simd.covers(kept, simd.spread(_part(memory, part)))
+            least = _part(memory, part) & _part(compared, part)
+            hits &= simd.covers(kept, simd.spread(least))
         lane = 0
         while hits >> lane:
             if hits >> lane & 1 and k + lane < waiting.size[j]:
                 other = waiting.label[j, k + lane]
                 if other >= 0 and dominates(
                     labels, label, labels.value[other], labels.left[other], labels.visits[other],
-                    labels.worth[other], labels.memory[other],
+                    labels.worth[other], labels.memory[other], compared,
                 ):  # fmt: skip
                     waiting.label[j, k + lane] = -1
                     waiting.keys[base + k + lane] = NOBODY
@@ -184,8 +189,13 @@ def _drop_dominated(waiting, labels, j, label):
 
 
 @kernel
-def arrive(waiting, labels, j, label):
+def arrive(waiting, labels, j, label, compared):
     """Let a label wait at body j unless it is dominated, in place of those that it dominates.
+
+    Parameters
+    ----------
+    compared : (words,) int64
+        Targets by whose memory labels are told apart there.
 
     Returns
     -------
@@ -195,13 +205,13 @@ def arrive(waiting, labels, j, label):
     memory = labels.memory[label]
     if is_dominated(
         waiting, labels, j, labels.value[label], labels.left[label], labels.visits[label],
-        labels.worth[label], memory,
+        labels.worth[label], memory, compared,
     ):  # fmt: skip
         return True
     at, capacity = waiting.size[j], waiting.label.shape[1]
     if at == capacity:
         return False
-    _drop_dominated(waiting, labels, j, label)
+    _drop_dominated(waiting, labels, j, label, compared)
     base = j * (2 + 2 * memory.size) * capacity + at
     waiting.label[j, at] = label
     waiting.keys[base] = _key_of(labels.left[label])

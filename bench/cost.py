@@ -1,0 +1,109 @@
+"""The least ΔV at the best prize: what ``exact`` proves of it in a time, field by field.
+
+    python bench/cost.py nominal --limit 60 --out cost.jsonl
+
+Fields of a family by seed from ``--first``, ``--count`` of them. The time limit starts with a ready
+timetable and covers the proof of the prizes, too; ``cpu_s`` is the processor time that was spent,
+which tells how busy the machine was with something else. Every plan is checked. Rows go to
+``--out`` as JSON lines, and a run started again skips what is there.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from machine import heading
+
+import adr_opt
+
+
+def measure(family: str, seed: int, limit: float) -> dict[str, Any]:
+    """One field: solved and checked."""
+    mission = adr_opt.Mission(adr_opt.generate(family, seed))
+    mission.rules  # noqa: B018  builds the timetable
+    began, spent = time.perf_counter(), time.process_time()
+    result = adr_opt.solve(mission, "exact", time_limit=limit, seed=0, cost=True)
+    wall, cpu = time.perf_counter() - began, time.process_time() - spent
+    plan = result.plan
+    assert plan is not None
+    return {
+        "family": family,
+        "seed": seed,
+        "limit_s": limit,
+        "objective": result.objective,
+        "status": result.status,
+        "cost": plan.cost,
+        "cost_bound": plan.cost_bound,
+        "cost_gap": plan.cost_gap,
+        "cost_status": plan.cost_status,
+        "wall_s": wall,
+        "cpu_s": cpu,
+        "violations": len(adr_opt.check(mission.instance, plan)),
+    }
+
+
+def table(rows: list[dict[str, Any]]) -> str:
+    """One field to a line, and what they come to."""
+    lines = [
+        "| seed | visits | ΔV | no plan below | gap | time | processor time |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for row in rows:
+        known = row["cost_bound"] is not None
+        bound = f"{row['cost_bound']:,.1f} m/s" if known else ""
+        gap = f"{100 * row['cost_gap']:.2f} %" if known else ""
+        lines.append(
+            f"| {row['seed']} | {row['objective']:g} | {row['cost']:,.1f} m/s | {bound} | {gap} | "
+            f"{row['wall_s']:.1f} s | {row['cpu_s']:.1f} s |"
+        )
+    gaps = [1.0 if row["cost_gap"] is None else row["cost_gap"] for row in rows]
+    proven = sum(row["cost_status"] == "optimal" for row in rows)
+    close = sum(gap <= 0.02 for gap in gaps)
+    lines.append(
+        f"\n{len(rows)} fields: {proven} proven, {close} within 2 %, median gap "
+        f"{100 * statistics.median(gaps):.2f} %, median time "
+        f"{statistics.median(row['wall_s'] for row in rows):.1f} s, "
+        f"{sum(row['violations'] for row in rows)} violations."
+    )
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Measure what is missing and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("family")
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--count", type=int, default=20)
+    parser.add_argument("--limit", type=float, default=60.0, help="seconds")
+    parser.add_argument("--out", type=Path, help="JSON lines, appended to")
+    arguments = parser.parse_args()
+    rows: list[dict[str, Any]] = []
+    if arguments.out and arguments.out.exists():
+        rows = [json.loads(line) for line in arguments.out.read_text().splitlines()]
+    done = {(row["family"], row["seed"], row["limit_s"]) for row in rows}
+    measure("tiny", 0, 20.0)  # compile before the clock starts
+    seeds = range(arguments.first, arguments.first + arguments.count)
+    for seed in seeds:
+        if (arguments.family, seed, arguments.limit) in done:
+            continue
+        row = measure(arguments.family, seed, arguments.limit)
+        rows.append(row)
+        if arguments.out:
+            with arguments.out.open("a") as file:
+                file.write(json.dumps(row) + "\n")
+        print(f"{row}", file=sys.stderr)
+    rows = [row for row in rows if row["family"] == arguments.family]
+    rows = [row for row in rows if row["seed"] in seeds and row["limit_s"] == arguments.limit]
+    print(heading())
+    print(f"Family `{arguments.family}`, at most {arguments.limit:g} s each.\n")
+    print(table(sorted(rows, key=lambda row: row["seed"])))
+
+
+if __name__ == "__main__":
+    main()
