@@ -5,7 +5,7 @@
 A method is NAME[:OPTION=VALUE,…][+BOUND][@SECONDS]. The time limit starts with a ready timetable.
 Rows go to ``--out`` as JSON lines when they are finished, and a run started again skips what is
 there; the table is printed from these rows. ``--count`` fields of a family, by seed from 0;
-``--targets`` and ``--days`` change them.
+``--targets``, ``--days`` and ``--dynamics`` change them.
 """
 
 from __future__ import annotations
@@ -104,6 +104,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--targets", type=int)
     parser.add_argument("--days", type=float)
+    parser.add_argument("--dynamics", choices=["two-body", "j2"])
     parser.add_argument("--out", type=Path, help="JSON lines, appended to")
     arguments = parser.parse_args()
     family = arguments.family
@@ -111,6 +112,10 @@ def main() -> None:
         family += f"-n{arguments.targets}"
     if arguments.days is not None:
         family += f"-{arguments.days:g}d"
+    if arguments.dynamics is not None:
+        family += f"-{arguments.dynamics}"
+    changes = {} if arguments.dynamics is None else {"dynamics": arguments.dynamics}
+    dynamics = adr_opt.generate(arguments.family, 0).replace(**changes).dynamics
     rows: list[dict[str, Any]] = []
     if arguments.out and arguments.out.exists():
         rows = [json.loads(line) for line in arguments.out.read_text().splitlines()]
@@ -119,8 +124,9 @@ def main() -> None:
     for spec in arguments.methods:  # compile before the clock starts
         name, texts, bound, _ = parse(spec)
         options = options_of(name, texts)
-        warm = adr_opt.generate("tiny", 0)
+        warm = adr_opt.generate("tiny", 0).replace(dynamics=dynamics)
         adr_opt.solve(warm, name, time_limit=20.0, iterations=3, bound=bound, **options)
+    built: list[float] = []
     for seed in range(arguments.count):
         missing = [spec for spec in arguments.methods if (seed, spec) not in done]
         if not missing:
@@ -129,8 +135,10 @@ def main() -> None:
         if arguments.days is not None:
             instance = instance.with_limits(duration_s=86400.0 * arguments.days)
             instance = instance.replace(name=f"{family}-{seed:03d}")
-        mission = adr_opt.Mission(instance)
+        mission = adr_opt.Mission(instance.replace(**changes))
+        began = time.perf_counter()
         mission.rules  # noqa: B018  builds the timetable
+        built.append(time.perf_counter() - began)
         for spec in missing:
             row = measure(family, seed, spec, mission)
             rows.append(row)
@@ -146,6 +154,8 @@ def main() -> None:
     print(heading())
     print(f"Family `{family}`, seeds 0–{arguments.count - 1}.\n")
     print(table(rows, arguments.methods))
+    if built:
+        print(f"\nTimetable besides: {statistics.median(built):.2g} s, median.", end="")
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
     print(f"\nPeak memory of this process: {peak:.1f} GB.")
 
