@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterable
 from typing import Annotated, Any, Literal
@@ -34,6 +35,11 @@ class Burn(Record):
     delta_v_m_s: Annotated[Vector, Field(strict=False)]
     phase: Literal["hohmann-1", "phasing", "co-elliptic", "terminal", "approach", "drift"]
 
+    @property
+    def size_m_s(self) -> float:
+        """Its ΔV [m/s]."""
+        return math.hypot(*self.delta_v_m_s)
+
 
 class Leg(Record):
     """One transfer with the service that follows it.
@@ -60,6 +66,11 @@ class Leg(Record):
     phasing_revolutions: int
     eccentricity_delta_v_m_s: DeltaV = 0.0
     burns: Annotated[tuple[Burn, ...], Field(strict=False)]
+
+    @property
+    def burns_delta_v_m_s(self) -> float:
+        """Sum of the burns: of a short leg ``delta_v_m_s`` less the part without burns [m/s]."""
+        return math.fsum(burn.size_m_s for burn in self.burns)
 
 
 class Route(Record):

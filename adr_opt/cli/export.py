@@ -35,10 +35,9 @@ from .parameters import check_out, instance_argument, json_option, plan_argument
     "--step",
     "step_s",
     type=float,
-    default=60.0,
-    show_default=True,
     metavar="S",
-    help="Longest time between two states of .oem and .czml.",
+    help="Longest time between two states of .oem and .czml; by default 60, and 300 on arcs of "
+    "more than a day.",
 )
 @click.option("--leg", type=int, metavar="N", help="Only this leg, counted from 1.")
 @json_option
@@ -49,13 +48,13 @@ def command(
     out: str,
     format_: str | None,
     frame: str,
-    step_s: float,
+    step_s: float | None,
     leg: int | None,
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Fly PLAN in two-body motion and write the flight for other programs."""
-    if not (step_s > 0.0 and math.isfinite(step_s)):
+    """Fly PLAN in the dynamics of INSTANCE and write the flight for other programs."""
+    if step_s is not None and not (step_s > 0.0 and math.isfinite(step_s)):
         raise InputError(f"--step = {step_s:g}: must be a positive number of seconds")
 
     from ..instance import load
@@ -79,7 +78,9 @@ def command(
                 "format": format_,
                 "frame": frame,
                 "legs": len(written.legs),
+                "dynamics": instance.dynamics,
                 "arcs": len(arcs),
+                "states": sum(arc.times_s.size for arc in arcs),
                 "burns": sum(len(path.leg.burns) for path in written.legs),
                 "start_s": written.start_s,
                 "end_s": written.end_s,

@@ -1,4 +1,4 @@
-"""``fly``: fly a plan in two-body motion."""
+"""``fly``: fly a plan in the dynamics of its instance."""
 
 from __future__ import annotations
 
@@ -17,8 +17,16 @@ if TYPE_CHECKING:
     from ..flight import Flight
     from ..plan import Plan
 
-FLOWN = "flown in two-body motion: "
+MOTIONS = {"two-body": "two-body motion", "j2": "mean motion under J2"}
+"""What the dynamics of an instance are called."""
+
+FLOWN = {dynamics: f"flown in {motion}: " for dynamics, motion in MOTIONS.items()}
 """How the note begins that ``--out`` puts into a plan, so that the next one takes its place."""
+
+BETWEEN_CIRCLES = (
+    "some orbits are eccentric: this is the flight between the circles that are planned with; the "
+    "flight on the true orbits is one in two-body motion and is not made here"
+)
 
 
 @click.command("fly", short_help="Fly the burns of PLAN and measure the misses.")
@@ -28,11 +36,11 @@ FLOWN = "flown in two-body motion: "
 @json_option
 @quiet_option
 def command(instance_path: str, plan_path: str, out: str | None, as_json: bool, quiet: bool) -> int:
-    """Fly the burns of PLAN in two-body motion and measure how far each leg misses.
+    """Fly the burns of PLAN in the dynamics of INSTANCE and measure how far each leg misses.
 
-    Legs with an eccentric orbit are flown on the true orbits as well, and a corrected last arc is
-    solved for: a Lambert arc to the true stand-off. Exit status 1: with what the corrections cost,
-    some tank is not enough.
+    In two-body motion legs with an eccentric orbit are flown on the true orbits as well, and a
+    corrected last arc is solved for: a Lambert arc to the true stand-off. Exit status 1: with what
+    the corrections cost, or the burns of legs that drift, some tank is not enough.
     """
     from ..flight import fly
     from ..instance import load
@@ -55,7 +63,14 @@ def command(instance_path: str, plan_path: str, out: str | None, as_json: bool, 
     else:
         width = terminal_width()
         emit_rich(_misses(flight, width))
-        emit(f"worst miss {flight.worst_miss_m:.2g} m over {counted(len(flight.legs), 'leg')}")
+        emit(
+            f"worst miss {flight.worst_miss_m:.2g} m over {counted(len(flight.legs), 'leg')} in "
+            f"{MOTIONS[flight.dynamics]}"
+        )
+        if flight.drifts:
+            emit(_drifts(flight))
+        if flight.between_circles:
+            emit(BETWEEN_CIRCLES)
         if flight.eccentric:
             emit_rich(_eccentric(flight, width))
             emit("on the true orbits: " + _truth(flight))
@@ -65,11 +80,13 @@ def command(instance_path: str, plan_path: str, out: str | None, as_json: bool, 
 
 def annotated(plan: Plan, flight: Flight) -> Plan:
     """The plan with a note of what its flight measured, in place of such a note from before."""
-    note = f"{FLOWN}worst miss {flight.worst_miss_m:.2g} m"
+    note = f"{FLOWN[flight.dynamics]}worst miss {flight.worst_miss_m:.2g} m"
+    if flight.drifts:
+        note += f"; {_drifts(flight)}"
     if flight.eccentric:
         note += " between the circles planned with; on the true orbits " + _truth(flight)
     note += f"; {_tanks(flight)}"
-    kept = tuple(other for other in plan.notes if not other.startswith(FLOWN))
+    kept = tuple(other for other in plan.notes if not other.startswith(tuple(FLOWN.values())))
     return plan.replace(notes=(*kept, note))
 
 
@@ -78,6 +95,17 @@ def _truth(flight: Flight) -> str:
         f"worst miss {_or_unknown(flight.worst_true_miss_m, '.4g')} m, and corrected last arcs "
         f"cost {_or_unknown(flight.correction_delta_v_m_s, '.2f')} m/s beyond the burns of the "
         f"plan, which sets {flight.eccentricity_delta_v_m_s:.2f} m/s aside for it"
+    )
+
+
+def _drifts(flight: Flight) -> str:
+    """What the legs that drift were planned with, and what they burn."""
+    legs = flight.drifts
+    planned = sum(leg.planned_delta_v_m_s for leg in legs)
+    burned = sum(leg.burns_delta_v_m_s for leg in legs)
+    return (
+        f"{counted(len(legs), 'leg')} that drift{'s' if len(legs) == 1 else ''}, planned with "
+        f"{planned:.1f} m/s, {'burns' if len(legs) == 1 else 'burn'} {burned:.1f} m/s"
     )
 
 
@@ -94,16 +122,16 @@ def _tanks(flight: Flight) -> str:
 def _misses(flight: Flight, width: int | None) -> Table:
     from .tables import Row, leg_table
 
-    rows = (
-        Row(
-            leg.leg,
-            leg.origin,
-            leg.destination,
-            (f"{leg.miss_m:.2g}", f"{leg.relative_speed_m_s:.2g}", f"{leg.arrival_miss_m:.2g}"),
-        )
-        for leg in flight.legs
-    )
-    return leg_table(("miss\nm", "relative\nm/s", "arrival\nmiss m"), rows, width)
+    rows, headings = [], ("miss\nm", "relative\nm/s", "arrival\nmiss m")
+    if flight.dynamics == "j2":
+        headings += ("kind", "planned\nm/s", "burns\nm/s")
+    for leg in flight.legs:
+        texts = (f"{leg.miss_m:.2g}", f"{leg.relative_speed_m_s:.2g}", f"{leg.arrival_miss_m:.2g}")
+        if flight.dynamics == "j2":
+            planned, burned = leg.planned_delta_v_m_s, leg.burns_delta_v_m_s
+            texts += (leg.kind, f"{planned:.1f}", f"{burned:.1f}")
+        rows.append(Row(leg.leg, leg.origin, leg.destination, texts))
+    return leg_table(headings, rows, width)
 
 
 def _eccentric(flight: Flight, width: int | None) -> Table:

@@ -23,8 +23,8 @@ def fly(instance: Instance, plan: Plan) -> Flight:
 
     Each leg begins on the origin's own orbit; the burns are taken from the plan as they are.
     Bodies move on the circles that the model plans with (MODEL section 1). In two-body motion a
-    leg with an eccentric orbit is flown a second time on the true orbits. What that costs is
-    counted tank by tank.
+    leg with an eccentric orbit is flown a second time on the true orbits. What that costs, and what
+    the burns of legs that drift cost, is counted tank by tank.
 
     Parameters
     ----------
@@ -54,7 +54,13 @@ def fly(instance: Instance, plan: Plan) -> Flight:
             )
         flown.append(_fly_leg(instance, motion, orbits, number, leg, eccentric))
     worst = max((leg.miss_m for leg in flown), default=0.0)
-    return Flight(worst, tuple(flown), tuple(_tanks(instance, plan, flown)))
+    return Flight(
+        worst,
+        tuple(flown),
+        tuple(_tanks(instance, plan, flown)),
+        instance.dynamics,
+        instance.dynamics == "j2" and instance.is_approximate,
+    )
 
 
 def _tanks(instance: Instance, plan: Plan, flown: list[LegFlight]) -> Iterator[TankFlight]:
@@ -62,6 +68,9 @@ def _tanks(instance: Instance, plan: Plan, flown: list[LegFlight]) -> Iterator[T
     tank, first, planned, extra, known = 1, 1, 0.0, 0.0, True
     for leg, flight in zip(plan.legs, flown, strict=True):
         planned += leg.delta_v_m_s
+        if leg.kind == "drift":
+            # The closed form is near the burns, and the burns are what empties the tank.
+            extra += leg.burns_delta_v_m_s + leg.eccentricity_delta_v_m_s - leg.delta_v_m_s
         if flight.eccentric is not None:
             correction = flight.eccentric.correction_delta_v_m_s
             known = known and correction is not None
@@ -107,6 +116,9 @@ def _fly_leg(
         leg=number,
         origin=leg.origin,
         destination=leg.destination,
+        kind=leg.kind,
+        planned_delta_v_m_s=leg.delta_v_m_s,
+        burns_delta_v_m_s=leg.burns_delta_v_m_s,
         miss_m=standoff[0],
         relative_speed_m_s=standoff[1],
         arrival_miss_m=distance(at_arrival[0], goal[0]),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Literal
 
 from ..checking import DELTA_V_TOLERANCE_M_S
 
@@ -60,6 +60,12 @@ class LegFlight:
     leg : int
         Number of the leg, from 1.
     origin, destination : str
+    kind : {"short", "drift"}
+        Of the transfer, as the plan states it.
+    planned_delta_v_m_s : float
+        As the plan states it; of a drift that of its closed form [m/s].
+    burns_delta_v_m_s : float
+        Sum of the burns that are flown [m/s].
     miss_m : float
         Distance from the stand-off point, the point L behind the destination on its orbit, when
         the approach begins, on the circles that are planned with [m].
@@ -76,6 +82,9 @@ class LegFlight:
     leg: int
     origin: str
     destination: str
+    kind: Literal["short", "drift"]
+    planned_delta_v_m_s: float
+    burns_delta_v_m_s: float
     miss_m: float
     relative_speed_m_s: float
     arrival_miss_m: float
@@ -102,9 +111,9 @@ class TankFlight:
     planned_delta_v_m_s : float
         What the plan states for these legs [m/s].
     flown_delta_v_m_s : float or None
-        What they cost on the true orbits: the burns of the plan and the corrections, which take
-        the place of what the plan sets aside for eccentricity; None if a correction is unknown
-        [m/s].
+        What they cost when flown: the burns of legs that drift and what the plan sets aside for
+        their eccentricity; on true orbits the corrections, which take the place of what is set
+        aside; None if a correction is unknown [m/s].
     """
 
     tank: int
@@ -151,11 +160,23 @@ class Flight:
         Largest stand-off miss of all legs; 0 for a plan without legs [m].
     legs : tuple of LegFlight
     tanks : tuple of TankFlight
+    dynamics : {"two-body", "j2"}
+        In which the legs were flown.
+    between_circles : bool
+        Some orbits are eccentric, and the legs were flown between circles only: a second flight on
+        the true orbits is one in two-body motion.
     """
 
     worst_miss_m: float
     legs: tuple[LegFlight, ...]
     tanks: tuple[TankFlight, ...] = ()
+    dynamics: Literal["two-body", "j2"] = "two-body"
+    between_circles: bool = False
+
+    @property
+    def drifts(self) -> tuple[LegFlight, ...]:
+        """The legs that drift."""
+        return tuple(leg for leg in self.legs if leg.kind == "drift")
 
     @property
     def broken_tanks(self) -> tuple[TankFlight, ...]:
@@ -190,7 +211,9 @@ class Flight:
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data: what ``fly --json`` prints."""
-        told: dict[str, Any] = {"worst_miss_m": self.worst_miss_m}
+        told: dict[str, Any] = {"dynamics": self.dynamics, "worst_miss_m": self.worst_miss_m}
+        if self.dynamics == "j2":
+            told["between_circles"] = self.between_circles
         if self.eccentric:
             told |= {
                 "worst_true_miss_m": self.worst_true_miss_m,

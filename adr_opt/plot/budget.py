@@ -39,14 +39,18 @@ def budget(instance: Instance, plan: Plan) -> Budget:
     """ΔV left after every burn of a plan.
 
     The cost of matching eccentricity vectors has no burn; it is taken with the last one of a leg.
+    A drift costs what its closed form says, and its burns take their shares of that.
     """
     refuse_foreign(instance, plan)
     left = instance.chaser.tank.delta_v_m_s
     rows = [(0.0, left, 0, False)]
     for number, leg in enumerate(plan.legs, start=1):
         after_leg = left - leg.delta_v_m_s
+        share, burned = 1.0, leg.burns_delta_v_m_s
+        if leg.kind == "drift" and burned > 0.0:
+            share = (leg.delta_v_m_s - leg.eccentricity_delta_v_m_s) / burned
         for burn in leg.burns[:-1]:
-            left -= sum(part * part for part in burn.delta_v_m_s) ** 0.5
+            left -= share * burn.size_m_s
             rows.append((burn.time_s, left, number, False))
         rows.append((leg.arrival_s, after_leg, number, False))
         left = after_leg

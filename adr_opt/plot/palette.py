@@ -5,13 +5,15 @@ background of the report.
 """
 
 PHASES = (
-    "wait", "hohmann-1", "phasing", "co-elliptic", "terminal", "approach", "service", "refuelling",
+    "wait", "hohmann-1", "drift", "phasing", "co-elliptic", "terminal", "approach", "service",
+    "refuelling",
 )  # fmt: skip
 """The phases of burns (MODEL section 2), with the wait before them and the service after them."""
 
 LABELS = {
     "wait": "wait",
     "hohmann-1": "first Hohmann",
+    "drift": "drift orbit",
     "phasing": "phasing",
     "co-elliptic": "to co-elliptic",
     "terminal": "terminal Hohmann",
@@ -23,6 +25,7 @@ LABELS = {
 COLOURS = {
     "wait": "#8490a0",
     "hohmann-1": "#d4553f",
+    "drift": "#9c6b4a",
     "phasing": "#3f7fc4",
     "co-elliptic": "#1f9687",
     "terminal": "#c07f12",

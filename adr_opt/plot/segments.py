@@ -41,7 +41,7 @@ def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
     """The phases of a plan in time order, those that take no time left out.
 
     Read off the plan as it is: a burn begins its phase, which lasts until the next burn. A chaser
-    that arrives before a window opens waits at its destination.
+    that has docked before a window opens, or before the stated arrival, waits at its destination.
 
     Parameters
     ----------
@@ -61,8 +61,10 @@ def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
 def _of_leg(instance: Instance, number: int, leg: Leg) -> Iterator[Segment]:
     begins = service_begins(instance, leg)
     stay = "refuelling" if leg.destination in instance.station_names else "service"
-    yield Segment(number, "wait", leg.ready_s, leg.departure_s)
+    leaves = leg.burns[0].time_s if leg.burns else leg.departure_s
+    docked = leg.burns[-1].time_s if leg.burns else leg.arrival_s
+    yield Segment(number, "wait", leg.ready_s, leaves)
     for burn, after in pairwise(leg.burns):
         yield Segment(number, burn.phase, burn.time_s, after.time_s)
-    yield Segment(number, "wait", leg.arrival_s, begins)
+    yield Segment(number, "wait", docked, begins)
     yield Segment(number, stay, begins, leg.end_s)

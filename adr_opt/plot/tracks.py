@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..instance import Instance
-from ..kernels.constants import EARTH_RADIUS_M, MU_M3_S2
+from ..kernels.constants import EARTH_RADIUS_M
+from ..kernels.orbits import period
 from ..plan import Plan
 from ..trajectory import Arc, LegPath, body_states, sample
-from ..trajectory.kepler import Array
+from ..trajectory.kepler import Array, drift, revolution
+from ..trajectory.sampling import LONG_STEP_S
 
-STEP_S = 60.0
 MOST_STEPS = 1e6
 LEVEL_M = 1.0
 """An arc whose altitude changes by less is drawn as a level line."""
@@ -37,6 +38,8 @@ class Track:
         Distances from the centre of the Earth, less its radius [m].
     around_m : (m, 3) float64
         Positions over at most one revolution: the next would be drawn over them [m].
+    nodes_deg : (2,) float64
+        RAAN of the orbit at the first and the last of the times, without a jump [deg].
     """
 
     leg: int
@@ -44,6 +47,7 @@ class Track:
     times_s: Array
     altitudes_m: Array
     around_m: Array
+    nodes_deg: Array
 
 
 def tracks(instance: Instance, plan: Plan) -> tuple[Track, ...]:
@@ -55,35 +59,40 @@ def tracks(instance: Instance, plan: Plan) -> tuple[Track, ...]:
         The plan belongs to another instance or cannot be flown.
     """
     total_s = sum(max(0.0, leg.end_s - leg.ready_s) for leg in plan.legs)
-    flown = sample(instance, plan, max(STEP_S, total_s / MOST_STEPS))
-    return tuple(_track(path, arc, instance.station_names) for path, arc in flown.arcs())
+    step_s = total_s / MOST_STEPS
+    flown = sample(instance, plan, step_s if step_s > LONG_STEP_S else None)
+    return tuple(_track(instance, path, arc) for path, arc in flown.arcs())
 
 
-def _track(path: LegPath, arc: Arc, stations: tuple[str, ...]) -> Track:
+def _track(instance: Instance, path: LegPath, arc: Arc) -> Track:
     phase = arc.phase
-    if phase == "service" and path.leg.destination in stations:
+    if phase == "service" and path.leg.destination in instance.station_names:
         phase = "refuelling"
     altitudes = np.linalg.norm(arc.positions_m, axis=1) - EARTH_RADIUS_M
     level = np.ptp(altitudes) < LEVEL_M
     ends = [0, -1]
-    radius, speed = np.linalg.norm(arc.positions_m[0]), np.linalg.norm(arc.velocities_m_s[0])
-    period = 2.0 * np.pi * np.sqrt((2.0 / radius - speed**2 / MU_M3_S2) ** -3.0 / MU_M3_S2)
-    # one sample more, so that the ring closes
-    within = np.searchsorted(arc.times_s, arc.times_s[0] + period) + 1
+    first = arc.positions_m[0], arc.velocities_m_s[0]
+    around, lap_s = arc.positions_m, revolution(*first) / arc.pace
+    if arc.end_s - arc.start_s > lap_s:
+        laps = np.linspace(0.0, lap_s, POINTS_OF_A_RING)
+        around = drift(*first, laps, instance.oblateness_m2)[0]
+    normal = np.cross(*first)
+    node = np.degrees(np.arctan2(normal[0], -normal[1]))
+    drifted = np.degrees(arc.node_rate_rad_s) * (arc.end_s - arc.start_s)
     return Track(
         path.number,
         phase,
         arc.times_s[ends] if level else arc.times_s,
         altitudes[ends] if level else altitudes,
-        arc.positions_m[:within],
+        around,
+        np.array([node, node + drifted]),
     )
 
 
 def ring(instance: Instance, body: str) -> Array:
     """One revolution of a body on the circle that is planned with, shape (points, 3) [m]."""
-    radius = instance.body_orbits[instance.names.index(body)].semi_major_axis_m
-    period = 2.0 * np.pi * np.sqrt(radius**3 / MU_M3_S2)
-    return body_states(instance, body, np.linspace(0.0, period, POINTS_OF_A_RING))[0]
+    lap_s = period(instance.body_orbits[instance.names.index(body)].semi_major_axis_m)
+    return body_states(instance, body, np.linspace(0.0, lap_s, POINTS_OF_A_RING))[0]
 
 
 def joined(parts: Iterator[Array] | list[Array]) -> Array:

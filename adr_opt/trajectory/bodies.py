@@ -52,6 +52,14 @@ def body_states(
     return _on_circle(orbit, instance.oblateness_m2, times)
 
 
+def body_secular(instance: Instance, body: str) -> tuple[float, float]:
+    """Pace and rate of the node of a body, as :func:`.kepler.secular` gives them."""
+    orbit = instance.body_orbits[instance.names.index(body)]
+    row = orbit.row(instance.oblateness_m2)
+    pace = row[orbits.LATITUDE_RATE] / orbits.mean_motion(row[orbits.RADIUS])
+    return float(pace), float(row[orbits.RAAN_RATE])
+
+
 def body_positions(
     instance: Instance, times_s: npt.ArrayLike, *, true_orbits: bool = False
 ) -> Array:

@@ -48,10 +48,11 @@ class Clock:
 
 
 def states_at_labels(arc: Arc) -> tuple[Array, Array]:
-    """States of an arc at its times rounded to the microsecond, as labels show them.
+    """Positions of an arc, and their rates, at its times as labels show them, to the microsecond.
 
     Between a time and its label lie up to 0.5 µs, or 4 mm of way: too much to leave. The motion
     between them is a straight line to a nanometre.
     """
     late = (np.rint(arc.times_s * MICROSECONDS) / MICROSECONDS - arc.times_s)[:, None]
-    return arc.positions_m + late * arc.velocities_m_s, arc.velocities_m_s
+    rates = arc.rates_m_s
+    return arc.positions_m + late * rates, rates

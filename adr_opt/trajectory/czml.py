@@ -7,19 +7,30 @@ from typing import Any
 
 import numpy as np
 
+from ..kernels.constants import DAY_S
 from .bodies import body_states
 from .clock import Clock
-from .kepler import Array
+from .kepler import Array, revolution
 from .kvn import origin
-from .sampling import Arc, LegPath, Trajectory
+from .sampling import SHORTEST_ARC_S, STEP_S, Arc, LegPath, Trajectory
+
+Span = tuple[float, float]
 
 BODY_STEP_S = 300.0
 """Between samples of the station and the targets; a twentieth of a low orbit."""
+
+MOST_BODY_STATES = 400_000
+"""Of all bodies over the whole mission: twenty megabytes of file. Where there would be more, a body
+is shown only during the legs that begin or end at it, and one that no leg meets not at all."""
 
 BODY_DEGREE = 7
 """Of Lagrange's interpolation between them: a few decimetres of error in the middle of a track."""
 
 ARC_DEGREE = 7
+
+LONG_ARC_S = DAY_S
+"""Of a longer arc a revolution is drawn at a time, and only while it is flown: weeks of them would
+be a shell around the Earth."""
 
 SPEED_UP = 300.0
 """Times real time when the file is opened: twenty seconds for a revolution."""
@@ -32,23 +43,46 @@ def to_czml(trajectory: Trajectory) -> str:
     its leg is flown, in the colour of its phase; the chaser itself is one packet over all of them.
     """
     clock = Clock(trajectory.instance)
-    packets = [_document(trajectory, clock)]
+    shown = _when_shown(trajectory)
+    packets = [_document(trajectory, clock, len(shown))]
     visited = set(trajectory.plan.destinations)
-    for name in trajectory.instance.names:
-        packets.append(_body(trajectory, clock, name, name in visited))
+    for name, intervals in shown.items():
+        packets.append(_body(trajectory, clock, name, name in visited, intervals))
     packets.append(_chaser(trajectory, clock))
     for path in trajectory.legs:
         packets += [_arc(trajectory, clock, path, number) for number in range(len(path.arcs))]
     return json.dumps(packets, ensure_ascii=False, separators=(",", ":"), allow_nan=False) + "\n"
 
 
-def _document(trajectory: Trajectory, clock: Clock) -> dict[str, Any]:
+def _when_shown(trajectory: Trajectory) -> dict[str, list[Span]]:
+    """The bodies that the file holds, each with the times from and to which it does [s]."""
+    names = trajectory.instance.names
+    start, end = trajectory.start_s, trajectory.end_s
+    if len(names) * (end - start) <= MOST_BODY_STATES * BODY_STEP_S:
+        return {name: [(start, end)] for name in names}
+    shown: dict[str, list[Span]] = {name: [] for name in names}
+    for path in trajectory.legs:
+        begin, until = path.arcs[0].start_s, path.arcs[-1].end_s
+        for name in {path.leg.origin, path.leg.destination}:
+            spans = shown[name]
+            goes_on = bool(spans) and spans[-1][1] >= begin - SHORTEST_ARC_S
+            spans.append((spans.pop()[0] if goes_on else begin, until))
+    return {name: spans for name, spans in shown.items() if spans}
+
+
+def _document(trajectory: Trajectory, clock: Clock, bodies: int) -> dict[str, Any]:
     interval = _interval(clock, trajectory.start_s, trajectory.end_s)
+    said = origin(trajectory.instance, trajectory.plan)
+    if bodies < len(trajectory.instance.names):
+        said.append(
+            f"Of {len(trajectory.instance.names)} bodies the {bodies} that legs begin or end at "
+            "are shown, each during these legs: all of them all the time would be too much."
+        )
     return {
         "id": "document",
         "name": trajectory.instance.name,
         "version": "1.0",
-        "description": " ".join(origin(trajectory.instance, trajectory.plan)),
+        "description": " ".join(said),
         "clock": {
             "interval": interval,
             "currentTime": _time(clock, trajectory.start_s),
@@ -59,7 +93,9 @@ def _document(trajectory: Trajectory, clock: Clock) -> dict[str, Any]:
     }
 
 
-def _body(trajectory: Trajectory, clock: Clock, name: str, visited: bool) -> dict[str, Any]:
+def _body(
+    trajectory: Trajectory, clock: Clock, name: str, visited: bool, shown: list[Span]
+) -> dict[str, Any]:
     from ..plot import palette
 
     instance = trajectory.instance
@@ -67,15 +103,23 @@ def _body(trajectory: Trajectory, clock: Clock, name: str, visited: bool) -> dic
     colour = palette.UNVISITED
     if at_station or visited:
         colour = palette.STATION if at_station else palette.VISITED
-    span = trajectory.end_s - trajectory.start_s
-    times = np.linspace(
-        trajectory.start_s, trajectory.end_s, 1 + max(8, int(np.ceil(span / BODY_STEP_S)))
-    )
+    tracks, intervals = [], []
+    for start, end in shown:
+        times = np.linspace(start, end, 1 + max(8, int(np.ceil((end - start) / BODY_STEP_S))))
+        positions = body_states(instance, name, times)[0]
+        tracks.append(_position(clock, times, positions, BODY_DEGREE, 1))
+        intervals.append(_interval(clock, start, end))
+    whole = len(shown) == 1
     packet: dict[str, Any] = {
         "id": f"body/{name}",
         "name": name,
-        "availability": _interval(clock, trajectory.start_s, trajectory.end_s),
-        "position": _position(clock, times, body_states(instance, name, times)[0], BODY_DEGREE, 1),
+        "availability": intervals[0] if whole else intervals,
+        "position": tracks[0]
+        if whole
+        else [
+            {"interval": interval, **track}
+            for interval, track in zip(intervals, tracks, strict=True)
+        ],
         "point": {"pixelSize": 9 if at_station else 5, "color": _rgba(colour)},
     }
     if at_station or visited:
@@ -114,17 +158,24 @@ def _chaser(trajectory: Trajectory, clock: Clock) -> dict[str, Any]:
 
 def _arc(trajectory: Trajectory, clock: Clock, path: LegPath, number: int) -> dict[str, Any]:
     arc = path.arcs[number]
-    leg_s = path.arcs[-1].end_s - path.arcs[0].start_s
+    drawn_s = path.arcs[-1].end_s - path.arcs[0].start_s
+    shown = path.arcs[0].start_s, path.arcs[-1].end_s
+    position: dict[str, Any] = {"reference": "chaser#position"}
+    if arc.end_s - arc.start_s > LONG_ARC_S:
+        drawn_s = 0.5 * revolution(arc.positions_m[0], arc.velocities_m_s[0])
+        shown = arc.start_s, arc.end_s
+    else:
+        position = _position(clock, arc.times_s, arc.positions_m, ARC_DEGREE, 0)
     return {
         "id": f"leg {path.number}/{number + 1}",
         "name": f"leg {path.number}: {path.leg.origin} → {path.leg.destination}, {arc.phase}",
-        "availability": _interval(clock, path.arcs[0].start_s, path.arcs[-1].end_s),
-        "position": _position(clock, arc.times_s, arc.positions_m, ARC_DEGREE, 0),
+        "availability": _interval(clock, *shown),
+        "position": position,
         "path": {
-            "leadTime": leg_s,
-            "trailTime": leg_s,
+            "leadTime": drawn_s,
+            "trailTime": drawn_s,
             "width": 2 if arc.phase in ("wait", "service") else 3,
-            "resolution": trajectory.step_s,
+            "resolution": min(trajectory.step_s, STEP_S),
             "material": {"solidColor": {"color": _rgba(_colour(trajectory, path, arc))}},
         },
     }

@@ -1,11 +1,17 @@
 """``.script``: the mission as a script of NASA's General Mission Analysis Tool (R2020a and later).
 
-The script names the model's gravitational parameter and point-mass gravity, so that GMAT, whose
-propagators are numerical, flies the same mission.
+In two-body motion the script names the model's gravitational parameter and point-mass gravity, so
+that GMAT, whose propagators are numerical, flies the same mission.
+
+Under J2 the plan flies between mean orbits, and GMAT knows osculating states. The script gives GMAT
+the mean orbits as such, Brouwer's of short period, and has it fly in the zonal field of degree 2.
+What the mean dynamics leave out then shows: GMAT's chaser passes its targets at kilometres after
+hours and farther off after months, and only docking by the script brings it there.
 """
 
 from __future__ import annotations
 
+import math
 import re
 import textwrap
 from collections.abc import Generator, Iterator
@@ -13,6 +19,7 @@ from datetime import datetime
 
 from ..errors import InputError
 from ..instance import Instance
+from ..kernels import orbits
 from ..kernels.constants import EARTH_RADIUS_M, MU_M3_S2
 from .bodies import body_states
 from .clock import Clock
@@ -29,25 +36,29 @@ MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", 
 
 SHORTEST_COAST_S = 1e-6
 
-PROPAGATOR = (
-    "",
-    "Create ForceModel TwoBody;",
-    "GMAT TwoBody.CentralBody = Earth;",
-    "GMAT TwoBody.PointMasses = {Earth};",
-    "GMAT TwoBody.Drag = None;",
-    "GMAT TwoBody.SRP = Off;",
-    "GMAT TwoBody.RelativisticCorrection = Off;",
-    "GMAT TwoBody.ErrorControl = RSSStep;",
-    "",
-    "Create Propagator Fly;",
-    "GMAT Fly.FM = TwoBody;",
-    "GMAT Fly.Type = RungeKutta89;",
-    "GMAT Fly.InitialStepSize = 60;",
-    "GMAT Fly.Accuracy = 1e-13;",
-    "GMAT Fly.MinStep = 0;",
-    "GMAT Fly.MaxStep = 600;",
+GRAVITY = {
+    "two-body": ("GMAT TwoBody.PointMasses = {Earth};",),
+    "j2": (
+        "GMAT Zonal.PrimaryBodies = {Earth};",
+        "GMAT Zonal.PointMasses = {};",
+        "GMAT Zonal.GravityField.Earth.Degree = 2;",
+        "GMAT Zonal.GravityField.Earth.Order = 0;",
+        "GMAT Zonal.GravityField.Earth.PotentialFile = 'JGM2.cof';",
+        "GMAT Zonal.GravityField.Earth.TideModel = 'None';",
+    ),
+}
+"""Of which gravity: that of a point, or of GMAT's own field up to J2, with its own constants."""
+
+BROUWER = ("SMA", "ECC", "INC", "RAAN", "AOP", "MA")
+"""Mean elements of GMAT, with the prefix BrouwerShort."""
+
+WARNING = (
+    "The orbits above are mean orbits, which GMAT turns into osculating states, and GMAT flies in "
+    "its own field up to J2: the burns are those of the mean dynamics, whose short-period and "
+    "second-order terms are missing. At arrivals the chaser is kilometres off its target after "
+    "hours, and more after months; the script then docks it all the same."
 )
-"""How GMAT is to fly: in the gravity of a point, so exactly that nothing of it shows."""
+"""What has to be known of a script under J2."""
 
 
 def to_gmat(trajectory: Trajectory, frame: str) -> str:
@@ -73,7 +84,10 @@ def _lines(trajectory: Trajectory, system: str) -> Iterator[str]:
     ends = {name for path in trajectory.legs for name in (path.leg.origin, path.leg.destination)}
     names = {body: _name(instance, body) for body in instance.names if body in ends}
     start = _whole_millisecond(instance, trajectory.start_s)
-    for sentence in origin(instance, trajectory.plan):
+    said = origin(instance, trajectory.plan)
+    if instance.dynamics == "j2":
+        said.append(WARNING)
+    for sentence in said:
         for line in textwrap.wrap(plain(sentence), WIDTH):
             yield f"% {line}"
     yield from _earth(system)
@@ -81,7 +95,7 @@ def _lines(trajectory: Trajectory, system: str) -> Iterator[str]:
     for spacecraft, body in [(CHASER, chaser_at), *((names[body], body) for body in names)]:
         yield ""
         yield from _spacecraft(instance, system, spacecraft, body, start)
-    yield from PROPAGATOR
+    yield from _propagator(instance)
     for path in trajectory.legs:
         yield from _impulses(path, system)
     crew = ", ".join([CHASER, *names.values()])
@@ -100,6 +114,27 @@ def _earth(system: str) -> Iterator[str]:
         yield f"Create CoordinateSystem {system};"
         yield f"GMAT {system}.Origin = Earth;"
         yield f"GMAT {system}.Axes = ICRF;"
+
+
+def _propagator(instance: Instance) -> Iterator[str]:
+    """How GMAT is to fly: so exactly that nothing of its steps shows."""
+    model = "Zonal" if instance.dynamics == "j2" else "TwoBody"
+    yield from ("", f"Create ForceModel {model};", f"GMAT {model}.CentralBody = Earth;")
+    yield from GRAVITY[instance.dynamics]
+    yield f"GMAT {model}.Drag = None;"
+    yield f"GMAT {model}.SRP = Off;"
+    yield f"GMAT {model}.RelativisticCorrection = Off;"
+    yield f"GMAT {model}.ErrorControl = RSSStep;"
+    yield from (
+        "",
+        "Create Propagator Fly;",
+        f"GMAT Fly.FM = {model};",
+        "GMAT Fly.Type = RungeKutta89;",
+        "GMAT Fly.InitialStepSize = 60;",
+        "GMAT Fly.Accuracy = 1e-13;",
+        "GMAT Fly.MinStep = 0;",
+        "GMAT Fly.MaxStep = 600;",
+    )
 
 
 def _impulses(path: LegPath, system: str) -> Iterator[str]:
@@ -165,16 +200,33 @@ def _coast(
 def _spacecraft(
     instance: Instance, system: str, spacecraft: str, body: str, start_s: float
 ) -> Iterator[str]:
-    position, velocity = (state[0] / 1e3 for state in body_states(instance, body, start_s))
     epoch = datetime.fromisoformat(Clock(instance).label(start_s))
     yield f"% {plain(body)}" if spacecraft != CHASER else "% the chaser"
     yield f"Create Spacecraft {spacecraft};"
     yield f"GMAT {spacecraft}.DateFormat = UTCGregorian;"
     yield f"GMAT {spacecraft}.Epoch = '{_gregorian(epoch)}';"
     yield f"GMAT {spacecraft}.CoordinateSystem = {system};"
+    if instance.dynamics == "j2":
+        yield f"GMAT {spacecraft}.DisplayStateType = BrouwerMeanShort;"
+        for element, value in zip(BROUWER, _mean_elements(instance, body, start_s), strict=True):
+            yield f"GMAT {spacecraft}.BrouwerShort{element} = {value:.12f};"
+        return
     yield f"GMAT {spacecraft}.DisplayStateType = Cartesian;"
+    position, velocity = (state[0] / 1e3 for state in body_states(instance, body, start_s))
     for axis, value in zip(COMPONENTS, (*position, *velocity), strict=True):
         yield f"GMAT {spacecraft}.{axis} = {value:.12f};"
+
+
+def _mean_elements(
+    instance: Instance, body: str, time_s: float
+) -> tuple[float, float, float, float, float, float]:
+    """The circle that is planned with, as mean elements in GMAT's units (km, degrees)."""
+    orbit = instance.body_orbits[instance.names.index(body)]
+    row = orbit.row(instance.oblateness_m2)
+    angles = (orbits.node_at(row, time_s), orbits.latitude_at(row, time_s))
+    node, latitude = (math.degrees(angle) % 360.0 for angle in angles)
+    inclination = math.degrees(row[orbits.INCLINATION])
+    return row[orbits.RADIUS] / 1e3, 0.0, inclination, node, 0.0, latitude
 
 
 def _whole_millisecond(instance: Instance, time_s: float) -> float:

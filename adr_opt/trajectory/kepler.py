@@ -52,6 +52,30 @@ def drift(
     times = np.atleast_1d(np.asarray(after_s, dtype=float))
     if oblateness_m2 == 0.0:
         return propagate(position_m, velocity_m_s, times)
+    pace, node_rate = secular(position_m, velocity_m_s, oblateness_m2)
+    positions, velocities = propagate(position_m, velocity_m_s, pace * times)
+    return turned(positions, node_rate * times), turned(velocities, node_rate * times)
+
+
+def secular(
+    position_m: npt.ArrayLike, velocity_m_s: npt.ArrayLike, oblateness_m2: float
+) -> tuple[float, float]:
+    """How the mean dynamics differ from two-body motion on a nearly circular orbit.
+
+    Returns
+    -------
+    pace : float
+        How fast the orbit is run through, 1 in two-body motion.
+    node_rate : float
+        How fast its plane turns about the axis of the Earth [rad/s].
+
+    Raises
+    ------
+    ArithmeticError
+        The orbit is not closed.
+    """
+    if oblateness_m2 == 0.0:
+        return 1.0, 0.0
     r, v = np.asarray(position_m, dtype=float), np.asarray(velocity_m_s, dtype=float)
     inverse_axis = 2.0 / math.hypot(*r) - float(v @ v) / MU_M3_S2
     if not inverse_axis > 0.0:
@@ -60,9 +84,14 @@ def drift(
     inclination = math.acos(momentum[2] / math.hypot(*momentum))
     axis = 1.0 / inverse_axis
     pace = orbits.latitude_rate(axis, inclination, oblateness_m2) / orbits.mean_motion(axis)
-    angles = orbits.node_rate(axis, inclination, oblateness_m2) * times
-    positions, velocities = propagate(r, v, pace * times)
-    return turned(positions, angles), turned(velocities, angles)
+    return float(pace), float(orbits.node_rate(axis, inclination, oblateness_m2))
+
+
+def revolution(position_m: npt.ArrayLike, velocity_m_s: npt.ArrayLike) -> float:
+    """Period of a closed Kepler orbit [s]."""
+    r, v = np.asarray(position_m, dtype=float), np.asarray(velocity_m_s, dtype=float)
+    axis = 1.0 / (2.0 / math.hypot(*r) - float(v @ v) / MU_M3_S2)
+    return 2.0 * math.pi * math.sqrt(axis**3 / MU_M3_S2)
 
 
 def turned(vectors: Array, angles: Array) -> Array:

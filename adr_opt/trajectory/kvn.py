@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime
 
 from ..instance import Instance
+from ..kernels.constants import EARTH_RADIUS_M, J2
 from ..plan import Plan
 
 ORIGINATOR = "ADR-OPT"
@@ -33,24 +34,42 @@ def origin(instance: Instance, plan: Plan) -> list[str]:
     said = [
         f"Plan by {plan.method} (seed {plan.seed}) for the instance {instance.name}, "
         f"sha256 {plan.instance.sha256}.",
-        "Two-body motion, GM = 398600.4418 km**3/s**2, impulsive burns. At the end of a leg the "
-        "chaser is docked; the step there is the residual of the approach, a few centimetres.",
+        f"{_motion(instance)}, impulsive burns. At the end of a leg the chaser is docked; the step "
+        "there is the residual of the approach, a few centimetres.",
         "The reference frame is named by whoever exports: an instance says only that its elements "
         "are inertial.",
     ]
     if instance.is_approximate:
         said.append(
             "Some orbits are eccentric. The plan flies between circles of the same semi-major "
-            "axes, and so do the states here; on the true orbits it misses by what adr-opt fly "
-            "reports."
+            "axes, and so do the states here; on the true orbits it misses"
+            + (
+                " by what adr-opt fly reports."
+                if instance.dynamics == "two-body"
+                else ", by how much has not been worked out."
+            )
         )
     return said
 
 
-def header(keyword: str, instance: Instance, plan: Plan) -> Iterator[str]:
-    """The header of a message of version 2.0."""
+def _motion(instance: Instance) -> str:
+    """The dynamics of the states, with their constants."""
+    gravity = "GM = 398600.4418 km**3/s**2"
+    if instance.dynamics == "two-body":
+        return f"Two-body motion, {gravity}"
+    return (
+        f"Mean motion under J2 = {J2:.8e} ({gravity}, R = {EARTH_RADIUS_M / 1e3:.3f} km): nodes "
+        "and latitudes advance at their secular rates, and the short-period variations, some "
+        "kilometres, are left out; these are no osculating states"
+    )
+
+
+def header(
+    keyword: str, instance: Instance, plan: Plan, said: Iterable[str] = ()
+) -> Iterator[str]:
+    """The header of a message of version 2.0, with more sentences that it says."""
     yield f"{keyword} = 2.0"
-    for sentence in origin(instance, plan):
+    for sentence in (*origin(instance, plan), *said):
         yield from comment(sentence)
     yield f"CREATION_DATE = {datetime.now(UTC):%Y-%m-%dT%H:%M:%S}"
     yield f"ORIGINATOR = {ORIGINATOR}"

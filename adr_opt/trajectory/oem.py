@@ -9,7 +9,8 @@ from .kvn import comment, header, metadata
 from .sampling import Arc, LegPath, Trajectory
 
 DEGREE = 7
-"""Of Hermite's interpolation: four states. At 60 s it is exact to a micrometre."""
+"""Of Hermite's interpolation: four states. At 60 s it is exact to a micrometre, at 300 s to a
+centimetre."""
 
 
 def to_oem(trajectory: Trajectory, frame: str) -> str:
@@ -18,13 +19,19 @@ def to_oem(trajectory: Trajectory, frame: str) -> str:
     One segment for each arc, so that no interpolation runs across a burn: a leg is the run of
     segments whose comments carry its number. States at a burn stand twice: before it at the end of
     one segment, after it at the beginning of the next.
+
+    Where planes drift, the velocities written are the rates of the positions, or interpolation
+    would not lead from one to the next; a burn is then a step of these to a part in a thousand.
     """
     return "\n".join(_lines(trajectory, frame)) + "\n"
 
 
 def _lines(trajectory: Trajectory, frame: str) -> Iterator[str]:
     clock = Clock(trajectory.instance)
-    yield from header("CCSDS_OEM_VERS", trajectory.instance, trajectory.plan)
+    said = []
+    if trajectory.instance.dynamics == "j2":
+        said = ["Velocities are the rates of the positions, the drift of the planes included."]
+    yield from header("CCSDS_OEM_VERS", trajectory.instance, trajectory.plan, said)
     for path, arc in trajectory.arcs():
         yield ""
         yield from _segment(clock, path, arc, frame)

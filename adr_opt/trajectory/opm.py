@@ -29,16 +29,21 @@ def to_opm(trajectory: Trajectory, frame: str) -> str:
 def _lines(trajectory: Trajectory, frame: str) -> Iterator[str]:
     clock = Clock(trajectory.instance)
     first = trajectory.legs[0].arcs[0]
-    positions, velocities = states_at_labels(first)
+    positions, _ = states_at_labels(first)
     yield from header("CCSDS_OPM_VERS", trajectory.instance, trajectory.plan)
     yield ""
     yield from metadata(frame)
     yield ""
     yield from comment(f"State at the beginning of leg {trajectory.legs[0].number}")
+    if trajectory.instance.dynamics == "j2":
+        yield from comment(
+            "It is a mean state: its velocity is that within the plane, to which the burns add. "
+            "Propagated as an osculating state it leads elsewhere"
+        )
     yield f"EPOCH = {clock.label(first.start_s)}"
     for axis, value in zip("XYZ", positions[0] / 1e3, strict=True):
         yield f"{axis} = {value:.9f} [km]"
-    for axis, value in zip("XYZ", velocities[0] / 1e3, strict=True):
+    for axis, value in zip("XYZ", first.velocities_m_s[0] / 1e3, strict=True):
         yield f"{axis}_DOT = {value:.12f} [km/s]"
     yield ""
     yield from comment("The mass is a placeholder that the format asks for: the plan has none")

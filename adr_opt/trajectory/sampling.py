@@ -5,22 +5,30 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from ..errors import InputError
 from ..flight.flyable import refuse_what_cannot_be_flown
 from ..instance import Instance
-from ..kernels.burns import PHASES as BURN_PHASES
+from ..kernels.constants import DAY_S
 from ..limits import service_begins
 from ..plan import Leg, Plan
-from .bodies import body_states
-from .kepler import Array, drift
+from .bodies import body_secular, body_states
+from .kepler import Array, drift, secular
 
-PHASES = ("wait", *BURN_PHASES, "service")
-"""Phases of a leg in their order: waiting at the origin, five of flight, service at the end.
+PHASES = (
+    "wait", "hohmann-1", "drift", "phasing", "co-elliptic", "terminal", "approach", "service",
+)  # fmt: skip
+"""Phases of a leg in their order: waiting at the origin, those of its burns, service at the end.
 
-A chaser that arrives before a window opens waits once more, at its destination."""
+A leg has either phasing or a drift, or none of them. A chaser that has docked before a window
+opens, or before the arrival that a drift is planned with, waits once more, at its destination."""
+
+STEP_S, LONG_STEP_S, LONG_ARC_S = 60.0, 300.0, DAY_S
+"""Time between two samples where nobody says: the first, and the second on arcs of more than the
+third: a mission of two years has 200,000 states, and not a million [s]."""
 
 FEWEST_INTERVALS = 8
 """Of an arc, however short: enough for any interpolation that readers of the files do."""
@@ -44,13 +52,28 @@ class Arc:
     positions_m : (n, 3) float64
         In the inertial frame of the elements [m].
     velocities_m_s : (n, 3) float64
-        After the burn at the beginning, before the one at the end [m/s].
+        Within the plane of the orbit: what burns add to; after the burn at the beginning, before
+        the one at the end [m/s].
+    pace, node_rate_rad_s : float
+        Under J2 the orbit is run through at this pace of two-body motion, and its plane turns
+        about the axis of the Earth at this rate [–], [rad/s].
     """
 
     phase: str
     times_s: Array
     positions_m: Array
     velocities_m_s: Array
+    pace: float = 1.0
+    node_rate_rad_s: float = 0.0
+
+    @property
+    def rates_m_s(self) -> Array:
+        """How fast the positions change: the velocities, if no plane drifts, shape (n, 3) [m/s]."""
+        if self.pace == 1.0 and self.node_rate_rad_s == 0.0:
+            return self.velocities_m_s
+        turning = np.cross([0.0, 0.0, self.node_rate_rad_s], self.positions_m)
+        rates: Array = self.pace * self.velocities_m_s + turning
+        return rates
 
     @property
     def start_s(self) -> float:
@@ -117,11 +140,11 @@ class Trajectory:
         return self.legs[-1].arcs[-1].end_s if self.legs else 0.0
 
 
-def sample(instance: Instance, plan: Plan, step_s: float = 60.0) -> Trajectory:
+def sample(instance: Instance, plan: Plan, step_s: float | None = None) -> Trajectory:
     """Fly a plan in the dynamics of its instance and sample the flight.
 
     As :func:`adr_opt.flight.fly` flies it: each leg begins on the origin's orbit, at its first
-    burn, and its burns are taken from the plan as they are. At the arrival the chaser is docked,
+    burn, and its burns are taken from the plan as they are. After the last the chaser is docked,
     so that service, and the wait before the next leg, are on the destination's orbit; the step
     there is the residual of the approach, a few centimetres. Orbits of bodies are the circles
     that the plan is made with (MODEL section 1).
@@ -131,8 +154,9 @@ def sample(instance: Instance, plan: Plan, step_s: float = 60.0) -> Trajectory:
     instance : Instance
     plan : Plan
         Need not be free of violations; a plan without legs gives no arcs.
-    step_s : float
-        Largest time between two samples [s].
+    step_s : float, optional
+        Largest time between two samples; by default :data:`STEP_S`, and :data:`LONG_STEP_S` on
+        arcs that are longer than :data:`LONG_ARC_S` [s].
 
     Raises
     ------
@@ -140,24 +164,24 @@ def sample(instance: Instance, plan: Plan, step_s: float = 60.0) -> Trajectory:
         The plan belongs to another instance or cannot be flown, the step is not a positive
         number, or there would be more than :data:`MOST_SAMPLES` samples.
     """
-    if not (step_s > 0.0 and math.isfinite(step_s)):
+    if step_s is not None and not (step_s > 0.0 and math.isfinite(step_s)):
         raise InputError(f"step_s = {step_s:g}: must be a positive number of seconds")
     refuse_what_cannot_be_flown(instance, plan)
     total_s = sum(_span(leg) for leg in plan.legs)
-    if not total_s / step_s <= MOST_SAMPLES:
+    longest_s = LONG_STEP_S if step_s is None else step_s
+    if not total_s / longest_s <= MOST_SAMPLES:
         raise InputError(
-            f"a flight of {total_s:.3g} s, a state every {step_s:g} s, would have more than "
+            f"a flight of {total_s:.3g} s, a state every {longest_s:g} s, would have more than "
             f"{MOST_SAMPLES:,} states; take a longer step, or correct the times of the plan"
         )
-    return Trajectory(
-        instance,
-        plan,
-        float(step_s),
-        tuple(
-            LegPath(number, leg, _arcs(instance, number, leg, step_s))
-            for number, leg in enumerate(plan.legs, start=1)
-        ),
+    legs = tuple(
+        LegPath(number, leg, _arcs(instance, number, leg, step_s))
+        for number, leg in enumerate(plan.legs, start=1)
     )
+    if step_s is None:
+        arcs = [arc for path in legs for arc in path.arcs]
+        step_s = max((_step(arc.end_s - arc.start_s, None) for arc in arcs), default=STEP_S)
+    return Trajectory(instance, plan, float(step_s), legs)
 
 
 def _span(leg: Leg) -> float:
@@ -166,45 +190,63 @@ def _span(leg: Leg) -> float:
     return max(times) - min(times)
 
 
-def _arcs(instance: Instance, number: int, leg: Leg, step_s: float) -> tuple[Arc, ...]:
+def _arcs(instance: Instance, number: int, leg: Leg, step_s: float | None) -> tuple[Arc, ...]:
     found = []
     start = leg.burns[0].time_s
     times = _times(leg.ready_s, start, step_s)
     if times is not None:
-        found.append(_arc("wait", times, *body_states(instance, leg.origin, times)))
+        found.append(_at_body("wait", times, instance, leg.origin))
     position, velocity = (state[0] for state in body_states(instance, leg.origin, start))
-    ends = [*(burn.time_s for burn in leg.burns[1:]), leg.arrival_s]
     try:
-        for burn, end in zip(leg.burns, ends, strict=True):
+        for burn, after in pairwise(leg.burns):
+            end = after.time_s
             velocity = velocity + np.array(burn.delta_v_m_s)
             times = _times(burn.time_s, end, step_s)
             if times is None:
                 continue
-            positions, velocities = drift(
-                position, velocity, times - burn.time_s, instance.oblateness_m2
-            )
-            found.append(_arc(burn.phase, times, positions, velocities))
+            oblateness = instance.oblateness_m2
+            positions, velocities = drift(position, velocity, times - burn.time_s, oblateness)
+            found.append(
+                _arc(
+                    burn.phase, times, positions, velocities,
+                    *secular(position, velocity, oblateness),
+                )
+            )  # fmt: skip
             position, velocity = positions[-1], velocities[-1]
     except ArithmeticError as error:
         raise InputError(f"leg {number}: cannot be flown: {error}; correct its burns") from None
-    begins = service_begins(instance, leg)
-    for phase, since, until in (("wait", leg.arrival_s, begins), ("service", begins, leg.end_s)):
+    docked, begins = leg.burns[-1].time_s, service_begins(instance, leg)
+    for phase, since, until in (("wait", docked, begins), ("service", begins, leg.end_s)):
         times = _times(since, until, step_s)
         if times is not None:
-            found.append(_arc(phase, times, *body_states(instance, leg.destination, times)))
+            found.append(_at_body(phase, times, instance, leg.destination))
     if not found:
         raise InputError(f"leg {number}: takes no time; correct its times")
     return tuple(found)
 
 
-def _times(start: float, end: float, step_s: float) -> Array | None:
+def _step(duration_s: float, step_s: float | None) -> float:
+    """Largest time between two samples of an arc [s]."""
+    if step_s is not None:
+        return step_s
+    return STEP_S if duration_s <= LONG_ARC_S else LONG_STEP_S
+
+
+def _times(start: float, end: float, step_s: float | None) -> Array | None:
     duration = end - start
     if not duration >= SHORTEST_ARC_S:
         return None
-    return np.linspace(start, end, 1 + max(FEWEST_INTERVALS, math.ceil(duration / step_s)))
+    intervals = math.ceil(duration / _step(duration, step_s))
+    return np.linspace(start, end, 1 + max(FEWEST_INTERVALS, intervals))
 
 
-def _arc(phase: str, times: Array, positions: Array, velocities: Array) -> Arc:
+def _at_body(phase: str, times: Array, instance: Instance, body: str) -> Arc:
+    return _arc(phase, times, *body_states(instance, body, times), *body_secular(instance, body))
+
+
+def _arc(
+    phase: str, times: Array, positions: Array, velocities: Array, pace: float, node_rate: float
+) -> Arc:
     for array in (times, positions, velocities):
         array.setflags(write=False)
-    return Arc(phase, times, positions, velocities)
+    return Arc(phase, times, positions, velocities, pace, node_rate)

@@ -31,7 +31,7 @@ def write_plan(
     *,
     format: str | None = None,
     frame: str = "EME2000",
-    step_s: float = 60.0,
+    step_s: float | None = None,
     leg: int | None = None,
 ) -> Trajectory:
     """Fly a plan and write the flight, whole or not at all.
@@ -46,8 +46,9 @@ def write_plan(
     frame : {"EME2000", "GCRF", "ICRF", "TEME"}
         The name of the frame that the elements are meant in; nothing is transformed. CZML has
         only Cesium's INERTIAL and takes no notice, GMAT has no TEME.
-    step_s : float
-        Largest time between two states of ``oem`` and ``czml`` [s].
+    step_s : float, optional
+        Largest time between two states of ``oem`` and ``czml``; by default that of
+        :func:`.sampling.sample` [s].
     leg : int, optional
         Only this leg, counted from 1.
 
@@ -72,7 +73,7 @@ def write_plan(
 
 
 def flown(
-    instance: Instance, plan: Plan, step_s: float = 60.0, leg: int | None = None
+    instance: Instance, plan: Plan, step_s: float | None = None, leg: int | None = None
 ) -> Trajectory:
     """The flight of a plan, or of one leg of it, that there is something to write of."""
     trajectory = sample(instance, plan, step_s)

@@ -12,6 +12,7 @@ from ...plan import Plan
 from ...plot.axes import KM_M
 from ...plot.palette import COLOURS, LABELS, PHASES, STATION, UNVISITED, VISITED
 from ...plot.tracks import POINTS_OF_A_RING, Track, joined, ring
+from ...trajectory.sampling import SHORTEST_ARC_S
 from ..text import clock, in_chart
 from .parts import Figure, column, leg_title, repeated
 
@@ -52,11 +53,10 @@ def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
                     "hovertemplate": f"{LABELS[phase]}, %{{text}}<extra></extra>",
                 }
             )
-    stays = {
-        track.leg: track
-        for track in tracks
-        if track.times_s[0] == plan.legs[track.leg - 1].arrival_s
-    }
+    stays: dict[int, Track] = {}
+    for track in tracks:
+        if track.times_s[0] >= plan.legs[track.leg - 1].burns[-1].time_s - SHORTEST_ARC_S:
+            stays.setdefault(track.leg, track)
     refuels = {
         at for at, leg in enumerate(plan.legs, start=1) if leg.destination in instance.station_names
     }
