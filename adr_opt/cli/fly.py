@@ -122,14 +122,14 @@ def _tanks(flight: Flight) -> str:
 def _misses(flight: Flight, width: int | None) -> Table:
     from .tables import Row, leg_table
 
-    rows, headings = [], ("miss\nm", "relative\nm/s", "arrival\nmiss m")
+    rows, headings = [], ["miss\nm", "relative\nm/s", "arrival\nmiss m"]
     if flight.dynamics == "j2":
-        headings += ("kind", "planned\nm/s", "burns\nm/s")
+        headings += ["kind", "planned\nm/s", "burns\nm/s"]
     for leg in flight.legs:
-        texts = (f"{leg.miss_m:.2g}", f"{leg.relative_speed_m_s:.2g}", f"{leg.arrival_miss_m:.2g}")
+        texts = [f"{leg.miss_m:.2g}", f"{leg.relative_speed_m_s:.2g}", f"{leg.arrival_miss_m:.2g}"]
         if flight.dynamics == "j2":
             planned, burned = leg.planned_delta_v_m_s, leg.burns_delta_v_m_s
-            texts += (leg.kind, f"{planned:.1f}", f"{burned:.1f}")
+            texts += [leg.kind, f"{planned:.1f}", f"{burned:.1f}"]
         rows.append(Row(leg.leg, leg.origin, leg.destination, texts))
     return leg_table(headings, rows, width)
 

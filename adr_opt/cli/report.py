@@ -26,7 +26,7 @@ def command(instance_path: str, plan_path: str, out: str, as_json: bool, quiet: 
     """Write PLAN on INSTANCE as one self-contained HTML page: charts, tables, bound and gap.
 
     A plan with violations is reported too: they head the page and are counted here. So are tanks
-    that break on the true orbits. Exit status 1: there are such tanks.
+    that break when flown, on the true orbits or under J2. Exit status 1: there are such tanks.
     """
     from ..instance import load
     from ..plan import load_plan
@@ -67,5 +67,6 @@ def command(instance_path: str, plan_path: str, out: str, as_json: bool, quiet: 
                 f"the page begins with {'them' if count > 1 else 'it'}"
             )
         for tank in broken:
-            say(f"{plan_path}: on the true orbits {tank}")
+            where = "when flown" if instance.dynamics == "j2" else "on the true orbits"
+            say(f"{plan_path}: {where} {tank}")
     return 1 if broken else 0

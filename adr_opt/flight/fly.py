@@ -107,8 +107,10 @@ def _fly_leg(
                 behind = _behind(motion.body(target, now), instance.transfer.standoff_m)
                 standoff = (distance(position, behind[0]), distance(velocity, behind[1]))
             chaser = position, velocity + np.array(burn.delta_v_m_s)
-        at_arrival = motion.coast(chaser, leg.arrival_s - now)
-        goal = motion.body(target, leg.arrival_s)
+        # A drift is planned with a later arrival: the chaser has docked by then.
+        arrival = now if leg.kind == "drift" else leg.arrival_s
+        at_arrival = motion.coast(chaser, arrival - now)
+        goal = motion.body(target, arrival)
     except ArithmeticError as error:
         raise InputError(f"leg {number}: cannot be flown: {error}; correct its burns") from None
     assert standoff is not None  # every leg has an approach

@@ -18,9 +18,11 @@ axis that has its methods (extra ``[viz]`` installs it).
 from __future__ import annotations
 
 from .budget import delta_v_left
+from .costs import leg_delta_v
 from .fields import matrix, planes
 from .gantt import gantt
 from .heights import altitude, keep_out_zones
+from .nodes import nodes
 from .palette import COLOURS, LABELS, PHASES
 from .segments import Segment, segments
 from .space import earth, orbits, path
@@ -35,7 +37,9 @@ __all__ = [
     "earth",
     "gantt",
     "keep_out_zones",
+    "leg_delta_v",
     "matrix",
+    "nodes",
     "orbits",
     "path",
     "planes",

@@ -2,8 +2,8 @@
 (() => {
   const mission = JSON.parse(document.getElementById("mission").textContent);
   const { figures, titles, windows } = mission;
-  const timed = ["altitude", "budget", "gantt"]; // share their time axis
-  const quick = [...timed, "planes"];
+  const timed = ["altitude", "budget", "nodes", "gantt"].filter((name) => name in figures);
+  const quick = [...timed, "costs", "planes"]; // the first share their time axis
   const box = (name) => document.getElementById(name);
   const narrow = matchMedia("(max-width: 640px)");
   const dark = matchMedia("(prefers-color-scheme: dark)");
@@ -69,7 +69,7 @@
     made.xaxis = axis(given.xaxis);
     made.yaxis = axis(given.yaxis);
     if (timed.includes(name)) {
-      made.yaxis.fixedrange = true;
+      made.yaxis.fixedrange = name !== "nodes"; // which shows what is near the chaser first
       if (chosen) {
         const [start, end] = windows[chosen - 1];
         const room = 0.05 * (end - start) || 0.01;
@@ -208,13 +208,15 @@
         if (off) hidden.add(phase);
         else hidden.delete(phase);
         button.setAttribute("aria-pressed", String(!off));
-        drawAgain(["altitude", "gantt", "orbits"]);
+        drawAgain(["altitude", "nodes", "gantt", "orbits"]);
       });
     }
     for (const name of timed) {
       box(name).on("plotly_relayout", (event) => follow(name, event));
     }
-    box("gantt").on("plotly_click", (event) => choose(event.points[0].customdata));
+    for (const name of ["gantt", "costs"]) {
+      box(name).on("plotly_click", (event) => choose(event.points[0].customdata));
+    }
     for (const query of [dark, narrow]) query.addEventListener("change", () => drawAgain());
   }
 

@@ -40,7 +40,8 @@ class Report:
     violations : tuple of Violation
         What the check of the plan found.
     tanks : tuple of TankFlight or None
-        Whether each tank holds on the true orbits; None if that was not or need not be flown.
+        Whether each tank holds when flown, on the true orbits or under J2; None if that was not
+        or need not be flown.
     trouble : str or None
         Why the chaser's path could not be drawn, if it could not.
     """
@@ -70,7 +71,7 @@ def write_report(instance: Instance, plan: Plan, path: str | os.PathLike[str]) -
         plotly is not installed.
     """
     check_writable(path)
-    violations, flight = check(instance, plan), _on_true_orbits(instance, plan)
+    violations, flight = check(instance, plan), _flown(instance, plan)
     drawn, trouble = _drawn(instance, plan)
     text = _page(instance, plan, violations, flight, drawn, trouble)
     write_text(path, text)
@@ -86,13 +87,16 @@ def page(instance: Instance, plan: Plan) -> str:
     InputError, MissingExtra
         As in :func:`write_report`.
     """
-    violations, flight = check(instance, plan), _on_true_orbits(instance, plan)
+    violations, flight = check(instance, plan), _flown(instance, plan)
     return _page(instance, plan, violations, flight, *_drawn(instance, plan))
 
 
-def _on_true_orbits(instance: Instance, plan: Plan) -> Flight | str | None:
-    """The flight, or why there is none; None where the circles that are planned with are true."""
-    if not instance.is_approximate:
+def _flown(instance: Instance, plan: Plan) -> Flight | str | None:
+    """The flight, or why there is none; None where all is as planned: circles in two-body motion.
+
+    Under J2 the burns of legs that drift differ from what the plan counts with.
+    """
+    if instance.dynamics == "two-body" and not instance.is_approximate:
         return None
     try:
         return fly(instance, plan)
@@ -146,7 +150,7 @@ def _page(
         name=escape(instance.name),
         style=_asset("page.css"),
         subtitle=subtitle,
-        verdict=sections.verdict(violations, flight),
+        verdict=sections.verdict(instance, violations, flight),
         headline=sections.headline(found),
         leg_options=sections.leg_options(plan),
         phases=sections.phases([phase for phase in PHASES if phase in done]),
@@ -154,6 +158,9 @@ def _page(
         if trouble is None
         else f'<p class="verdict bad">The chaser’s path cannot be drawn: {escape(trouble)}.</p>',
         altitude_note=altitude_note,
+        nodes=sections.nodes() if instance.dynamics == "j2" else "",
+        costs_note=sections.costs_note(plan),
+        planes_note=sections.planes_note(instance),
         legs=tables.legs(instance, plan),
         unvisited=left_out,
         certificate=sections.certificate(plan, found),
@@ -167,14 +174,18 @@ def _page(
 def _data(instance: Instance, plan: Plan, drawn: tuple[Track, ...]) -> dict[str, Any]:
     """What the script of the page draws from."""
     numbers = range(1, len(plan.legs) + 1)
+    charts = {
+        "altitude": figures.altitude(instance, plan, drawn),
+        "budget": figures.budget(instance, plan),
+        "costs": figures.costs(plan),
+        "gantt": figures.gantt(instance, plan),
+        "planes": figures.planes(instance, plan),
+        "orbits": figures.orbits(instance, plan, drawn),
+    }
+    if instance.dynamics == "j2":
+        charts["nodes"] = figures.nodes(instance, plan, drawn)
     return {
-        "figures": {
-            "altitude": figures.altitude(instance, plan, drawn),
-            "budget": figures.budget(instance, plan),
-            "gantt": figures.gantt(instance, plan),
-            "planes": figures.planes(instance, plan),
-            "orbits": figures.orbits(instance, plan, drawn),
-        },
+        "figures": charts,
         "titles": ["start", *(leg_title(plan, number) for number in numbers)],
         "windows": [
             [round(leg.ready_s / DAY_S, 6), round(leg.end_s / DAY_S, 6)] for leg in plan.legs

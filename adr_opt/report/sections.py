@@ -12,22 +12,27 @@ from ..instance import Instance
 from ..kernels.constants import DAY_S
 from ..plan import Plan
 from ..plot.palette import COLOURS, LABELS
+from ..settings import TransferSettings
 from ..wording import counted, status_words
 from .facts import Facts
-from .text import NOTHING, clock, escape, in_days, number
+from .text import NOTHING, clock, escape, in_days, length, number
 
 
-def verdict(violations: tuple[Violation, ...], flown: Flight | str | None) -> str:
-    """What the check and a flight on the true orbits found.
+def verdict(
+    instance: Instance, violations: tuple[Violation, ...], flown: Flight | str | None
+) -> str:
+    """What the check and a flight on the true orbits, or in the mean dynamics, found.
 
     One quiet line if the plan holds, and a box that cannot be missed for all that breaks.
 
     Parameters
     ----------
+    instance : Instance
     violations : tuple of Violation
     flown : Flight or str or None
-        On the true orbits, or why it was not flown there; None if the circles are the truth.
+        On the true orbits or under J2, or why it was not flown; None if all flies as planned.
     """
+    drifts = instance.dynamics == "j2"
     boxes = ""
     if violations:
         boxes += _box(
@@ -36,16 +41,25 @@ def verdict(violations: tuple[Violation, ...], flown: Flight | str | None) -> st
             violations,
         )
     if isinstance(flown, Flight) and flown.broken_tanks:
+        why = (
+            "The model counts legs that drift with a closed form; their burns add up to more than "
+            "is left."
+            if drifts
+            else "The model flies between circles; to arrive on the eccentric orbits after all "
+            "costs more than is left."
+        )
         boxes += _box(
-            "On the true orbits this plan breaks " + counted(len(flown.broken_tanks), "tank"),
+            f"{'When flown' if drifts else 'On the true orbits'} this plan breaks "
+            + counted(len(flown.broken_tanks), "tank"),
             f"{'In the model too it is not legal.' if violations else 'It is legal in the model.'} "
-            "The model flies between circles; to arrive on the eccentric orbits after all costs "
-            "more than is left. Figures below are those of the model; <code>solve --margin</code> "
-            "plans with a reserve.",
+            f"{why} Figures below are those of the model; <code>solve --margin</code> plans with a "
+            "reserve.",
             flown.broken_tanks,
         )
     if boxes:
         return boxes
+    if drifts:
+        return _drifting(instance, flown)
     if isinstance(flown, str):
         return (
             '<p class="verdict">Checked against the instance: no violations in the model. Some '
@@ -57,6 +71,55 @@ def verdict(violations: tuple[Violation, ...], flown: Flight | str | None) -> st
         '<p class="verdict good"><span aria-hidden="true">✓</span> '
         f"Checked against the instance: no violations.{held}</p>"
     )
+
+
+def _drifting(instance: Instance, flown: Flight | str | None) -> str:
+    """The same of a plan under J2 with which nothing is wrong as far as is known."""
+    checked = "Checked against the instance: no violations"
+    if not isinstance(flown, Flight):
+        return (
+            f'<p class="verdict">{checked} in the model. The plan was not flown: '
+            f"{escape(flown)}.</p>"
+        )
+    arrives = (
+        "Flown in the mean dynamics of J2: every tank holds, and the stand-offs are met to "
+        f"{length(flown.worst_miss_m)}."
+    )
+    if instance.is_approximate:
+        return (
+            f'<p class="verdict">{checked} in the model. {arrives} Some orbits are eccentric, and '
+            "the plan was not flown on the true ones, which is done in two-body motion only.</p>"
+        )
+    return f'<p class="verdict good"><span aria-hidden="true">✓</span> {checked}. {arrives}</p>'
+
+
+def nodes() -> str:
+    """The section with the chart of nodes."""
+    return (
+        "<section><h2>Nodes</h2><p>How the planes drift: thin lines are bodies, the thick one is "
+        "the chaser, which crosses from one to the next on a drift orbit. The drift that bodies "
+        "have in common is taken away, so that what differs shows; double-click to see all of "
+        "them.</p>"
+        '<div class="chart" id="nodes"></div></section>'
+    )
+
+
+def costs_note(plan: Plan) -> str:
+    """What the bars of the legs are."""
+    said = "What the plan counts with, and what the burns of the leg add up to"
+    if any(leg.kind == "drift" for leg in plan.legs):
+        said += "; of a leg that drifts the first comes from a closed form"
+    if any(leg.eccentricity_delta_v_m_s > 0.0 for leg in plan.legs):
+        said += "; matching eccentricities is counted and has no burn"
+    return said + "."
+
+
+def planes_note(instance: Instance) -> str:
+    """What has to be known of the chart of planes."""
+    said = "Turning the plane is what costs most: near neighbours here are cheap to reach."
+    if instance.dynamics == "j2":
+        said += " Planes are shown as they are at the epoch; how they drift is shown above."
+    return said
 
 
 def _box(title: str, said: str, found: Iterable[object]) -> str:
@@ -167,16 +230,8 @@ def origin(instance: Instance, plan: Plan) -> str:
             "from one refuelling to the next, "
             + counted(len(instance.keep_out_zones), "keep-out zone"),
         ),
-        (
-            "transfers",
-            "co-elliptic sequences that wait for the line of nodes, phasing circles between "
-            f"{number(settings.min_altitude_m / 1000.0)} and "
-            f"{number(settings.max_altitude_m / 1000.0)} km",
-        ),
-        (
-            "motion",
-            "two bodies and circles; planes stay; altitudes are radii less 6378.137 km",
-        ),
+        ("transfers", _transfers(settings)),
+        ("motion", MOTION[instance.dynamics]),
         (
             "plan",
             f"{escape(plan.method)}, seed {plan.seed}, {status_words(plan.status)}, "
@@ -191,6 +246,29 @@ def origin(instance: Instance, plan: Plan) -> str:
         rows.append(("made with", escape(versions)))
     rows += [("note", escape(note)) for note in plan.notes]
     return "".join(f"<div><dt>{title}</dt><dd>{text}</dd></div>" for title, text in rows)
+
+
+MOTION = {
+    "two-body": "two bodies and circles; planes stay; altitudes are radii less 6378.137 km",
+    "j2": "circles that drift at the secular rates of J2, without short-period variations; "
+    "altitudes are radii less 6378.137 km",
+}
+"""How bodies move."""
+
+
+def _transfers(settings: TransferSettings) -> str:
+    """Which transfers are planned with."""
+    said = (
+        "co-elliptic sequences that wait for the line of nodes, phasing circles between "
+        f"{number(settings.min_altitude_m / 1000.0)} and "
+        f"{number(settings.max_altitude_m / 1000.0)} km"
+    )
+    if settings.max_drift_s > 0.0:
+        said += (
+            f"; drifts of up to {in_days(settings.max_drift_s)}, planned on a grid of "
+            f"{in_days(settings.drift_step_s)}"
+        )
+    return said
 
 
 def _asked(instance: Instance) -> list[str]:

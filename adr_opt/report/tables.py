@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ..instance import Instance
-from ..kernels.constants import EARTH_RADIUS_M
+from ..kernels.constants import DAY_S, EARTH_RADIUS_M
 from ..plan import Plan
 from ..plot.palette import REASONS
-from .text import clock, escape, fixed, number, span
+from .text import KINDS, LONG_S, NOTHING, clock, escape, fixed, number, span
 
 REASON_TITLES = {
     "no-transfer": "no transfer",
@@ -44,6 +44,14 @@ def table(caption: str, headings: Iterable[tuple[str, str]], rows: Iterable[str]
 def legs(instance: Instance, plan: Plan) -> str:
     """One row per leg, refuellings marked; a click on a row shows that leg in the charts."""
     prizes = {target.name: target.prize for target in instance.targets}
+    drifts = instance.dynamics == "j2"
+    lengths = [(leg.departure_s - leg.ready_s, leg.arrival_s - leg.departure_s)
+               for leg in plan.legs]  # fmt: skip
+    in_days = any(max(pair) >= LONG_S for pair in lengths)
+
+    def told(duration_s: float) -> str:
+        return fixed(duration_s / DAY_S, 2) if in_days else span(duration_s)
+
     rows = []
     for at, leg in enumerate(plan.legs, start=1):
         refuels = leg.destination in instance.station_names
@@ -51,10 +59,13 @@ def legs(instance: Instance, plan: Plan) -> str:
             ("n", f'<button type="button" class="leg">{at}</button>'),
             ("", f"{escape(leg.origin)} → <b>{escape(leg.destination)}</b>"),
             ("n", clock(leg.ready_s)),
-            ("n", span(leg.departure_s - leg.ready_s)),
+            *([("", KINDS[leg.kind])] if drifts else []),
+            ("n", told(leg.departure_s - leg.ready_s)),
             ("n", clock(leg.departure_s)),
-            ("n", str(leg.phasing_revolutions)),
+            ("n", NOTHING if leg.kind == "drift" else str(leg.phasing_revolutions)),
             ("n", fixed(leg.delta_v_m_s, 1)),
+            *([("n", fixed(leg.burns_delta_v_m_s, 1))] if drifts else []),
+            ("n", told(leg.arrival_s - leg.departure_s)),
             ("n", clock(leg.arrival_s)),
             ("n", clock(leg.end_s)),
             ("n", fixed(leg.delta_v_left_m_s, 1)),
@@ -62,10 +73,12 @@ def legs(instance: Instance, plan: Plan) -> str:
         )
         inside = "".join(f"<td{' class=n' if c else ''}>{text}</td>" for c, text in cells)
         rows.append(f'<tr data-leg="{at}"{" class=refuels" if refuels else ""}>{inside}</tr>')
+    unit = "d" if in_days else "h"
     headings = (
-        ("leg", "n"), ("from → to", ""), ("ready", "n"), ("wait h", "n"), ("departure", "n"),
-        ("laps", "n"), ("ΔV m/s", "n"), ("arrival", "n"), ("end", "n"),
-        ("ΔV left m/s", "n"), ("prize", "n"),
+        ("leg", "n"), ("from → to", ""), ("ready", "n"), *([("kind", "")] if drifts else []),
+        (f"wait {unit}", "n"), ("departure", "n"), ("laps", "n"), ("ΔV m/s", "n"),
+        *([("burns m/s", "n")] if drifts else []), (f"flight {unit}", "n"), ("arrival", "n"),
+        ("end", "n"), ("ΔV left m/s", "n"), ("prize", "n"),
     )  # fmt: skip
     return table("Legs", headings, rows)
 

@@ -10,6 +10,12 @@ from ..kernels.constants import DAY_S
 
 NOTHING = "—"
 
+KINDS = {"short": "short", "drift": "drift"}
+"""What kinds of transfers are called."""
+
+LONG_S = 2.0 * DAY_S
+"""Longer spans are told in days."""
+
 
 def escape(text: object) -> str:
     """Text as HTML, in content and in quoted attributes."""
@@ -40,6 +46,11 @@ def fixed(value: float, digits: int) -> str:
     return f"{value:.{digits}f}".replace("-", "−")
 
 
+def length(metres: float) -> str:
+    """A small distance: in millimetres or metres, no better than they are worth."""
+    return "a millimetre" if metres < 1e-3 else f"{metres:.2g}\u202fm"
+
+
 def in_days(duration_s: float) -> str:
     """A duration in days, with the word."""
     text = number(duration_s / DAY_S, 2)
@@ -50,6 +61,13 @@ def clock(time_s: float) -> str:
     """A time since the epoch as day, hours and minutes; the first day is day 0."""
     minutes = round(time_s / 60.0)
     return f"{minutes // 1440}\u202fd {minutes // 60 % 24:02d}:{minutes % 60:02d}"
+
+
+def lasting(duration_s: float) -> str:
+    """A duration with its unit: hours and minutes, or days if it is long."""
+    if abs(duration_s) < LONG_S:
+        return f"{span(duration_s)}\u202fh"
+    return f"{fixed(duration_s / DAY_S, 1)}\u202fd"
 
 
 def span(duration_s: float) -> str:

@@ -35,7 +35,7 @@ def origin(instance: Instance, plan: Plan) -> list[str]:
         f"Plan by {plan.method} (seed {plan.seed}) for the instance {instance.name}, "
         f"sha256 {plan.instance.sha256}.",
         f"{_motion(instance)}, impulsive burns. At the end of a leg the chaser is docked; the step "
-        "there is the residual of the approach, a few centimetres.",
+        f"there is the residual of the approach, {_residual(instance)}.",
         "The reference frame is named by whoever exports: an instance says only that its elements "
         "are inertial.",
     ]
@@ -52,6 +52,13 @@ def origin(instance: Instance, plan: Plan) -> list[str]:
     return said
 
 
+def _residual(instance: Instance) -> str:
+    """How large it is; the mean motion of an eccentric orbit is not quite that of its circle."""
+    if instance.dynamics == "j2" and instance.is_approximate:
+        return "centimetres, or decimetres where orbits are eccentric"
+    return "a few centimetres"
+
+
 def _motion(instance: Instance) -> str:
     """The dynamics of the states, with their constants."""
     gravity = "GM = 398600.4418 km**3/s**2"
@@ -59,8 +66,8 @@ def _motion(instance: Instance) -> str:
         return f"Two-body motion, {gravity}"
     return (
         f"Mean motion under J2 = {J2:.8e} ({gravity}, R = {EARTH_RADIUS_M / 1e3:.3f} km): nodes "
-        "and latitudes advance at their secular rates, and the short-period variations, some "
-        "kilometres, are left out; these are no osculating states"
+        "and latitudes advance at their secular rates; short-period variations, some kilometres, "
+        "are left out, so that these are no osculating states"
     )
 
 

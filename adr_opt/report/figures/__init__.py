@@ -10,8 +10,10 @@ the page, which knows whether it is light or dark.
 
 from .altitude import altitude
 from .budget import budget
+from .costs import costs
 from .gantt import gantt
+from .nodes import nodes
 from .orbits import orbits
 from .planes import planes
 
-__all__ = ["altitude", "budget", "gantt", "orbits", "planes"]
+__all__ = ["altitude", "budget", "costs", "gantt", "nodes", "orbits", "planes"]

@@ -7,7 +7,7 @@ from ...plan import Plan
 from ...plot.palette import COLOURS, LABELS, PHASES
 from ...plot.segments import segments
 from ...wording import shortened
-from ..text import in_chart, span
+from ..text import in_chart, lasting
 from .parts import Figure, days, leg_title, period, time_axis
 
 ROW_PX = 19
@@ -32,7 +32,7 @@ def gantt(instance: Instance, plan: Plan) -> Figure:
                     "y": [bar.leg for bar in bars],
                     "customdata": [bar.leg for bar in bars],
                     "text": [
-                        f"{LABELS[phase]}, {span(bar.duration_s)} h<br>"
+                        f"{LABELS[phase]}, {lasting(bar.duration_s)}<br>"
                         f"{leg_title(plan, bar.leg)}<br>{period(bar.start_s, bar.end_s)}"
                         for bar in bars
                     ],
