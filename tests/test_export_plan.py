@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gmat_script import fly_script
 from plans import with_legs
 
 import adr_opt
@@ -235,50 +236,6 @@ def test_czml_colours_phases_alike(tiny: Instance, plan: Plan, tmp_path: Path) -
     assert len(colours) >= 6
     assert all(len(found) == 1 for found in colours.values())
     assert len(set.union(*colours.values())) == len(colours)
-
-
-def fly_script(text: str) -> tuple[list[tuple[np.ndarray, np.ndarray]], float]:
-    """Run the mission sequence of a GMAT script in two-body motion; its reports and its length."""
-    fields: dict[str, dict[str, str]] = {}
-    created: set[str] = {"Earth"}
-    setup, _, sequence = text.partition("BeginMissionSequence;")
-    for line in setup.splitlines():
-        if line.startswith("Create "):
-            created.add(re.fullmatch(r"Create \w+ (\w+);", line)[1])
-        elif line.startswith("GMAT "):
-            name, field, value = re.fullmatch(r"GMAT (\w+)\.(\w+) = (.+);", line).groups()
-            assert name in created, line
-            fields.setdefault(name, {})[field] = value
-        else:
-            assert not line or line.startswith("%"), line
-    ships = {}
-    for name, field in fields.items():
-        if "DisplayStateType" in field:
-            state = [1e3 * float(field[axis]) for axis in ("X", "Y", "Z", "VX", "VY", "VZ")]
-            ships[name] = np.array(state)
-    reports, clock = [], 0.0
-    for line in sequence.splitlines():
-        if match := re.fullmatch(
-            r"Propagate '[^']+' Fly\(([\w, ]+)\) \{Chaser\.ElapsedSecs = ([\d.]+)\};", line
-        ):
-            assert set(match[1].split(", ")) == set(ships)
-            clock += float(match[2])
-            for name, state in ships.items():
-                r, v = propagate(state[:3], state[3:], [float(match[2])])
-                ships[name] = np.concatenate([r[0], v[0]])
-        elif match := re.fullmatch(r"Maneuver '[\w-]+' (\w+)\(Chaser\);", line):
-            burn = fields[match[1]]
-            assert burn["DecrementMass"] == "false"
-            ships["Chaser"][3:] += [1e3 * float(burn[f"Element{i}"]) for i in (1, 2, 3)]
-        elif match := re.match(r"Report Arrivals .* (\w+)\.\w+\.Z;", line):
-            reports.append((ships["Chaser"][:3].copy(), ships[match[1]][:3].copy()))
-        elif match := re.fullmatch(r"GMAT Chaser\.\w+\.(\w+) = (\w+)\.\w+\.(\w+);", line):
-            assert match[1] == match[3]
-            axis = ("X", "Y", "Z", "VX", "VY", "VZ").index(match[1])
-            ships["Chaser"][axis] = ships[match[2]][axis]
-        else:
-            assert not line or line.startswith("%"), line
-    return reports, clock
 
 
 def test_gmat_script_flies_the_mission(tiny: Instance, plan: Plan, tmp_path: Path) -> None:

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from ..instance import Instance
     from ..plan import Plan
 
+LONG_S = 2.0 * DAY_S
+"""Longer spans are told in days."""
+
 
 def clock(time_s: float) -> str:
     """A time since the epoch as day, hours and minutes; the first day is day 0."""
@@ -22,7 +25,9 @@ def clock(time_s: float) -> str:
 
 
 def span(duration_s: float) -> str:
-    """A duration as hours and minutes."""
+    """A duration as hours and minutes, or in days if it is long."""
+    if duration_s >= LONG_S:
+        return f"{duration_s / DAY_S:.1f} d"
     minutes = round(duration_s / 60.0)
     return f"{minutes // 60}:{minutes % 60:02d}"
 
@@ -37,7 +42,7 @@ def timeline(instance: Instance, plan: Plan, width: int | None = None) -> Table:
             span(leg.departure_s - leg.ready_s),
             f"{leg.delta_v_m_s:.1f}",
             f"{leg.delta_v_left_m_s:.1f}",
-            str(leg.phasing_revolutions),
+            "drift" if leg.kind == "drift" else str(leg.phasing_revolutions),
             clock(leg.arrival_s),
         )
         destination = f"{leg.destination} (refuels)" if refuels else leg.destination

@@ -71,9 +71,7 @@ def _motion(instance: Instance) -> str:
     )
 
 
-def header(
-    keyword: str, instance: Instance, plan: Plan, said: Iterable[str] = ()
-) -> Iterator[str]:
+def header(keyword: str, instance: Instance, plan: Plan, said: Iterable[str] = ()) -> Iterator[str]:
     """The header of a message of version 2.0, with more sentences that it says."""
     yield f"{keyword} = 2.0"
     for sentence in (*origin(instance, plan), *said):

@@ -1,0 +1,79 @@
+"""Runs the mission sequence of a GMAT script, as far as this project writes such scripts."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+
+import numpy as np
+
+from adr_opt.kernels import orbits
+from adr_opt.kernels.constants import MU_M3_S2
+from adr_opt.trajectory import propagate
+
+Array = np.ndarray
+AXES = ("X", "Y", "Z", "VX", "VY", "VZ")
+BROUWER = ("SMA", "ECC", "INC", "RAAN", "AOP", "MA")
+
+
+def fly_script(
+    text: str, coast: Callable[..., tuple[Array, Array]] = propagate
+) -> tuple[list[tuple[Array, Array]], float]:
+    """Fly the sequence of a script: where chaser and target are at each arrival, and its length."""
+    fields: dict[str, dict[str, str]] = {}
+    created: set[str] = {"Earth"}
+    setup, _, sequence = text.partition("BeginMissionSequence;")
+    for line in setup.splitlines():
+        if line.startswith("Create "):
+            created.add(re.fullmatch(r"Create \w+ (\w+);", line)[1])
+        elif line.startswith("GMAT "):
+            name, field, value = re.fullmatch(r"GMAT (\w+)\.([\w.]+) = (.+);", line).groups()
+            assert name in created, line
+            fields.setdefault(name, {})[field] = value
+        else:
+            assert not line or line.startswith("%"), line
+    ships = {name: _state(field) for name, field in fields.items() if "DisplayStateType" in field}
+    reports, clock = [], 0.0
+    for line in sequence.splitlines():
+        if match := re.fullmatch(
+            r"Propagate '[^']+' Fly\(([\w, ]+)\) \{Chaser\.ElapsedSecs = ([\d.]+)\};", line
+        ):
+            assert set(match[1].split(", ")) == set(ships)
+            clock += float(match[2])
+            for name, state in ships.items():
+                r, v = coast(state[:3], state[3:], [float(match[2])])
+                ships[name] = np.concatenate([r[0], v[0]])
+        elif match := re.fullmatch(r"Maneuver '[\w-]+' (\w+)\(Chaser\);", line):
+            burn = fields[match[1]]
+            assert burn["DecrementMass"] == "false"
+            ships["Chaser"][3:] += [1e3 * float(burn[f"Element{i}"]) for i in (1, 2, 3)]
+        elif match := re.match(r"Report Arrivals .* (\w+)\.\w+\.Z;", line):
+            reports.append((ships["Chaser"][:3].copy(), ships[match[1]][:3].copy()))
+        elif match := re.fullmatch(r"GMAT Chaser\.\w+\.(\w+) = (\w+)\.\w+\.(\w+);", line):
+            assert match[1] == match[3]
+            axis = AXES.index(match[1])
+            ships["Chaser"][axis] = ships[match[2]][axis]
+        else:
+            assert not line or line.startswith("%"), line
+    return reports, clock
+
+
+def _state(field: dict[str, str]) -> Array:
+    """Position [m] and velocity [m/s] of a spacecraft at its epoch."""
+    if field["DisplayStateType"] == "Cartesian":
+        return np.array([1e3 * float(field[axis]) for axis in AXES])
+    assert field["DisplayStateType"] == "BrouwerMeanShort"
+    axis, e, inclination, node, perigee, anomaly = (
+        float(field[f"BrouwerShort{element}"]) for element in BROUWER
+    )
+    assert e == 0.0
+    towards, ahead, _ = orbits.frame(math.radians(inclination), math.radians(node))
+    u = math.radians(perigee + anomaly)
+    speed = math.sqrt(MU_M3_S2 / (1e3 * axis))
+    return np.concatenate(
+        [
+            1e3 * axis * (math.cos(u) * towards + math.sin(u) * ahead),
+            speed * (math.cos(u) * ahead - math.sin(u) * towards),
+        ]
+    )
