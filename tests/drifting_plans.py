@@ -5,6 +5,8 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from functools import cache
 
+from plans import with_legs
+
 import adr_opt
 from adr_opt.bodies import Target
 from adr_opt.chasers import Chaser, InOrbit, Tank
@@ -29,7 +31,7 @@ def orbit(altitude_km: float, inclination_deg: float, raan_deg: float, **more: f
 
 
 @cache
-def drifting_instance(eccentricity: float = 0.0, delta_v_m_s: float = 600.0) -> Instance:
+def drifting_instance(eccentricity: float = 0.0) -> Instance:
     """Sixty days at 71°: a neighbour that closes soon, one to drift to, and one out of reach."""
     near = orbit(840, 71.0, 10.5, eccentricity=eccentricity, argument_of_perigee_deg=20.0)
     far = orbit(760, 71.05, 18.0, eccentricity=eccentricity, true_anomaly_deg=200.0)
@@ -47,7 +49,7 @@ def drifting_instance(eccentricity: float = 0.0, delta_v_m_s: float = 600.0) -> 
             Chaser(
                 name="chaser",
                 start=InOrbit(orbit=orbit(838, 71.0, 10.0)),
-                tank=Tank(delta_v_m_s=delta_v_m_s),
+                tank=Tank(delta_v_m_s=600.0),
             ),
         ),
         mission=MissionSettings(duration_s=60.0 * DAY_S, service_s=DAY_S),
@@ -61,9 +63,9 @@ def drifting_instance(eccentricity: float = 0.0, delta_v_m_s: float = 600.0) -> 
 
 
 @cache
-def drifting_plan(eccentricity: float = 0.0, delta_v_m_s: float = 600.0) -> Plan:
+def drifting_plan(eccentricity: float = 0.0) -> Plan:
     """A plan of that mission: a short leg to the neighbour, then a drift of weeks."""
-    instance = drifting_instance(eccentricity, delta_v_m_s)
+    instance = drifting_instance(eccentricity)
     plan = adr_opt.solve(instance, "beam", width=200, time_value_m_s_per_h=0.2).plan
     assert plan is not None
     assert adr_opt.check(instance, plan) == ()
@@ -72,3 +74,17 @@ def drifting_plan(eccentricity: float = 0.0, delta_v_m_s: float = 600.0) -> Plan
         ("drift", "far"),
     ]
     return plan
+
+
+@cache
+def with_a_tight_tank() -> tuple[Instance, Plan]:
+    """The mission and its plan with a tank between what the plan counts with and what it burns."""
+    instance, plan = drifting_instance(), drifting_plan()
+    burned = sum(leg.burns_delta_v_m_s for leg in plan.legs)
+    assert burned > plan.delta_v_m_s + 0.1
+    tight = instance.with_limits(delta_v_m_s=0.5 * (plan.delta_v_m_s + burned))
+    less = instance.chaser.tank.delta_v_m_s - tight.chaser.tank.delta_v_m_s
+    legs = [leg.replace(delta_v_left_m_s=leg.delta_v_left_m_s - less) for leg in plan.legs]
+    plan = with_legs(plan, legs, instance=plan.instance.replace(sha256=tight.sha256))
+    assert adr_opt.check(tight, plan) == ()
+    return tight, plan

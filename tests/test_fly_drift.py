@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from conftest import Cli
-from drifting_plans import drifting_instance, drifting_plan
+from drifting_plans import drifting_instance, drifting_plan, with_a_tight_tank
 from plans import with_legs
 
 import adr_opt
@@ -72,10 +72,7 @@ def test_the_burns_of_a_drift_empty_the_tank(cli: Cli) -> None:
     burned = short.planned_delta_v_m_s + drift.burns_delta_v_m_s
     assert tank.flown_delta_v_m_s == pytest.approx(burned)
     assert tank.holds
-    most = 0.5 * (plan.delta_v_m_s + burned)
-    tight, of = drifting_instance(0.0, most), drifting_plan(0.0, most)
-    assert [leg.delta_v_m_s for leg in of.legs] == [leg.delta_v_m_s for leg in plan.legs]
-    files(tight, of)
+    files(*with_a_tight_tank())
     said = cli("fly", "my.json", "plan.json")
     assert said.status == 1
     assert "is over by" in said.out
