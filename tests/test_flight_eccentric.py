@@ -66,7 +66,7 @@ def test_circles_tell_nothing_new() -> None:
     plan = adr_opt.solve(tiny, "greedy-guarded").plan
     assert plan is not None
     flight = fly(tiny, plan)
-    assert set(flight.to_dict()) == {"worst_miss_m", "holds", "tanks", "legs"}
+    assert set(flight.to_dict()) == {"dynamics", "worst_miss_m", "holds", "tanks", "legs"}
     assert all(leg.eccentric is None for leg in flight.legs)
     assert all(tank.flown_delta_v_m_s == tank.planned_delta_v_m_s for tank in flight.tanks)
     assert flight.worst_true_miss_m == flight.worst_miss_m

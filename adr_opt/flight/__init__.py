@@ -5,9 +5,10 @@ read from the instance, and boinor (extra ``[astro]``) turns them into states, p
 solves Lambert's problem.
 
 Two questions are asked of each leg. Does it arrive in the model's world, where every body moves
-on a circle? It must, to a millimetre. And where an orbit of the leg is eccentric: where does it
-arrive in truth, and what does it cost to arrive there after all? That is the size of the
-approximation of MODEL section 1, and decides whether each tank holds.
+on a circle? It must, to a millimetre, and under J2 to a metre. And where an orbit of the leg is
+eccentric: where does it arrive in truth, and what does it cost to arrive there after all? That is
+the size of the approximation of MODEL section 1, and decides whether each tank holds. The second is
+asked in two-body motion only.
 """
 
 from .fly import fly

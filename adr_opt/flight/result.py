@@ -74,7 +74,8 @@ class LegFlight:
     arrival_miss_m : float
         Distance from the destination at the end of the approach [m]. Some centimetres at
         L = 1 km: the approach is a solution of the Clohessy–Wiltshire equations, which are linear
-        in the distance, so this miss grows with L².
+        in the distance, so this miss grows with L². Under J2 decimetres where orbits are eccentric,
+        whose latitudes do not advance quite as those of circles.
     eccentric : EccentricFlight or None
         The same leg on the true orbits; None where both are circles, which are their own truth.
     """
