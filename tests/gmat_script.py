@@ -17,10 +17,27 @@ AXES = ("X", "Y", "Z", "VX", "VY", "VZ")
 BROUWER = ("SMA", "ECC", "INC", "RAAN", "AOP", "MA")
 
 
+def on_circle(axis_m: float, inclination: float, node: float, latitude: float) -> Array:
+    """Position [m] and velocity [m/s] on a circle, angles in rad: a mean state."""
+    towards, ahead, _ = orbits.frame(inclination, node)
+    u, speed = latitude, math.sqrt(MU_M3_S2 / axis_m)
+    return np.concatenate(
+        [
+            axis_m * (math.cos(u) * towards + math.sin(u) * ahead),
+            speed * (math.cos(u) * ahead - math.sin(u) * towards),
+        ]
+    )
+
+
 def fly_script(
-    text: str, coast: Callable[..., tuple[Array, Array]] = propagate
+    text: str,
+    coast: Callable[..., tuple[Array, Array]] = propagate,
+    mean: Callable[[float, float, float, float], Array] = on_circle,
 ) -> tuple[list[tuple[Array, Array]], float]:
-    """Fly the sequence of a script: where chaser and target are at each arrival, and its length."""
+    """Fly the sequence of a script: where chaser and target are at each arrival, and its length.
+
+    ``mean`` makes a state of the mean elements of a circle.
+    """
     fields: dict[str, dict[str, str]] = {}
     created: set[str] = {"Earth"}
     setup, _, sequence = text.partition("BeginMissionSequence;")
@@ -33,7 +50,9 @@ def fly_script(
             fields.setdefault(name, {})[field] = value
         else:
             assert not line or line.startswith("%"), line
-    ships = {name: _state(field) for name, field in fields.items() if "DisplayStateType" in field}
+    ships = {
+        name: _state(field, mean) for name, field in fields.items() if "DisplayStateType" in field
+    }
     reports, clock = [], 0.0
     for line in sequence.splitlines():
         if match := re.fullmatch(
@@ -59,7 +78,7 @@ def fly_script(
     return reports, clock
 
 
-def _state(field: dict[str, str]) -> Array:
+def _state(field: dict[str, str], mean: Callable[[float, float, float, float], Array]) -> Array:
     """Position [m] and velocity [m/s] of a spacecraft at its epoch."""
     if field["DisplayStateType"] == "Cartesian":
         return np.array([1e3 * float(field[axis]) for axis in AXES])
@@ -68,12 +87,5 @@ def _state(field: dict[str, str]) -> Array:
         float(field[f"BrouwerShort{element}"]) for element in BROUWER
     )
     assert e == 0.0
-    towards, ahead, _ = orbits.frame(math.radians(inclination), math.radians(node))
-    u = math.radians(perigee + anomaly)
-    speed = math.sqrt(MU_M3_S2 / (1e3 * axis))
-    return np.concatenate(
-        [
-            1e3 * axis * (math.cos(u) * towards + math.sin(u) * ahead),
-            speed * (math.cos(u) * ahead - math.sin(u) * towards),
-        ]
-    )
+    angles = (math.radians(angle) for angle in (inclination, node, perigee + anomaly))
+    return mean(1e3 * axis, *angles)

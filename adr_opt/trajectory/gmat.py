@@ -5,8 +5,9 @@ that GMAT, whose propagators are numerical, flies the same mission.
 
 Under J2 the plan flies between mean orbits, and GMAT knows osculating states. The script gives GMAT
 the mean orbits as such, Brouwer's of short period, and has it fly in the zonal field of degree 2.
-What the mean dynamics leave out then shows: GMAT's chaser passes its targets at kilometres after
-hours and farther off after months, and only docking by the script brings it there.
+What the mean dynamics leave out then shows: GMAT's chaser passes its targets, at less than a
+kilometre after a short leg and at hundreds after weeks of drift, and only docking by the script
+brings it there.
 """
 
 from __future__ import annotations
@@ -55,8 +56,9 @@ BROUWER = ("SMA", "ECC", "INC", "RAAN", "AOP", "MA")
 WARNING = (
     "The orbits above are mean orbits, which GMAT turns into osculating states, and GMAT flies in "
     "its own field up to J2: the burns are those of the mean dynamics, whose short-period and "
-    "second-order terms are missing. At arrivals the chaser is kilometres off its target after "
-    "hours, and more after months; the script then docks it all the same."
+    "second-order terms are missing. At arrivals the chaser is off its target, by some hundred "
+    "metres after a short leg and by hundreds of kilometres after weeks of drift; the script then "
+    "docks it all the same."
 )
 """What has to be known of a script under J2."""
 
