@@ -51,7 +51,7 @@ def test_without_oblateness_nothing_but_the_latitude_moves():
 
 
 def test_what_a_change_drifts_to_is_the_derivative_of_the_drift():
-    """m and q of MODEL section 3 are the drift of the node by radius and by inclination.
+    """The m and q of MODEL section 3 are the drift of the node by radius and by inclination.
 
     By central differences, at every inclination, a polar one too, where q is a limit.
     """
@@ -104,7 +104,7 @@ def integrated(radius, eccentricity, inclination, revolutions, samples):
     """States at equal times over whole revolutions, by Cowell's method with boinor's J2."""
     perturbations = pytest.importorskip("boinor.core.perturbations")
     integrate = pytest.importorskip("scipy.integrate")
-    node, perigee, anomaly = orbits.secular_rates(radius, eccentricity, inclination, OBLATENESS_M2)
+    _, perigee, anomaly = orbits.secular_rates(radius, eccentricity, inclination, OBLATENESS_M2)
     period = 2.0 * math.pi / (perigee + anomaly)
     distance = radius * (1.0 - eccentricity)
     speed = math.sqrt(MU_M3_S2 * (2.0 / distance - 1.0 / radius))
