@@ -164,7 +164,8 @@ def test_without_oblateness_connections_are_those_of_two_bodies(resolution):
 def test_no_connection_dominates_another():
     """Of short and long ones together hardly any is worth nothing beside another one.
 
-    One in a hundred is allowed for: short ones of one event that arrive within seconds of others.
+    One in a hundred is allowed for: on crossings whose arrivals lie seconds apart, the sifting of
+    short ones keeps what it cannot compare.
     """
     law = oblate_rule()
     both = all_ = superfluous = 0
