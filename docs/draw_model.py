@@ -327,11 +327,12 @@ def drift() -> Any:
         for day, share in zip(DRIFTED_DAYS, shares[days.size :], strict=True):
             above.plot([day], [share], "o", color=colour, ms=6)
             above.annotate(
-                f"{share:.3f}", (day, share), (0, 7 if altitude < 8e5 else -14),
-                textcoords="offset points", ha="center", fontsize=10.5,
+                f"{share:.3f}", (day, share), (4, 5) if altitude < 8e5 else (-5, -11),
+                textcoords="offset points", ha="left" if altitude < 8e5 else "right",
+                fontsize=10.5,
             )  # fmt: skip
         below.axhline(altitude / 1000.0, color=colour, lw=0.9, ls=(0, (2, 2)))
-    above.set(ylabel="ΔV / that of the direct turn", ylim=(0.0, 1.1), xscale="log")
+    above.set(ylabel="ΔV / direct turn", ylim=(-0.08, 1.1), xscale="log")
     below.set(xlabel="days from departure to arrival", ylabel="drifts at [km], for 5°")
     below.set_xticks([1, 3, *DRIFTED_DAYS, 365], [1, 3, *DRIFTED_DAYS, 365])
     below.minorticks_off()

@@ -201,10 +201,10 @@ def test_a_retrograde_drift_is_the_mirror_image_of_a_prograde_one():
 
 @pytest.mark.parametrize(
     ("altitude_m", "inclination_deg", "expected"),
-    [(750e3, 96.0, (0.892, 0.418, 0.152)), (840e3, 71.0, (0.737, 0.247, 0.085))],
+    [(750e3, 96.0, (0.892, 0.418, 0.152)), (840e3, 71.0, (0.736, 0.246, 0.084))],
 )
-def test_a_change_of_node_costs_what_the_model_says(altitude_m, inclination_deg, expected):
-    """After 7, 30 and 90 days a change of the node alone costs the shares that MODEL states."""
+def test_a_change_of_node_costs_what_the_page_on_drift_says(altitude_m, inclination_deg, expected):
+    """After 7, 30 and 90 days a change of the node alone costs the shares of docs/drift.md."""
     orbit = row(
         EARTH_RADIUS_M + altitude_m, math.radians(inclination_deg), 0.0, 0.0,
         oblateness=OBLATENESS_M2,
@@ -213,7 +213,7 @@ def test_a_change_of_node_costs_what_the_model_says(altitude_m, inclination_deg,
     pair = prepared(orbit, other)
     direct = pair.speed * pair.sine * math.radians(0.5)
     found = [drift.delta_v(pair, 0.0, days * DAY_S) / direct for days in (7.0, 30.0, 90.0)]
-    assert found == pytest.approx(expected, abs=0.002)
+    assert found == pytest.approx(expected, abs=0.0006)
 
 
 def grid_of(pair: drift.DriftPair, step: float, longest: float, duration: float) -> FloatArray:
