@@ -1,4 +1,4 @@
-"""Draw the pictures of docs/model.md, docs/waiting.md and docs/index.md.
+"""Draw the pictures of docs/model.md, docs/waiting.md, docs/drift.md and docs/index.md.
 
     python docs/draw_model.py              # into docs/pictures
     python docs/draw_model.py --out DIR
@@ -20,9 +20,10 @@ import numpy as np
 
 import adr_opt
 from adr_opt import plot
+from adr_opt.kernels import drift as drifts
+from adr_opt.kernels import orbits, transfer
 from adr_opt.kernels import timetable as kernels
-from adr_opt.kernels import transfer
-from adr_opt.kernels.constants import EARTH_RADIUS_M
+from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
 from adr_opt.result import certify
 from adr_opt.settings import KeepOutZone
 
@@ -31,6 +32,9 @@ WIDTH_IN = 6.2
 INK = "#26313d"
 FAINT = "#9aa5b1"
 ZONE = "#d4553f"
+
+DRIFTED_DAYS = (7, 30, 90)
+"""After which docs/drift.md says what a change of node costs."""
 
 # The same bytes for the same drawing, and a background, so that a dark page does not swallow ink.
 STYLE = {
@@ -185,8 +189,8 @@ def _is_blocked(
     instance: adr_opt.Instance, origin: int, destination: int, event: int, departure: float
 ) -> bool:
     """Whether keep-out zones leave no sequence at all at a departure event."""
-    orbits, rule = instance.orbits(), instance.transfer_rule()
-    pair = transfer.prepare(orbits[origin], orbits[destination], 0.0, rule)
+    rows, rule = instance.orbits(), instance.transfer_rule()
+    pair = transfer.prepare(rows[origin], rows[destination], 0.0, rule)
     _, half_turns = transfer.first_departure(pair)
     lead = transfer.target_lead(pair, departure, half_turns + event)
     found = transfer.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
@@ -292,6 +296,51 @@ def detour() -> Any:
     return figure
 
 
+def drift() -> Any:
+    """What a change of the node alone costs after drifting, and where the chaser drifts for it."""
+    days = np.geomspace(1.0, 365.0, 200)
+    asked = math.radians(5.0)
+    figure, (above, below) = plt.subplots(2, 1, figsize=(WIDTH_IN, 5.2), sharex=True)
+    for altitude, inclination, phase in (
+        (750e3, 96.0, "phasing"),
+        (840e3, 71.0, "terminal"),
+    ):
+        radius, angle = EARTH_RADIUS_M + altitude, math.radians(inclination)
+        node_rate = orbits.node_rate(radius, angle, OBLATENESS_M2)
+        rate = orbits.latitude_rate(radius, angle, OBLATENESS_M2)
+        here, there = (
+            np.array([radius, angle, node, 0.0, node_rate, rate, 0.0, 0.0, 0.0])
+            for node in (0.0, asked)
+        )
+        pair = drifts.prepare(
+            here, there, EARTH_RADIUS_M + 300e3, EARTH_RADIUS_M + 2000e3, OBLATENESS_M2
+        )
+        direct = pair.speed * pair.sine * asked
+        shares, heights = [], []
+        for day in [*days, *DRIFTED_DAYS]:
+            climb = drifts.climb_of(pair, day * DAY_S, drifts.node_left(pair, 0.0))
+            shares.append(drifts.delta_v(pair, -day * DAY_S, 0.0) / direct)
+            heights.append((altitude + 2.0 * radius * climb / pair.speed) / 1000.0)
+        colour, label = plot.COLOURS[phase], f"{altitude / 1000:.0f} km, {inclination:g}°"
+        above.plot(days, shares[: days.size], color=colour, lw=2.4, label=label)
+        below.plot(days, heights[: days.size], color=colour, lw=2.4)
+        for day, share in zip(DRIFTED_DAYS, shares[days.size :], strict=True):
+            above.plot([day], [share], "o", color=colour, ms=6)
+            above.annotate(
+                f"{share:.3f}", (day, share), (4, 5) if altitude < 8e5 else (-5, -11),
+                textcoords="offset points", ha="left" if altitude < 8e5 else "right",
+                fontsize=10.5,
+            )  # fmt: skip
+        below.axhline(altitude / 1000.0, color=colour, lw=0.9, ls=(0, (2, 2)))
+    above.set(ylabel="ΔV / direct turn", ylim=(-0.08, 1.1), xscale="log")
+    below.set(xlabel="days from departure to arrival", ylabel="drifts at [km], for 5°")
+    below.set_xticks([1, 3, *DRIFTED_DAYS, 365], [1, 3, *DRIFTED_DAYS, 365])
+    below.minorticks_off()
+    above.legend(loc="upper right", handlelength=1.4)
+    figure.tight_layout()
+    return figure
+
+
 def mission() -> Any:
     """A whole small mission: altitude against time, phases coloured."""
     instance = adr_opt.generate("tiny", 0).with_limits(delta_v_m_s=400.0)
@@ -316,6 +365,7 @@ PICTURES: dict[str, Callable[[], Any]] = {
     "detour": detour,
     "connections": connections,
     "waiting": waiting,
+    "drift": drift,
     "mission": mission,
 }
 

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+from rows import changed
 
 import adr_opt
 from adr_opt.errors import InputError
@@ -68,11 +69,11 @@ def random_cases(count):
         instance = fields[number % len(fields)]
         orbits = instance.orbits()
         i, j = rng.choice(len(orbits), 2, replace=False)
-        origin, destination = orbits[i].copy(), orbits[j].copy()
+        origin, destination = orbits[i], orbits[j]
         if rng.random() < 0.3:
-            destination[0] += rng.uniform(-2e5, 8e5)
+            destination = changed(destination, radius=rng.uniform(-2e5, 8e5))
         if rng.random() < 0.3:
-            destination[2] += rng.uniform(-1.0, 1.0)
+            destination = changed(destination, raan=rng.uniform(-1.0, 1.0))
         rule = instance.transfer_rule()._replace(
             first_leg_fraction=float(rng.choice([0.0, 0.5, 0.75, 1.0])),
             standoff=float(rng.choice([0.0, 1e3, 5e4])),

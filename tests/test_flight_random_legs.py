@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+import rows
 
 from adr_opt.kernels import burns as burn_kernels
 from adr_opt.kernels import transfer
@@ -19,7 +20,6 @@ from adr_opt.kernels.orbits import COPLANAR_RAD
 
 propagation = pytest.importorskip("boinor.core.propagation")
 
-NO_ZONES = np.zeros((0, 4))
 WEEK_S = 7 * 86400.0
 
 MISS_M = 1e-4
@@ -48,7 +48,7 @@ class Flown:
 
 def state(orbit, time):
     """Position and velocity on a circular orbit: rotations by node, inclination and latitude."""
-    radius, inclination, raan, latitude = orbit
+    radius, inclination, raan, latitude = orbit[:4]
     rate = math.sqrt(MU_M3_S2 / radius**3)
 
     def turn(angle, a, b):
@@ -93,20 +93,17 @@ def draw(rng, opposite=False):
     else:
         inclination_i, inclination_j = np.radians(rng.uniform(95, 97, 2))
         raan_i, raan_j = np.radians(rng.uniform(-1, 1, 2))
-    rule = transfer.TransferRule(
-        first_leg_fraction=float(rng.choice([0.75, 0.75, 0.0, 1.0, rng.uniform(0, 1)])),
+    rule = rows.rule(
+        fraction=float(rng.choice([0.75, 0.75, 0.0, 1.0, rng.uniform(0, 1)])),
         standoff=float(rng.choice([1000.0, 1000.0, 0.0, rng.uniform(0, 5000)])),
-        approach_revolutions=float(rng.choice([0.5, 1.5])),
-        max_phasing_revolutions=int(rng.choice([0, 1, 12, 12])),
-        min_radius=EARTH_RADIUS_M + 300e3,
-        max_radius=EARTH_RADIUS_M + 2000e3,
-        time_value=float(rng.choice([0.0, 75.0, 1000.0, 1e5])) / 3600.0,
-        zones=NO_ZONES,
+        laps=float(rng.choice([0.5, 1.5])),
+        k_max=int(rng.choice([0, 1, 12, 12])),
+        time_value_m_s_per_h=float(rng.choice([0.0, 75.0, 1000.0, 1e5])),
     )
     inclination_j = min(math.pi, max(0.0, inclination_j))
     return (
-        np.array([radius_i, inclination_i, raan_i, rng.uniform(-10, 10)]),
-        np.array([radius_j, inclination_j, raan_j, rng.uniform(-10, 10)]),
+        rows.row(radius_i, inclination_i, raan_i, rng.uniform(-10, 10)),
+        rows.row(radius_j, inclination_j, raan_j, rng.uniform(-10, 10)),
         rule,
         rng.uniform(0, WEEK_S),
     )
@@ -132,7 +129,7 @@ def flown(orbit_i, orbit_j, rule, ready):
         position, velocity = coast(position, velocity, time - now)
         now = time
         if phase == burn_kernels.APPROACH and miss is None:
-            behind = orbit_j - np.array([0.0, 0.0, 0.0, rule.standoff / orbit_j[0]])
+            behind = rows.changed(orbit_j, latitude=-rule.standoff / orbit_j[0])
             goal_position, goal_velocity = state(behind, now)
             miss = math.dist(position, goal_position)
             speed = math.dist(velocity, goal_velocity)

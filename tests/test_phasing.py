@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from rows import row
 
 import adr_opt
 from adr_opt.kernels import phasing, transfer
@@ -25,14 +26,16 @@ def random_pairs(highest_m: float, count: int):
                 max_radius=EARTH_RADIUS_M + highest_m,
             )
         )
-        orbits = np.empty((2, 4))
-        orbits[:, 0] = EARTH_RADIUS_M + rng.uniform(350e3, 1900e3, 2)
-        orbits[:, 1] = rng.uniform(0.0, math.pi)
-        orbits[:, 2:] = rng.uniform(-math.pi, math.pi, (2, 2))
+        inclination = rng.uniform(0.0, math.pi)
+        (radius, node, latitude), (other, beside, ahead) = (
+            (EARTH_RADIUS_M + rng.uniform(350e3, 1900e3), *rng.uniform(-math.pi, math.pi, 2))
+            for _ in range(2)
+        )
         if number % 3 == 0:
-            orbits[1, 2] = orbits[0, 2] + rng.uniform(-0.02, 0.02)
+            beside = node + rng.uniform(-0.02, 0.02)
         if number % 5 == 0:
-            orbits[1, 2] = orbits[0, 2]
+            beside = node
+        orbits = row(radius, inclination, node, latitude), row(other, inclination, beside, ahead)
         yield transfer.prepare(orbits[0], orbits[1], 2.0, rule), rule, rng
 
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+import rows
 
 from adr_opt.kernels import burns as burn_kernels
 from adr_opt.kernels import orbits, transfer
@@ -14,47 +15,28 @@ from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
 CASES = 3000
 
 
-def make_rule(*, zones=(), time_value_m_s_per_h=75.0, k_max=12, laps=0.5):
-    return transfer.TransferRule(
-        0.75,
-        1000.0,
-        laps,
-        k_max,
-        EARTH_RADIUS_M + 300e3,
-        EARTH_RADIUS_M + 2000e3,
-        time_value_m_s_per_h / 3600.0,
-        np.array(zones, dtype=float).reshape(-1, 4),
-    )
-
-
 def random_orbit(rng: np.random.Generator) -> np.ndarray:
-    return np.array(
-        [
-            EARTH_RADIUS_M + rng.uniform(350e3, 1900e3),
-            rng.uniform(0.0, math.pi),
-            rng.uniform(-math.pi, math.pi),
-            rng.uniform(-7.0, 7.0),
-        ]
+    return rows.row(
+        EARTH_RADIUS_M + rng.uniform(350e3, 1900e3),
+        rng.uniform(0.0, math.pi),
+        rng.uniform(-math.pi, math.pi),
+        rng.uniform(-7.0, 7.0),
     )
 
 
 def near(rng: np.random.Generator, orbit: np.ndarray) -> np.ndarray:
     """A neighbour: at times coplanar, at times of equal radius, at times both."""
-    other = orbit.copy()
     kind = rng.integers(4)
-    if kind in (0, 1):
-        other[0] += rng.uniform(-100e3, 100e3)
-    if kind in (0, 2):
-        other[1] = min(math.pi, max(0.0, orbit[1] + rng.uniform(-0.02, 0.02)))
-        other[2] += rng.uniform(-0.02, 0.02)
-    other[3] = rng.uniform(0.0, 2.0 * math.pi)
-    return other
+    radius = rng.uniform(-100e3, 100e3) if kind in (0, 1) else 0.0
+    inclination, raan = rng.uniform(-0.02, 0.02, 2) if kind in (0, 2) else (0.0, 0.0)
+    latitude = rng.uniform(0.0, 2.0 * math.pi) - orbit[3]
+    return rows.changed(orbit, radius=radius, inclination=inclination, raan=raan, latitude=latitude)
 
 
 def pairs(seed: int = 0):
     """Random pairs, some near each other, each with a departure event and the target's lead."""
     rng = np.random.default_rng(seed)
-    rule = make_rule()
+    rule = rows.rule()
     for case in range(CASES):
         i = random_orbit(rng)
         j = near(rng, i) if case % 2 else random_orbit(rng)
@@ -130,7 +112,7 @@ def test_departure_is_at_the_node():
 
 def test_phase_condition():
     """Every chosen sequence takes the time of its phasing radius and ends δ behind the target."""
-    rule = make_rule()
+    rule = rows.rule()
     found = 0
     for i, j, pair, departure, lead in pairs(3):
         best = best_sequence(pair, rule, departure, lead)
@@ -163,8 +145,8 @@ def every_sequence(pair, rule, lead):
             a, b = rule.min_radius, rule.max_radius
             for _ in range(60):
                 r = 0.5 * (a + b)
-                flown = transfer.flight_time(pair.radius_i, pair.radius_j, 0.75, r)[0]
-                flown += k * transfer.lap_time(r)[0]
+                flown = transfer.flight_time(pair.radius_i, pair.radius_j, 0.0, 0.0, 0.75, r)[0]
+                flown += k * transfer.lap_time(r, 0.0)[0]
                 a, b = (r, b) if flown < time else (a, r)
             delta_v = transfer.sequence_delta_v(pair, rule, k, 0.5 * (a + b))
             yield delta_v + rule.time_value * time, time, k, delta_v
@@ -173,7 +155,7 @@ def every_sequence(pair, rule, lead):
 @pytest.mark.parametrize("time_value", [0.0, 20.0, 75.0])
 def test_choice_is_the_least_cost_of_all(time_value):
     """The pruned search returns what trying every (k, m) returns."""
-    rule = make_rule(time_value_m_s_per_h=time_value)
+    rule = rows.rule(time_value_m_s_per_h=time_value)
     for number, (i, j, pair, departure, lead) in enumerate(pairs(4)):
         if number % 15:
             continue
@@ -192,7 +174,7 @@ def test_choice_is_the_least_cost_of_all(time_value):
 @pytest.mark.parametrize("time_value", [0.0, 20.0, 300.0])
 def test_choice_keeps_to_a_window(time_value):
     """A sequence too long for the deadline is out, and one too short for the opening waits."""
-    rule = make_rule(time_value_m_s_per_h=time_value)
+    rule = rows.rule(time_value_m_s_per_h=time_value)
     rng = np.random.default_rng(10)
     waits = out = none = 0
     for number, (i, j, pair, departure, lead) in enumerate(pairs(4)):
@@ -227,7 +209,7 @@ def test_choice_keeps_to_a_window(time_value):
 def test_floor_is_below_every_sequence():
     """The floor that ends the search is at most the ΔV of any sequence."""
     rng = np.random.default_rng(5)
-    rule = make_rule()
+    rule = rows.rule()
     for i, j, pair, _, _ in pairs(5):
         r = rng.uniform(rule.min_radius, rule.max_radius)
         for k in (0, 1, 5):
@@ -236,7 +218,7 @@ def test_floor_is_below_every_sequence():
 
 def test_burns_add_up_to_the_cost():
     """The magnitudes of the burn vectors sum to the ΔV, in time order from the departure on."""
-    rule = make_rule(laps=1.5)
+    rule = rows.rule(laps=1.5)
     for i, j, pair, departure, lead in pairs(6):
         best = best_sequence(pair, rule, departure, lead)
         if not math.isfinite(best.delta_v):
@@ -258,7 +240,7 @@ def test_burns_add_up_to_the_cost():
 def test_blocked_sequences_touch_a_zone_and_others_do_not():
     """A keep-out zone blocks a sequence exactly when its sampled altitude profile enters it."""
     rng = np.random.default_rng(7)
-    rule = make_rule()
+    rule = rows.rule()
     blocked_cases = clear_cases = 0
     for number, (i, j, pair, departure, lead) in enumerate(pairs(8)):
         if number % 6 or number > 1800:
@@ -269,7 +251,7 @@ def test_blocked_sequences_touch_a_zone_and_others_do_not():
         bottom = rng.uniform(min(i[0], j[0]) - 30e3, max(i[0], j[0]) + 30e3)
         start = departure + rng.uniform(-0.5, 1.0) * best.flight_time
         zone = (bottom, bottom + 15e3, start, start + 3000.0)
-        zoned = make_rule(zones=[zone])
+        zoned = rows.rule(zones=[zone])
         blocked = transfer.is_blocked(pair, zoned, best.revolutions, best.phasing_radius, departure)
         times, radii = altitude_profile(i, j, pair, rule, departure, best)
         inside = (zone[0] <= radii) & (radii <= zone[1]) & (zone[2] <= times) & (times <= zone[3])
@@ -316,7 +298,7 @@ def altitude_profile(i, j, pair, rule, departure, best):
         return now + length
 
     now = arc(i[0], r, now)
-    now = circle(r, now, best.revolutions * transfer.lap_time(r)[0])
+    now = circle(r, now, best.revolutions * transfer.lap_time(r, 0.0)[0])
     now = arc(r, rc, now)
     now = arc(rc, j[0], now)
     circle(j[0], now, rule.approach_revolutions * orbits.period(j[0]))
@@ -325,7 +307,7 @@ def altitude_profile(i, j, pair, rule, departure, best):
 
 def test_zone_makes_the_next_best_fly():
     """With its best sequence blocked, a leg flies another one that is not, at its true cost."""
-    rule = make_rule()
+    rule = rows.rule()
     detours = 0
     for number, (_, _, pair, departure, lead) in enumerate(pairs(9)):
         if number % 10:
@@ -334,7 +316,7 @@ def test_zone_makes_the_next_best_fly():
         if not math.isfinite(best.delta_v) or best.revolutions == 0:
             continue
         r = best.phasing_radius
-        zoned = make_rule(zones=[(r - 50.0, r + 50.0, -1e9, 1e9)])
+        zoned = rows.rule(zones=[(r - 50.0, r + 50.0, -1e9, 1e9)])
         other = best_sequence(pair, zoned, departure, lead)
         if not math.isfinite(other.delta_v):
             continue

@@ -1,0 +1,85 @@
+"""Bodies as the kernels take them, made by hand: rows of ORBIT_COLUMNS, and rules of transfers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from adr_opt.kernels import orbits, transfer
+from adr_opt.kernels.constants import EARTH_RADIUS_M, OBLATENESS_M2
+
+FloatArray = npt.NDArray[np.float64]
+
+LOWEST_M, HIGHEST_M = EARTH_RADIUS_M + 300e3, EARTH_RADIUS_M + 2000e3
+"""Altitude limits of rules made here, as radii."""
+
+
+def row(
+    radius: float,
+    inclination: float,
+    raan: float,
+    latitude: float,
+    *,
+    oblateness: float = 0.0,
+    eccentricity: float = 0.0,
+    perigee: float = 0.0,
+) -> FloatArray:
+    """A body: metres and radians, with the rates that it has at an oblateness J2 R² [m²]."""
+    node, turning, anomaly = orbits.secular_rates(radius, eccentricity, inclination, oblateness)
+    return np.array(
+        [radius, inclination, raan, latitude, node, turning + anomaly, eccentricity, perigee,
+         turning]
+    )  # fmt: skip
+
+
+def changed(
+    orbit: FloatArray,
+    *,
+    radius: float = 0.0,
+    inclination: float = 0.0,
+    raan: float = 0.0,
+    latitude: float = 0.0,
+    oblateness: float = 0.0,
+) -> FloatArray:
+    """A body beside another one, by so much; the inclination stays between 0 and π."""
+    return row(
+        orbit[orbits.RADIUS] + radius,
+        min(math.pi, max(0.0, orbit[orbits.INCLINATION] + inclination)),
+        orbit[orbits.RAAN] + raan,
+        orbit[orbits.ARGUMENT_OF_LATITUDE] + latitude,
+        oblateness=oblateness,
+        eccentricity=orbit[orbits.ECCENTRICITY],
+        perigee=orbit[orbits.PERIGEE],
+    )
+
+
+def rule(
+    *,
+    oblateness: float = 0.0,
+    zones: Iterable[Sequence[float]] = (),
+    time_value_m_s_per_h: float = 75.0,
+    k_max: int = 12,
+    laps: float = 0.5,
+    fraction: float = 0.75,
+    standoff: float = 1000.0,
+    limits: tuple[float, float] = (LOWEST_M, HIGHEST_M),
+) -> transfer.TransferRule:
+    """The usual rule of transfers but for what is stated."""
+    return transfer.TransferRule(
+        fraction,
+        standoff,
+        laps,
+        k_max,
+        *limits,
+        time_value_m_s_per_h / 3600.0,
+        np.array(list(zones), dtype=float).reshape(-1, 4),
+        oblateness,
+    )
+
+
+def oblate_rule(**stated: float) -> transfer.TransferRule:
+    """That of the Earth as it is."""
+    return rule(oblateness=OBLATENESS_M2, **stated)  # type: ignore[arg-type]
