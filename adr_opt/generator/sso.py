@@ -1,0 +1,39 @@
+"""Debris on nearly sun-synchronous orbits, with one station amid their altitudes and inclinations.
+
+Altitude and inclination are independent and uniform. That makes few of the orbits sun-synchronous,
+and their nodes drift by 35° a year against each other in the median. Satellites at work lie in
+bands, at the local times that suit their cameras; but what no longer steers leaves its band, and
+after some years the nodes of debris lie all around. So they do here, uniformly: bands would make of
+the field some fields of the kind of `nominal`, which is there already.
+
+Eccentricities are small, as they are in catalogues above 600 km.
+"""
+
+from __future__ import annotations
+
+from ..kernels.constants import EARTH_RADIUS_M
+from ..orbit import Orbit
+from .belt import circle
+from .stream import Uniform
+
+TARGETS = 60
+
+ALTITUDE_KM = (600.0, 900.0)
+INCLINATION_DEG = (97.0, 99.5)
+ECCENTRICITY = (0.0, 0.004)
+
+STATION = circle(750.0, 98.25, 0.0, 0.0)
+"""In the middle of both; of the nodes there is none."""
+
+
+def draw_debris(uniform: Uniform) -> Orbit:
+    """A target: everything uniform."""
+    altitude_km, inclination_deg = uniform(*ALTITUDE_KM), uniform(*INCLINATION_DEG)
+    return Orbit(
+        semi_major_axis_m=round(EARTH_RADIUS_M + 1e3 * altitude_km, 3),
+        eccentricity=round(uniform(*ECCENTRICITY), 7),
+        inclination_deg=round(inclination_deg, 6),
+        raan_deg=round(uniform(0.0, 360.0), 6),
+        argument_of_perigee_deg=round(uniform(0.0, 360.0), 6),
+        true_anomaly_deg=round(uniform(0.0, 360.0), 6),
+    )
