@@ -34,6 +34,9 @@ SLICE_ENTRIES = 20_000
 MEMORY_SHARE = 0.7
 """Part of the free memory that building a timetable may take; planners need some too."""
 
+LARGE_BYTES = 2.0**28
+"""Who builds connections that take more is told beforehand: some seconds' work."""
+
 BYTES_PER_CONNECTION = 29
 """Memory that a connection takes that is kept."""
 
@@ -76,6 +79,18 @@ class Size:
         """Memory that building it takes."""
         lists = BYTES_PER_CONNECTION * self.connections
         return kernels.size_of(self.bodies, self.events) + TEMPORARY_BYTES * self.bodies**2 + lists
+
+    @property
+    def is_large(self) -> bool:
+        """Whether its connections are so many that one wants to know beforehand."""
+        return self.connections > 0 and self.bytes > LARGE_BYTES
+
+    def __str__(self) -> str:
+        connections = f"{self.connections:.2g}".replace("e+0", "e").replace("e+", "e")
+        return (
+            f"about {connections} connections of {self.bodies} bodies, which take "
+            f"{self.bytes / 2**30:.2g} GiB of memory"
+        )
 
     @property
     def fits(self) -> bool:
@@ -192,7 +207,7 @@ class Timetable:
         wanted = size.bodies**2
         if order is None:
             if not size.fits:
-                raise InputError(_too_large(instance, size))
+                raise InputError(too_large(instance, size))
             order = range(size.bodies)
         elif not size.fits:
             while size.bodies > 1 and not size.fits:
@@ -359,14 +374,15 @@ def _words(choose: Choice) -> str:
     return f"{words}, waiting allowed"
 
 
-def _too_large(instance: Instance, size: Size) -> str:
+def too_large(instance: Instance, size: Size) -> str:
     """Why there is no timetable."""
     if size.connections:
+        finer = "departure_spacing_s or delta_v_resolution_m_s"
+        if instance.transfer.max_drift_s > 0.0:
+            finer = f"drift_step_s, {finer}, lower max_drift_s"
         return (
-            f"the about {size.connections:.2g} connections of {size.bodies} bodies over "
-            f"{instance.mission.duration_s / DAY_S:.4g} days take {size.bytes / 2**30:.3g} GiB, "
-            f"and {available_bytes() / 2**30:.3g} GiB of memory are free; raise drift_step_s, "
-            "departure_spacing_s or delta_v_resolution_m_s, or take fewer targets"
+            f"the mission of {instance.mission.duration_s / DAY_S:.4g} days has {size}, and "
+            f"{available_bytes() / 2**30:.3g} GiB are free; raise {finer}, or take fewer targets"
         )
     return (
         f"the timetable of {size.bodies} bodies over {instance.mission.duration_s / DAY_S:.4g} "
