@@ -33,7 +33,7 @@ from .pricing import APPROXIMATE
 from .result import Result, certify, status_of
 from .start import legal_beginning, start_destinations
 from .stop import AnyOf, MaxIterations, MaxRuntime, Stop
-from .timetable import Size, estimate, too_large
+from .timetable_size import Size, estimate, too_large
 from .together import together
 from .wording import counted
 

@@ -112,7 +112,7 @@ def command(
 
 def _announce(instance: Instance) -> None:
     """Say how large the timetable is going to be, if that is much."""
-    from ..timetable import estimate
+    from ..timetable_size import estimate
 
     size = estimate(instance)
     if size.is_large:

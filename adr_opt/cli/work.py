@@ -16,7 +16,7 @@ from .output import say
 if TYPE_CHECKING:
     from ..result import Result
     from ..stop import Interrupted, Stop
-    from ..timetable import Size
+    from ..timetable_size import Size
 
 POLL_S = 0.1
 
