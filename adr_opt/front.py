@@ -294,11 +294,11 @@ def run(
     destinations = start_destinations(whole, given, repair=repair)
     others = () if stop is None else (stop,)
     drifts = whole.connecting.drifts
+    if drifts and not whole.has_timetable:
+        _announce(whole.instance, sizing)
     warm_up(group, method, *others, starts=start is not None, options=options, drifts=drifts)
     if bound is not None:
         warm_up(BOUNDS, bound, *others, starts=start is not None, drifts=drifts)
-    if drifts and not whole.has_timetable:
-        _announce(whole.instance, sizing)
     criteria: list[Stop] = [MaxRuntime(time_limit), *others]
     chosen = candidates(
         whole,

@@ -32,7 +32,7 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def in_small_steps(impatient: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """Tables are built pair by pair, so that little of a small one can be broken off."""
-    monkeypatch.setattr(timetable_size, "SLICE_ENTRIES", 1)
+    monkeypatch.setattr(timetable, "SLICE_ENTRIES", 1)
 
 
 def broken_off(

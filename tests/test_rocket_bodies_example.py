@@ -33,7 +33,7 @@ def upper_stages(count: int) -> list[Record]:
     return [
         replace(
             record, name="SL-16 R/B", inclination_deg=71.0 + 0.005 * (number % 7),
-            raan_deg=round(3.7 * number, 4), mean_motion_rev_day=14.15 + 0.0004 * number,
+            raan_deg=round(23.7 * number, 4), mean_motion_rev_day=14.15 + 0.0004 * number,
         )
         if number < count
         else record
@@ -43,10 +43,10 @@ def upper_stages(count: int) -> list[Record]:
 
 def short_of_time(*more: object) -> list[object]:
     """Options for a mission that takes seconds."""
-    return ["--days", DAYS, "--time-limit", 5, *more]
+    return ["--days", DAYS, "--delta-v", 700, "--time-limit", 5, *more]
 
 
-@pytest.mark.parametrize("spelling", SPELLINGS)
+@pytest.mark.parametrize("spelling", ["tle", "csv"])
 def test_one_command_from_a_catalogue_to_a_page(
     plan_a_year: Callable[..., int],
     tmp_path: Path,
@@ -65,7 +65,7 @@ def test_one_command_from_a_catalogue_to_a_page(
     assert instance.transfer == transfers_for(DAYS * 86400.0)
     plan = adr_opt.load_plan(tmp_path / "made/plan.json")
     assert plan.upper_bound is not None
-    assert 1.0 <= plan.objective <= plan.upper_bound
+    assert 1.0 <= plan.objective <= plan.upper_bound < 5.0
     assert adr_opt.check(instance, plan) == ()
     assert "<html" in (tmp_path / "made/page.html").read_text(encoding="utf-8")
     said = re.fullmatch(

@@ -57,10 +57,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (adr_opt.InputError, OSError) as error:
         print(error, file=sys.stderr)
         return 2
+    most = min(result.upper_bound, float(len(made.instance.targets)))
     visits = f"{plan.objective:g} of {len(made.instance.targets)} visits"
     print(
         f"{visits} with {plan.delta_v_m_s:.0f} m/s, "
-        f"at most {result.upper_bound:g} ({status_words(plan.status)}), "
+        f"at most {most:g} ({status_words(plan.status)}), "
         f"{len(violations)} violations: {typed.out / 'page.html'}"
     )
     return 1 if violations else 0
