@@ -19,6 +19,7 @@ TARGETS = 20
 ALTITUDE_KM = (830.0, 850.0)
 INCLINATION_DEG = (70.9, 71.1)
 ECCENTRICITY = (0.0, 0.004)
+RAAN_DEG = (0.0, 360.0)
 
 
 def draw_rocket_body(uniform: Uniform) -> Orbit:
@@ -28,7 +29,7 @@ def draw_rocket_body(uniform: Uniform) -> Orbit:
         semi_major_axis_m=round(EARTH_RADIUS_M + 1e3 * altitude_km, 3),
         eccentricity=round(uniform(*ECCENTRICITY), 7),
         inclination_deg=round(inclination_deg, 6),
-        raan_deg=round(uniform(0.0, 360.0), 6),
+        raan_deg=round(uniform(*RAAN_DEG), 6),
         argument_of_perigee_deg=round(uniform(0.0, 360.0), 6),
         true_anomaly_deg=round(uniform(0.0, 360.0), 6),
     )

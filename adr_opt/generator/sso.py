@@ -1,10 +1,10 @@
-"""Debris on nearly sun-synchronous orbits, with one station amid their altitudes and inclinations.
+"""Debris of one band of nearly sun-synchronous orbits, with a station in the middle of it.
 
-Altitude and inclination are independent and uniform. That makes few of the orbits sun-synchronous,
-and their nodes drift by 35° a year against each other in the median. Satellites at work lie in
-bands, at the local times that suit their cameras; but what no longer steers leaves its band, and
-after some years the nodes of debris lie all around. So they do here, uniformly: bands would make of
-the field some fields of the kind of `nominal`, which is there already.
+Sun-synchronous satellites are launched into few local times, those that suit their cameras, and
+what remains of them begins in such a band: the field is one, two hours of local time to either side
+of a station, which is what one station may serve. Altitude and inclination are independent and
+uniform. That makes few of the orbits sun-synchronous: their nodes drift by 35° a year against each
+other in the median, and while the mission lasts the band dissolves.
 
 Eccentricities are small, as they are in catalogues above 600 km.
 """
@@ -21,9 +21,10 @@ TARGETS = 60
 ALTITUDE_KM = (600.0, 900.0)
 INCLINATION_DEG = (97.0, 99.5)
 ECCENTRICITY = (0.0, 0.004)
+RAAN_DEG = (-30.0, 30.0)
 
 STATION = circle(750.0, 98.25, 0.0, 0.0)
-"""In the middle of both; of the nodes there is none."""
+"""In the middle of all three."""
 
 
 def draw_debris(uniform: Uniform) -> Orbit:
@@ -33,7 +34,7 @@ def draw_debris(uniform: Uniform) -> Orbit:
         semi_major_axis_m=round(EARTH_RADIUS_M + 1e3 * altitude_km, 3),
         eccentricity=round(uniform(*ECCENTRICITY), 7),
         inclination_deg=round(inclination_deg, 6),
-        raan_deg=round(uniform(0.0, 360.0), 6),
+        raan_deg=round(uniform(*RAAN_DEG), 6),
         argument_of_perigee_deg=round(uniform(0.0, 360.0), 6),
         true_anomaly_deg=round(uniform(0.0, 360.0), 6),
     )
