@@ -15,7 +15,7 @@ from .kernels.constants import MU_M3_S2
 from .mission import Mission
 from .plan import InstanceReference, Unvisited
 from .result import Result, status_of
-from .timetable import estimate
+from .timetable_size import estimate
 
 SHARE = 1.0 / 3.0
 """Part of a time limit that the timetable may take: what it holds has to be searched, too."""

@@ -33,6 +33,7 @@ from .pricing import APPROXIMATE
 from .result import Result, certify, status_of
 from .start import legal_beginning, start_destinations
 from .stop import AnyOf, MaxIterations, MaxRuntime, Stop
+from .timetable_size import Size, estimate, too_large
 from .together import together
 from .wording import counted
 
@@ -267,12 +268,14 @@ def run(
     margin: float = 0.0,
     options: Mapping[str, Any] | None = None,
     building: Callable[[float], None] = lambda share: None,
+    sizing: Callable[[Size], None] = lambda size: None,
 ) -> Result:
     """Run a planner or a bound: what :func:`solve` and :func:`bound` have in common.
 
     ``group`` is ``planner.PLANNERS`` or ``planner.BOUNDS``; ``bound`` names a bound to run beside
     the method; ``options`` may have any names, those of the parameters above included;
-    ``building`` is told of the share of the timetable that is built.
+    ``building`` is told of the share of the timetable that is built, and ``sizing`` before of its
+    size, if it is large.
     """
     MaxRuntime(time_limit)  # a wrong one is refused before anything is compiled
     whole = instance if isinstance(instance, Mission) else Mission(instance)
@@ -290,9 +293,12 @@ def run(
     given = () if start is None else start
     destinations = start_destinations(whole, given, repair=repair)
     others = () if stop is None else (stop,)
-    warm_up(group, method, *others, starts=start is not None, options=options)
+    drifts = whole.connecting.drifts
+    if drifts and not whole.has_timetable:
+        _announce(whole.instance, sizing)
+    warm_up(group, method, *others, starts=start is not None, options=options, drifts=drifts)
     if bound is not None:
-        warm_up(BOUNDS, bound, *others, starts=start is not None)
+        warm_up(BOUNDS, bound, *others, starts=start is not None, drifts=drifts)
     criteria: list[Stop] = [MaxRuntime(time_limit), *others]
     chosen = candidates(
         whole,
@@ -318,6 +324,22 @@ def run(
         )
     result = together(mission, prepared, proving, AnyOf(*criteria), progress, limits)
     return _beyond_the_model(whole, result)
+
+
+def _announce(instance: Instance, sizing: Callable[[Size], None]) -> None:
+    """Tell of the size of a large timetable before it is built.
+
+    Raises
+    ------
+    InputError
+        There is not enough memory for the long transfers. A part of the targets would be no help:
+        which ones are near changes while one waits.
+    """
+    size = estimate(instance)
+    if instance.transfer.max_drift_s > 0.0 and not size.fits:
+        raise InputError(too_large(instance, size))
+    if size.is_large:
+        sizing(size)
 
 
 def _beyond_the_model(mission: Mission, result: Result) -> Result:
@@ -363,6 +385,7 @@ def warm_up(
     *stops: Stop,
     starts: bool = False,
     options: Mapping[str, Any] | None = None,
+    drifts: bool = False,
 ) -> Exception | None:
     """Let a method compile its kernels, by a run on a small mission; once in a process is enough.
 
@@ -374,6 +397,8 @@ def warm_up(
         They end the practice too.
     starts : bool
         Whether there will be a plan to begin from.
+    drifts : bool
+        Whether nodes will drift.
 
     Returns
     -------
@@ -385,13 +410,13 @@ def warm_up(
     InputError
         There is no such method or option.
     """
-    mission = practice_mission()
+    mission = practice_mission(drifts)
     prepared = prepare(group, method, options=options)
     # Numbers say how much is done, texts and switches what is done.
     given = prepared.arguments["options"]
     chosen = {name: value for name, value in vars(given).items() if isinstance(value, (str, bool))}
     begins = {"start": (1,)} if starts and takes_start(prepared.function) else {}
-    key = (group, method, *begins, *sorted(chosen.items()))
+    key = (group, method, drifts, *begins, *sorted(chosen.items()))
     habit = habits(prepared.function)
     with _warming:
         if key in _warm:

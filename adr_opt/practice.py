@@ -10,8 +10,11 @@ from itertools import cycle
 from typing import Any, NamedTuple, TypeVar
 
 from .generator import generate
+from .instance import Instance
 from .kernels.compile import compiling_s
+from .kernels.constants import DAY_S
 from .mission import Mission
+from .sizes import transfers_for
 from .stop import Stop
 
 Method = TypeVar("Method", bound=Callable[..., object])
@@ -23,9 +26,15 @@ LONGEST_S = 10.0
 
 
 @cache
-def practice_mission() -> Mission:
-    """A small field on which no method is done at once, and which has everything that one can."""
-    field = generate("reduced-time", 0, targets=16, zones=2)
+def practice_mission(drifts: bool = False) -> Mission:
+    """A small field on which no method is done at once, and which has everything that one can.
+
+    Parameters
+    ----------
+    drifts : bool
+        Whether nodes drift, and the chaser may wait for it.
+    """
+    field = _drifting() if drifts else generate("reduced-time", 0, targets=16, zones=2)
     prizes = cycle((1.0, 1.1, 1.2))
     return Mission(
         field.replace(
@@ -35,6 +44,13 @@ def practice_mission() -> Mission:
             )
         )
     )
+
+
+def _drifting() -> Instance:
+    """Some weeks among nodes that drift; the zones are far from most of what flies then."""
+    days = 40.0
+    field = generate("sso", 0, targets=10, zones=2).with_limits(duration_s=days * DAY_S)
+    return field.replace(transfer=transfers_for(days * DAY_S, drift_step_s=4.0 * DAY_S))
 
 
 class Habits(NamedTuple):

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from .available_memory import available_bytes
 from .connections import (
     CHOICES,
     Choice,
@@ -23,85 +22,13 @@ from .connections import (
 from .errors import InputError
 from .instance import Instance
 from .kernels import timetable as kernels
-from .kernels.constants import DAY_S, MU_M3_S2
 from .limits import limits_of
+from .timetable_size import estimate, too_large
 
 FloatArray = npt.NDArray[np.float64]
 
 SLICE_ENTRIES = 20_000
 """Entries computed in one go: some 20 ms, after which a build can be broken off."""
-
-MEMORY_SHARE = 0.7
-"""Part of the free memory that building a timetable may take; planners need some too."""
-
-BYTES_PER_CONNECTION = 29
-"""Memory that a connection takes that is kept."""
-
-SAMPLED_PAIRS = 8
-"""Of so many pairs the connections are counted to estimate those of all."""
-
-TEMPORARY_BYTES = 80
-"""Memory that working out the costs of eccentricity takes for each pair of bodies."""
-
-
-@dataclass(frozen=True)
-class Size:
-    """How large a timetable is going to be: nothing of it is built.
-
-    Attributes
-    ----------
-    bodies : int
-    events : int
-        Most departure events of a pair.
-    listed : float
-        Connections of a pair that are kept, in the mean, where nodes drift: by a sample.
-    """
-
-    bodies: int
-    events: int
-    listed: float = 0.0
-
-    @property
-    def connections(self) -> int:
-        """Number of connections that are kept, about."""
-        return int(self.bodies * (self.bodies - 1) * self.listed)
-
-    @property
-    def entries(self) -> int:
-        """Number of (pair, departure event) entries, at most."""
-        return self.bodies * (self.bodies - 1) * self.events
-
-    @property
-    def bytes(self) -> int:
-        """Memory that building it takes."""
-        lists = BYTES_PER_CONNECTION * self.connections
-        return kernels.size_of(self.bodies, self.events) + TEMPORARY_BYTES * self.bodies**2 + lists
-
-    @property
-    def fits(self) -> bool:
-        """Whether there is memory for it now."""
-        return self.bytes <= MEMORY_SHARE * available_bytes()
-
-
-def estimate(instance: Instance) -> Size:
-    """How large the timetable of an instance is going to be."""
-    lowest = min(orbit.semi_major_axis_m for orbit in instance.body_orbits)
-    shortest = math.pi * math.sqrt(lowest**3 / MU_M3_S2)
-    duration, bodies = instance.mission.duration_s, len(instance.names)
-    connecting = Connecting(instance)
-    if not connecting.drifts:
-        return Size(bodies, int(duration / shortest) + 2)
-    settings = instance.transfer
-    events = duration / max(shortest, settings.departure_spacing_s) + 2
-    if settings.max_drift_s > 0.0:
-        events += duration / settings.drift_step_s
-    # Pairs all over the field, since how far planes are apart decides what is worth flying.
-    rng = np.random.default_rng(0)
-    pairs = [rng.choice(bodies, 2, replace=False) for _ in range(SAMPLED_PAIRS)] * (bodies > 1)
-    listed = [
-        connecting.find(i, j, connecting.planning_resolution_m_s).departure.size for i, j in pairs
-    ]
-    return Size(bodies, int(events), float(np.mean(listed)) if listed else 0.0)
 
 
 @dataclass(frozen=True)
@@ -192,7 +119,7 @@ class Timetable:
         wanted = size.bodies**2
         if order is None:
             if not size.fits:
-                raise InputError(_too_large(instance, size))
+                raise InputError(too_large(instance, size))
             order = range(size.bodies)
         elif not size.fits:
             while size.bodies > 1 and not size.fits:
@@ -357,22 +284,6 @@ def _words(choose: Choice) -> str:
     """Which transfers a choice stands for, as files state it."""
     words = choose if choose in CHOICES else f"least ΔV + {float(choose):g} m/s per hour"
     return f"{words}, waiting allowed"
-
-
-def _too_large(instance: Instance, size: Size) -> str:
-    """Why there is no timetable."""
-    if size.connections:
-        return (
-            f"the about {size.connections:.2g} connections of {size.bodies} bodies over "
-            f"{instance.mission.duration_s / DAY_S:.4g} days take {size.bytes / 2**30:.3g} GiB, "
-            f"and {available_bytes() / 2**30:.3g} GiB of memory are free; raise drift_step_s, "
-            "departure_spacing_s or delta_v_resolution_m_s, or take fewer targets"
-        )
-    return (
-        f"the timetable of {size.bodies} bodies over {instance.mission.duration_s / DAY_S:.4g} "
-        f"days takes {size.bytes / 2**30:.3g} GiB, and {available_bytes() / 2**30:.3g} GiB of "
-        "memory are free; take fewer targets or a shorter mission"
-    )
 
 
 def _in_slices(

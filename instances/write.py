@@ -30,6 +30,8 @@ SIZES = {
     "reduced-fuel": 100,
     "cloud": 20,
     "large": 20,
+    "rocket-bodies": 20,
+    "sso": 20,
 }
 """Instances of each family: the seeds from 0."""
 

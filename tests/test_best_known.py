@@ -95,7 +95,7 @@ def flown(instance: Instance, order: tuple[int, ...]) -> tuple[float, float]:
     ready, left, spent = np.zeros(1), np.array([budget]), np.zeros(1)
     for i, j in itertools.pairwise((0, *order)):
         assert j != i
-        pair = connecting.of_pair(i, j, 0.0)
+        pair = connecting.of_pair(i, j, connecting.planning_resolution_m_s)
         ready, left, spent, _, _ = follow(
             ready, left, spent, (pair.departure, pair.arrival, pair.delta_v), limits.service[j],
             limits.opens[j], limits.closes[j], -1.0 if j else budget,

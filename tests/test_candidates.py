@@ -11,7 +11,7 @@ import pytest
 from hand_made import hand_made
 
 import adr_opt
-from adr_opt import available_memory, candidates, front, timetable
+from adr_opt import available_memory, candidates, front, timetable, timetable_size
 from adr_opt.errors import InputError
 from adr_opt.instance import Instance
 from adr_opt.mission import Mission
@@ -216,7 +216,7 @@ def test_a_usual_field_is_never_cut():
 def test_the_size_of_a_timetable_is_known_before():
     """The estimate is the table's: as many bytes, and at least as many entries."""
     instance = adr_opt.generate("tiny", 2)
-    size, table = timetable.estimate(instance), timetable.Timetable(instance)
+    size, table = timetable_size.estimate(instance), timetable.Timetable(instance)
     held = sum(array.nbytes for array in table.table)
     assert held <= size.bytes <= 1.01 * held + 100 * len(table.names) ** 2
     assert table.entries <= size.entries <= 1.1 * table.entries + 60
@@ -225,7 +225,7 @@ def test_the_size_of_a_timetable_is_known_before():
 def test_too_large_a_timetable_is_refused(monkeypatch):
     """Where memory is short, a sentence says how much is needed and free, and what to do."""
     instance = adr_opt.generate("tiny", 2)
-    monkeypatch.setattr(timetable, "available_bytes", lambda: 1e4)
+    monkeypatch.setattr(timetable_size, "available_bytes", lambda: 1e4)
     pattern = (
         r"timetable of 7 bodies over 1.5 days takes .* GiB, and .* GiB of memory are free; take"
     )
@@ -238,8 +238,8 @@ def test_too_large_a_timetable_is_refused(monkeypatch):
 def test_memory_limits_the_candidates(monkeypatch):
     """Where memory is short, the nearest targets that fit are planned with."""
     instance = adr_opt.generate("nominal", 0, targets=20)
-    half = timetable.estimate(instance).bytes / timetable.MEMORY_SHARE / 2.0
-    monkeypatch.setattr(timetable, "available_bytes", lambda: half)
+    half = timetable_size.estimate(instance).bytes / timetable_size.MEMORY_SHARE / 2.0
+    monkeypatch.setattr(timetable_size, "available_bytes", lambda: half)
     result = adr_opt.solve(instance, "beam")
     assert result.plan is not None
     assert adr_opt.check(instance, result.plan) == ()

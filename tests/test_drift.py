@@ -123,22 +123,38 @@ def test_many_bodies_are_as_quick_as_few() -> None:
 def test_import_and_solve_warn(cli: Cli) -> None:
     """Both say it with the numbers of their instance, and neither over minutes."""
     pytest.importorskip("sgp4")
-    said = cli("import", CLOUD, "--out", "my.json").err
+    two_body = ("--dynamics", "two-body", "--out", "my.json")
+    said = cli("import", CLOUD, *two_body).err
     instance = adr_opt.load("my.json")
     assert f"warning: {drift_warning(instance)}" in said
     said = cli("solve", "my.json", "--method", "greedy-guarded", "--out", "plan.json").err
     plan = adr_opt.load_plan("plan.json")
     assert f"note: {drift_warning(instance, plan)}" in said
     assert drift_warning(instance, plan) in plan.notes
-    said = cli("import", CLOUD, "--duration-days", "0.02", "--out", "my.json").err
-    assert "drift" not in said
+    said = cli("import", CLOUD, "--duration-days", "0.02", *two_body).err
+    assert "nodes drift" not in said
+
+
+def test_what_the_model_knows_is_not_warned_of(cli: Cli) -> None:
+    """Under J2 neither import nor solve warns of the drift that they plan with."""
+    pytest.importorskip("sgp4")
+    said = cli("import", CLOUD, "--max-targets", "5", "--duration-days", "2", "--out", "my.json")
+    assert "nodes drift" not in said.err
+    instance = adr_opt.load("my.json")
+    assert instance.dynamics == "j2"
+    assert drift_warning(instance) is None
+    solved = cli("solve", "my.json", "--method", "greedy-guarded", "--out", "plan.json")
+    assert solved.status == 0
+    assert "nodes drift" not in solved.err
+    assert drift_warning(instance, adr_opt.load_plan("plan.json")) is None
 
 
 def test_the_page_on_importing_states_the_drift_of_its_cloud() -> None:
     """The figures of docs/importing.md are those that its example is warned with."""
     pytest.importorskip("sgp4")
     page = " ".join((CLOUD.parents[2] / "docs/importing.md").read_text(encoding="utf-8").split())
-    _, *told = numbers(drift_warning(catalogue.to_instance(catalogue.read([CLOUD])).instance))
+    made = catalogue.to_instance(catalogue.read([CLOUD]), dynamics="two-body")
+    _, *told = numbers(drift_warning(made.instance))
     stated = re.search(
         r"([\d.]+)° in the median and ([\d.]+)° or more .* worth (\d+) and (\d+) m/s a leg", page
     )

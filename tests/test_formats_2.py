@@ -45,9 +45,11 @@ def stated(draw: st.DrawFn) -> Instance:
     starts += [AtStation(station=station.name) for station in stations]
     ends: list[Any] = ["anywhere", *starts[1:]]
     service = draw(st.sampled_from(["service_s", "service_revolutions"]))
+    dynamics = draw(st.sampled_from(["two-body", "j2"]))
     return Instance(
         name=draw(st.text(st.characters(blacklist_characters="\0", codec="utf-8"), min_size=1)),
         epoch=field.epoch,
+        dynamics=dynamics,
         stations=stations,
         targets=tuple(
             target.replace(
@@ -73,6 +75,7 @@ def stated(draw: st.DrawFn) -> Instance:
             delta_v_resolution_m_s=draw(st.floats(0.0, 10.0)),
             departure_spacing_s=draw(st.floats(0.0, 1e5)),
             drift_step_s=draw(st.floats(1.0, 1e6)),
+            max_drift_s=draw(st.floats(0.0, 1e9)) if dynamics == "j2" else 0.0,
         ),
         objective=Objective(cost=draw(st.sampled_from(["delta-v", "duration"]))),
         keep_out_zones=field.keep_out_zones,
@@ -111,6 +114,19 @@ def test_bodies_are_stations_then_the_start_then_targets(instance: Instance) -> 
     part = instance.part([first + 2, first, 0])
     assert part.targets == (instance.targets[0], instance.targets[2])
     assert part.names[:first] == instance.names[:first]
+
+
+@settings(max_examples=60, deadline=None)
+@given(stated(), st.floats(1e-3, 1e9))
+def test_nothing_drifts_in_two_body_motion(instance: Instance, longest_s: float) -> None:
+    """Long transfers are refused exactly where the dynamics are two-body."""
+    longer = instance.transfer.replace(max_drift_s=longest_s)
+    if instance.dynamics == "j2":
+        assert instance.replace(transfer=longer).transfer.max_drift_s == longest_s
+        return
+    with pytest.raises(adr_opt.InputError, match="nothing drifts in two-body motion"):
+        instance.replace(transfer=longer)
+    assert instance.replace(transfer=longer, dynamics="j2").transfer.max_drift_s == longest_s
 
 
 def test_limits_are_changed_together() -> None:

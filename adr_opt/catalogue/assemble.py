@@ -8,13 +8,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import ValidationError
 
 from ..bodies import Station, Target
-from ..chasers import AtStation, Chaser, Tank, free_name
+from ..chasers import AtStation, Chaser, InOrbit, Tank, free_name
 from ..drift import drift_warning
 from ..errors import InputError
 from ..files import sentence
@@ -22,6 +22,7 @@ from ..instance import Instance
 from ..kernels.constants import DAY_S, EARTH_RADIUS_M
 from ..orbit import Orbit
 from ..settings import MissionSettings, TransferSettings
+from ..sizes import transfers_for
 from ..wording import counted
 from .filters import Filters
 from .propagation import FLOAT, mean_elements, true_anomaly
@@ -57,7 +58,7 @@ class Imported:
         Everything that is not in the instance, with its reason.
     warnings : tuple of str
     station : str
-        Where the station is from.
+        Where the station is from, or the orbit in which the chaser starts where there is none.
     """
 
     instance: Instance
@@ -65,6 +66,11 @@ class Imported:
     dropped: tuple[Dropped, ...]
     warnings: tuple[str, ...]
     station: str
+
+    @property
+    def home(self) -> Orbit:
+        """The orbit of the station, or that in which the chaser starts."""
+        return self.instance.body_orbits[0]
 
     @property
     def counts(self) -> dict[str, int]:
@@ -80,10 +86,12 @@ class Imported:
             "elements": "mean elements of SGP4, TEME of the epoch",
             "read": self.read,
             "targets": len(self.instance.targets),
-            "station": {
-                "name": self.instance.stations[0].name,
+            "dynamics": self.instance.dynamics,
+            "transfer": self.instance.transfer.model_dump(mode="json"),
+            "station" if self.instance.stations else "start": {
+                "name": self.instance.names[0],
                 "from": self.station,
-                "orbit": self.instance.stations[0].orbit.model_dump(mode="json"),
+                "orbit": self.home.model_dump(mode="json"),
             },
             "dropped_counts": self.counts,
             "dropped": [drop.to_dict() for drop in self.dropped],
@@ -102,6 +110,9 @@ def to_instance(
     delta_v_m_s: float = 3000.0,
     name: str | None = None,
     skip_bad: bool = False,
+    dynamics: Literal["two-body", "j2"] = "j2",
+    transfer: TransferSettings | None = None,
+    refuelling: bool = True,
 ) -> Imported:
     """Propagate a catalogue to one epoch, filter it and make an instance of it.
 
@@ -122,6 +133,13 @@ def to_instance(
         Of the instance.
     skip_bad : bool
         Leave out objects that SGP4 cannot bring to the epoch; else the first one is an error.
+    dynamics : {"j2", "two-body"}
+        How bodies move after the epoch.
+    transfer : TransferSettings, optional
+        By default those of :func:`adr_opt.sizes.transfers_for` under J2, else the defaults of the
+        file.
+    refuelling : bool
+        Whether there is a station; else the chaser starts where it would be, and nobody refuels.
 
     Returns
     -------
@@ -166,15 +184,19 @@ def to_instance(
 
     targets = [candidates[row] for row in rows]
     home = host.label if host else "station"
+    if transfer is None:
+        transfer = transfers_for(duration_s) if dynamics == "j2" else TransferSettings()
     instance = _instance(
         name or _default_name(targets, len(rows)),
         epoch,
-        home,
+        home if refuelling else None,
         place,
-        _unique([record.label for record in targets], home),
+        _unique([record.label for record in targets], {home} if refuelling else set()),
         elements[rows],
         duration_s,
         delta_v_m_s,
+        dynamics=dynamics,
+        transfer=transfer,
     )
     return Imported(
         instance=instance,
@@ -206,38 +228,45 @@ def _orbits(elements: FLOAT) -> list[Orbit]:
 def _instance(
     name: str,
     epoch: datetime,
-    station_name: str,
+    station_name: str | None,
     place: FLOAT,
     names: Sequence[str],
     elements: FLOAT,
     duration_s: float,
     delta_v_m_s: float,
+    **settings: Any,
 ) -> Instance:
     try:
         home, *orbits = _orbits(np.vstack((place, elements)))
+        stations: tuple[Station, ...] = ()
+        start: AtStation | InOrbit = InOrbit(orbit=home)
+        if station_name is not None:
+            stations = (Station(name=station_name, orbit=home),)
+            start = AtStation(station=station_name)
         return Instance(
             name=name,
             epoch=epoch.astimezone(UTC),
-            stations=(Station(name=station_name, orbit=home),),
+            stations=stations,
             targets=tuple(
                 Target(name=label, orbit=orbit) for label, orbit in zip(names, orbits, strict=True)
             ),
             chasers=(
                 Chaser(
-                    name=free_name([station_name, *names]),
-                    start=AtStation(station=station_name),
+                    name=free_name([*(station.name for station in stations), *names]),
+                    start=start,
                     tank=Tank(delta_v_m_s=float(delta_v_m_s)),
                 ),
             ),
             mission=MissionSettings(duration_s=float(duration_s)),
+            **settings,
         )
     except ValidationError as error:
         raise InputError(sentence(error)) from None
 
 
-def _unique(labels: Sequence[str], station: str) -> list[str]:
+def _unique(labels: Sequence[str], taken: set[str]) -> list[str]:
     """The labels, those that are taken with a count behind them."""
-    taken, names = {station}, []
+    names = []
     for label in labels:
         name, count = label, 1
         while name in taken:
@@ -289,7 +318,7 @@ def _warnings(
             f"the elements of {far} of {counted(len(bodies), 'object')} are more than {FAR_DAYS:g} "
             f"days from the epoch; {bodies[worst].label} is {days[worst]:.1f} days from it"
         )
-    rule = TransferSettings()
+    rule = instance.transfer
     low, high = EARTH_RADIUS_M + rule.min_altitude_m, EARTH_RADIUS_M + rule.max_altitude_m
     beyond = sum(not low <= orbit.semi_major_axis_m <= high for orbit in instance.body_orbits)
     if beyond:

@@ -59,7 +59,7 @@ def command(
         lambda stop, progress: front.run(
             BOUNDS, instance, method, time_limit=time_limit, seed=seed, stop=stop,
             progress=progress, start=start, jobs=jobs, iterations=iterations, margin=margin,
-            options=options, building=progress.building,
+            options=options, building=progress.building, sizing=progress.sizing,
         ),
         live=wanted(as_json, quiet),
         quiet=quiet,

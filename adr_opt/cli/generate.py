@@ -26,7 +26,10 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Draw an instance of FAMILY: tiny, nominal, reduced-time, reduced-fuel, cloud or large."""
+    """Draw an instance of FAMILY.
+
+    One of tiny, nominal, reduced-time, reduced-fuel, cloud, large, rocket-bodies and sso.
+    """
     from ..files import write_text
     from ..generator import generate
 

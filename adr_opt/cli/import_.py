@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from datetime import datetime
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -16,6 +16,10 @@ from .parameters import check_out, json_option, quiet_option
 
 if TYPE_CHECKING:
     from ..catalogue import Imported
+    from ..settings import TransferSettings
+
+LEAST_STEP_DAYS = 0.01
+"""Of the grid of long transfers: finer ones are typing errors."""
 
 MOST_LISTED = 20
 """Bad rows listed on standard error; --json lists all."""
@@ -48,6 +52,30 @@ FILTERS = ("name", "altitude", "inclination", "raan", "max-targets")
 @click.option(
     "--delta-v", type=float, default=3000.0, show_default=True, help="ΔV of a full tank, m/s."
 )
+@click.option(
+    "--dynamics",
+    type=click.Choice(["j2", "two-body"]),
+    default="j2",
+    show_default=True,
+    help="How planes move: with J2 they drift.",
+)
+@click.option(
+    "--no-refuelling",
+    is_flag=True,
+    help="No station: the chaser starts where it would be.",
+)
+@click.option(
+    "--drift-step-days", type=float, metavar="D", help="Grid of long transfers, instead of a 150th."
+)
+@click.option(
+    "--max-drift-days", type=float, metavar="D", help="Longest of them, 0 for none; the mission's."
+)
+@click.option(
+    "--departure-spacing-days", type=float, metavar="D", help="Least time between departures."
+)
+@click.option(
+    "--resolution", type=float, metavar="M_S", help="Transfers that save less are left out, m/s."
+)
 @click.option("--skip-bad", is_flag=True, help="Keep the good rows and objects, list the rest.")
 @json_option
 @quiet_option
@@ -63,6 +91,12 @@ def command(
     station: str | None,
     duration_days: float,
     delta_v: float,
+    dynamics: Literal["j2", "two-body"],
+    no_refuelling: bool,
+    drift_step_days: float | None,
+    max_drift_days: float | None,
+    departure_spacing_days: float | None,
+    resolution: float | None,
     skip_bad: bool,
     as_json: bool,
     quiet: bool,
@@ -92,6 +126,10 @@ def command(
         raan_deg=None if raan is None else parse_range(raan, "--raan", open_ended=False),
         names=names,
     )
+    transfer = _transfer(
+        dynamics, DAY_S * duration_days, drift_step_days, max_drift_days, departure_spacing_days,
+        resolution,
+    )  # fmt: skip
     epoch = None if epoch_text is None else parse_epoch(epoch_text)
     found = catalogue.read(files, skip_bad=skip_bad)
     made = catalogue.to_instance(
@@ -103,6 +141,9 @@ def command(
         duration_s=DAY_S * duration_days,
         delta_v_m_s=delta_v,
         skip_bad=skip_bad,
+        dynamics=dynamics,
+        transfer=transfer,
+        refuelling=not no_refuelling,
     )
     write_text(out, made.instance.to_json())
     if as_json:
@@ -110,6 +151,58 @@ def command(
     if not quiet:
         _tell(made, out)
     return 0
+
+
+def _transfer(
+    dynamics: str,
+    duration_s: float,
+    drift_step_days: float | None,
+    max_drift_days: float | None,
+    departure_spacing_days: float | None,
+    resolution: float | None,
+) -> TransferSettings:
+    """The transfer settings of a call; what it does not say follows from the duration.
+
+    Raises
+    ------
+    InputError
+        A number is out of range, or of no use in two-body motion.
+    """
+    from ..settings import TransferSettings
+    from ..sizes import transfers_for
+
+    for option, value, least in (
+        ("--drift-step-days", drift_step_days, LEAST_STEP_DAYS),
+        ("--max-drift-days", max_drift_days, 0.0),
+        ("--departure-spacing-days", departure_spacing_days, 0.0),
+        ("--resolution", resolution, 0.0),
+    ):
+        if value is not None and not (least <= value < math.inf):
+            raise InputError(f"{option} = {value:g}: must be a number of at least {least:g}")
+    settings = {
+        "drift_step_s": _seconds(drift_step_days),
+        "max_drift_s": _seconds(max_drift_days),
+        "departure_spacing_s": _seconds(departure_spacing_days),
+        "delta_v_resolution_m_s": resolution,
+    }
+    if dynamics == "j2":
+        return transfers_for(duration_s, **settings)
+    for option, value in (
+        ("--drift-step-days", drift_step_days),
+        ("--max-drift-days", max_drift_days),
+    ):
+        if value:
+            raise InputError(
+                f"{option} = {value:g}: nothing drifts in two-body motion; leave it out, or "
+                "--dynamics two-body"
+            )
+    return TransferSettings().replace(
+        **{name: value for name, value in settings.items() if value is not None}
+    )
+
+
+def _seconds(days: float | None) -> float | None:
+    return None if days is None else DAY_S * days
 
 
 def parse_epoch(text: str) -> datetime:
@@ -147,11 +240,13 @@ def _tell(made: Imported, out: str) -> None:
         f"mean elements (SGP4, TEME) at {instance.epoch:%Y-%m-%dT%H:%M:%SZ}"
     )
     from ..kernels.constants import EARTH_RADIUS_M
+    from ..sizes import told
 
-    orbit = instance.stations[0].orbit
+    orbit = made.home
     altitude_km = (orbit.semi_major_axis_m - EARTH_RADIUS_M) / 1e3
     say(
-        f"station {made.station}: altitude {altitude_km:.1f} km, inclination "
-        f"{orbit.inclination_deg:.3f}°, RAAN {orbit.raan_deg:.3f}°; "
-        f"left out: {listed or 'nothing'}"
+        f"{'station' if instance.stations else 'start'} {made.station}: altitude "
+        f"{altitude_km:.1f} km, inclination {orbit.inclination_deg:.3f}°, "
+        f"RAAN {orbit.raan_deg:.3f}°; left out: {listed or 'nothing'}"
     )
+    say(f"dynamics {instance.dynamics}: {told(instance.transfer)}")

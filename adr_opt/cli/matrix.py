@@ -92,6 +92,8 @@ def command(
 
     instance = load(instance_path)
     check_out(out, instance_path)
+    if not quiet:
+        _announce(instance)
     written: dict[str, Any] = {"instance": instance.name, "path": out}
     if is_whole:
         write_timetable(instance, out)
@@ -106,6 +108,15 @@ def command(
     if not quiet:
         say(f"wrote {out}: {what}, {counted(len(instance.names), 'body', 'bodies')}")
     return 0
+
+
+def _announce(instance: Instance) -> None:
+    """Say how large the timetable is going to be, if that is much."""
+    from ..timetable_size import estimate
+
+    size = estimate(instance)
+    if size.is_large:
+        say(f"building {size}")
 
 
 def _departures(instance: Instance, every_s: float | None, at_s: tuple[float, ...]) -> FloatArray:

@@ -79,6 +79,7 @@ def command(
             PLANNERS, instance, method, time_limit=time_limit, seed=seed, stop=stop,
             progress=progress, start=start, repair=repair, jobs=jobs, iterations=iterations,
             bound=bound_name, margin=margin, options=options, building=progress.building,
+            sizing=progress.sizing,
         ),
         live=wanted(as_json, quiet),
         quiet=quiet,

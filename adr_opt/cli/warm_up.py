@@ -74,11 +74,12 @@ def _common() -> dict[str, Any]:
     from ..practice import practice_mission
     from ..result import certify
 
-    mission = practice_mission()
-    plan = certify(mission, "practice", (1,), seed=0, runtime_s=0.0).plan
-    if plan is not None:
-        check(mission.instance, plan)
-    mission.timetable.matrices([0.0])
+    for drifts in (False, True):
+        mission = practice_mission(drifts)
+        plan = certify(mission, "practice", (1,), seed=0, runtime_s=0.0).plan
+        if plan is not None:
+            check(mission.instance, plan)
+        mission.timetable.matrices([0.0])
     return _row("(all)")
 
 
@@ -107,6 +108,7 @@ def _compile_one(method: str) -> dict[str, Any]:
         if method in names(group):
             try:
                 problem = front.warm_up(group, method) or problem
+                front.warm_up(group, method, drifts=True)
             except InputError as error:  # declared, and cannot be imported
                 problem = error
     return _row(method, problem)

@@ -16,6 +16,7 @@ from .output import say
 if TYPE_CHECKING:
     from ..result import Result
     from ..stop import Interrupted, Stop
+    from ..timetable_size import Size
 
 POLL_S = 0.1
 
@@ -41,6 +42,11 @@ class Watch:
         self.bound = math.inf
         self.built = 1.0
         self.begun = False
+        self.size: Size | None = None
+
+    def sizing(self, size: Size) -> None:
+        """Hear of the size of a large timetable before it is built."""
+        self.size = size
 
     def building(self, share: float) -> None:
         """Hear of the share of the timetable that is built; the clock has started."""
@@ -90,7 +96,7 @@ def work(task: Callable[[Stop, Watch], Result], *, live: bool, quiet: bool) -> R
         finally:
             done.set()
 
-    told = warned = False
+    told = warned = sized = False
     with _signals_set(stop), live_line(live) as show:
         threading.Thread(target=run, name="method", daemon=True).start()
         while not done.wait(POLL_S):
@@ -99,6 +105,9 @@ def work(task: Callable[[Stop, Watch], Result], *, live: bool, quiet: bool) -> R
             if compiling and not warned and not live and not quiet:
                 say("compiling, once; the time limit begins afterwards")
                 warned = True
+            if watch.size is not None and not sized and not quiet:
+                say(f"building {watch.size}")
+                sized = True
             if stop.is_set and not told and not quiet:
                 say("interrupted: waiting for the best result so far; once more to abort")
                 told = True

@@ -3,8 +3,9 @@
 Every number is drawn from raw PCG-64 output (whose stream NumPy guarantees) by IEEE arithmetic and
 rounded to the digits of the file, so one seed gives one file, byte for byte, on any machine.
 
-`belt` holds the field of the published study and `cloud` a fragmentation cloud; `families` lists
-what is drawn from them, with limits; `zones` draws keep-out zones.
+`belt` holds the field of the published study and `cloud` a fragmentation cloud, `rocket_bodies` and
+`sso` fields whose nodes drift; `families` lists what is drawn from them, with limits; `zones` draws
+keep-out zones.
 """
 
 from __future__ import annotations

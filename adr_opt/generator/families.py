@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..errors import InputError
 from ..kernels.constants import DAY_S
 from ..orbit import Orbit
-from . import belt, cloud
+from . import belt, cloud, rocket_bodies, sso
 from .stream import Uniform
 
 
@@ -22,12 +22,19 @@ class Family:
     targets : (int, int)
         Least and largest number of targets; the seed draws it.
     duration_s, delta_v_m_s : float
-    station : Orbit
+    station : Orbit or None
+        None where nobody refuels.
     draw_target : callable
         From a source of uniform numbers to the orbit of a target.
     purpose : int
         Number of the stream that the field is drawn from. Families of one purpose and one
         ``draw_target`` share the field of one seed.
+    draw_start : callable, optional
+        Draws the orbit where the chaser starts, before all targets, if that is not the station.
+    drifts : bool
+        Whether nodes drift: under J2, with the transfers of :func:`adr_opt.sizes.transfers_for`.
+    service_s : float, optional
+        Time spent at a target, instead of a revolution [s].
     """
 
     name: str
@@ -35,9 +42,12 @@ class Family:
     targets: tuple[int, int]
     duration_s: float
     delta_v_m_s: float
-    station: Orbit = belt.STATION
+    station: Orbit | None = belt.STATION
     draw_target: Callable[[Uniform], Orbit] = belt.draw_circle
     purpose: int = 0
+    draw_start: Callable[[Uniform], Orbit] | None = None
+    drifts: bool = False
+    service_s: float | None = None
 
 
 FAMILIES = {
@@ -52,6 +62,17 @@ FAMILIES = {
             10.0 * DAY_S, 4000.0, cloud.STATION, cloud.draw_fragment, purpose=2,
         ),
         Family("large", "200 targets, 30 days, 3 km/s", (200, 200), 30.0 * DAY_S, 3000.0),
+        Family(
+            "rocket-bodies", "20 rocket bodies, 730 days, 3 km/s",
+            (rocket_bodies.TARGETS, rocket_bodies.TARGETS), 730.0 * DAY_S, 3000.0,
+            None, rocket_bodies.draw_rocket_body, purpose=3,
+            draw_start=rocket_bodies.draw_start, drifts=True, service_s=DAY_S,
+        ),
+        Family(
+            "sso", "60 targets, 365 days, 3 km/s", (sso.TARGETS, sso.TARGETS),
+            365.0 * DAY_S, 3000.0, sso.STATION, sso.draw_debris, purpose=4,
+            drifts=True, service_s=DAY_S,
+        ),
     )
 }  # fmt: skip
 """The families by name."""

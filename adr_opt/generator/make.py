@@ -6,11 +6,12 @@ import re
 from datetime import UTC, datetime
 
 from ..bodies import Station, Target
-from ..chasers import AtStation, Chaser, Tank
+from ..chasers import AtStation, Chaser, InOrbit, Tank
 from ..errors import InputError
 from ..instance import Instance
-from ..settings import MissionSettings
-from .families import FAMILIES, family
+from ..settings import MissionSettings, TransferSettings
+from ..sizes import transfers_for
+from .families import FAMILIES, Family, family
 from .stream import LARGEST_SEED, stream
 from .zones import draw_zones
 
@@ -58,23 +59,32 @@ def generate(name: str, seed: int, *, targets: int | None = None, zones: int = 0
     width = max(3, len(str(count)))
     suffix = f"-n{count}" if targets is not None else ""
     suffix += f"-z{zones}" if zones else ""
+    start = (
+        AtStation(station="station")
+        if kind.draw_start is None
+        else InOrbit(orbit=kind.draw_start(uniform))
+    )
     return Instance(
         name=f"{kind.name}-{seed:03d}{suffix}",
         epoch=EPOCH,
-        stations=(Station(name="station", orbit=kind.station),),
+        dynamics="j2" if kind.drifts else "two-body",
+        stations=() if kind.station is None else (Station(name="station", orbit=kind.station),),
         targets=tuple(
             Target(name=f"debris-{number:0{width}d}", prize=1.0, orbit=kind.draw_target(uniform))
             for number in range(1, count + 1)
         ),
-        chasers=(
-            Chaser(
-                name="chaser",
-                start=AtStation(station="station"),
-                tank=Tank(delta_v_m_s=kind.delta_v_m_s),
-            ),
-        ),
-        mission=MissionSettings(duration_s=kind.duration_s),
+        chasers=(Chaser(name="chaser", start=start, tank=Tank(delta_v_m_s=kind.delta_v_m_s)),),
+        mission=_mission(kind),
+        transfer=transfers_for(kind.duration_s) if kind.drifts else TransferSettings(),
         keep_out_zones=draw_zones(seed, zones, kind.duration_s),
+    )
+
+
+def _mission(kind: Family) -> MissionSettings:
+    if kind.service_s is None:
+        return MissionSettings(duration_s=kind.duration_s)
+    return MissionSettings(
+        duration_s=kind.duration_s, service_revolutions=None, service_s=kind.service_s
     )
 
 

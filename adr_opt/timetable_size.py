@@ -1,0 +1,146 @@
+"""How large a timetable is going to be: what it takes is known before it is built."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from .available_memory import available_bytes
+from .connections import Connecting
+from .instance import Instance
+from .kernels import timetable as kernels
+from .kernels.constants import DAY_S, MU_M3_S2
+
+MEMORY_SHARE = 0.7
+"""Part of the free memory that building a timetable may take; planners need some too."""
+
+LARGE_BYTES = 2.0**28
+"""Who builds connections that take more is told beforehand: some seconds' work."""
+
+BYTES_PER_CONNECTION = 29
+"""Memory that a connection takes that is kept."""
+
+SAMPLED_PAIRS = 8
+"""Of so many pairs the connections are counted to estimate those of all."""
+
+SAMPLED_STEPS, SAMPLED_EVENTS = 1000, 5000
+"""A sample is no finer than so many steps of the grid and departure events in a mission."""
+
+TEMPORARY_BYTES = 80
+"""Memory that working out the costs of eccentricity takes for each pair of bodies."""
+
+
+@dataclass(frozen=True)
+class Size:
+    """How large a timetable is going to be: nothing of it is built.
+
+    Attributes
+    ----------
+    bodies : int
+    events : int
+        Most departure events of a pair.
+    listed : float
+        Connections of a pair that are kept, in the mean, where nodes drift: by a sample.
+    """
+
+    bodies: int
+    events: int
+    listed: float = 0.0
+
+    @property
+    def connections(self) -> int:
+        """Number of connections that are kept, about."""
+        return int(self.bodies * (self.bodies - 1) * self.listed)
+
+    @property
+    def entries(self) -> int:
+        """Number of (pair, departure event) entries, at most."""
+        return self.bodies * (self.bodies - 1) * self.events
+
+    @property
+    def bytes(self) -> int:
+        """Memory that building it takes."""
+        lists = BYTES_PER_CONNECTION * self.connections
+        return kernels.size_of(self.bodies, self.events) + TEMPORARY_BYTES * self.bodies**2 + lists
+
+    @property
+    def is_large(self) -> bool:
+        """Whether its connections are so many that one wants to know beforehand."""
+        return self.connections > 0 and self.bytes > LARGE_BYTES
+
+    def __str__(self) -> str:
+        connections = f"{self.connections:.2g}".replace("e+0", "e").replace("e+", "e")
+        return (
+            f"about {connections} connections of {self.bodies} bodies, which take "
+            f"{self.bytes / 2**30:.2g} GiB of memory"
+        )
+
+    @property
+    def fits(self) -> bool:
+        """Whether there is memory for it now."""
+        return self.bytes <= MEMORY_SHARE * available_bytes()
+
+
+def estimate(instance: Instance) -> Size:
+    """How large the timetable of an instance is going to be."""
+    duration, bodies = instance.mission.duration_s, len(instance.names)
+    shortest = _shortest_spacing_s(instance)
+    if not Connecting(instance).drifts:
+        return Size(bodies, int(duration / shortest) + 2)
+    settings = instance.transfer
+    events = duration / max(shortest, settings.departure_spacing_s) + 2
+    if settings.max_drift_s > 0.0:
+        events += duration / settings.drift_step_s
+    return Size(bodies, int(events), _listed(instance))
+
+
+def _shortest_spacing_s(instance: Instance) -> float:
+    """Half a revolution of the lowest body: there is no more than one departure event in it [s]."""
+    lowest = min(orbit.semi_major_axis_m for orbit in instance.body_orbits)
+    return math.pi * math.sqrt(lowest**3 / MU_M3_S2)
+
+
+def _listed(instance: Instance) -> float:
+    """Connections of a pair in the mean, by a sample of pairs.
+
+    Where a single pair would take minutes, the sample has a coarser grid: there are as many short
+    transfers as events, and as many long ones as pairs of times.
+    """
+    settings, bodies = instance.transfer, len(instance.names)
+    duration = instance.mission.duration_s
+    spacing = max(_shortest_spacing_s(instance), settings.departure_spacing_s)
+    events = max(1.0, duration / SAMPLED_EVENTS / spacing)
+    times = max(1.0, duration / SAMPLED_STEPS / settings.drift_step_s)
+    if events > 1.0:
+        settings = settings.replace(departure_spacing_s=events * spacing)
+    coarser = settings.replace(drift_step_s=times * settings.drift_step_s)
+    sample = Connecting(instance.replace(transfer=coarser))
+    # Pairs all over the field, since how far planes are apart decides what is worth flying.
+    rng = np.random.default_rng(0)
+    listed = [0.0]
+    for number in range(SAMPLED_PAIRS if bodies > 1 else 0):
+        i, j = rng.choice(bodies, 2, replace=False)
+        found = sample.find(i, j, sample.planning_resolution_m_s)
+        long = np.count_nonzero(found.revolutions < 0)
+        short = found.departure.size - long
+        listed[number:] = [events * short + times**2 * long]
+    return float(np.mean(listed))
+
+
+def too_large(instance: Instance, size: Size) -> str:
+    """Why there is no timetable."""
+    if size.connections:
+        finer = "departure_spacing_s or delta_v_resolution_m_s"
+        if instance.transfer.max_drift_s > 0.0:
+            finer = f"drift_step_s, {finer}, lower max_drift_s"
+        return (
+            f"the mission of {instance.mission.duration_s / DAY_S:.4g} days has {size}, and "
+            f"{available_bytes() / 2**30:.3g} GiB are free; raise {finer}, or take fewer targets"
+        )
+    return (
+        f"the timetable of {size.bodies} bodies over {instance.mission.duration_s / DAY_S:.4g} "
+        f"days takes {size.bytes / 2**30:.3g} GiB, and {available_bytes() / 2**30:.3g} GiB of "
+        "memory are free; take fewer targets or a shorter mission"
+    )

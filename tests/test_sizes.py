@@ -1,0 +1,157 @@
+"""How transfers are laid out by the length of a mission, and what `import` makes of it."""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from catalogue_files import as_csv, field
+from conftest import Cli
+
+import adr_opt
+from adr_opt.errors import InputError
+from adr_opt.kernels.constants import DAY_S
+from adr_opt.settings import TransferSettings
+from adr_opt.sizes import SHORT_S, told, transfers_for
+
+
+@pytest.fixture
+def catalogue(cli: Cli) -> str:
+    """A small catalogue in the folder of the test."""
+    Path("a.csv").write_text(as_csv(field(30)), encoding="utf-8")
+    return "a.csv"
+
+
+@pytest.mark.parametrize("days", [0.01, 1.0, 7.0, 14.0])
+def test_short_missions_drift_nowhere(days: float) -> None:
+    """Up to two weeks a file says nothing about the grid: every crossing, no long transfers."""
+    assert transfers_for(days * DAY_S) == TransferSettings()
+
+
+@pytest.mark.parametrize("days", [14.1, 30.0, 90.0, 365.0, 730.0, 3650.0, 36500.0])
+def test_long_missions_have_a_grid_in_proportion(days: float) -> None:
+    """Steps are about a 150th of the mission and no less than a day, departures come in between."""
+    made = transfers_for(days * DAY_S)
+    step = made.drift_step_s / DAY_S
+    assert step >= 1.0
+    assert 2.0 * step == round(2.0 * step)
+    assert step == 1.0 or days / step == pytest.approx(150.0, rel=0.15)
+    assert made.max_drift_s == days * DAY_S
+    assert 0.2 * step <= made.departure_spacing_s / DAY_S <= 0.5 * step
+    assert 0.1 <= made.delta_v_resolution_m_s <= 5.0
+    assert days < 365.0 or made.delta_v_resolution_m_s == 5.0
+
+
+def test_longer_missions_are_never_laid_out_finer() -> None:
+    """Step, spacing and resolution grow with the length of the mission, or stay."""
+    made = [transfers_for(days * DAY_S) for days in range(1, 1500, 7)]
+    for short, long in pairwise(made):
+        assert short.departure_spacing_s <= long.departure_spacing_s
+        assert short.delta_v_resolution_m_s <= long.delta_v_resolution_m_s
+        assert short.drift_step_s <= long.drift_step_s or short.max_drift_s == 0.0
+
+
+def test_what_is_given_counts() -> None:
+    """Numbers that are given replace those by the length, also 0; the spacing follows a step."""
+    made = transfers_for(
+        365.0 * DAY_S, drift_step_s=10.0 * DAY_S, max_drift_s=0.0, delta_v_resolution_m_s=0.0
+    )
+    assert made.drift_step_s == 10.0 * DAY_S
+    assert made.max_drift_s == made.delta_v_resolution_m_s == 0.0
+    assert made.departure_spacing_s == 4.0 * DAY_S
+    assert transfers_for(DAY_S, max_drift_s=SHORT_S).max_drift_s == SHORT_S
+    assert transfers_for(365.0 * DAY_S, departure_spacing_s=7.0).departure_spacing_s == 7.0
+    with pytest.raises(InputError, match="drift_step_s"):
+        transfers_for(DAY_S, drift_step_s=0.0)
+
+
+def test_sizes_are_told_in_words() -> None:
+    """The words name what is in the settings, and what is not there."""
+    assert told(TransferSettings()) == "no long transfers, every departure, ΔV to 0.1 m/s"
+    assert told(transfers_for(365.0 * DAY_S)) == (
+        "long transfers of up to 365 days in steps of 2.5 days, departures of a pair at least "
+        "1 day apart, ΔV to 5 m/s"
+    )
+
+
+def test_an_import_drifts_unless_it_is_told_otherwise(cli: Cli, catalogue: str) -> None:
+    """The instance has the dynamics of the call, j2 by default, and the sizes by its duration."""
+    outcome = cli("import", catalogue, "--out", "out.json", "--duration-days", "200", "--json")
+    assert outcome.status == 0
+    made = adr_opt.load("out.json")
+    assert made.dynamics == "j2"
+    assert made.transfer == transfers_for(200.0 * DAY_S)
+    assert f"dynamics j2: {told(made.transfer)}" in outcome.err
+    account = json.loads(outcome.out)
+    assert account["dynamics"] == "j2"
+    assert account["transfer"] == made.transfer.model_dump(mode="json")
+    assert "warning" not in outcome.err
+    outcome = cli("import", catalogue, "--out", "out.json", "--dynamics", "two-body")
+    made = adr_opt.load("out.json")
+    assert made.dynamics == "two-body"
+    assert made.transfer == TransferSettings()
+    assert "dynamics two-body: no long transfers" in outcome.err
+    assert "warning: nodes drift" in outcome.err
+
+
+def test_sizes_are_set_by_hand(cli: Cli, catalogue: str) -> None:
+    """Each option of an import reaches its field, in days or m/s."""
+    outcome = cli(
+        "import", catalogue, "--out", "out.json", "--drift-step-days", "3", "--max-drift-days",
+        "60", "--departure-spacing-days", "0.5", "--resolution", "2.5", "--duration-days", "100",
+    )  # fmt: skip
+    assert outcome.status == 0
+    made = adr_opt.load("out.json").transfer
+    assert made == TransferSettings(
+        drift_step_s=3 * DAY_S, max_drift_s=60 * DAY_S, departure_spacing_s=0.5 * DAY_S,
+        delta_v_resolution_m_s=2.5,
+    )  # fmt: skip
+
+
+def test_without_refuelling_there_is_no_station(cli: Cli, catalogue: str) -> None:
+    """The chaser starts in the orbit where the station would be, and the account says so."""
+    cli("import", catalogue, "--out", "with.json", "--station", "750,86.4,10")
+    outcome = cli(
+        "import", catalogue, "--out", "out.json", "--station", "750,86.4,10", "--no-refuelling",
+        "--json",
+    )  # fmt: skip
+    assert outcome.status == 0
+    made, other = adr_opt.load("out.json"), adr_opt.load("with.json")
+    assert made.stations == ()
+    assert made.start_bodies == {"chaser": other.stations[0].orbit}
+    assert made.targets == other.targets
+    account = json.loads(outcome.out)
+    assert "station" not in account
+    assert account["start"]["name"] == "chaser"
+    assert "start as told: altitude 750.0 km" in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        (["--drift-step-days", "0"], "--drift-step-days = 0: must be a number of at least 0.01"),
+        (["--drift-step-days", "nan"], "--drift-step-days = nan: must be a number"),
+        (["--max-drift-days", "-1"], "--max-drift-days = -1: must be a number of at least 0"),
+        (["--departure-spacing-days", "inf"], "--departure-spacing-days = inf: must be a number"),
+        (["--resolution", "-0.1"], "--resolution = -0.1: must be a number of at least 0"),
+        (["--dynamics", "j3"], "'j3' is not one of"),
+        (
+            ["--dynamics", "two-body", "--max-drift-days", "9"],
+            "--max-drift-days = 9: nothing drifts in two-body motion; leave it out",
+        ),
+        (
+            ["--dynamics", "two-body", "--drift-step-days", "9"],
+            "--drift-step-days = 9: nothing drifts in two-body motion",
+        ),
+        (["--duration-days", "1e6"], "duration_s"),
+    ],
+)
+def test_sizes_that_make_no_sense(cli: Cli, catalogue: str, options: list[str], named: str) -> None:
+    """Each is refused in one sentence that names the option and its value; nothing is written."""
+    outcome = cli("import", catalogue, "--out", "out.json", *options)
+    assert outcome.status == 2
+    assert outcome.err.count("\n") == 1
+    assert named in outcome.err
+    assert not Path("out.json").exists()
