@@ -1,4 +1,4 @@
-"""How much the planes of an instance drift under J2, which the model does not know, measured."""
+"""How much planes drift under J2, for instances in two-body motion, whose model knows no drift."""
 
 from __future__ import annotations
 
@@ -33,6 +33,8 @@ def node_rates(instance: Instance) -> npt.NDArray[np.float64]:
 def drift_warning(instance: Instance, plan: Plan | None = None) -> str | None:
     """A sentence about the drift of the nodes, or None where it is not worth one.
 
+    Nor is it where the instance is planned with the drift.
+
     Parameters
     ----------
     instance : Instance
@@ -41,6 +43,8 @@ def drift_warning(instance: Instance, plan: Plan | None = None) -> str | None:
         The origin and the destination of each leg are looked at, from the epoch to the departure.
         Its destinations must be bodies of the instance.
     """
+    if instance.dynamics == "j2":
+        return None
     rates = node_rates(instance)
     turn_m_s = _turn_m_s(instance)
     if plan is None:
