@@ -1,4 +1,8 @@
-"""All rules together, each on and off, against plain enumeration (MODEL sections 4, 5 and 8)."""
+"""All rules together, each on and off, against plain enumeration (MODEL sections 3, 4, 5 and 8).
+
+In two-body motion and under J2, where planes drift: in short missions, and in long ones that live
+on waiting for nodes.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,7 @@ from contextlib import closing
 import numpy as np
 import pytest
 from brute_force import brute_force
-from random_rules import random_mission
+from random_rules import drifting_mission, random_mission
 
 import adr_opt
 from adr_opt.mission import Mission
@@ -19,14 +23,31 @@ from solvers.relaxation.routes import Routes
 from solvers.relaxation.walks import WalkBound
 
 MISSIONS = 150
+DRIFTING = 90
+"""So many of them under J2."""
+
+every_part = pytest.mark.parametrize(
+    ("draw", "seeds"),
+    [
+        *(
+            pytest.param(random_mission, range(part, MISSIONS, 5), id=f"two-body-{part}")
+            for part in range(5)
+        ),
+        *(
+            pytest.param(drifting_mission, range(part, DRIFTING, 3), id=f"j2-{part}")
+            for part in range(3)
+        ),
+    ],
+)
+either = pytest.mark.parametrize("draw", [random_mission, drifting_mission])
 
 
-@pytest.mark.parametrize("part", range(5))
-def test_schedules_are_the_best_there_are(part):
+@every_part
+def test_schedules_are_the_best_there_are(draw, seeds):
     """The schedule of the best order costs what enumeration says, and `check` agrees."""
     flown = 0
-    for seed in range(part, MISSIONS, 5):
-        mission = Mission(random_mission(seed))
+    for seed in seeds:
+        mission = Mission(draw(seed))
         prizes, cost, order = brute_force(mission)
         if not math.isfinite(prizes):
             continue
@@ -40,11 +61,11 @@ def test_schedules_are_the_best_there_are(part):
     assert flown > 10
 
 
-@pytest.mark.parametrize("part", range(5))
-def test_bounds_hold_and_proofs_end_at_the_optimum(part):
+@every_part
+def test_bounds_hold_and_proofs_end_at_the_optimum(draw, seeds):
     """No plan that enumeration knows is above the bound, and `exact` proves the best one."""
-    for seed in range(part, MISSIONS, 5):
-        mission = Mission(random_mission(seed))
+    for seed in seeds:
+        mission = Mission(draw(seed))
         prizes, _, _ = brute_force(mission)
         rng = np.random.default_rng(seed)
         worth = mission.rules.prize
@@ -63,10 +84,11 @@ def test_bounds_hold_and_proofs_end_at_the_optimum(part):
             assert result.plan is None
 
 
-def test_searches_end_at_the_optimum_with_any_multipliers():
+@either
+def test_searches_end_at_the_optimum_with_any_multipliers(draw):
     """A search for plans worth the optimum finds one; for more it finds none."""
     for seed in range(40):
-        mission = Mission(random_mission(1000 + seed))
+        mission = Mission(draw(1000 + seed))
         prizes, _, _ = brute_force(mission)
         if not math.isfinite(prizes) or not mission.worth(prizes):
             continue
@@ -91,7 +113,7 @@ def test_planners_keep_to_all_rules(method, share):
     """Whatever a planner returns passes `check` and is worth no more than the optimum."""
     found = best = 0.0
     for seed in range(40):
-        mission = Mission(random_mission(2000 + seed))
+        mission = Mission(draw(2000 + seed))
         prizes, _, _ = brute_force(mission)
         result = adr_opt.solve(mission, method, time_limit=20.0, iterations=3)
         if result.plan is not None:
@@ -102,12 +124,12 @@ def test_planners_keep_to_all_rules(method, share):
     assert found > share * best
 
 
-@pytest.mark.parametrize("part", range(5))
-def test_the_least_cost_is_proven(part):
+@every_part
+def test_the_least_cost_is_proven(draw, seeds):
     """At the best prizes `exact` proves the least ΔV that enumeration knows, and never more."""
     proven = 0
-    for seed in range(part, MISSIONS, 5):
-        instance = random_mission(seed).replace(objective=Objective(cost="delta-v"))
+    for seed in seeds:
+        instance = draw(seed).replace(objective=Objective(cost="delta-v"))
         mission = Mission(instance)
         prizes, cost, _ = brute_force(mission)
         if not math.isfinite(prizes):
