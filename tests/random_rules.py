@@ -42,32 +42,39 @@ def drifting_mission(seed: int) -> Instance:
         )
     rng = np.random.default_rng([3, seed])
     duration = DAY_S * float(rng.uniform(60.0, 200.0))
-    drawn = adr_opt.generate("tiny", 0, targets=5)
-    instance = drawn.replace(
-        name=f"drifting-{seed:03d}",
+    instance = drifting_field(rng, duration)
+    if rng.random() < 0.3:
+        drawn = zip(rng.uniform(690e3, 990e3, 2), rng.uniform(0.0, duration, 2), strict=True)
+        zones = [
+            KeepOutZone(
+                min_altitude_m=low, max_altitude_m=low + 20e3, start_s=begin,
+                end_s=begin + 0.1 * duration,
+            )
+            for low, begin in drawn
+        ]  # fmt: skip
+        instance = instance.replace(keep_out_zones=tuple(zones))
+    return _with_rules(
+        instance, duration, rng, tanks=(400.0, 700.0, 1200.0, 2000.0), longest_service_s=4 * DAY_S
+    )
+
+
+def drifting_field(rng: np.random.Generator, duration_s: float, targets: int = 5) -> Instance:
+    """A station and targets that wait months for each other's nodes, on a coarse grid."""
+    drawn = adr_opt.generate("tiny", 0, targets=targets)
+    return drawn.replace(
+        name="drifting",
         dynamics="j2",
         stations=tuple(each.replace(orbit=_orbit(rng)) for each in drawn.stations),
         targets=tuple(each.replace(orbit=_orbit(rng)) for each in drawn.targets),
+        mission=MissionSettings(duration_s=duration_s, service_s=DAY_S),
         transfer=TransferSettings(
             min_altitude_m=680e3,
             max_altitude_m=1000e3,
             delta_v_resolution_m_s=float(rng.choice([0.1, 5.0])),
             departure_spacing_s=DAY_S * float(rng.choice([3.0, 7.0])),
             drift_step_s=DAY_S * float(rng.choice([8.0, 12.5])),
-            max_drift_s=duration * float(rng.choice([0.4, 1.0])),
+            max_drift_s=duration_s * float(rng.choice([0.4, 1.0])),
         ),
-        keep_out_zones=tuple(
-            KeepOutZone(
-                min_altitude_m=low, max_altitude_m=low + 20e3, start_s=begin,
-                end_s=begin + 0.1 * duration,
-            )
-            for low, begin in zip(
-                rng.uniform(690e3, 990e3, 2), rng.uniform(0.0, duration, 2), strict=True
-            )
-        ) * bool(rng.random() < 0.3),
-    )  # fmt: skip
-    return _with_rules(
-        instance, duration, rng, tanks=(400.0, 700.0, 1200.0, 2000.0), longest_service_s=4 * DAY_S
     )
 
 

@@ -154,12 +154,12 @@ class Policy:
 
     def notes(self, mission: Mission) -> tuple[str, ...]:
         """What to say of a plan that it had a part in: whether it knows such missions."""
-        known = self.facts.get("dynamics", "two-body")
+        known = "j2" if self.facts.get("dynamics") == "j2" else "two-body"
         if mission.instance.dynamics == known:
             return ()
         return (
-            f"policy {self.name!r} was trained on fields of {known} motion, and this mission has "
-            f"dynamics {mission.instance.dynamics}: other methods may plan it better",
+            f"policy {self.name!r} was trained on fields with dynamics {known!r}, and this mission "
+            f"has {mission.instance.dynamics!r}: other methods may plan it better",
         )
 
     def check_size(self, targets: int) -> None:
