@@ -75,7 +75,7 @@ class FieldPool:
         return (
             len(mission.names) <= self.arrays.is_station.size
             and mission.timetable.most_events <= timetable_kernels.most_events(tables)
-            and mission.connecting.drifts is not timetable_kernels.is_regular(tables)
+            and mission.connecting.drifts != timetable_kernels.is_regular(tables)
         )
 
     def install(self, slot: int, mission: Mission) -> None:

@@ -119,6 +119,7 @@ def _cheapest_ahead(line, visited, left, hours):
         there is none.
     """
     needed, taken, best, second = FAR, FAR, FAR, FAR
+    found = False
     for place in range(AHEAD):
         k = line[3 * place]
         if k == NOBODY:
@@ -130,9 +131,10 @@ def _cheapest_ahead(line, visited, left, hours):
         if next_v > left or next_h > hours:
             continue
         cost = (next_h + next_v * HOURS_PER_M_S) * PER_TEN
-        if best < FAR:
+        if found:
             second = clip(cost, 0.0, LIMIT)
             break
+        found = True
         needed, taken = clip(next_v * PER_KM_S, 0.0, LIMIT), next_h * PER_TEN
         best = clip(cost, 0.0, LIMIT)
     return needed, taken, best, second
