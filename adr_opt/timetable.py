@@ -97,7 +97,8 @@ def estimate(instance: Instance) -> Size:
         events += duration / settings.drift_step_s
     # Pairs all over the field, since how far planes are apart decides what is worth flying.
     rng = np.random.default_rng(0)
-    pairs = [rng.choice(bodies, 2, replace=False) for _ in range(SAMPLED_PAIRS)] * (bodies > 1)
+    samples = SAMPLED_PAIRS if bodies > 1 else 0
+    pairs = [rng.choice(bodies, 2, replace=False) for _ in range(samples)]
     listed = [
         connecting.find(i, j, connecting.planning_resolution_m_s).departure.size for i, j in pairs
     ]

@@ -90,8 +90,10 @@ def _enumerate(
 
 def revolution_s(orbit: Orbit, dynamics: str) -> float:
     """How long a body takes from node to node: mean elements, secular rates (MODEL section 1)."""
-    a, e, cosine = orbit.semi_major_axis_m, orbit.eccentricity, math.cos(
-        math.radians(orbit.inclination_deg)
+    a, e, cosine = (
+        orbit.semi_major_axis_m,
+        orbit.eccentricity,
+        math.cos(math.radians(orbit.inclination_deg)),
     )
     n = math.sqrt(398600.4418e9 / a**3)
     if dynamics == "two-body":

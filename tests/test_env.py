@@ -12,8 +12,8 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
 from random_rules import drifting_field
+from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
 from small_fields import SMALL, tiny
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 

@@ -183,9 +183,7 @@ class Fields:
         field = generate(self.family, seed, targets=targets, zones=zones)
         if self.dynamics is not None:
             field = field.replace(dynamics=self.dynamics)
-        return field.with_limits(
-            duration_s=self.longest_s, delta_v_m_s=self.largest_delta_v_m_s
-        )
+        return field.with_limits(duration_s=self.longest_s, delta_v_m_s=self.largest_delta_v_m_s)
 
     def draw_limits(self, rng: np.random.Generator) -> Limits:
         """ΔV budget and duration of one mission."""

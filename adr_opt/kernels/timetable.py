@@ -25,7 +25,6 @@ from .compile import inlined, kernel
 from .connections import Found
 from .constants import SLACK_S
 
-
 LEAST_STEPS = 500
 """Where events are not regular, the duration is divided into so many steps at least."""
 
