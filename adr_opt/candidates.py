@@ -166,8 +166,8 @@ def candidates(
 def nearest_first(instance: Instance, first: Sequence[str]) -> list[int]:
     """All bodies: stations, targets wanted first, then by the ΔV from where the chaser starts.
 
-    ΔV is that of the change of plane, size and eccentricity alone; targets without a prize are
-    last.
+    ΔV is that of the change of plane, size and eccentricity alone, as they are at t = 0; targets
+    without a prize are last.
     """
     orbits, home = instance.orbits(), instance.start
     radius, inclination, node = orbits[:, 0], orbits[:, 1], orbits[:, 2]

@@ -12,8 +12,8 @@ import numpy as np
 
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import SLACK_M_S, SLACK_S
-from adr_opt.kernels.orbits import period
 from adr_opt.mission import Mission
+from adr_opt.orbit import Orbit
 
 
 @kernel
@@ -88,6 +88,22 @@ def _enumerate(
     return where[:count], what[:count]
 
 
+def revolution_s(orbit: Orbit, dynamics: str) -> float:
+    """How long a body takes from node to node: mean elements, secular rates (MODEL section 1)."""
+    a, e, cosine = (
+        orbit.semi_major_axis_m,
+        orbit.eccentricity,
+        math.cos(math.radians(orbit.inclination_deg)),
+    )
+    n = math.sqrt(398600.4418e9 / a**3)
+    if dynamics == "two-body":
+        return 2.0 * math.pi / n
+    strength = 0.75 * 1.08262668e-3 * (6378137.0 / (a * (1.0 - e * e))) ** 2 * n
+    perigee = strength * (5.0 * cosine**2 - 1.0)
+    anomaly = n + strength * math.sqrt(1.0 - e * e) * (3.0 * cosine**2 - 1.0)
+    return 2.0 * math.pi / (perigee + anomaly)
+
+
 def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
     """The most prizes, their least cost, and a sequence of bodies that has both.
 
@@ -102,7 +118,7 @@ def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
     if chaser.available_s[1] is not None:
         last.append(chaser.available_s[1])
     for j, orbit in enumerate(instance.body_orbits):
-        turn = period(orbit.semi_major_axis_m)
+        turn = revolution_s(orbit, instance.dynamics)
         closes[j] = min(last)
         if j < first:
             service[j] = instance.mission.refuel_revolutions * turn
@@ -115,8 +131,12 @@ def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
         opens[j] = target.window_s[0]
         if target.window_s[1] is not None:
             closes[j] = min(closes[j], target.window_s[1])
+    # Where planes drift, what saves no more than the resolution is no part of the problem.
+    resolution = 0.0
+    if instance.dynamics == "j2":
+        resolution = instance.transfer.delta_v_resolution_m_s
     pairs = [
-        mission.timetable.connections(i, j, resolution_m_s=0.0)
+        mission.timetable.connections(i, j, resolution_m_s=resolution)
         for i in range(bodies)
         for j in range(bodies)
     ]

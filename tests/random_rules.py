@@ -8,7 +8,9 @@ import adr_opt
 from adr_opt.bodies import Station
 from adr_opt.chasers import AtStation, InOrbit
 from adr_opt.instance import Instance
-from adr_opt.settings import MissionSettings, Objective
+from adr_opt.kernels.constants import EARTH_RADIUS_M
+from adr_opt.orbit import Orbit
+from adr_opt.settings import KeepOutZone, MissionSettings, Objective, TransferSettings
 
 DAY_S = 86400.0
 
@@ -16,14 +18,91 @@ DAY_S = 86400.0
 def random_mission(seed: int) -> Instance:
     """A few targets, with windows, zones, prizes, stations, starts and ends drawn by the seed."""
     rng = np.random.default_rng(seed)
-
-    def chance(share: float) -> bool:
-        return bool(rng.random() < share)
-
     instance = adr_opt.generate(
         "tiny", int(rng.integers(10)), zones=int(rng.choice([0, 0, 3])), targets=5
     )
     duration = DAY_S * float(rng.uniform(0.3, 0.9))
+    return _with_rules(instance, duration, rng)
+
+
+def drifting_mission(seed: int) -> Instance:
+    """The same under J2: short missions, and by turns months in which chasers wait for nodes.
+
+    Grids are coarse, so that all can be enumerated.
+    """
+    if seed % 2:
+        instance = random_mission(seed)
+        rng = np.random.default_rng([2, seed])
+        spacing = float(rng.choice([0.0, 0.0, 7000.0, 12000.0]))
+        return instance.replace(
+            dynamics="j2",
+            transfer=TransferSettings(
+                departure_spacing_s=spacing, delta_v_resolution_m_s=float(rng.choice([0.1, 8.0]))
+            ),
+        )
+    rng = np.random.default_rng([3, seed])
+    duration = DAY_S * float(rng.uniform(60.0, 200.0))
+    instance = drifting_field(rng, duration)
+    if rng.random() < 0.3:
+        drawn = zip(rng.uniform(690e3, 990e3, 2), rng.uniform(0.0, duration, 2), strict=True)
+        zones = [
+            KeepOutZone(
+                min_altitude_m=low, max_altitude_m=low + 20e3, start_s=begin,
+                end_s=begin + 0.1 * duration,
+            )
+            for low, begin in drawn
+        ]  # fmt: skip
+        instance = instance.replace(keep_out_zones=tuple(zones))
+    return _with_rules(
+        instance, duration, rng, tanks=(400.0, 700.0, 1200.0, 2000.0), longest_service_s=4 * DAY_S
+    )
+
+
+def drifting_field(rng: np.random.Generator, duration_s: float, targets: int = 5) -> Instance:
+    """A station and targets that wait months for each other's nodes, on a coarse grid."""
+    drawn = adr_opt.generate("tiny", 0, targets=targets)
+    return drawn.replace(
+        name="drifting",
+        dynamics="j2",
+        stations=tuple(each.replace(orbit=_orbit(rng)) for each in drawn.stations),
+        targets=tuple(each.replace(orbit=_orbit(rng)) for each in drawn.targets),
+        mission=MissionSettings(duration_s=duration_s, service_s=DAY_S),
+        transfer=TransferSettings(
+            min_altitude_m=680e3,
+            max_altitude_m=1000e3,
+            delta_v_resolution_m_s=float(rng.choice([0.1, 5.0])),
+            departure_spacing_s=DAY_S * float(rng.choice([3.0, 7.0])),
+            drift_step_s=DAY_S * float(rng.choice([8.0, 12.5])),
+            max_drift_s=duration_s * float(rng.choice([0.4, 1.0])),
+        ),
+    )
+
+
+def _orbit(rng: np.random.Generator) -> Orbit:
+    """One of many at one inclination, with nodes not too far apart."""
+    return Orbit(
+        semi_major_axis_m=EARTH_RADIUS_M + float(rng.uniform(790e3, 870e3)),
+        eccentricity=float(rng.choice([0.0, 1.0]) * rng.uniform(0.0, 0.004)),
+        inclination_deg=float(rng.uniform(70.8, 71.2)),
+        raan_deg=float(rng.uniform(-9.0, 9.0) % 360.0),
+        argument_of_perigee_deg=float(rng.uniform(0.0, 360.0)),
+        true_anomaly_deg=float(rng.uniform(0.0, 360.0)),
+    )
+
+
+def _with_rules(
+    instance: Instance,
+    duration: float,
+    rng: np.random.Generator,
+    *,
+    tanks: tuple[float, ...] = (150.0, 300.0, 500.0, 900.0),
+    longest_service_s: float = 9000.0,
+) -> Instance:
+    """Every rule on or off."""
+
+    def chance(share: float) -> bool:
+        return bool(rng.random() < share)
+
     targets = [
         target.replace(prize=float(rng.choice([0.0, 0.3, 1.0, 1.0, 2.5])))
         for target in instance.targets[: rng.integers(3, 6)]
@@ -60,11 +139,9 @@ def random_mission(seed: int) -> Instance:
     if chance(0.25):
         begin = float(rng.uniform(0.0, 0.3)) * duration
         changes["available_s"] = (begin, float(rng.uniform(0.7, 1.1)) * duration)
-    changes["tank"] = chaser.tank.replace(
-        delta_v_m_s=float(rng.choice([150.0, 300.0, 500.0, 900.0]))
-    )
+    changes["tank"] = chaser.tank.replace(delta_v_m_s=float(rng.choice(tanks)))
     service = (
-        {"service_s": float(rng.uniform(0.0, 9000.0))}
+        {"service_s": float(rng.uniform(0.0, longest_service_s))}
         if chance(0.3)
         else {"service_revolutions": float(rng.choice([0.0, 0.5, 1.0]))}
     )

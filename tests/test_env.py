@@ -12,6 +12,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from random_rules import drifting_field
 from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
 from small_fields import SMALL, tiny
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
@@ -113,6 +114,31 @@ def test_whole_fields_too(family: str) -> None:
     assert adr_opt.check(env.mission.instance, plan) == ()
 
 
+@pytest.mark.parametrize("observation", OBSERVATIONS)
+def test_missions_whose_planes_drift(observation: str) -> None:
+    """Days and months under J2 are played in their space, and returns are what `check` counts."""
+    rng = np.random.default_rng(4)
+    short = adr_opt.generate("tiny", 3, targets=6).replace(dynamics="j2")
+    visits, kinds = 0, set[str]()
+    for instance in (short, drifting_field(rng, 120 * 86400.0), short.with_limits(delta_v_m_s=1e4)):
+        env = MissionEnv(instance, observation=observation, render_mode="rgb_array")
+        for _ in range(4):
+            first, _ = env.reset()
+            before = env.render()
+            total, seen = play(env, rng)
+            assert (env.render() != before).any()
+            for each in (first, *seen):
+                assert env.observation_space.contains(each)
+            plan = certify(env.mission, "episode", env.sequence, seed=0, runtime_s=0.0).plan
+            assert plan is not None
+            assert plan.objective == total
+            assert adr_opt.check(instance, plan) == ()
+            visits += len(env.sequence)
+            kinds |= {leg.kind for leg in plan.legs}
+    assert visits > 20
+    assert kinds == {"short", "drift"}
+
+
 @pytest.mark.parametrize("delta_v", [1e-9, 0.5, 20.0, 140.0])
 def test_tiny_budgets_give_no_nan(delta_v: float) -> None:
     """However small the budget, an observation is finite, or there is one sentence about it."""
@@ -193,6 +219,7 @@ WRONG: dict[str, Callable[[], Any]] = {
     "delta_v_m_s = .*: give a pair of numbers": lambda: Fields(delta_v_m_s=(1.0, float("nan"))),
     "duration_s = -1.0: must be": lambda: Limits(100.0, -1.0),
     "share_of_family = 2.0": lambda: Fields(share_of_family=2.0),
+    "dynamics = 'j3': must be": lambda: Fields(dynamics="j3"),  # type: ignore[arg-type]
     "no limits to draw from": lambda: Fields(share_of_limits=0.5),
     "more than the 6 of the action space": lambda: MissionEnv(
         adr_opt.generate("tiny", 0, targets=6)

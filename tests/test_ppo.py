@@ -247,6 +247,24 @@ def test_shipped_policy_says_what_it_is() -> None:
     assert {"torch", "sb3-contrib"} <= set(policy.facts["versions"])
 
 
+@pytest.mark.parametrize(
+    ("method", "options"),
+    [("ppo", {}), ("beam", {"policy": SHIPPED, "width": 5}), ("mcts", {"policy": SHIPPED})],
+)
+def test_a_plan_says_what_its_policy_was_trained_on(method: str, options: dict[str, Any]) -> None:
+    """On a mission under J2 a policy of two-body fields plans legally, and the plan says so."""
+    usual = adr_opt.generate("tiny", 4, targets=6)
+    said = []
+    for instance in (usual, usual.replace(dynamics="j2")):
+        result = adr_opt.solve(instance, method, **options)
+        assert result.plan is not None
+        assert adr_opt.check(instance, result.plan) == ()
+        said.append([note for note in result.plan.notes if "was trained on" in note])
+    assert said[0] == []
+    assert len(said[1]) == 1
+    assert "dynamics 'two-body', and this mission has 'j2'" in said[1][0]
+
+
 def test_published_policy_refuses_more_targets(small_published: Path) -> None:
     """A network of fixed size plans for fewer targets, and names the other policy for more."""
     few = adr_opt.generate("tiny", 0, targets=4)

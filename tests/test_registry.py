@@ -14,9 +14,11 @@ from functools import cache
 from typing import Any
 
 import calling
+import numpy as np
 import pytest
 from brute_force import brute_force
 from hand_made import hand_made
+from random_rules import DAY_S, drifting_field
 
 import adr_opt
 from adr_opt import front
@@ -61,6 +63,7 @@ SMALL: dict[str, Callable[[], Instance]] = {
     "unequal": lambda: varied(3, prizes=(3.0, 1.0, 2.0)),
     "fractional": lambda: varied(4, prizes=(0.7, 2.3, 0.0, 1.1), zones=2),
     "refuelling": lambda: varied(5, prizes=(1.5, 1.0), days=2.5, delta_v_m_s=600.0, targets=5),
+    "drifting": lambda: drifting_field(np.random.default_rng(1), 120 * DAY_S, 4),
 }
 EDGES: dict[str, Callable[[], Instance]] = {
     "no targets": lambda: adr_opt.generate("tiny", 0, targets=0),
@@ -68,6 +71,8 @@ EDGES: dict[str, Callable[[], Instance]] = {
     "no time": lambda: varied(0, days=0.0),
     "no delta-v": lambda: varied(0, delta_v_m_s=0.0),
     "no prizes": lambda: varied(0, prizes=(0.0,)),
+    "no targets, J2": lambda: drifting_field(np.random.default_rng(2), 60 * DAY_S, 0),
+    "no time, J2": lambda: varied(0, days=0.0).replace(dynamics="j2"),
     "limits": lambda: varied(0, prizes=(1e12, 1e-12, 3e11), delta_v_m_s=1e9, targets=4),
 }
 INSTANCES = {**SMALL, **EDGES, "nominal": lambda: adr_opt.generate("nominal", 0)}

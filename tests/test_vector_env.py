@@ -24,6 +24,10 @@ VARIED_SMALL = Fields(
 )  # fmt: skip
 
 
+DRIFTING = Fields("tiny", targets=(3, 7), dynamics="j2")
+"""With one budget: where planes drift, who has more knows connections that others do not."""
+
+
 def vector(**options: Any) -> MissionVecEnv:
     return MissionVecEnv(
         **{"count": 12, "fields": SMALL, "slots": 5, "seed": 3} | options  # type: ignore[arg-type]
@@ -47,10 +51,13 @@ def rows_of(observation: Any, index: int) -> Any:
     return observation[index].copy()
 
 
-@pytest.mark.parametrize("observation", OBSERVATIONS)
-def test_single_missions_keep_in_lock_step(observation: str) -> None:
+@pytest.mark.parametrize(
+    ("fields", "observation"),
+    [*((SMALL, name) for name in OBSERVATIONS), (DRIFTING, "lookahead"), (DRIFTING, "published")],
+)
+def test_single_missions_keep_in_lock_step(fields: Fields, observation: str) -> None:
     """A single environment on the same instance sees, may do and earns the same at every step."""
-    env = vector(observation=observation, refresh_every=60, threads=2)
+    env = vector(fields=fields, observation=observation, refresh_every=60, threads=2)
     rng = np.random.default_rng(0)
     seen = env.reset()
 
@@ -58,7 +65,7 @@ def test_single_missions_keep_in_lock_step(observation: str) -> None:
         slot = env.episodes.slot[index]
         instance = env.pool.instances[slot]
         assert instance is not None
-        single = MissionEnv(fields=SMALL, observation=observation)
+        single = MissionEnv(fields=fields, observation=observation)
         single.reset(
             options={
                 "instance": instance.with_limits(delta_v_m_s=float(env.episodes.budget[index]))

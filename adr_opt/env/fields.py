@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,7 @@ seed below a million, remain unseen by a policy that was trained on random field
 
 
 Range = tuple[float, float]
+Dynamics = Literal["two-body", "j2"]
 
 
 def _between(value: Any, least: float, most: float) -> bool:
@@ -73,6 +74,8 @@ class Fields:
         How often one of ``limits`` is drawn, each equally often, instead of the ranges.
     share_of_family : float
         How often a field keeps the family's number of targets instead of drawing one.
+    dynamics : {"two-body", "j2"}, optional
+        The family's if None.
 
     Raises
     ------
@@ -88,6 +91,7 @@ class Fields:
     limits: tuple[Limits, ...] = ()
     share_of_limits: float = 0.0
     share_of_family: float = 0.0
+    dynamics: Dynamics | None = None
 
     def __post_init__(self) -> None:
         family(self.family)
@@ -122,6 +126,9 @@ class Fields:
         for name in ("share_of_limits", "share_of_family"):
             if not _between(getattr(self, name), 0.0, 1.0):
                 raise InputError(f"{name} = {getattr(self, name)!r}: must be between 0 and 1")
+        if self.dynamics is not None and self.dynamics not in get_args(Dynamics):
+            known = " or ".join(map(repr, get_args(Dynamics)))
+            raise InputError(f"dynamics = {self.dynamics!r}: must be {known}, or None")
         if self.share_of_limits > 0.0 and not self.limits:
             raise InputError("share_of_limits is positive, but there are no limits to draw from")
 
@@ -157,15 +164,26 @@ class Fields:
             longest.append(base if self.duration_s is None else self.duration_s[1])
         return max(longest)
 
+    @property
+    def largest_delta_v_m_s(self) -> float:
+        """Largest ΔV budget that a mission can have [m/s]."""
+        budgets = [limit.delta_v_m_s for limit in self.limits]
+        if self.share_of_limits < 1.0:
+            base = family(self.family).delta_v_m_s
+            budgets.append(base if self.delta_v_m_s is None else self.delta_v_m_s[1])
+        return max(budgets)
+
     def draw_field(self, rng: np.random.Generator) -> Instance:
-        """A field that lasts for the longest mission; its budget and duration are no more."""
+        """A field for the longest mission with the largest budget; what is drawn is no more."""
         seed = int(rng.integers(FIRST_SEED, LAST_SEED))
         targets = None
         if self.targets is not None and rng.random() >= self.share_of_family:
             targets = int(rng.integers(self.targets[0], self.targets[1] + 1))
         zones = int(rng.integers(self.zones[0], self.zones[1] + 1))
         field = generate(self.family, seed, targets=targets, zones=zones)
-        return field.with_limits(duration_s=self.longest_s)
+        if self.dynamics is not None:
+            field = field.replace(dynamics=self.dynamics)
+        return field.with_limits(duration_s=self.longest_s, delta_v_m_s=self.largest_delta_v_m_s)
 
     def draw_limits(self, rng: np.random.Generator) -> Limits:
         """ΔV budget and duration of one mission."""

@@ -174,8 +174,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         if self._mission is None or not self._mission.instance.same(instance):
             self._mission = Mission(instance)
             bodies = self._targets + 1
-            events = self._mission.timetable.most_events
-            self._pool = FieldPool(1, bodies, events)
+            self._pool = FieldPool.for_one(self._mission, bodies)
             self._pool.install(0, self._mission)
             self._episodes = new_episodes(1, bodies)
             self._board = Board(self._name, 1, self._targets)

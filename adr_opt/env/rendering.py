@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..kernels.constants import HOUR_S
+from ..kernels.orbits import INCLINATION, RAAN, RAAN_RATE
 from ..kernels.outlook import HOME
 from ..mission import Mission
 from ..wording import counted
@@ -43,7 +44,7 @@ def sentence(mission: Mission, state: dict[str, Any], visited: npt.NDArray[np.bo
 def picture(
     mission: Mission, state: dict[str, Any], visited: npt.NDArray[np.bool_]
 ) -> npt.NDArray[np.uint8]:
-    """The orbital planes as points, RAAN to the right and inclination upwards.
+    """The orbital planes now as points, RAAN to the right and inclination upwards.
 
     ΔV is spent on the distance in this picture. Open targets are blue, serviced ones grey, the
     station green, the chaser has a red ring; bars below show time and ΔV left.
@@ -54,9 +55,10 @@ def picture(
     """
     image = np.full((SIZE, SIZE, 3), BACKGROUND, dtype=np.uint8)
     orbits = mission.transfer_inputs[0]
-    raan = (orbits[:, 2] - orbits[HOME, 2] + np.pi) % (2.0 * np.pi) - np.pi
-    across = raan * np.sin(orbits[HOME, 1])
-    up = orbits[:, 1] - orbits[HOME, 1]
+    nodes = orbits[:, RAAN] + orbits[:, RAAN_RATE] * state["time_s"]
+    raan = (nodes - nodes[HOME] + np.pi) % (2.0 * np.pi) - np.pi
+    across = raan * np.sin(orbits[HOME, INCLINATION])
+    up = orbits[:, INCLINATION] - orbits[HOME, INCLINATION]
     reach = max(np.abs(across).max(), np.abs(up).max(), 1e-9)
     half = SIZE / 2 - MARGIN
     columns = (SIZE / 2 + half * across / reach).astype(int)

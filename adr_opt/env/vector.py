@@ -28,9 +28,11 @@ FEW = 32
 
 
 def _ready(instance: Instance) -> Mission:
-    """A mission with everything worked out, on one thread."""
+    """A mission with everything worked out that is played on, on one thread."""
     mission = Mission(instance, threads=1)
     _ = mission.rules
+    # What the table was chosen from takes many times its memory, and nobody asks for it here.
+    mission.connecting.lists = None
     return mission
 
 
@@ -129,11 +131,22 @@ class MissionVecEnv(VecEnv):
         self._field_rng = np.random.default_rng(field_seed)
         self._rng = np.random.default_rng(episode_seed)
         instances = [self.fields.draw_field(self._field_rng) for _ in range(self._slots)]
-        # The lowest body has the most departure events; fields drawn later may be a little lower.
-        lowest = _ready(min(instances, key=lambda instance: instance.orbits()[:, 0].min()))
-        events = lowest.timetable.most_events
-        self.pool = FieldPool(self._slots, self._targets + 1, events + 4 + events // 32)
-        for slot, mission in enumerate(self._workers.map(_ready, instances)):
+        missions = self._workers.map(_ready, instances)
+        regular = not Mission(instances[0]).connecting.drifts
+        if regular:
+            # The lowest body has the most departure events; fields drawn later may be a little
+            # lower.
+            lowest = _ready(min(instances, key=lambda instance: instance.orbits()[:, 0].min()))
+            events = lowest.timetable.most_events
+            events += 4 + events // 32
+        else:
+            # No field tells how many another one has.
+            made = list(missions)
+            events = max(mission.timetable.most_events for mission in made)
+            events += 4 + events // 4
+            missions = iter(made)
+        self.pool = FieldPool(self._slots, self._targets + 1, events, regular=regular)
+        for slot, mission in enumerate(missions):
             self.pool.install(slot, mission)
         self.episodes = new_episodes(self.num_envs, self._targets + 1)
         self.episodes.slot[:] = -1
@@ -298,7 +311,7 @@ class MissionVecEnv(VecEnv):
             self._coming = self._builder.submit(_ready, self.fields.draw_field(self._field_rng))
         if self._coming is not None and not self._users[self._retiring]:
             mission = self._coming.result()
-            # A field with a body so low that there is no room for its events is passed over.
+            # A field with so many events that there is no room for them is passed over.
             if self.pool.fits(mission):
                 self.pool.install(self._retiring, mission)
             self._next_slot = (self._retiring + 1) % self._slots

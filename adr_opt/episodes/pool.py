@@ -28,7 +28,7 @@ class FieldPool:
     events : int
         Room for so many departure events of one body.
     regular : bool
-        Whether events are a fixed time apart, as they are where nodes do not drift.
+        Whether the events of all fields are regular, as they are in two-body motion.
 
     Attributes
     ----------
@@ -40,6 +40,7 @@ class FieldPool:
 
     def __init__(self, slots: int, bodies: int, events: int, *, regular: bool = True) -> None:
         tables, home = timetable_kernels.allocate_slots(slots, bodies, events, regular=regular)
+        steps = timetable_kernels.most_steps(tables)
         self.arrays = Pool(
             bodies=np.zeros(slots, dtype=np.int32),
             orbits=np.zeros((slots, bodies, len(ORBIT_COLUMNS))),
@@ -49,7 +50,7 @@ class FieldPool:
             angle=np.zeros((slots, bodies, bodies), dtype=np.float32),
             near=np.full((slots, bodies, outlook_kernels.NEAR), -1, dtype=np.int16),
             near_angle=np.zeros((slots, bodies, outlook_kernels.NEAR), dtype=np.float32),
-            ahead=np.zeros((slots, bodies, events, outlook_kernels.LINE), dtype=np.uint16),
+            ahead=np.zeros((slots, bodies, steps, outlook_kernels.LINE), dtype=np.uint16),
             home=home,
             rate=np.zeros((slots, bodies)),
         )
@@ -58,17 +59,23 @@ class FieldPool:
     @classmethod
     def of(cls, mission: Mission) -> FieldPool:
         """A pool with one slot that holds one mission."""
-        regular = timetable_kernels.is_regular(mission.timetable.table)
-        pool = cls(1, len(mission.names), mission.timetable.most_events, regular=regular)
+        pool = cls.for_one(mission, len(mission.names))
         pool.install(0, mission)
         return pool
 
+    @classmethod
+    def for_one(cls, mission: Mission, bodies: int) -> FieldPool:
+        """An empty pool with one slot for a mission, and room for so many bodies."""
+        timetable = mission.timetable
+        return cls(1, bodies, timetable.most_events, regular=not timetable.connecting.drifts)
+
     def fits(self, mission: Mission) -> bool:
-        """Whether there is room for a mission."""
-        room = timetable_kernels.most_events(self.arrays.tables)
+        """Whether there is room for a mission, and its events are spaced as those of the others."""
+        tables = self.arrays.tables
         return (
             len(mission.names) <= self.arrays.is_station.size
-            and mission.timetable.most_events <= room
+            and mission.timetable.most_events <= timetable_kernels.most_events(tables)
+            and mission.connecting.drifts != timetable_kernels.is_regular(tables)
         )
 
     def install(self, slot: int, mission: Mission) -> None:

@@ -30,7 +30,7 @@ class Pool(NamedTuple):
     ----------
     bodies : (slots,) int32
         Bodies of each field, the station first.
-    orbits : (slots, bodies, 4) float64
+    orbits : (slots, bodies, columns) float64
         Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
     limits : (slots, 4, bodies) float64
         :data:`SERVICE`, :data:`OPENS` and :data:`CLOSES` as in

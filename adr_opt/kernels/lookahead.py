@@ -21,7 +21,7 @@ from .episodes import clip, outlook_of, rules_of
 from .memory import borrowed
 from .observation import LIMIT, PER_HOUR, PER_KM_S, PER_TEN, observe_transfer
 from .outlook import AHEAD, HOME, M_S_PER_HOUR, NOBODY
-from .timetable import half_periods, lookup_in_column
+from .timetable import lookup_in_column, steps_begun
 
 CHAINS = tuple((worth, share) for share in (0.0, 0.6) for worth in (200.0, 350.0, 600.0, 1200.0))
 """The chains: ΔV taken to be worth an hour [m/s], and how much of the cost of the cheapest move
@@ -280,7 +280,7 @@ def greedy_chain(
             stamp[body] = mark
         choice = -1
         least = math.inf
-        index = half_periods(table, body, time)
+        index = steps_begun(table, body, time)
         if index < outlook.ahead.shape[1]:
             for place in range(AHEAD):
                 k = np.int64(outlook.ahead[body, index, 3 * place])
@@ -300,7 +300,7 @@ def greedy_chain(
                 if foresight > 0.0:
                     # In place: as a function of its own this took half of all the time.
                     next_cost = NOTHING_HOURS
-                    row = half_periods(table, k, after.time)
+                    row = steps_begun(table, k, after.time)
                     if row < outlook.ahead.shape[1]:
                         for second in range(AHEAD):
                             j = np.int64(outlook.ahead[k, row, 3 * second])

@@ -4,7 +4,9 @@
 :mod:`adr_opt.kernels.lookahead` adds where it leads. Those two do not see prizes;
 ``transfer-prizes`` and ``lookahead-prizes`` do, by one more number for every move.
 :data:`MOVE_FIELDS` and :data:`MISSION_FIELDS` name every number in order, with its unit and scale;
-all are clipped to :data:`LIMIT`. What the published study lists is in :mod:`.published`.
+all are clipped to :data:`LIMIT`. Where planes drift, RAANs and phases are those of the present
+time, and angles between planes those at t = 0. What the published study lists is in
+:mod:`.published`.
 """
 
 import math
@@ -15,9 +17,9 @@ from . import rules as rule_kernels
 from .compile import inlined, kernel
 from .episodes import clip, outlook_of, rules_of, turned
 from .memory import borrowed, fetch
-from .orbits import ARGUMENT_OF_LATITUDE, INCLINATION, RAAN, RADIUS
+from .orbits import ARGUMENT_OF_LATITUDE, INCLINATION, RADIUS, node_at
 from .outlook import AHEAD, DELTA_V_UNIT_M_S, HOME, HOUR_UNIT, M_S_PER_HOUR, NEAR, NOBODY
-from .timetable import half_periods, lookup_in_column
+from .timetable import lookup_in_column, steps_begun
 
 LIMIT = 5.0
 """Every number of an observation lies in [−LIMIT, LIMIT]."""
@@ -117,6 +119,7 @@ def _cheapest_ahead(line, visited, left, hours):
         there is none.
     """
     needed, taken, best, second = FAR, FAR, FAR, FAR
+    found = False
     for place in range(AHEAD):
         k = line[3 * place]
         if k == NOBODY:
@@ -128,9 +131,10 @@ def _cheapest_ahead(line, visited, left, hours):
         if next_v > left or next_h > hours:
             continue
         cost = (next_h + next_v * HOURS_PER_M_S) * PER_TEN
-        if best < FAR:
+        if found:
             second = clip(cost, 0.0, LIMIT)
             break
+        found = True
         needed, taken = clip(next_v * PER_KM_S, 0.0, LIMIT), next_h * PER_TEN
         best = clip(cost, 0.0, LIMIT)
     return needed, taken, best, second
@@ -149,8 +153,11 @@ def _open_nearby(outlook, visited, j):
 
 
 @inlined
-def _write_mission(row, rules, home, orbit, left, remaining, bodies, unvisited, legal):
-    """Write what is left of the mission, and where the chaser's orbit lies from the station's."""
+def _write_mission(row, rules, home, orbit, raan, left, remaining, bodies, unvisited, legal):
+    """Write what is left of the mission, and where the chaser's orbit lies from the station's.
+
+    ``raan`` is how far its node is from the station's now [rad].
+    """
     row[LEFT] = clip(left * PER_KM_S, 0.0, LIMIT)
     row[LEFT_OF_BUDGET] = clip(left / max(rules.budget, 1.0), 0.0, LIMIT)
     row[BUDGET] = clip(rules.budget * PER_KM_S, 0.0, LIMIT)
@@ -164,7 +171,7 @@ def _write_mission(row, rules, home, orbit, left, remaining, bodies, unvisited, 
     inclination = orbit[INCLINATION] - home[INCLINATION]
     row[CHASER_INCLINATION] = clip(inclination * DEGREES, -LIMIT, LIMIT)
     node_scale = DEGREES * math.sin(home[INCLINATION])
-    row[CHASER_RAAN] = clip(turned(orbit[RAAN] - home[RAAN]) * node_scale, -LIMIT, LIMIT)
+    row[CHASER_RAAN] = clip(turned(raan) * node_scale, -LIMIT, LIMIT)
     row[TIME_PER_TARGET] = clip(remaining * PER_HOUR / max(unvisited, 1) * PER_TEN, 0.0, LIMIT)
 
 
@@ -225,7 +232,7 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
         for j in range(bodies):
             if ends[j] <= duration:
                 end = ends[j]
-                begun = half_periods(rules.table, j, end)
+                begun = steps_begun(rules.table, j, end)
                 home_costs[j], home_times[j] = lookup_in_column(outlook.home, rules.table, j, end)
                 places[j] = min(begun, outlook.ahead.shape[1] - 1)
                 fetch(outlook.ahead, (j, places[j], 0))
@@ -233,9 +240,9 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
         per_left = 1.0 / max(left, 1.0)
         per_time = 1.0 / max(remaining, 1.0)
         radius, inclination = orbits[body, RADIUS], orbits[body, INCLINATION]
-        raan = orbits[body, RAAN]
+        raan = node_at(orbits[body], now)
         home_radius, home_inclination = orbits[HOME, RADIUS], orbits[HOME, INCLINATION]
-        home_raan = orbits[HOME, RAAN]
+        home_raan = node_at(orbits[HOME], now)
         node_scale = DEGREES * math.sin(home_inclination)
         cosine = math.cos(home_inclination)
         phase = orbits[body, ARGUMENT_OF_LATITUDE] + now * outlook.rate[body] + cosine * raan
@@ -294,7 +301,7 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
             near, angle = _open_nearby(outlook, visited, j)
             out[row, NEAR_OPEN] = near * (1.0 / NEAR)
             out[row, NEAR_ANGLE] = clip(DEGREES * angle / near, 0.0, LIMIT) if near > 0 else LIMIT
-            r, i, o = orbits[j, RADIUS], orbits[j, INCLINATION], orbits[j, RAAN]
+            r, i, o = orbits[j, RADIUS], orbits[j, INCLINATION], node_at(orbits[j], now)
             out[row, RADIUS_FROM_CHASER] = clip((r - radius) * PER_50_KM, -LIMIT, LIMIT)
             out[row, INCLINATION_FROM_CHASER] = clip((i - inclination) * DEGREES, -LIMIT, LIMIT)
             out[row, RAAN_FROM_CHASER] = clip(turned(o - raan) * node_scale, -LIMIT, LIMIT)
@@ -313,8 +320,9 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
                 out[row, column] = 0.0
         legal[e] = count
         _write_mission(
-            mission[e], rules, orbits[HOME], orbits[body], left, remaining, bodies, unvisited, count
-        )
+            mission[e], rules, orbits[HOME], orbits[body], raan - home_raan, left, remaining,
+            bodies, unvisited, count,
+        )  # fmt: skip
         mission[e, DOCKED] = 1.0 if body == HOME else 0.0
         mission[e, EARNED] = 1.0 if since > 0 else 0.0
         mission[e, HOME_REACHABLE] = 1.0 if station_reachable else 0.0

@@ -1,8 +1,9 @@
 """What a planner sees from a body without searching: its neighbours and its cheapest departures.
 
 Worked out once for a timetable and packed, so that an observation reads one cache line per target
-instead of a row of the table. These are hints, not rules: times are rounded up to the body's half
-periods, costs to the units of :data:`DELTA_V_UNIT_M_S` and :data:`HOUR_UNIT`.
+instead of a row of the table. These are hints, not rules: times are rounded up to the body's steps
+(:func:`.timetable.steps_begun`), costs to the units of :data:`DELTA_V_UNIT_M_S` and
+:data:`HOUR_UNIT`, and angles between planes are those at t = 0, although planes may drift.
 """
 
 import math
@@ -43,19 +44,19 @@ class Outlook(NamedTuple):
     Attributes
     ----------
     angle : (bodies, bodies) float32
-        Angle between the planes [rad].
+        Angle between the planes at t = 0 [rad].
     near : (bodies, NEAR) int16
-        Targets whose planes are nearest, nearest first; −1 where there are no more.
+        Targets whose planes are nearest at t = 0, nearest first; −1 where there are no more.
     near_angle : (bodies, NEAR) float32
         Their angles [rad].
     ahead : (bodies, times, LINE) uint16
-        Of a chaser that is ready ``time`` half periods of the body after the epoch: destination,
+        Of a chaser that is ready ``time`` steps of the body after the epoch: destination,
         ΔV [0.1 m/s] and time from ready to the end of service [0.001 h] of the :data:`AHEAD`
         transfers that are cheapest by hours + ΔV / :data:`M_S_PER_HOUR`, cheapest first.
     home : Column
         The timetable's entries of the way to the station.
     rate : (bodies,) float64
-        Mean motion [rad/s].
+        Of the argument of latitude [rad/s].
     """
 
     angle: np.ndarray
@@ -87,7 +88,7 @@ def fill(bodies, table, service, outlook):
 
     Parameters
     ----------
-    bodies : (bodies, 4) float64
+    bodies : (bodies, columns) float64
         Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
     table : Table
     service : (bodies,) float64
@@ -97,7 +98,7 @@ def fill(bodies, table, service, outlook):
     """
     count = bodies.shape[0]
     for i in range(count):
-        outlook.rate[i] = orbits.mean_motion(bodies[i, orbits.RADIUS])
+        outlook.rate[i] = bodies[i, orbits.LATITUDE_RATE]
         for j in range(count):
             _, _, theta = orbits.relative_node(
                 bodies[i, orbits.INCLINATION], bodies[i, orbits.RAAN],
@@ -116,7 +117,7 @@ def fill(bodies, table, service, outlook):
         write(outlook.near[i], items[:kept])
         write(outlook.near_angle[i], costs[:kept])
         for m in range(outlook.ahead.shape[1]):
-            ready = timetable.after_half_periods(table, i, m)
+            ready = timetable.after_steps(table, i, m)
             kept = 0
             for j in range(count):
                 if j in (i, HOME):

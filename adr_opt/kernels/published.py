@@ -10,7 +10,7 @@ from .compile import kernel
 from .episodes import clip, make_mask, turned
 from .memory import borrowed
 from .observation import DEGREES, LIMIT, PER_50_KM
-from .orbits import ARGUMENT_OF_LATITUDE, INCLINATION, RAAN, RADIUS, mean_motion
+from .orbits import INCLINATION, RADIUS, latitude_at, node_at
 from .outlook import HOME
 
 PUBLISHED_ELEMENTS = (
@@ -57,10 +57,11 @@ def observe_published(pool, episodes, order, first, last, out, mask, legal):
                 for column in range(6):
                     out[e, at + column] = 0.0
                 continue
-            u = orbits[j, ARGUMENT_OF_LATITUDE] + episodes.time[e] * mean_motion(orbits[j, RADIUS])
+            now = episodes.time[e]
+            u = latitude_at(orbits[j], now)
             radius = orbits[j, RADIUS] - orbits[HOME, RADIUS]
             inclination = orbits[j, INCLINATION] - orbits[HOME, INCLINATION]
-            raan = turned(orbits[j, RAAN] - orbits[HOME, RAAN])
+            raan = turned(node_at(orbits[j], now) - node_at(orbits[HOME], now))
             out[e, at] = clip(radius * PER_50_KM, -LIMIT, LIMIT)
             # Bodies move on circles (MODEL section 1): e and the perigee are 0, ν is u.
             out[e, at + 1] = 0.0

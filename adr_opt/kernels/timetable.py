@@ -9,6 +9,8 @@ spaced and where entries lie is known to this module alone: planners ask :func:`
 The events of two-body motion are half a period apart, and are counted. Where nodes drift they are
 not; then a table holds when the connections depart that are ever chosen, and nothing else.
 
+Hints are worked out for ready times a fixed step apart, see :func:`steps_begun`.
+
 Who steps hundreds of missions keeps timetables side by side, with a leading axis of slots, and the
 entries of one destination packed, as a :class:`Column`.
 """
@@ -22,6 +24,9 @@ from . import orbits, transfer
 from .compile import inlined, kernel
 from .connections import Found
 from .constants import SLACK_S
+
+LEAST_STEPS = 500
+"""Where events are not regular, the duration is divided into so many steps at least."""
 
 
 class Limits(NamedTuple):
@@ -55,7 +60,7 @@ class Table(NamedTuple):
         Time of the first departure event of the pair (origin, destination) [s].
     spacing : (bodies,) float64
         Time between events of an origin: half its period, or its multiple; where events are not
-        regular, a time of which no more go into the mission than there is room for events [s].
+        regular, the step of the times that hints are worked out for [s].
     total : (bodies, bodies) int32
         Number of events at or before the end of the mission; 0 on the diagonal.
     entries : (bodies, events, bodies, 2) float64
@@ -107,7 +112,7 @@ def fill(first, last, order, bodies, extra_delta_v, rule, limits, table):
     first, last : int
     order : (bodies,) int64
         The bodies, each once.
-    bodies : (bodies, 4) float64
+    bodies : (bodies, columns) float64
         Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
     extra_delta_v : (bodies, bodies) float64
         Cost of matching the eccentricity vectors [m/s].
@@ -208,7 +213,7 @@ def pack(bodies: int, chosen: list[tuple[int, int, Found, np.ndarray]], duration
     table = allocate(bodies, most, regular=False)
     table.first[:], table.total[:], table.entries[:] = 0.0, 0, math.inf
     table.departure[:] = math.inf
-    table.spacing[:] = max(duration, 1.0) / most * (1.0 + 1e-9)
+    table.spacing[:] = max(duration, 1.0) / max(most, LEAST_STEPS) * (1.0 + 1e-9)
     for i, j, found, taken in chosen:
         count = taken.size
         table.total[i, j] = count
@@ -238,6 +243,12 @@ def size_of(bodies: int, most: int) -> int:
 def most_events(table: Table) -> int:
     """For how many departure events of a pair there is room."""
     return int(table.entries.shape[-3])
+
+
+def most_steps(table: Table) -> int:
+    """For how many times hints are worked out: numbers of :func:`steps_begun` from 0 on."""
+    most = most_events(table)
+    return most if is_regular(table) else max(most, LEAST_STEPS) + 1
 
 
 def is_regular(table: Table) -> bool:
@@ -393,13 +404,17 @@ def lookup(table, i, j, time):
 
 
 @inlined
-def half_periods(table, i, time):
-    """How many half periods of a body have begun at a time: from event to event of any pair."""
+def steps_begun(table, i, time):
+    """How many steps of a body have begun at a time.
+
+    A step is its half period, from event to event of any pair; where events are not regular, the
+    same part of the mission for all bodies.
+    """
     return math.ceil(time / table.spacing[i])
 
 
 @inlined
-def after_half_periods(table, i, number):
+def after_steps(table, i, number):
     """When they have [s]."""
     return number * table.spacing[i]
 

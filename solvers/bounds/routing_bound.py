@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from ortools.sat.python import cp_model
 
-from adr_opt.kernels import connections, transfer
+from adr_opt.kernels import transfer
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.rules import Rules
 from adr_opt.mission import Mission
@@ -46,14 +46,11 @@ class Costs(NamedTuple):
 
 
 @kernel
-def _least(i, j, orbits, extra_delta_v, transfer_rule, rules):
-    """Least ΔV [m/s] and least time from departure to end of service [s] of a pair's connections.
+def _least(j, departure, arrival, delta_v, rules):
+    """Least ΔV [m/s] and least time from departure to end of service [s] of connections to j.
 
     Both are +inf if none fits the mission.
     """
-    departure, arrival, delta_v, _, _ = connections.of_pair(
-        orbits[i], orbits[j], extra_delta_v[i, j], transfer_rule, rules.duration, 0.0
-    )
     cost, flown = math.inf, math.inf
     for c in range(departure.size):
         end = max(arrival[c], rules.opens[j]) + rules.service[j]
@@ -80,16 +77,21 @@ def static_costs(mission: Mission, enough: Callable[[], bool] = lambda: False) -
     ----------
     mission : Mission
     enough : callable
-        Asked at each pair. Once it says so, the rest of the pairs get what is known in closed form.
+        Asked at each pair. Once it says so, the rest of the pairs get what is known in closed form;
+        not where nodes drift, since all connections are listed there before anybody plans.
     """
-    rules, inputs = mission.rules, mission.transfer_inputs
+    rules, connecting = mission.rules, mission.connecting
     bodies = rules.service.size
     delta_v, duration = np.full((2, bodies, bodies), math.inf)
     for i in range(bodies):
         for j in range(bodies):
             if i != j and (rules.is_station[j] or j >= rules.first_target):
-                least = _floor if enough() else _least
-                delta_v[i, j], duration[i, j] = least(i, j, *inputs, rules)
+                if not connecting.drifts and enough():
+                    least = _floor(i, j, *connecting.inputs, rules)
+                else:
+                    found = connecting.of_pair(i, j, connecting.planning_resolution_m_s)
+                    least = _least(j, found.departure, found.arrival, found.delta_v, rules)
+                delta_v[i, j], duration[i, j] = least
     return Costs(_steps(delta_v, STEPS_PER_M_S), _steps(duration, STEPS_PER_S))
 
 

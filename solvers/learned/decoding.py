@@ -54,7 +54,7 @@ class Field:
         self.targets = policy.targets or targets
         self.budget = mission.instance.chaser.tank.delta_v_m_s - mission.reserve_m_s
         self.duration = playing_time_s(mission.instance)
-        self.pool = FieldPool(1, self.targets + 1, mission.timetable.most_events)
+        self.pool = FieldPool.for_one(mission, self.targets + 1)
         self.pool.install(0, mission)
 
     @property

@@ -16,6 +16,7 @@ from adr_opt.episodes.board import MISSION, MOVES, move_fields, published_size
 from adr_opt.errors import InputError, MissingExtra
 from adr_opt.kernels.observation import MISSION_FIELDS
 from adr_opt.kernels.published import PUBLISHED_ELEMENTS
+from adr_opt.mission import Mission
 
 from .screening import ACTIONS, BATCH, check_graph, parsed
 
@@ -150,6 +151,16 @@ class Policy:
                 "damaged"
             )
         return np.where(mask, scores, np.float32(ILLEGAL)), value
+
+    def notes(self, mission: Mission) -> tuple[str, ...]:
+        """What to say of a plan that it had a part in: whether it knows such missions."""
+        known = "j2" if self.facts.get("dynamics") == "j2" else "two-body"
+        if mission.instance.dynamics == known:
+            return ()
+        return (
+            f"policy {self.name!r} was trained on fields with dynamics {known!r}, and this mission "
+            f"has {mission.instance.dynamics!r}: other methods may plan it better",
+        )
 
     def check_size(self, targets: int) -> None:
         """Refuse an instance that the policy was not made for.

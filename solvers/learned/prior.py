@@ -20,10 +20,17 @@ class Prior:
     mission : Mission
     policy : str
         Name or file, see :func:`solvers.learned.load_policy`.
+
+    Attributes
+    ----------
+    notes : tuple of str
+        What to say of plans that it had a part in.
     """
 
     def __init__(self, mission: Mission, policy: str) -> None:
-        self._field = Field(mission, load_policy(policy))
+        learned = load_policy(policy)
+        self._field = Field(mission, learned)
+        self.notes = learned.notes(mission)
         self._episode = self._field.begin(1)
 
     def moves(

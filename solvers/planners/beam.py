@@ -83,9 +83,9 @@ def beam(
     began = time.perf_counter()
     mission = hurried(mission, options.time_value_m_s_per_h)
     best = Incumbent(mission)
-    states = 0
+    states, notes = 0, tuple[str, ...]()
     if options.policy:
-        states = _by_policy(mission, best, options, stop)
+        states, notes = _by_policy(mission, best, options, stop)
     elif not stop(-math.inf, math.inf):
         worth = worth_of(mission)
         settings = BeamSettings(
@@ -107,16 +107,27 @@ def beam(
         seed=seed,
         runtime_s=time.perf_counter() - began,
         counters={"width": options.width, "states": states},
+        notes=notes,
     )
 
 
-def _by_policy(mission: Mission, best: Incumbent, options: BeamOptions, stop: Stop) -> int:
-    """Offer the best of a beam whose partial plans a learned policy judges; returns its states."""
+def _by_policy(
+    mission: Mission, best: Incumbent, options: BeamOptions, stop: Stop
+) -> tuple[int, tuple[str, ...]]:
+    """Offer the best of a beam whose partial plans a learned policy judges.
+
+    Returns
+    -------
+    states : int
+        States judged.
+    notes : tuple of str
+        What to say of the policy.
+    """
     threads = os.cpu_count() or 1
     learned = load_policy(options.policy, threads)
     learned.check_size(len(mission.names) - 1)
     if not mission.instance.targets:
-        return 0
+        return 0, ()
     worth = worth_of(mission)
     quick = Incumbent(mission, by_choice=True)
     states = beam_by_policy(
@@ -131,4 +142,4 @@ def _by_policy(mission: Mission, best: Incumbent, options: BeamOptions, stop: St
         lambda: bool(stop(-math.inf, math.inf)),
     )
     best.offer(quick.sequence or ())
-    return states
+    return states, learned.notes(mission)

@@ -142,5 +142,8 @@ def ppo(
         seed=seed,
         runtime_s=time.perf_counter() - began,
         counters=counters,
-        notes=(f"policy {learned.name!r}, decoded by {options.decode}",),
+        notes=(
+            f"policy {learned.name!r}, decoded by {options.decode}",
+            *learned.notes(mission),
+        ),
     )

@@ -324,12 +324,14 @@ def _listed(mission: Mission, i: int) -> Listed | None:
     first = np.zeros(len(mission.names) + 1, dtype=np.int64)
     for j, found in there:
         first[j + 1] = found.departure.size
+    # Of a station alone there is none, and arrays of nothing have to be of their kind.
+    none, nowhere = np.empty(0), np.empty(0, dtype=np.int32)
     return Listed(
         np.cumsum(first),
-        np.concatenate([found.departure for _, found in there]),
-        np.concatenate([found.arrival for _, found in there]),
-        np.concatenate([found.delta_v for _, found in there]),
-        np.concatenate([found.crossing for _, found in there]),
+        np.concatenate([none, *(found.departure for _, found in there)]),
+        np.concatenate([none, *(found.arrival for _, found in there)]),
+        np.concatenate([none, *(found.delta_v for _, found in there)]),
+        np.concatenate([nowhere, *(found.crossing for _, found in there)]),
     )
 
 

@@ -57,8 +57,10 @@ and 2.0 µs on one with six zones; more where limits of altitude are wide, see
 BYTES_PER_EVENT = 900
 """Memory that a proof takes up to its first labels for each timetable entry.
 
-By `bench/set_up.py` 490 to 870 bytes on the same fields, the values of the finer walks included.
-An entry has some 10 connections."""
+By `bench/set_up.py` 490 to 870 bytes on the same fields, the values of the finer walks included."""
+
+CONNECTIONS_PER_EVENT = 10
+"""An entry has about so many there."""
 
 MEMORY_SHARE = 0.5
 """Part of the free memory that the network may take."""
@@ -302,12 +304,20 @@ def prove_cost(
 
 def fits_memory(mission: Mission) -> bool:
     """Whether there is memory for the network of a proof."""
-    return BYTES_PER_EVENT * mission.timetable.entries <= MEMORY_SHARE * available_bytes()
+    return BYTES_PER_EVENT * _entries(mission) <= MEMORY_SHARE * available_bytes()
 
 
 def set_up_s(mission: Mission) -> float:
     """About how long setting up a proof takes [s]."""
-    return SET_UP_S_PER_EVENT * mission.timetable.entries
+    return SET_UP_S_PER_EVENT * _entries(mission)
+
+
+def _entries(mission: Mission) -> float:
+    """Timetable entries; where connections are listed, and counted, as many as have so many."""
+    entries, lists = mission.timetable.entries, mission.connecting.lists
+    if lists is None:
+        return entries
+    return sum(found.departure.size for found in lists.values()) / CONNECTIONS_PER_EVENT
 
 
 def bounded(
@@ -348,7 +358,8 @@ def bound_notes(mission: Mission) -> list[str]:
     notes = [f"the bound is rounded down: all objectives are multiples of {step:g}"] if step else []
     if not fits_memory(mission):
         notes.append(
-            f"nothing was proven: there is no memory for the network of all connections at "
-            f"{mission.timetable.entries} departures; take fewer targets or a shorter mission"
+            f"nothing was proven: there is no memory for the network of about "
+            f"{CONNECTIONS_PER_EVENT * _entries(mission):.2g} connections; take fewer targets or a "
+            "shorter mission"
         )
     return notes

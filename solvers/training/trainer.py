@@ -12,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import torch
 from safetensors.torch import save
 from sb3_contrib import MaskablePPO
@@ -131,6 +132,7 @@ class Keeper(BaseCallback):
             "steps": self.num_timesteps,
             "seed": self.run.facts["seed"],
             "versions": self.run.facts["versions"],
+            "dynamics": config.fields.draw_field(np.random.default_rng(0)).dynamics,
         }
         tensors = {
             name: tensor.detach().cpu().contiguous()

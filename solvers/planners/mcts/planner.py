@@ -176,6 +176,7 @@ def mcts(
             "simulations": player.steps * settings.simulations,
             "polished": polished,
         },
+        notes=() if prior is None else prior.notes,
     )
 
 
