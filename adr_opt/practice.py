@@ -47,9 +47,9 @@ def practice_mission(drifts: bool = False) -> Mission:
 
 
 def _drifting() -> Instance:
-    """Some weeks among nodes that drift; the zones are far from most of what flies then."""
+    """Some weeks among nodes that drift."""
     days = 40.0
-    field = generate("sso", 0, targets=10, zones=2).with_limits(duration_s=days * DAY_S)
+    field = generate("sso", 0, targets=10).with_limits(duration_s=days * DAY_S)
     return field.replace(transfer=transfers_for(days * DAY_S, drift_step_s=4.0 * DAY_S))
 
 

@@ -32,7 +32,7 @@ def test_the_benchmark_plans_checks_and_bounds_them() -> None:
     assert trials.parse_suites(["rocket-bodies,sso"]) == ("rocket-bodies", "sso")
     told: list[tuple[str, dict[str, Any]]] = []
     task = trials.Task(
-        trial=trials.Trial("rocket-bodies", 2, 0, 1),
+        trial=trials.Trial("rocket-bodies", 2, 0, 0),
         methods=methods.parse_methods(["beam"], 10.0),
         seed=0,
         bound=trials.BoundCall("lagrangian", 3.0),
