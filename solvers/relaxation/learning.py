@@ -32,15 +32,16 @@ def path_of(labels, body, label, path):
 
 
 @inlined
-def _value(network, labels, body, label, price, least_worth):
-    """Value of a walk, what it is worth beyond the least taken off; −2⁶² if it does not count.
+def _value(network, labels, body, label, least_worth):
+    """Value of a walk; −2⁶² if it does not count.
 
-    It counts if it is worth enough, and at a body where a mission may end.
+    It counts if it is worth enough, and at a body where a mission may end. What it is worth beyond
+    the least counts, too: labels are compared by it, so one that is worth more may have taken the
+    place of one that costs less.
     """
-    beyond = labels.worth[label] - least_worth
-    if beyond < 0.0 or not network.may_end[body[labels.row[label]]]:
+    if labels.worth[label] < least_worth or not network.may_end[body[labels.row[label]]]:
         return np.int64(-(2**62))
-    return labels.value[label] - np.int64(price * beyond)
+    return labels.value[label]
 
 
 @inlined
@@ -92,9 +93,7 @@ def _forbid(network, path, length, neighbourhood, seen, most):
 
 
 @kernel
-def learn(
-    network, labels, body, count, least, price, least_worth, most_walks, neighbourhood, path
-):  # fmt: skip
+def learn(network, labels, body, count, least, least_worth, most_walks, neighbourhood, path):
     """Look at walks worth at least so much, and let the bodies inside their cycles remember.
 
     Parameters
@@ -107,10 +106,8 @@ def learn(
         Number of labels.
     least : int
         Walks of less value are not looked at [fine units].
-    price : float
-        What worth adds to the value of a walk where ΔV is paid for, else 0 [fine units].
     least_worth : float
-        Walks of less worth are not looked at; what others are worth beyond it adds no value.
+        Walks of less worth are not looked at.
     most_walks : int
         Walks to learn from, spread evenly over all of them: neighbours share their cycles.
     neighbourhood : (bodies, words) int64
@@ -128,12 +125,12 @@ def learn(
     network, labels, body = borrowed(network), borrowed(labels), borrowed(body)
     walks = 0
     for label in range(count):
-        walks += _value(network, labels, body, label, price, least_worth) >= least
+        walks += _value(network, labels, body, label, least_worth) >= least
     stride = max(1, walks // most_walks)
     seen = np.empty(neighbourhood.shape[0], dtype=np.int64)
     plan, grown, number, most = -1, 0, 0, least - 1
     for label in range(count):
-        value = _value(network, labels, body, label, price, least_worth)
+        value = _value(network, labels, body, label, least_worth)
         if value < least:
             continue
         number += 1
@@ -148,10 +145,10 @@ def learn(
 
 
 @kernel
-def most_of(network, labels, body, count, least, price, least_worth):
+def most_of(network, labels, body, count, least, least_worth):
     """Greatest value of the walks that count, see :func:`_value`; ``least`` if all are below."""
     network, labels, body = borrowed(network), borrowed(labels), borrowed(body)
     best = least
     for label in range(count):
-        best = max(best, _value(network, labels, body, label, price, least_worth))
+        best = max(best, _value(network, labels, body, label, least_worth))
     return best

@@ -190,13 +190,12 @@ class Routes:
                     new[: cursor[1]] = old[: cursor[1]]
         count = int(cursor[1])
         self.labels_made += count
-        counts = self._prices[0] / self._unit, self.least_worth
-        best = int(most_of(bound.network, labels, self._body, count, need - 1, *counts))
+        best = int(most_of(bound.network, labels, self._body, count, need - 1, self.least_worth))
         if best < need:
             return True, -math.inf, None, 0
         path = np.empty(bound.most_legs + 1, dtype=np.int64)
         plan, grown = learn(
-            bound.network, labels, self._body, count, need, *counts, WALKS,
+            bound.network, labels, self._body, count, need, self.least_worth, WALKS,
             self.neighbourhood, path,
         )  # fmt: skip
         sequence = None
