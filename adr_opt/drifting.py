@@ -149,12 +149,15 @@ def flown(
     InputError
         The phase is not met in any way that was tried.
     """
-    for freedom in FREEDOM_S:
-        if 2.0 * freedom > arrival - departure and freedom > FREEDOM_S[0]:
-            break
-        found = Drifting(orbit_i, orbit_j, rule, departure, arrival, freedom).flight()
-        if found is not None:
-            return found
+    # Within the altitudes that zones were judged for, if there are burns that stay there.
+    for held in (True, False) if rule.zones.size else (False,):
+        for freedom in FREEDOM_S:
+            if 2.0 * freedom > arrival - departure and freedom > FREEDOM_S[0]:
+                break
+            way = Drifting(orbit_i, orbit_j, rule, departure, arrival, freedom, held=held)
+            found = way.flight()
+            if found is not None:
+                return found
     raise InputError(
         f"no burns were found that drift from {departure:.0f} s to {arrival:.0f} s and meet the "
         "target; raise drift_step_s"
@@ -184,6 +187,8 @@ class Drifting:
         Of the connection: first and last moment of the transfer, approach included [s].
     freedom : float
         The chaser may leave so much later and arrive so much earlier [s].
+    held : bool
+        Whether the drift orbit stays within the altitudes that zones were judged for.
     """
 
     def __init__(
@@ -194,9 +199,12 @@ class Drifting:
         departure: float,
         arrival: float,
         freedom: float,
+        *,
+        held: bool = False,
     ) -> None:
         self._i, self._j, self._rule = orbit_i, orbit_j, rule
         self._departure, self._arrival, self._freedom = departure, arrival, freedom
+        self._held = held
         self._arcs = _Arcs(rule.oblateness)
         self._pair = drift.prepare(
             orbit_i, orbit_j, rule.min_radius, rule.max_radius, rule.oblateness
@@ -259,7 +267,7 @@ class Drifting:
 
     def _allowed(self, radius: float) -> bool:
         """Whether the drift orbit may have a radius: where there are zones, one that was judged."""
-        if self._rule.zones.size:
+        if self._held:
             planned = self._planned_radius
             margin = drift.margin(planned - float(self._i[orbits.RADIUS]))
             if abs(radius - planned) > margin:

@@ -30,7 +30,7 @@ from .compile import inlined, kernel
 from .constants import MU_M3_S2
 from .lists import chosen, wider
 
-MARGIN_M, MARGIN_SHARE = 20e3, 0.25
+MARGIN_M, MARGIN_SHARE = 60e3, 0.3
 """See :func:`margin`."""
 
 POLAR = 1e-3

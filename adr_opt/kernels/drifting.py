@@ -183,7 +183,7 @@ def short(pair, rule, duration, spacing, most, resolution):
                         continue
                 best, best_k = found.delta_v, k
                 best_d, best_a = listed, found.stand_off + approach
-            for c in (crossing - 1, crossing):
+            for c in range(max(crossing - 3, 0), crossing + 1):
                 if best_k < 0 or until[c] <= best_a + SLACK_S:
                     cheapest = min(cheapest, known[c])
             if best_k >= 0 and best < cheapest - resolution and best_a <= duration:
