@@ -49,8 +49,13 @@ def practice_mission(drifts: bool = False) -> Mission:
 def _drifting() -> Instance:
     """Some weeks among nodes that drift."""
     days = 40.0
-    field = generate("sso", 0, targets=10).with_limits(duration_s=days * DAY_S)
-    return field.replace(transfer=transfers_for(days * DAY_S, drift_step_s=4.0 * DAY_S))
+    field = generate("sso", 0, targets=6).with_limits(duration_s=days * DAY_S)
+    # Coarse, so that models with a variable for each connection are made in a moment.
+    return field.replace(
+        transfer=transfers_for(
+            days * DAY_S, drift_step_s=8.0 * DAY_S, departure_spacing_s=5.0 * DAY_S
+        )
+    )
 
 
 class Habits(NamedTuple):

@@ -28,7 +28,8 @@ def command(
 ) -> int:
     """Draw an instance of FAMILY.
 
-    One of tiny, nominal, reduced-time, reduced-fuel, cloud, large, rocket-bodies and sso.
+    One of tiny, nominal, reduced-time, reduced-fuel, cloud, large, sso and
+    rocket-bodies.
     """
     from ..files import write_text
     from ..generator import generate
