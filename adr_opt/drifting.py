@@ -33,6 +33,7 @@ from .kernels.burns import (
 )
 from .kernels.constants import DAY_S, MU_M3_S2
 from .kernels.transfer import TransferRule
+from .planes import Arcs, Plane, Turn, ahead, outward, turn_between, turned
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -52,44 +53,6 @@ FREEDOM_S = (0.5 * DAY_S, DAY_S, 2.0 * DAY_S)
 """The chaser may leave so much later, and arrive so much earlier: the first that is enough."""
 
 
-class Plane(NamedTuple):
-    """An orbital plane at some time: inclination and RAAN [rad]."""
-
-    inclination: float
-    raan: float
-
-    def carried(self, angle: float) -> Plane:
-        """The plane after its node has moved."""
-        return Plane(self.inclination, self.raan + angle)
-
-
-class Turn(NamedTuple):
-    """A change of plane in two halves, half a revolution apart on one line of nodes.
-
-    Attributes
-    ----------
-    before, after : float
-        Argument of latitude of the line in the plane that is left and in the one that is taken.
-    angle : float
-        [rad].
-    middle : Plane
-        Between the two burns.
-    """
-
-    before: float
-    after: float
-    angle: float
-    middle: Plane
-
-
-def turn_between(first: Plane, second: Plane) -> Turn:
-    """The change from one plane to another, as if neither moved meanwhile."""
-    before, after, angle = orbits.relative_node(*first, *second)
-    normal = orbits.frame(*first)[2] + orbits.frame(*second)[2]
-    inclination = math.atan2(math.hypot(normal[0], normal[1]), normal[2])
-    return Turn(before, after, angle, Plane(inclination, math.atan2(normal[0], -normal[1])))
-
-
 class Flight(NamedTuple):
     """The burns of a drift in time order: (burns,) [s] and (burns, 3) [m/s], inertial."""
 
@@ -100,35 +63,6 @@ class Flight(NamedTuple):
     def delta_v(self) -> float:
         """Sum of the burns [m/s]."""
         return float(np.linalg.norm(self.vectors, axis=1).sum())
-
-
-class _Arcs:
-    """Times and node shifts of half ellipses and circles in the mean dynamics."""
-
-    def __init__(self, oblateness: float) -> None:
-        self._oblateness = oblateness
-
-    def half(self, r1: float, r2: float, inclination: float) -> tuple[float, float]:
-        """Half a revolution between two apsides: how long [s], and how far its node moves."""
-        a = 0.5 * (r1 + r2)
-        time = math.pi / self.latitude_rate(a, inclination)
-        return time, time * self.node_rate(a, inclination)
-
-    def node_rate(self, radius: float, inclination: float) -> float:
-        return float(orbits.node_rate(radius, inclination, self._oblateness))
-
-    def latitude_rate(self, radius: float, inclination: float) -> float:
-        return float(orbits.latitude_rate(radius, inclination, self._oblateness))
-
-    def radius_of(self, rate: float, inclination: float) -> float:
-        """The radius of the circle on which the latitude advances at a rate."""
-        r = float((MU_M3_S2 / rate**2) ** (1.0 / 3.0))
-        for _ in range(20):
-            step = (self.latitude_rate(r, inclination) - rate) * r / (1.5 * rate)
-            r += step
-            if abs(step) < 0.1 * CLOSE_M:
-                break
-        return r
 
 
 def flown(
@@ -205,7 +139,7 @@ class Drifting:
         self._i, self._j, self._rule = orbit_i, orbit_j, rule
         self._departure, self._arrival, self._freedom = departure, arrival, freedom
         self._held = held
-        self._arcs = _Arcs(rule.oblateness)
+        self._arcs = Arcs(rule.oblateness)
         self._pair = drift.prepare(
             orbit_i, orbit_j, rule.min_radius, rule.max_radius, rule.oblateness
         )
@@ -480,23 +414,3 @@ class Drifting:
             -impulse * at_target,
         ]
         return Flight(np.array([*times, times[-1], met]), np.array(vectors))
-
-
-def outward(plane: Plane, latitude: float) -> FloatArray:
-    """Unit vector from the Earth to an argument of latitude of a plane, shape (3,)."""
-    ascending, beyond, _ = orbits.frame(*plane)
-    vector: FloatArray = math.cos(latitude) * ascending + math.sin(latitude) * beyond
-    return vector
-
-
-def ahead(plane: Plane, position: FloatArray) -> FloatArray:
-    """Unit vector along the motion at a position in a plane, shape (3,)."""
-    vector: FloatArray = np.cross(orbits.frame(*plane)[2], position)
-    return vector / np.linalg.norm(vector)
-
-
-def turned(vector: FloatArray, angle: float) -> FloatArray:
-    """A vector turned about the axis of the Earth, shape (3,)."""
-    c, s = math.cos(angle), math.sin(angle)
-    x, y, z = vector
-    return np.array([c * x - s * y, s * x + c * y, z])

@@ -115,16 +115,7 @@ def check_drift(
         yield Violation(number, "departure", "leaves before the chaser is ready")
         return as_stated
     delta_v, shape = drift_cost(origin, destination, physics.rule, leg)
-    if abs(leg.delta_v_m_s - delta_v) > DELTA_V_TOLERANCE_M_S:
-        yield Violation(
-            number, "cost", f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {delta_v!r}"
-        )
-    if abs(leg.eccentricity_delta_v_m_s - shape) > DELTA_V_TOLERANCE_M_S:
-        yield Violation(
-            number,
-            "eccentricity",
-            f"eccentricity_delta_v_m_s = {leg.eccentricity_delta_v_m_s!r}, but it is {shape!r}",
-        )
+    yield from _check_costs(delta_v, shape, number, leg)
     try:
         flight = drifting.flown(origin, destination, physics.rule, leg.departure_s, leg.arrival_s)
     except InputError as error:
@@ -298,15 +289,20 @@ def _check_figures(sequence: _Sequence, extra: float, number: int, leg: Leg) -> 
             "arrival",
             f"arrival_s = {leg.arrival_s!r}, but it arrives at {sequence.arrival!r}",
         )
-    if abs(leg.delta_v_m_s - sequence.delta_v) > DELTA_V_TOLERANCE_M_S:
+    yield from _check_costs(sequence.delta_v, extra, number, leg)
+
+
+def _check_costs(delta_v: float, shape: float, number: int, leg: Leg) -> Iterator[Violation]:
+    """The ΔV, and what of it matches eccentricity vectors, are as recomputed [m/s]."""
+    if abs(leg.delta_v_m_s - delta_v) > DELTA_V_TOLERANCE_M_S:
         yield Violation(
-            number, "cost", f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {sequence.delta_v!r}"
+            number, "cost", f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {delta_v!r}"
         )
-    if abs(leg.eccentricity_delta_v_m_s - extra) > DELTA_V_TOLERANCE_M_S:
+    if abs(leg.eccentricity_delta_v_m_s - shape) > DELTA_V_TOLERANCE_M_S:
         yield Violation(
             number,
             "eccentricity",
-            f"eccentricity_delta_v_m_s = {leg.eccentricity_delta_v_m_s!r}, but it is {extra!r}",
+            f"eccentricity_delta_v_m_s = {leg.eccentricity_delta_v_m_s!r}, but it is {shape!r}",
         )
 
 

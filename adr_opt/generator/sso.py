@@ -11,9 +11,9 @@ Eccentricities are small, as they are in catalogues above 600 km.
 
 from __future__ import annotations
 
-from ..kernels.constants import EARTH_RADIUS_M
 from ..orbit import Orbit
 from .belt import circle
+from .ellipse import draw_ellipse
 from .stream import Uniform
 
 TARGETS = 60
@@ -29,12 +29,4 @@ STATION = circle(750.0, 98.25, 0.0, 0.0)
 
 def draw_debris(uniform: Uniform) -> Orbit:
     """A target: everything uniform."""
-    altitude_km, inclination_deg = uniform(*ALTITUDE_KM), uniform(*INCLINATION_DEG)
-    return Orbit(
-        semi_major_axis_m=round(EARTH_RADIUS_M + 1e3 * altitude_km, 3),
-        eccentricity=round(uniform(*ECCENTRICITY), 7),
-        inclination_deg=round(inclination_deg, 6),
-        raan_deg=round(uniform(*RAAN_DEG), 6),
-        argument_of_perigee_deg=round(uniform(0.0, 360.0), 6),
-        true_anomaly_deg=round(uniform(0.0, 360.0), 6),
-    )
+    return draw_ellipse(uniform, ALTITUDE_KM, INCLINATION_DEG, ECCENTRICITY, RAAN_DEG)
