@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from solvers.relaxation.pending import is_preceded, more_room, next_of, pending_room, send, take
 from solvers.relaxation.waiting import Labels, Waiting, arrive, is_dominated, keep, larger, room
 
 LABELS = 1500
@@ -15,7 +16,7 @@ def random_labels(rng: np.random.Generator, words: int) -> Labels:
         memory &= rng.integers(0, 2**62, (LABELS, words))
     none = np.zeros(LABELS, dtype=np.int32)
     return Labels(
-        none, none, none, rng.integers(-2, 3, LABELS) << 16, rng.integers(0, 300, LABELS) * 10.0,
+        none, none, rng.integers(-2, 3, LABELS) << 16, rng.integers(0, 300, LABELS) * 10.0,
         rng.integers(0, 2, LABELS).astype(np.int16), none.astype(np.int16),
         rng.integers(0, 2, LABELS) * 1.0, memory,
     )  # fmt: skip
@@ -68,3 +69,32 @@ def test_exactly_those_wait_that_none_dominates(words, whole):
             assert waiting.size[1] == len(alive)
     assert 0 < refused < LABELS
     assert waits(waiting, 0) == set()
+
+
+@pytest.mark.parametrize("words", [1, 2])
+def test_all_that_are_sent_arrive_and_precede_others_until_then(words):
+    """Labels on their way to a row are compared with what goes there, and each arrives once."""
+    rng = np.random.default_rng(words)
+    labels = random_labels(rng, words)
+    rows, compared = 5, np.full(words, -1)
+    pending, grown = pending_room(rows, words, 1), 0
+    under_way: list[set[int]] = [set() for _ in range(rows)]
+    for label in range(LABELS):
+        row = int(rng.integers(rows))
+        preceded = any(dominates(labels, other, label, compared) for other in under_way[row])
+        assert preceded == is_preceded(
+            pending, row, labels, labels.value[label], labels.left[label], labels.visits[label],
+            labels.worth[label], labels.memory[label], compared,
+        )  # fmt: skip
+        while not send(pending, row, labels, label):
+            pending, grown = more_room(pending, words), grown + 1
+        under_way[row].add(label)
+        if label % 97 == 0:
+            empty = int(rng.integers(rows))
+            for _ in range(len(under_way[empty])):
+                under_way[empty].remove(next_of(pending, empty))
+                take(pending, empty, words)
+            assert next_of(pending, empty) == -1
+    assert grown > 2
+    for row in range(rows):
+        assert (next_of(pending, row) == -1) == (not under_way[row])

@@ -25,7 +25,7 @@ from .transfer import TWO_PI
 BAND_S = 300.0
 """A sequence whose flight time is estimated so far from what its revolutions allow is left out."""
 
-SURE_STEPS = 3
+SURE_STEPS = 2
 """A fixed point that takes no more is found again from anywhere near."""
 
 ERROR_M_S, BEND_M_S = 0.05, 400.0

@@ -186,7 +186,7 @@ def settle(pair, rule, half_turns, revolutions, departure, stand_off, alpha_i, a
     -------
     Settled
     """
-    r, theta = pair.reference, 0.0
+    r, theta, before = pair.reference, 0.0, 0.0
     steps = MOST_STEPS + 1
     for number in range(MOST_STEPS):
         time = stand_off - departure
@@ -198,9 +198,11 @@ def settle(pair, rule, half_turns, revolutions, departure, stand_off, alpha_i, a
         met = meeting(pair, rule, half_turns, alpha_j, stand_off)
         step = abs(left - departure) + abs(met - stand_off)
         departure, stand_off = left, met
-        if step < CLOSE_S:
+        # The next one would be as much smaller as this one is than the one before.
+        if step < CLOSE_S or (number > 0 and step * step < CLOSE_S * before):
             steps = number + 1
             break
+        before = step
     turn = 4.0 * math.sin(0.5 * theta) ** 2
     time = stand_off - departure
     low = pair.shortest + revolutions * pair.shortest_lap

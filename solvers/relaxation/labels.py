@@ -14,7 +14,7 @@ A chaser that is at a body earlier and richer, with the same memory or less, may
 that the later one can. So labels of one body are compared across *all* times, exactly: rows are
 gone through in order of departure, and each body has a list of the labels that are there and
 ready, none dominated by another. A label stays in the list, waiting, until its completion value
-says that it is too late.
+says that it is too late. It has no use for legs that are no better than one it could take before.
 """
 
 from __future__ import annotations
@@ -27,9 +27,10 @@ from adr_opt.kernels.compile import inlined, kernel
 from adr_opt.kernels.memory import borrowed
 
 from .buckets import SLACK
-from .waiting import FINE, WORD, arrive, dominates, is_dominated, keep
+from .pending import is_preceded, next_of, send, take
+from .waiting import FINE, WORD, arrive, is_dominated, keep
 
-EXHAUSTED, CHUNK_DONE, FULL, CROWDED = 0, 1, 2, 3
+EXHAUSTED, CHUNK_DONE, FULL, CROWDED, PILED = 0, 1, 2, 3, 4
 
 
 class Table(NamedTuple):
@@ -149,26 +150,39 @@ def _stay(search, labels, waiting, row, i, kept):
 
 
 @inlined
-def _may_lead_on(network, search, row, value, left, worth, i, j):
-    """Whether any leg of a row can lead on: by the earliest landing and the least ΔV of all."""
+def _useful(network, search, row, value, left, worth, i, j):
+    """The legs of a row that may lead on: from the one number to before the other one.
+
+    The later they land, the less they cost. So none is of use that lands too late even for the
+    least ΔV of all, nor one that costs too much even for the earliest landing.
+    """
     first, last = network.first[row], network.first[row + 1] - 1
-    rest = left - network.delta_v[last]
-    if rest < 0.0:
-        return False
-    if network.is_station[j]:
-        rest = search.budget
-    most = value + search.gain[j] - np.int64(search.price * network.delta_v[last])
-    return _promises(search, network.landing[first], rest, most, worth, i)
-
-
-@inlined
-def _waits_behind(labels, label, value, left, visits, worth, memory, compared):
-    """Whether one of a chain of labels dominates what could come there."""
-    while label >= 0:
-        if dominates(labels, label, value, left, visits, worth, memory, compared):
-            return True
-        label = labels.following[label]
-    return False
+    least = network.delta_v[last]
+    if least > left:
+        return first, first
+    rest = search.budget if network.is_station[j] else left - least
+    most = value + search.gain[j] - np.int64(search.price * least)
+    if not _promises(search, network.landing[first], rest, most, worth, i):
+        return first, first
+    begin, end = first + 1, last + 1
+    while begin < end:
+        middle = (begin + end) // 2
+        if _promises(search, network.landing[middle], rest, most, worth, i):
+            begin = middle + 1
+        else:
+            end = middle
+    stop = end
+    begin, end = first, last
+    while begin < end:
+        middle = (begin + end) // 2
+        cost = network.delta_v[middle]
+        rest = search.budget if network.is_station[j] else left - cost
+        most = value + search.gain[j] - np.int64(search.price * cost)
+        if cost <= left and _promises(search, network.landing[first], rest, most, worth, i):
+            end = middle
+        else:
+            begin = middle + 1
+    return end, stop
 
 
 @kernel
@@ -184,8 +198,8 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
         Rows by departure.
     search : Search
     labels : Labels
-    pending : (rows,) int32
-        First of the labels that will be ready by a row, −1 for none; updated.
+    pending : Pending
+        Updated.
     waiting : Waiting
         Updated.
     cursor : (3,) int64
@@ -196,9 +210,9 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
     Returns
     -------
     state : int
-        EXHAUSTED when all rows are done, CHUNK_DONE, FULL when there is no room for labels, or
-        CROWDED when there is none at a body. Then the row is begun again later; what it has made
-        already dominates its doubles.
+        EXHAUSTED when all rows are done, CHUNK_DONE, FULL when there is no room for labels,
+        CROWDED when there is none at a body, PILED when there is none on the way. Then the row is
+        begun again later; what it has made already dominates its doubles.
     """
     network, search, labels = borrowed(network), borrowed(search), borrowed(labels)
     waiting, pending = borrowed(waiting), borrowed(pending)
@@ -211,10 +225,10 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
     while cursor[0] < order.size and network.departure[order[cursor[0]]] < np.inf:
         row = order[cursor[0]]
         i = body[row]
-        while pending[row] >= 0:
-            if not arrive(waiting, labels, i, pending[row], search.compared[i]):
+        while next_of(pending, row) >= 0:
+            if not arrive(waiting, labels, i, next_of(pending, row), search.compared[i]):
                 return CROWDED
-            pending[row] = labels.following[pending[row]]
+            take(pending, row, words)
         if waiting.bucket[i] != search.values.bucket[row]:
             _stay(search, labels, waiting, row, i, kept)
         j = network.destination[row]
@@ -222,7 +236,7 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
         behind = -1 if network.is_station[i] else i
         for k in range(waiting.size[i] - 1, -1, -1):
             here = waiting.label[i, k]
-            if here < 0:
+            if here < 0 or labels.row[here] <= network.fresh[row]:
                 continue
             if not to_station:
                 if labels.memory[here, j // WORD] >> (j % WORD) & 1:
@@ -231,7 +245,8 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                     continue
             left, value, worth = labels.left[here], labels.value[here], labels.worth[here]
             collected = worth + search.worths[j] if search.price > 0.0 else worth
-            if not _may_lead_on(network, search, row, value, left, collected, behind, j):
+            begin, end = _useful(network, search, row, value, left, collected, behind, j)
+            if begin >= end:
                 continue
             # What does not limit a walk is not counted, so that it tells no labels apart.
             visits = labels.visits[here] + (counts and not to_station)
@@ -239,8 +254,8 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                 remembered[w] = labels.memory[here, w] & search.neighbourhood[j, w]
             if behind >= 0:
                 remembered[i // WORD] |= 1 << (i % WORD)
-            for leg in range(network.first[row], network.first[row + 1]):
-                if network.delta_v[leg] > left:
+            for leg in range(begin, end):
+                if labels.row[here] <= network.since[leg]:
                     continue
                 landing = network.landing[leg]
                 rest = search.budget if to_station else left - network.delta_v[leg]
@@ -250,8 +265,8 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                 cursor[2] += 1
                 if is_dominated(
                     waiting, labels, j, then, rest, visits, collected, remembered, compared
-                ) or _waits_behind(
-                    labels, pending[landing], then, rest, visits, collected, remembered, compared
+                ) or is_preceded(
+                    pending, landing, labels, then, rest, visits, collected, remembered, compared
                 ):
                     continue
                 count = cursor[1]
@@ -263,8 +278,8 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                 labels.came_from[count] = behind
                 for w in range(words):
                     labels.memory[count, w] = remembered[w]
-                labels.following[count] = pending[landing]
-                pending[landing] = count
+                if not send(pending, landing, labels, count):
+                    return PILED
                 cursor[1] += 1
         cursor[0] += 1
         if cursor[2] >= target_effort:

@@ -20,6 +20,8 @@ from adr_opt.kernels.lists import chosen, rising
 from adr_opt.kernels.timetable import earliest_taken
 from adr_opt.mission import Mission
 
+from .stale import mark_stale
+
 
 class Network(NamedTuple):
     """Rows, body after body, each body's in order of departure, and their legs.
@@ -40,6 +42,10 @@ class Network(NamedTuple):
         Row of the destination at the end of service.
     delta_v : (legs,) float64
         [m/s].
+    since : (legs,) int32
+        Who was ready by this row has no use for the leg, see :mod:`.stale`; −1 for none.
+    fresh : (rows,) int32
+        Who was ready by this row has no use for any leg of the row.
     is_station, may_end : (bodies,) bool
         As in :class:`adr_opt.kernels.rules.Rules`.
     root : int
@@ -54,6 +60,8 @@ class Network(NamedTuple):
     first: np.ndarray
     landing: np.ndarray
     delta_v: np.ndarray
+    since: np.ndarray
+    fresh: np.ndarray
     is_station: np.ndarray
     may_end: np.ndarray
     root: int
@@ -270,12 +278,18 @@ def build(mission: Mission, *, jobs: int) -> Network:
         post = np.empty(departure.size, dtype=np.int32)
         _signpost(departure, start, rules.duration, post)
         first = joined([outgoing.first for outgoing in found])
-        landing = np.empty(int(first[-1]), dtype=np.int32)
-        delta_v = np.empty(landing.size)
+        landing, since = np.empty((2, int(first[-1])), dtype=np.int32)
+        delta_v, fresh = np.empty(landing.size), np.empty(departure.size, dtype=np.int32)
+        destination = np.concatenate(
+            [np.append(outgoing.destination, np.int32(i)) for i, outgoing in enumerate(found)]
+        )
 
         def land(i: int) -> None:
             own = slice(first[start[i]], first[start[i + 1]])
             _land(departure, start, post, rules.duration, found[i], landing[own], delta_v[own])
+            mark_stale(
+                start[i], start[i + 1], bodies, destination, first, landing, delta_v, since, fresh
+            )
 
         list(pool.map(land, range(bodies)))
     shortest = min(rules.duration, *(outgoing.shortest for outgoing in found))
@@ -283,12 +297,12 @@ def build(mission: Mission, *, jobs: int) -> Network:
     return Network(
         start,
         departure,
-        np.concatenate(
-            [np.append(outgoing.destination, np.int32(i)) for i, outgoing in enumerate(found)]
-        ),
+        destination,
         first,
         landing,
         delta_v,
+        since,
+        fresh,
         rules.is_station,
         rules.may_end,
         int(start[rules.start] + np.searchsorted(ahead, earliest_taken(rules.ready))),

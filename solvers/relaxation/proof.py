@@ -125,6 +125,7 @@ class Proof:
         self._descent = Descent(self._bound)
         self._evaluations = FIRST_EVALUATIONS
         self._labels = min(FIRST_LABELS, options.most_labels)
+        self._plain: bool | None = None  # whether searches have no multipliers
         self.latest: Latest | None = None
         self._first = math.inf  # the bound without multipliers
         self._mission = mission
@@ -176,52 +177,67 @@ class Proof:
         self._evaluations *= 2
         self._labels = min(GROWTH * self._labels, self._options.most_labels)
 
-    def _multipliers(self) -> np.ndarray:
-        """Those of the best bound; none, if the objective rounds the bound without any to it too.
-
-        Without multipliers many labels are worth the same, and more of them dominate one another.
-        """
-        step = self._mission.prize_step
-        if step and rounded_down(self._first, step) <= rounded_down(self._descent.value, step):
-            return np.zeros(self._mission.rules.prize.size)
-        return self._descent.multipliers
-
     def _search(self, enough: Callable[[], bool]) -> bool:
         """Ask for plans worth less and less until one is found or the labels are too many.
+
+        The first time with the multipliers of the best bound and with none, since neither is always
+        better: without, many labels are worth the same, and more of them dominate one another. Then
+        with those that went further.
 
         Returns
         -------
         done : bool
             There is nothing left to ask for.
         """
-        certificate, multipliers = self._certificate, self._multipliers()
         if self._routes is None:
             self._fine = WalkBound(
                 self._mission, self._options.delta_v_slot_m_s, jobs=self._options.cores,
                 over=self._over, network=self._bound.network,
             )  # fmt: skip
             self._routes = Routes(self._fine)
-        routes = self._routes
+        none = np.zeros(self._mission.rules.prize.size)
+        if self._plain is not None:
+            return self._ask(none if self._plain else self._descent.multipliers, enough)[0]
+        done, *without = self._ask(none, enough)
+        if done or self._certificate.proven or enough():
+            return done
+        step = self._mission.prize_step
+        self._plain = bool(step) and (
+            rounded_down(self._first, step) <= rounded_down(self._descent.value, step)
+        )
+        if not self._plain:
+            done, *given = self._ask(self._descent.multipliers, enough)
+            self._plain = without < given
+        return done
+
+    def _ask(
+        self, multipliers: np.ndarray, enough: Callable[[], bool]
+    ) -> tuple[bool, float, float]:
+        """Ask with some multipliers: done, least threshold finished, labels that it took."""
+        certificate, routes = self._certificate, self._routes
+        assert routes is not None
         certificate.lower(routes.use(multipliers))
+        least, took = math.inf, math.inf
         while not certificate.proven:
-            threshold = certificate.threshold
+            threshold, before = certificate.threshold, routes.labels_made
             finished, value, plan, grown = routes.search(threshold, self._labels, enough)
             if not finished:
-                return False
+                return False, least, took
+            least, took = threshold, routes.labels_made - before
             if plan is not None:
                 certificate.offer(plan)
             # Every plan left out of the search is worth less than the threshold.
             certificate.lower(max(value, threshold))
             if certificate.proven or enough():
-                return certificate.proven
+                return certificate.proven, least, took
             if value >= threshold and grown == 0:
                 if not multipliers.any():
-                    return True
+                    return True, least, took
                 # Plans reach the threshold only by multipliers of targets that they leave out.
                 small = SMALL * routes.greatest_prize
                 multipliers = np.where(multipliers > small, 0.5 * multipliers, 0.0)
                 routes.use(multipliers)
-        return True
+        return True, least, took
 
     @property
     def counters(self) -> dict[str, float]:

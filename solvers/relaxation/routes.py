@@ -14,8 +14,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .labels import CROWDED, EXHAUSTED, FULL, Search, Table, extend
+from .labels import CROWDED, EXHAUSTED, FULL, PILED, Search, Table, extend
 from .learning import learn, most_of, path_of
+from .pending import more_room, pending_room, send
 from .waiting import FINE, WORD, Labels, labels_room, larger, room
 from .walks import WalkBound
 
@@ -24,6 +25,9 @@ EFFORT = 200_000
 
 FIRST_WAITING = 256
 """Labels that may wait at each body before there has to be more room."""
+
+FIRST_BLOCKS = 4096
+"""Blocks of labels on their way before there has to be more room."""
 
 WALKS = 1000
 """Walks to learn from after a search."""
@@ -71,7 +75,6 @@ class Routes:
         self.searches = 0
         self._body = np.repeat(np.arange(bodies, dtype=np.int32), np.diff(network.start))
         self._order = np.argsort(network.departure, kind="stable")
-        self._first = np.empty(network.departure.size, dtype=np.int32)  # label of each row
         self._labels = labels_room(1 << 16, self.neighbourhood.shape[1])
         self._gain = np.zeros(bodies, dtype=np.int64)
         self._total = 0.0
@@ -121,17 +124,22 @@ class Routes:
         )  # fmt: skip
         words = self.neighbourhood.shape[1]
         waiting = room(bound.prize.size, words, FIRST_WAITING)
+        pending = pending_room(self._body.size, words, FIRST_BLOCKS)
+        send(pending, bound.network.root, self._labels, 0)
 
         def extend_labels(labels: Labels, cursor: np.ndarray) -> int:
-            nonlocal waiting
+            nonlocal waiting, pending
             while True:
                 state = extend(
-                    bound.network, self._body, self._order, search, labels, self._first, waiting,
+                    bound.network, self._body, self._order, search, labels, pending, waiting,
                     cursor, EFFORT,
                 )  # fmt: skip
-                if state != CROWDED:
+                if state == CROWDED:
+                    waiting = larger(waiting, words)
+                elif state == PILED:
+                    pending = more_room(pending, words)
+                else:
                     return int(state)
-                waiting = larger(waiting, words)
 
         return extend_labels
 
@@ -166,14 +174,11 @@ class Routes:
         bound = self._bound
         # A little lower, so that no rounding of the sum of multipliers counts.
         need = math.ceil((threshold - self._total) / self._unit - 1e-3)
-        self._first[:] = -1
-        root = bound.network.root
-        self._first[root] = 0
-        extend_labels = self._extension(need)
         labels = self._labels
-        labels.row[0], labels.parent[0], labels.following[0] = root, -1, -1
+        labels.row[0], labels.parent[0] = bound.network.root, -1
         labels.value[0], labels.left[0], labels.memory[0] = 0, bound.budget, 0
         labels.visits[0], labels.came_from[0], labels.worth[0] = 0, -1, 0.0
+        extend_labels = self._extension(need)
         cursor = np.array([0, 1, 0], dtype=np.int64)
         self.searches += 1
         while True:

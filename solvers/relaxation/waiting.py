@@ -26,11 +26,12 @@ NOBODY = -1
 
 
 class Labels(NamedTuple):
-    """Partial walks. Those that will be ready by a row are chained by ``following``.
+    """Partial walks.
 
     Attributes
     ----------
-    row, parent, following : (labels,) int32
+    row, parent : (labels,) int32
+        By which row the walk is ready, and which one it goes on from.
     value : (labels,) int64
         [fine units].
     left : (labels,) float64
@@ -45,7 +46,6 @@ class Labels(NamedTuple):
 
     row: np.ndarray
     parent: np.ndarray
-    following: np.ndarray
     value: np.ndarray
     left: np.ndarray
     visits: np.ndarray
@@ -56,11 +56,11 @@ class Labels(NamedTuple):
 
 def labels_room(size: int, words: int = 1) -> Labels:
     """Room for as many labels, that remember so many words each."""
-    row, parent, following = (np.empty(size, dtype=np.int32) for _ in range(3))
+    row, parent = (np.empty(size, dtype=np.int32) for _ in range(2))
     visits, came_from = (np.empty(size, dtype=np.int16) for _ in range(2))
     left, worth = np.empty(size), np.empty(size)
     value, memory = np.empty(size, dtype=np.int64), np.empty((size, words), dtype=np.int64)
-    return Labels(row, parent, following, value, left, visits, came_from, worth, memory)
+    return Labels(row, parent, value, left, visits, came_from, worth, memory)
 
 
 def bytes_each() -> int:
@@ -135,20 +135,43 @@ def dominates(labels, one, value, left, visits, worth, memory, compared):
     return beyond == 0
 
 
+@inlined
+def lanes_that_may(keys, at, stride, left, value, memory, compared):
+    """Which of sixteen labels may dominate another one, as bits of a number.
+
+    Parameters
+    ----------
+    keys : (…,) int32
+    at, stride : int
+        Where the first key of the first of them lies, and how far on the next ones.
+    left, value, memory, compared
+        Of the other one, as for :func:`dominates`.
+    """
+    hits = simd.at_least(simd.load(keys, at), simd.spread(_key_of(left)))
+    hits &= simd.at_least(simd.load(keys, at + stride), simd.spread(value >> FINE))
+    for part in range(2 * memory.size):
+        kept = simd.load(keys, at + (2 + part) * stride)
+        beyond = ~_part(memory, part) & _part(compared, part)
+        hits &= simd.disjoint(kept, simd.spread(beyond))
+    return hits
+
+
+@inlined
+def fill_lane(keys, at, stride, labels, label):
+    """Write the keys of a label."""
+    keys[at] = _key_of(labels.left[label])
+    keys[at + stride] = labels.value[label] >> FINE
+    for part in range(2 * labels.memory.shape[1]):
+        keys[at + (2 + part) * stride] = _part(labels.memory[label], part)
+
+
 @kernel
 def is_dominated(waiting, labels, j, value, left, visits, worth, memory, compared):
     """Whether a label that waits at body j dominates what could come there."""
     capacity = waiting.label.shape[1]
-    parts = 2 * memory.size
-    base = j * (2 + parts) * capacity
-    least_left, least_value = simd.spread(_key_of(left)), simd.spread(value >> FINE)
+    base = j * (2 + 2 * memory.size) * capacity
     for k in range(0, waiting.size[j], simd.LANES):
-        hits = simd.at_least(simd.load(waiting.keys, base + k), least_left)
-        hits &= simd.at_least(simd.load(waiting.keys, base + capacity + k), least_value)
-        for part in range(parts):
-            kept = simd.load(waiting.keys, base + (2 + part) * capacity + k)
-            beyond = ~_part(memory, part) & _part(compared, part)
-            hits &= simd.disjoint(kept, simd.spread(beyond))
+        hits = lanes_that_may(waiting.keys, base + k, capacity, left, value, memory, compared)
         lane = 0
         while hits >> lane:
             if hits >> lane & 1 and dominates(
@@ -214,10 +237,7 @@ def arrive(waiting, labels, j, label, compared):
     _drop_dominated(waiting, labels, j, label, compared)
     base = j * (2 + 2 * memory.size) * capacity + at
     waiting.label[j, at] = label
-    waiting.keys[base] = _key_of(labels.left[label])
-    waiting.keys[base + capacity] = labels.value[label] >> FINE
-    for part in range(2 * memory.size):
-        waiting.keys[base + (2 + part) * capacity] = _part(memory, part)
+    fill_lane(waiting.keys, base, capacity, labels, label)
     waiting.size[j] = at + 1
     return True
 
