@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from .errors import InputError
 from .instance import Instance
+from .kept import Kept, Pair
 from .kernels import connections as kernels
 from .kernels import drifting
 from .kernels import timetable as tables
@@ -61,7 +62,7 @@ class Connecting:
 
     Where events are regular (two-body motion) a pair takes a tenth of a millisecond, and is worked
     out whenever somebody asks. Where nodes drift it takes some milliseconds, and what planning
-    needs is kept: :meth:`list`.
+    needs is kept, as far as there is room (:class:`.kept.Kept`).
 
     Parameters
     ----------
@@ -69,15 +70,20 @@ class Connecting:
 
     Attributes
     ----------
-    lists : dict of (origin, destination) to Found, or None
-        Those kept.
+    kept : Kept
+        The connections of pairs that are kept, where nodes drift.
+    counts : dict of (origin, destination) to int
+        How many connections the pairs have that a table was made of, where nodes drift.
     """
 
     def __init__(self, instance: Instance) -> None:
         self.instance = instance
         self.inputs = instance.orbits(), instance.eccentricity_delta_v(), instance.transfer_rule()
         self.times = _times(instance)
-        self.lists: dict[tuple[int, int], kernels.Found] | None = None
+        self.kept = Kept()
+        self.counts: dict[Pair, int] = {}
+        self._chosen: dict[Pair, kernels.Found] = {}
+        self._chosen_for = math.nan
         self._resolution = instance.transfer.delta_v_resolution_m_s
         self._end = instance.mission.duration_s + SLACK_S
 
@@ -105,46 +111,56 @@ class Connecting:
             found = drifting.of_pair(*pair, self.times, self._end, resolution_m_s)
         return found
 
-    def list_pairs(self, order: npt.NDArray[np.int64], first: int, last: int) -> None:
-        """Work out and keep the pairs from number ``first`` to before ``last`` of an order."""
-        if self.lists is None:
-            self.lists = {}
+    def found(self, i: int, j: int) -> kernels.Found:
+        """What planning needs of a pair: kept, or worked out."""
+        if not self.drifts:
+            return self.find(i, j, self.planning_resolution_m_s)
+        return self.kept.get((i, j), lambda: self.find(i, j, self.planning_resolution_m_s))
+
+    def choose_pairs(
+        self,
+        order: npt.NDArray[np.int64],
+        first: int,
+        last: int,
+        limits: tables.Limits,
+        time_value_m_s_per_h: float,
+    ) -> None:
+        """Make the choice of pairs number ``first`` to before ``last`` of an order, for a table."""
+        if self._chosen_for != time_value_m_s_per_h:
+            self._chosen, self._chosen_for = {}, time_value_m_s_per_h
         for number in range(first, last):
             i, j = pair_of(order, number)
-            if i != j and (i, j) not in self.lists:
-                self.lists[i, j] = self.find(i, j, self.planning_resolution_m_s)
-
-    def part(self, instance: Instance, kept: list[int]) -> Connecting:
-        """That of an instance with some of the bodies, and what is kept of them."""
-        made = Connecting(instance)
-        if self.lists is not None:
-            made.lists = {
-                (a, b): self.lists[i, j]
-                for a, i in enumerate(kept)
-                for b, j in enumerate(kept)
-                if i != j
-            }
-        return made
-
-    def table(self, limits: tables.Limits, time_value_m_s_per_h: float) -> tables.Table:
-        """The timetable of a choice among what is kept."""
-        assert self.lists is not None
-        chosen = []
-        for (i, j), found in self.lists.items():
+            if i == j:
+                continue
+            found = self.found(i, j)
             taken = np.empty(found.departure.size, dtype=np.int64)
             count = tables.choose(found, limits, j, time_value_m_s_per_h / HOUR_S, taken)
-            chosen.append((i, j, found, taken[taken.size - count :]))
-        return tables.pack(len(self.instance.names), chosen, limits.duration)
+            chosen = taken[taken.size - count :]
+            self._chosen[i, j] = kernels.Found(*(column[chosen] for column in found))
+            self.counts[i, j] = found.departure.size
+
+    def part(self, instance: Instance, bodies: list[int]) -> Connecting:
+        """That of an instance with some of the bodies, and what is known of them."""
+        made = Connecting(instance)
+        pairs = [(a, b) for a in range(len(bodies)) for b in range(len(bodies)) if a != b]
+        there = {(a, b): (bodies[a], bodies[b]) for a, b in pairs}
+        made.kept = self.kept.part(there)
+        made.counts = {new: self.counts[old] for new, old in there.items() if old in self.counts}
+        made._chosen = {new: self._chosen[old] for new, old in there.items() if old in self._chosen}
+        return made
+
+    def table(self, duration: float) -> tables.Table:
+        """The timetable of the choices made."""
+        chosen, self._chosen = self._chosen, {}
+        return tables.pack(len(self.instance.names), chosen, duration)
 
     def of_pair(self, i: int, j: int, resolution_m_s: float) -> Connections:
         """All connections of a pair; none from a body to itself."""
         if i == j:
             none = np.empty(0)
             return Connections(none, none, none, np.empty(0, dtype=np.int8))
-        if self.lists is not None and resolution_m_s == self.planning_resolution_m_s:
-            found = self.lists[i, j]
-        else:
-            found = self.find(i, j, resolution_m_s)
+        planning = self.drifts and resolution_m_s == self.planning_resolution_m_s
+        found = self.found(i, j) if planning else self.find(i, j, resolution_m_s)
         return Connections(found.departure, found.arrival, found.delta_v, found.revolutions)
 
     def choose(

@@ -148,9 +148,13 @@ class Timetable:
             if done < pairs:
                 table = kernels.part(table, whole)
         else:
-            lister = connecting
+            chooser = connecting
+            if not len(chooser.kept):  # else there was room, and it is taken by now
+                chooser.kept.limit(size.room_bytes)
             done = _in_slices(
-                lambda first, last: lister.list_pairs(turns, first, last),
+                lambda first, last: chooser.choose_pairs(
+                    turns, first, last, limits, time_value_m_s_per_h
+                ),
                 pairs, 1, threads, so_far,
             )  # fmt: skip
             whole = np.sort(turns[: max(1, math.isqrt(done))])
@@ -159,7 +163,7 @@ class Timetable:
             connecting = connecting.part(instance, whole.tolist())
             limits = limits_of(instance)
         if connecting.drifts:
-            table = connecting.table(limits, time_value_m_s_per_h)
+            table = connecting.table(limits.duration)
         for array in table:
             array.setflags(write=False)
         self.connecting = connecting

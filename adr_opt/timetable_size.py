@@ -22,6 +22,9 @@ LARGE_BYTES = 2.0**28
 BYTES_PER_CONNECTION = 29
 """Memory that a connection takes that is kept."""
 
+PAIRS_AT_ONCE = 32
+"""Where connections do not fit, those of at least so many pairs are kept."""
+
 SAMPLED_PAIRS = 8
 """Of so many pairs the connections are counted to estimate those of all."""
 
@@ -61,9 +64,18 @@ class Size:
 
     @property
     def bytes(self) -> int:
-        """Memory that building it takes."""
-        lists = BYTES_PER_CONNECTION * self.connections
-        return kernels.size_of(self.bodies, self.events) + TEMPORARY_BYTES * self.bodies**2 + lists
+        """Memory that building it takes, with all connections kept."""
+        return self._table_bytes + BYTES_PER_CONNECTION * self.connections
+
+    @property
+    def _table_bytes(self) -> int:
+        return kernels.size_of(self.bodies, self.events) + TEMPORARY_BYTES * self.bodies**2
+
+    @property
+    def room_bytes(self) -> float:
+        """Memory that is left for connections where not all of them fit; else +inf."""
+        free = MEMORY_SHARE * available_bytes()
+        return math.inf if self.bytes <= free else free - self._table_bytes
 
     @property
     def is_large(self) -> bool:
@@ -72,15 +84,17 @@ class Size:
 
     def __str__(self) -> str:
         connections = f"{self.connections:.2g}".replace("e+0", "e").replace("e+", "e")
+        kept = "" if math.isinf(self.room_bytes) else "; what does not fit is worked out when asked"
         return (
             f"about {connections} connections of {self.bodies} bodies, which take "
-            f"{self.bytes / 2**30:.2g} GiB of memory"
+            f"{self.bytes / 2**30:.2g} GiB of memory{kept}"
         )
 
     @property
     def fits(self) -> bool:
-        """Whether there is memory for it now."""
-        return self.bytes <= MEMORY_SHARE * available_bytes()
+        """Whether there is memory for it now, with connections of some pairs kept at a time."""
+        pairs = min(PAIRS_AT_ONCE, self.bodies * (self.bodies - 1))
+        return BYTES_PER_CONNECTION * pairs * self.listed <= self.room_bytes
 
 
 def estimate(instance: Instance) -> Size:

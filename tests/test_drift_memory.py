@@ -14,6 +14,7 @@ from adr_opt import timetable_size
 from adr_opt.errors import InputError
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import DAY_S
+from adr_opt.mission import Mission
 from adr_opt.sizes import transfers_for
 
 
@@ -46,10 +47,8 @@ def test_connections_are_estimated_by_a_sample(instance: Instance) -> None:
     """Number and memory of all connections are those of the estimate, to a third."""
     size = timetable_size.estimate(instance)
     built = adr_opt.Timetable(instance)
-    lists = built.connecting.lists
-    assert lists is not None
-    count = sum(found.departure.size for found in lists.values())
-    held = sum(array.nbytes for found in lists.values() for array in found)
+    count = sum(built.connecting.counts.values())
+    held = built.connecting.kept.bytes
     held += sum(array.nbytes for array in built.table if isinstance(array, np.ndarray))
     assert size.connections == pytest.approx(count, rel=0.33)
     assert 0.6 * held < size.bytes < 2.0 * held
@@ -119,7 +118,9 @@ def test_without_long_transfers_the_nearest_are_planned_with(
     """A mission of hours under J2 is planned as far as memory goes, as one of two bodies is."""
     instance = adr_opt.generate("nominal", 0, targets=12).replace(dynamics="j2")
     instance = instance.with_limits(duration_s=0.5 * DAY_S)
-    half = timetable_size.estimate(instance).bytes / timetable_size.MEMORY_SHARE / 2.0
+    size = timetable_size.estimate(instance)
+    table = size.bytes - timetable_size.BYTES_PER_CONNECTION * size.connections
+    half = table / timetable_size.MEMORY_SHARE / 2.0
     monkeypatch.setattr(timetable_size, "available_bytes", lambda: half)
     result = adr_opt.solve(instance, "greedy-guarded")
     assert result.plan is not None
@@ -151,3 +152,27 @@ def test_a_coarser_sample_says_what_a_full_one_says(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(timetable_size, "SAMPLED_STEPS", 60)
     monkeypatch.setattr(timetable_size, "SAMPLED_EVENTS", 120)
     assert timetable_size.estimate(field).connections == pytest.approx(whole, rel=0.5)
+
+
+def test_connections_that_do_not_fit_are_worked_out_when_asked(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """With room for some pairs only, tables, plans and bounds are those of a large memory."""
+    instance = adr_opt.generate("rocket-bodies", 1, targets=8)
+    whole = adr_opt.Timetable(instance)
+    size = timetable_size.estimate(instance)
+    room = (size.bytes - 0.5 * whole.connecting.kept.bytes) / timetable_size.MEMORY_SHARE
+    monkeypatch.setattr(timetable_size, "available_bytes", lambda: room)
+    monkeypatch.setattr(timetable_size, "PAIRS_AT_ONCE", 4)
+    small = adr_opt.Timetable(instance)
+    kept = small.connecting.kept
+    assert 4 <= len(kept) < len(whole.connecting.kept)
+    assert kept.bytes <= timetable_size.estimate(instance).room_bytes
+    for one, other in zip(small.table, whole.table, strict=True):
+        np.testing.assert_array_equal(one, other)
+    missions = [Mission(instance, made) for made in (small, whole)]
+    for method in ("beam", "exact"):
+        few, all_ = (adr_opt.solve(mission, method, time_limit=60) for mission in missions)
+        assert few.sequence == all_.sequence
+        assert few.upper_bound == all_.upper_bound
+    assert len(kept) < len(whole.connecting.kept)

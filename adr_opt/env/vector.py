@@ -32,7 +32,7 @@ def _ready(instance: Instance) -> Mission:
     mission = Mission(instance, threads=1)
     _ = mission.rules
     # What the table was chosen from takes many times its memory, and nobody asks for it here.
-    mission.connecting.lists = None
+    mission.connecting.kept.limit(0.0)
     return mission
 
 

@@ -198,28 +198,28 @@ def choose(found, limits, j, time_value, taken):
     return count
 
 
-def pack(bodies: int, chosen: list[tuple[int, int, Found, np.ndarray]], duration: float) -> Table:
+def pack(bodies: int, chosen: dict[tuple[int, int], Found], duration: float) -> Table:
     """A table whose events are not regular.
 
     Parameters
     ----------
     bodies : int
-    chosen : list of (origin, destination, Found, (events,) int64)
-        For each pair its connections, and which of them are chosen, in order of departure.
+    chosen : dict of (origin, destination) to Found
+        For each pair the connections chosen, in order of departure.
     duration : float
         Of the mission [s].
     """
-    most = max([1, *(taken.size for _, _, _, taken in chosen)])
+    most = max([1, *(found.departure.size for found in chosen.values())])
     table = allocate(bodies, most, regular=False)
     table.first[:], table.total[:], table.entries[:] = 0.0, 0, math.inf
     table.departure[:] = math.inf
     table.spacing[:] = max(duration, 1.0) / max(most, LEAST_STEPS) * (1.0 + 1e-9)
-    for i, j, found, taken in chosen:
-        count = taken.size
+    for (i, j), found in chosen.items():
+        count = found.departure.size
         table.total[i, j] = count
-        table.departure[i, :count, j] = found.departure[taken]
-        table.entries[i, :count, j, 0] = found.delta_v[taken]
-        table.entries[i, :count, j, 1] = found.arrival[taken]
+        table.departure[i, :count, j] = found.departure
+        table.entries[i, :count, j, 0] = found.delta_v
+        table.entries[i, :count, j, 1] = found.arrival
         table.first[i, j] = table.departure[i, 0, j] if count else 0.0
     return table
 

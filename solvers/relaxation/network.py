@@ -311,7 +311,7 @@ def build(mission: Mission, *, jobs: int) -> Network:
 
 
 class Listed(NamedTuple):
-    """The connections that are kept of one origin, destination after destination.
+    """The connections of one origin, destination after destination.
 
     Attributes
     ----------
@@ -330,11 +330,11 @@ class Listed(NamedTuple):
 
 
 def _listed(mission: Mission, i: int) -> Listed | None:
-    """What is kept of the connections of an origin; None where nothing is."""
-    lists = mission.connecting.lists
-    if lists is None:
+    """The connections of an origin that drifts; None where they are worked out one by one."""
+    connecting = mission.connecting
+    if not connecting.drifts:
         return None
-    there = [(j, lists[i, j]) for j in range(len(mission.names)) if j != i]
+    there = [(j, connecting.found(i, j)) for j in range(len(mission.names)) if j != i]
     first = np.zeros(len(mission.names) + 1, dtype=np.int64)
     for j, found in there:
         first[j + 1] = found.departure.size

@@ -330,10 +330,10 @@ def set_up_s(mission: Mission) -> float:
 
 def _entries(mission: Mission) -> float:
     """Timetable entries; where connections are listed, and counted, as many as have so many."""
-    entries, lists = mission.timetable.entries, mission.connecting.lists
-    if lists is None:
+    entries, connecting = mission.timetable.entries, mission.connecting
+    if not connecting.drifts:
         return entries
-    return sum(found.departure.size for found in lists.values()) / CONNECTIONS_PER_EVENT
+    return sum(connecting.counts.values()) / CONNECTIONS_PER_EVENT
 
 
 def bounded(

@@ -1,0 +1,40 @@
+"""Connections that are kept within some room."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from adr_opt.kept import Kept
+from adr_opt.kernels.connections import Found
+
+EACH_BYTES = 29 * 10
+
+
+def some(number: int) -> Found:
+    """Ten connections that all bear a number."""
+    numbers = np.full(10, float(number))
+    return Found(numbers, numbers, numbers, numbers.astype(np.int8), numbers.astype(np.int32))
+
+
+def test_the_last_ones_asked_for_are_kept() -> None:
+    """What is asked for again is not worked out again, as long as it is among the last ones."""
+    made: list[int] = []
+
+    def ask(number: int) -> Found:
+        def find() -> Found:
+            made.append(number)
+            return some(number)
+
+        return kept.get((number, 0), find)
+
+    kept = Kept(3 * EACH_BYTES)
+    for number in (1, 2, 3, 1, 4, 1, 2):
+        assert ask(number).departure[0] == number
+        assert kept.bytes == EACH_BYTES * len(kept) <= 3 * EACH_BYTES
+    assert made == [1, 2, 3, 4, 2]
+    part = kept.part({(7, 8): (1, 0), (8, 7): (3, 0)})
+    assert (len(part), part.bytes) == (1, EACH_BYTES)
+    kept.limit(0.0)
+    assert (len(kept), kept.bytes) == (0, 0)
+    assert ask(2).departure[0] == 2.0
+    assert (len(kept), made[-1]) == (0, 2)
