@@ -22,9 +22,9 @@ from adr_opt.kernels.timetable import earliest_taken
 STRAIGHT = -1
 """Stands for no station on the way."""
 
-MOST_STAIRS = 512
+MOST_STAIRS = 64
 
-STEPS = 500
+STEPS = 60
 """A stair is higher than the one before by this part of a tank."""
 
 
@@ -121,6 +121,10 @@ def _put(stairs, place, size, time, tank, parent, via):
 @kernel
 def _fly(lines, i, j, here, at, latest, step, desk, there, to, via):
     """Stairs that the connections of a pair lead to, none after a time; returns how many."""
+    lines = borrowed(lines)
+    here = borrowed(here)
+    there = borrowed(there)
+    desk = borrowed(desk)
     begin, total = lines.first[i, j], lines.total[i, j]
     size = here.size[at]
     if total == 0 or here.tank[at, size - 1] < lines.least[i, j]:
@@ -159,6 +163,8 @@ def _fly(lines, i, j, here, at, latest, step, desk, there, to, via):
 @kernel
 def _refuelled(lines, i, s, here, at, latest):
     """When a chaser may be refuelled at a station at the earliest [s], and by which stair."""
+    lines = borrowed(lines)
+    here = borrowed(here)
     begin, total = lines.first[i, s], lines.total[i, s]
     size = here.size[at]
     if total == 0 or here.tank[at, size - 1] < lines.least[i, s]:
@@ -186,6 +192,8 @@ def _refuelled(lines, i, s, here, at, latest):
 @kernel
 def _merge(count, parts, rest, step, to, at):
     """Merge two ascending staircases, at the places 0 and 1 of ``parts``."""
+    parts = borrowed(parts)
+    to = borrowed(to)
     a, b, size, best = 0, 0, 0, -step
     while (a < count or b < rest) and size < MOST_STAIRS:
         if b == rest or (a < count and parts.time[0, a] <= parts.time[1, b]):
@@ -258,6 +266,10 @@ def forwards(rules, lines, i, j, refuels, here, at, latest, desk, there, to):
 @kernel
 def _fly_back(lines, i, j, budget, there, at, earliest, step, desk, here, to):
     """Stairs from which the connections of a pair lead to others, none before a time."""
+    lines = borrowed(lines)
+    here = borrowed(here)
+    there = borrowed(there)
+    desk = borrowed(desk)
     begin, total = lines.first[i, j], lines.total[i, j]
     size = there.size[at]
     if total == 0 or there.tank[at, size - 1] + lines.least[i, j] > budget:
@@ -292,6 +304,8 @@ def _fly_back(lines, i, j, budget, there, at, earliest, step, desk, here, to):
 @kernel
 def _needed_full(lines, s, j, budget, there, at, earliest):
     """How late a chaser may be refuelled at a station; −inf for never [s]."""
+    lines = borrowed(lines)
+    there = borrowed(there)
     begin, total = lines.first[s, j], lines.total[s, j]
     size, latest = there.size[at], there.time[at, 0]
     for c in range(_first_at(lines.departure, begin, begin + total, latest) - 1, begin - 1, -1):
@@ -315,6 +329,8 @@ def _needed_full(lines, s, j, budget, there, at, earliest):
 @kernel
 def _merge_back(count, parts, rest, step, to, at):
     """Merge two descending staircases at the places 0 and 1 of ``parts``."""
+    parts = borrowed(parts)
+    to = borrowed(to)
     a, b, size, best = 0, 0, 0, np.inf
     while (a < count or b < rest) and size < MOST_STAIRS:
         if b == rest or (a < count and parts.time[0, a] >= parts.time[1, b]):
@@ -376,6 +392,22 @@ def finish(rules, lines, i, earliest, desk, here, to):
                 _put(parts, 0, a, here.time[to, a], here.tank[to, a], 0, STRAIGHT)
             size = _merge_back(size, parts, rest, step, here, to)
     return size
+
+
+@kernel
+def take(source, at, destination, to):
+    """Copy stairs; whether the same ones were there."""
+    source, destination = borrowed(source), borrowed(destination)
+    size = source.size[at]
+    same = destination.size[to] == size
+    destination.size[to] = size
+    for a in range(size):
+        time, tank = source.time[at, a], source.tank[at, a]
+        same = same and time == destination.time[to, a] and tank == destination.tank[to, a]
+        destination.time[to, a], destination.tank[to, a] = time, tank
+        destination.parent[to, a] = source.parent[at, a]
+        destination.via[to, a] = source.via[at, a]
+    return same
 
 
 @inlined

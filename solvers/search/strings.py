@@ -63,33 +63,40 @@ def _before(rules, order, position):
 
 @kernel
 def _time(rules, lines, course, length, first, desk):
-    """Stairs forwards from a position on; whether all targets can be reached."""
-    order = course.order
+    """Stairs forwards from a position on; whether all targets can be reached.
+
+    Only those that are early enough for the rest: the stairs backwards are right.
+    """
+    order, came, suffices = course.order, course.came, course.suffices
     for p in range(first, length):
         i, j = _before(rules, order, p), order[p]
-        size = staircases.forwards(
-            rules, lines, i, j, p > 0, course.came, i, rules.duration, desk, course.came, j
-        )
+        latest = suffices.time[j, 0]
+        size = staircases.forwards(rules, lines, i, j, p > 0, came, i, latest, desk, came, j)
         if size == 0:
             return False
     return True
 
 
 @kernel
-def _time_back(rules, lines, course, length, last, desk):
-    """Stairs backwards from a position on; whether all of them suffice."""
-    order = course.order
+def _time_back(rules, lines, course, length, last, settled, desk, trial):
+    """Stairs backwards from a position on; whether all of them suffice.
+
+    From the position ``settled`` down the stairs are right if those behind have not changed.
+    """
+    order, suffices = course.order, course.suffices
     for p in range(last, -1, -1):
         j = order[p]
         if p == length - 1:
-            size = staircases.finish(rules, lines, j, rules.ready, desk, course.suffices, j)
+            size = staircases.finish(rules, lines, j, rules.ready, desk, trial, 0)
         else:
             size = staircases.backwards(
-                rules, lines, j, order[p + 1], True, course.suffices, order[p + 1], rules.ready,
-                desk, course.suffices, j,
+                rules, lines, j, order[p + 1], True, suffices, order[p + 1], rules.ready,
+                desk, trial, 0,
             )  # fmt: skip
         if size == 0:
             return False
+        if staircases.take(trial, 0, suffices, j) and p <= settled:
+            break
     return True
 
 
@@ -102,11 +109,7 @@ def _copy(source, destination, bodies):
         if side == 1:
             one, other = source.suffices, destination.suffices
         for body in range(bodies):
-            size = one.size[body]
-            other.size[body] = size
-            for a in range(size):
-                other.time[body, a], other.tank[body, a] = one.time[body, a], one.tank[body, a]
-                other.parent[body, a], other.via[body, a] = one.parent[body, a], one.via[body, a]
+            staircases.take(one, body, other, body)
 
 
 @kernel
@@ -174,6 +177,7 @@ def _insert(order, source, position):
 @kernel
 def _best_position(rules, lines, course, length, j, desk, trial, rng):
     """Where most time is left once a target is put in; −1 if it fits in nowhere."""
+    lines, course, trial = borrowed(lines), borrowed(course), borrowed(trial)
     best, most = -1, -np.inf
     order, came, suffices = course.order, course.came, course.suffices
     for p in range(length + 1):
@@ -232,8 +236,8 @@ def _recreate(rules, lines, course, length, far, absent, desk, trial, rng):
             source += 1
         _insert(order, source, position)
         length += 1
+        _time_back(rules, lines, course, length, position, position - 1, desk, trial)
         _time(rules, lines, course, length, position, desk)
-        _time_back(rules, lines, course, length, position, desk)
     return length
 
 
@@ -321,8 +325,8 @@ def anneal(rules, lines, order, length, near, far, absent, weights, iterations, 
         start, came = rules.start, course.came
         came.size[start], came.time[start, 0], came.tank[start, 0] = 1, rules.ready, rules.budget
     while not (
-        _time(rules, lines, here, length, 0, desk)
-        and _time_back(rules, lines, here, length, length - 1, desk)
+        _time_back(rules, lines, here, length, length - 1, -1, desk, trial)
+        and _time(rules, lines, here, length, 0, desk)
     ):
         # A schedule over all connections may get farther than these lines do.
         length -= 1
@@ -338,9 +342,9 @@ def anneal(rules, lines, order, length, near, far, absent, weights, iterations, 
         size, first, last = length, 0, 0
         if length > 0:
             size, first, last = _ruin(there.order, length, near, rng)
-        possible = _time(rules, lines, there, size, first, desk)
-        if possible and size > 0:
-            possible = _time_back(rules, lines, there, size, min(last, size - 1), desk)
+        possible = _time_back(
+            rules, lines, there, size, min(last, size) - 1, first - 1, desk, trial
+        ) and _time(rules, lines, there, size, 0, desk)
         new_value = -np.inf
         if possible:
             size = _recreate(rules, lines, there, size, far, absent, desk, trial, rng)
