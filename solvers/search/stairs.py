@@ -134,7 +134,9 @@ def _fly(lines, i, j, here, at, latest, step, desk, there, to, via):
     )  # fmt: skip
     stair, high = 0, low
     while high < begin + total and lines.departure[high] <= latest:
-        while stair + 1 < size and earliest_taken(here.time[at, stair + 1]) <= lines.departure[high]:
+        while (
+            stair + 1 < size and earliest_taken(here.time[at, stair + 1]) <= lines.departure[high]
+        ):
             stair += 1
         desk.tank[high - begin] = here.tank[at, stair] - lines.delta_v[high]
         desk.parent[high - begin] = stair
