@@ -19,13 +19,14 @@ from solvers.search.lines import lines_of
 from solvers.search.strings import LONGEST_STRING, MOST_STRINGS, Strings, ruin
 
 ENDLESS = MaxIterations(1)
-FIELD = 12
+FIELD = 16
 
 
 @pytest.fixture(scope="module")
 def field() -> Mission:
-    """A year among a few targets that nobody reaches all of without waiting for their planes."""
-    mission = Mission(adr_opt.generate("sso", 1, targets=FIELD), threads=1)
+    """Months among targets whose planes are far apart: nobody reaches all of them in time."""
+    instance = adr_opt.generate("sso", 1, targets=FIELD).with_limits(duration_s=100 * 86400.0)
+    mission = Mission(instance, threads=1)
     assert mission.rules.service.size == FIELD + 1
     return mission
 
@@ -58,8 +59,9 @@ def test_what_is_found_can_be_flown_under_all_rules(seeds):
         if found.sequence is not None:
             assert result.plan is not None
             assert adr_opt.check(mission.instance, result.plan) == (), seed
-        assert found.objective <= prizes + 1e-9, seed
-        best += found.objective >= prizes - 1e-9
+        objective = mission.shown(found.objective)
+        assert objective <= prizes + 1e-9, seed
+        best += objective >= prizes - 1e-9
         drawn += 1
     assert best >= 0.8 * drawn, (best, drawn)
 
@@ -102,9 +104,8 @@ def test_what_changes_is_timed_as_the_whole_is(field):
         if place < 0:
             continue
         courses.insert(course.order, size, place)
-        assert courses.time_back(
-            rules, lines, course, size + 1, place, place - 1, desk, trial
-        ) and courses.time_forth(rules, lines, course, size + 1, place, desk)
+        assert courses.time_back(rules, lines, course, size + 1, place, place - 1, desk, trial)
+        assert courses.time_forth(rules, lines, course, size + 1, place, desk)
         anew = begun(field, course.order.tolist(), size + 1)
         assert courses.time_back(rules, lines, anew, size + 1, size, -1, desk, trial)
         assert courses.time_forth(rules, lines, anew, size + 1, 0, desk)

@@ -112,7 +112,7 @@ class _Search:
         self.counters["beams"] += 1
 
     def anneal(self, annealings: int, width: int) -> None:
-        """Where planes drift: anneal an order again and again, and others once that is fruitless."""
+        """Where planes drift: anneal an order again and again, another once that is fruitless."""
         if not (self._drifts and self._mission.total_worth > 0.0):
             return
         if self._strings is None and self._stop.remaining_s() > 0.0:

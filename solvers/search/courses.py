@@ -16,7 +16,7 @@ from adr_opt.kernels.memory import borrowed, write
 from . import stairs as staircases
 from .stairs import STRAIGHT, Stairs
 
-PASSED_OVER = 0.03
+PASSED_OVER = 0.15
 """Probability that a position is not looked at."""
 
 
@@ -136,6 +136,7 @@ def best_position(rules, lines, course, length, j, desk, trial, rng):
 
 @kernel
 def new_course(order, bodies):
+    """A course for a copy of an order, of which nothing is timed yet."""
     return Course(order.copy(), staircases.new_stairs(bodies), staircases.new_stairs(bodies))
 
 

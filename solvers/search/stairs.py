@@ -380,11 +380,12 @@ def backwards(rules, lines, i, j, refuels, there, at, earliest, desk, here, to):
 @kernel
 def finish(rules, lines, i, earliest, desk, here, to):
     """Stairs that suffice at the last target of an order."""
-    here.size[to] = 0
+    size, parts = np.int64(0), desk.parts
     if rules.may_end[i]:
-        here.size[to] = _put(here, to, 0, rules.duration, 0.0, 0, STRAIGHT)
-        return here.size[to]
-    size, parts = 0, desk.parts
+        size = _put(here, to, size, rules.duration, 0.0, 0, STRAIGHT)
+        here.size[to] = size
+        return size
+    here.size[to] = 0
     step = rules.budget / STEPS
     for s in range(rules.stations):
         if s != i and rules.may_end[s]:

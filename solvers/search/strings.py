@@ -12,7 +12,7 @@ of :mod:`.stairs`, which answers for hundreds of connections of a pair and all w
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 import numpy as np
 import numpy.typing as npt
@@ -34,7 +34,7 @@ from .worth import worth_of
 LONGEST_STRING = 6
 MOST_STRINGS = 3
 
-HOT, COLD = 0.3, 0.01
+HOT, COLD = 1.0, 0.03
 """Temperatures of the annealing, in mean prizes."""
 
 NEIGHBOURS = 3
@@ -99,7 +99,7 @@ def ruin(order, length, near, rng):
 
 @kernel
 def _recreate(rules, lines, course, length, far, absent, desk, trial, rng):
-    """Put missing targets back in, as far as they fit; returns how many are visited."""
+    """Put missing targets back in, as far as they fit; returns how many are visited, or −1."""
     order = course.order
     missing = order.size - length
     keys = np.empty(missing)
@@ -126,8 +126,12 @@ def _recreate(rules, lines, course, length, far, absent, desk, trial, rng):
             source += 1
         courses.insert(order, source, position)
         length += 1
-        courses.time_back(rules, lines, course, length, position, position - 1, desk, trial)
-        courses.time_forth(rules, lines, course, length, position, desk)
+        if not (
+            courses.time_back(rules, lines, course, length, position, position - 1, desk, trial)
+            and courses.time_forth(rules, lines, course, length, position, desk)
+        ):
+            # Of stairs of about one height the one that would have done was left out.
+            return -1
     return length
 
 
@@ -197,9 +201,11 @@ def anneal(rules, lines, order, length, near, far, absent, weights, iterations, 
         new_value = -np.inf
         if possible:
             size = _recreate(rules, lines, there, size, far, absent, desk, trial, rng)
+            possible = size >= 0
+        if possible:
             prize = courses.prize_of(rules, there, size)
             new_value = prize + worth * courses.spare(there, size)
-        if new_value >= value + temperature * math.log(1.0 - rng.random()):
+        if possible and new_value >= value + temperature * math.log(1.0 - rng.random()):
             length, value = size, new_value
             courses.copy_course(there, here, bodies)
             if prize > best_prize or (prize == best_prize and value > best_value):
@@ -256,7 +262,7 @@ class Strings:
         self._order = np.arange(first, rules.service.size, dtype=np.int64)
         self._length = 0
 
-    def begin(self, sequence: Sequence[int]) -> None:
+    def begin(self, sequence: Iterable[int]) -> None:
         """Go on from a plan: bodies in order."""
         rules = self._mission.rules
         visited = [int(j) for j in sequence if j >= rules.first_target]
