@@ -234,9 +234,9 @@ def auto(
     for that reason. Then rounds, each with more effort than the one before: a round of proof
     (:class:`solvers.relaxation.proof.Proof`: it bounds the objective, and its searches for plans
     worth more than the incumbent are exhaustive, so they find what beams miss) side by side with
-    wider beams and with ruin-and-recreate. Ends when the incumbent meets the bound, or when
-    ``stop`` says so. The same seed and the same number of iterations (rounds) give the same plan;
-    ``jobs`` does not change it.
+    wider beams, with ruin-and-recreate and, where planes drift, with annealing of orders. Ends when
+    the incumbent meets the bound, or when ``stop`` says so. The same seed and the same number of
+    iterations (rounds) give the same plan; ``jobs`` does not change it.
 
     Parameters
     ----------
