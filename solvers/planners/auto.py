@@ -44,7 +44,7 @@ WIDEST = 30_000
 USUAL_TARGETS = 50
 """Fields of this size get beams of the widths above; larger ones narrower ones."""
 
-ANNEALED, ANNEALINGS = 300, 8
+ANNEALED, ANNEALINGS = 300, 16
 """Iterations of an annealing where planes drift, and annealings of the first round."""
 
 FRUITLESS = 6

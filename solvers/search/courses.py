@@ -14,6 +14,7 @@ from adr_opt.kernels.compile import inlined, kernel
 from adr_opt.kernels.memory import borrowed, write
 
 from . import stairs as staircases
+from . import stairs_back
 from .stairs import STRAIGHT, Stairs
 
 PASSED_OVER = 0.15
@@ -67,9 +68,9 @@ def time_back(rules, lines, course, length, last, settled, desk, trial):
     for p in range(last, -1, -1):
         j = order[p]
         if p == length - 1:
-            size = staircases.finish(rules, lines, j, rules.ready, desk, trial, 0)
+            size = stairs_back.finish(rules, lines, j, rules.ready, desk, trial, 0)
         else:
-            size = staircases.backwards(
+            size = stairs_back.backwards(
                 rules, lines, j, order[p + 1], True, suffices, order[p + 1], rules.ready,
                 desk, trial, 0,
             )  # fmt: skip
@@ -121,9 +122,9 @@ def best_position(rules, lines, course, length, j, desk, trial, rng):
             continue
         earliest = trial.time[0, 0]
         if p == length:
-            size = staircases.finish(rules, lines, j, earliest, desk, trial, 1)
+            size = stairs_back.finish(rules, lines, j, earliest, desk, trial, 1)
         else:
-            size = staircases.backwards(
+            size = stairs_back.backwards(
                 rules, lines, j, order[p], True, suffices, order[p], earliest, desk, trial, 1
             )
         if size == 0:

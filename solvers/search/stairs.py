@@ -86,7 +86,7 @@ def new_desk(lines):
 
 
 @inlined
-def _first_at(numbers, low, high, least):
+def first_at(numbers, low, high, least):
     """The first place in ascending numbers where they are at least so large."""
     while low < high:
         middle = (low + high) // 2
@@ -98,7 +98,7 @@ def _first_at(numbers, low, high, least):
 
 
 @inlined
-def _first_by_end(lines, begin, total, least):
+def first_by_end(lines, begin, total, least):
     """The first place in the order of ends where they are at least so large."""
     low, high = 0, total
     while low < high:
@@ -111,7 +111,7 @@ def _first_by_end(lines, begin, total, least):
 
 
 @inlined
-def _put(stairs, place, size, time, tank, parent, via):
+def put(stairs, place, size, time, tank, parent, via):
     """Add the next stair; returns how many there are."""
     stairs.time[place, size], stairs.tank[place, size] = time, tank
     stairs.parent[place, size], stairs.via[place, size] = parent, via
@@ -129,7 +129,7 @@ def _fly(lines, i, j, here, at, latest, step, desk, there, to, via):
     size = here.size[at]
     if total == 0 or here.tank[at, size - 1] < lines.least[i, j]:
         return 0
-    low = _first_at(
+    low = first_at(
         lines.departure, begin, begin + total, earliest_taken(here.time[at, 0])
     )  # fmt: skip
     stair, high = 0, low
@@ -145,7 +145,7 @@ def _fly(lines, i, j, here, at, latest, step, desk, there, to, via):
         return 0
     most = here.tank[at, stair] - lines.least[i, j] - step
     count, best = 0, -step
-    for place in range(_first_by_end(lines, begin, total, lines.departure[low]), total):
+    for place in range(first_by_end(lines, begin, total, lines.departure[low]), total):
         c = np.int64(lines.by_end[begin + place])
         end = lines.end[begin + c]
         if end > latest:
@@ -156,7 +156,7 @@ def _fly(lines, i, j, here, at, latest, step, desk, there, to, via):
         if left < 0.0 or left <= best + step:
             continue
         best = left
-        count = _put(there, to, count, end, left, desk.parent[c], via)
+        count = put(there, to, count, end, left, desk.parent[c], via)
         if count == MOST_STAIRS or best >= most:
             break
     return count
@@ -172,7 +172,7 @@ def _refuelled(lines, i, s, here, at, latest):
     if total == 0 or here.tank[at, size - 1] < lines.least[i, s]:
         return np.inf, 0
     ready = earliest_taken(here.time[at, 0])
-    for place in range(_first_by_end(lines, begin, total, ready), total):
+    for place in range(first_by_end(lines, begin, total, ready), total):
         c = begin + lines.by_end[begin + place]
         if lines.end[c] > latest:
             break
@@ -206,7 +206,7 @@ def _merge(count, parts, rest, step, to, at):
             b += 1
         if parts.tank[place, stair] > best + step:
             best = parts.tank[place, stair]
-            size = _put(
+            size = put(
                 to, at, size, parts.time[place, stair], best, parts.parent[place, stair],
                 parts.via[place, stair],
             )  # fmt: skip
@@ -257,143 +257,11 @@ def forwards(rules, lines, i, j, refuels, here, at, latest, desk, there, to):
             parts.parent[1, b] = stair
         if rest > 0:
             for a in range(size):
-                _put(
+                put(
                     parts, 0, a, there.time[to, a], there.tank[to, a], there.parent[to, a],
                     there.via[to, a],
                 )  # fmt: skip
             size = _merge(size, parts, rest, step, there, to)
-    return size
-
-
-@kernel
-def _fly_back(lines, i, j, budget, there, at, earliest, step, desk, here, to):
-    """Stairs from which the connections of a pair lead to others, none before a time."""
-    lines = borrowed(lines)
-    here = borrowed(here)
-    there = borrowed(there)
-    desk = borrowed(desk)
-    begin, total = lines.first[i, j], lines.total[i, j]
-    size = there.size[at]
-    if total == 0 or there.tank[at, size - 1] + lines.least[i, j] > budget:
-        return 0
-    latest = there.time[at, 0]
-    stair, last = 0, _first_by_end(lines, begin, total, latest)
-    while last < total and lines.end[begin + lines.by_end[begin + last]] <= latest:
-        last += 1
-    for place in range(last - 1, -1, -1):
-        c = np.int64(lines.by_end[begin + place])
-        end = lines.end[begin + c]
-        if end < earliest:
-            break
-        while stair + 1 < size and there.time[at, stair + 1] >= end:
-            stair += 1
-        desk.tank[c] = there.tank[at, stair] + lines.delta_v[begin + c]
-    least = there.tank[at, stair] + lines.least[i, j] + step
-    count, best = 0, budget + step
-    for c in range(_first_at(lines.departure, begin, begin + total, latest) - begin - 1, -1, -1):
-        departure = lines.departure[begin + c]
-        if departure < earliest:
-            break
-        if lines.end[begin + c] > latest or desk.tank[c] > budget or desk.tank[c] >= best - step:
-            continue
-        best = desk.tank[c]
-        count = _put(here, to, count, departure, best, 0, STRAIGHT)
-        if count == MOST_STAIRS or best <= least:
-            break
-    return count
-
-
-@kernel
-def _needed_full(lines, s, j, budget, there, at, earliest):
-    """How late a chaser may be refuelled at a station; −inf for never [s]."""
-    lines = borrowed(lines)
-    there = borrowed(there)
-    begin, total = lines.first[s, j], lines.total[s, j]
-    size, latest = there.size[at], there.time[at, 0]
-    for c in range(_first_at(lines.departure, begin, begin + total, latest) - 1, begin - 1, -1):
-        if lines.departure[c] < earliest:
-            break
-        end = lines.end[c]
-        if end > latest:
-            continue
-        low, high = 0, size
-        while low < high:
-            middle = (low + high) // 2
-            if there.time[at, middle] >= end:
-                low = middle + 1
-            else:
-                high = middle
-        if there.tank[at, low - 1] + lines.delta_v[c] <= budget:
-            return lines.departure[c]
-    return -np.inf
-
-
-@kernel
-def _merge_back(count, parts, rest, step, to, at):
-    """Merge two descending staircases at the places 0 and 1 of ``parts``."""
-    parts = borrowed(parts)
-    to = borrowed(to)
-    a, b, size, best = 0, 0, 0, np.inf
-    while (a < count or b < rest) and size < MOST_STAIRS:
-        if b == rest or (a < count and parts.time[0, a] >= parts.time[1, b]):
-            place, stair = 0, a
-            a += 1
-        else:
-            place, stair = 1, b
-            b += 1
-        if parts.tank[place, stair] < best - step:
-            best = parts.tank[place, stair]
-            size = _put(to, at, size, parts.time[place, stair], best, 0, STRAIGHT)
-    to.size[at] = size
-    return size
-
-
-@kernel
-def backwards(rules, lines, i, j, refuels, there, at, earliest, desk, here, to):
-    """Stairs that suffice at a target before one with given stairs, none before a time.
-
-    Parameters as of :func:`forwards`, from ``there`` back to ``here``.
-    """
-    lines, here, there = borrowed(lines), borrowed(here), borrowed(there)
-    desk = borrowed(desk)
-    parts = desk.parts
-    step = rules.budget / STEPS
-    count = _fly_back(lines, i, j, rules.budget, there, at, earliest, step, desk, parts, 0)
-    size = _merge_back(count, parts, 0, step, here, to)
-    if not refuels:
-        return size
-    for s in range(rules.stations):
-        if s == i:
-            continue
-        full = _needed_full(lines, s, j, rules.budget, there, at, earliest)
-        if full == -np.inf:
-            continue
-        parts.size[2], parts.time[2, 0], parts.tank[2, 0] = 1, full, 0.0
-        rest = _fly_back(lines, i, s, rules.budget, parts, 2, earliest, step, desk, parts, 1)
-        if rest > 0:
-            for a in range(size):
-                _put(parts, 0, a, here.time[to, a], here.tank[to, a], 0, STRAIGHT)
-            size = _merge_back(size, parts, rest, step, here, to)
-    return size
-
-
-@kernel
-def finish(rules, lines, i, earliest, desk, here, to):
-    """Stairs that suffice at the last target of an order."""
-    size, parts = np.int64(0), desk.parts
-    if rules.may_end[i]:
-        size = _put(here, to, size, rules.duration, 0.0, 0, STRAIGHT)
-        here.size[to] = size
-        return size
-    here.size[to] = 0
-    step = rules.budget / STEPS
-    for s in range(rules.stations):
-        if s != i and rules.may_end[s]:
-            parts.size[2], parts.time[2, 0], parts.tank[2, 0] = 1, rules.duration, 0.0
-            rest = _fly_back(lines, i, s, rules.budget, parts, 2, earliest, step, desk, parts, 1)
-            for a in range(size):
-                _put(parts, 0, a, here.time[to, a], here.tank[to, a], 0, STRAIGHT)
-            size = _merge_back(size, parts, rest, step, here, to)
     return size
 
 
