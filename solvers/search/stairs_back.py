@@ -22,17 +22,17 @@ def _fly_back(lines, i, j, budget, there, at, earliest, step, desk, here, to):
     if total == 0 or there.tank[at, size - 1] + lines.least[i, j] > budget:
         return 0
     latest = there.time[at, 0]
-    stair, last = 0, first_by_end(lines, begin, total, latest)
+    stair, last = np.int64(0), first_by_end(lines, begin, total, latest)
     while last < total and lines.end[begin + lines.by_end[begin + last]] <= latest:
         last += 1
     for place in range(last - 1, -1, -1):
-        c = np.int64(lines.by_end[begin + place])
-        end = lines.end[begin + c]
+        which = np.int64(lines.by_end[begin + place])
+        end = lines.end[begin + which]
         if end < earliest:
             break
         while stair + 1 < size and there.time[at, stair + 1] >= end:
             stair += 1
-        desk.tank[c] = there.tank[at, stair] + lines.delta_v[begin + c]
+        desk.tank[which] = there.tank[at, stair] + lines.delta_v[begin + which]
     least = there.tank[at, stair] + lines.least[i, j] + step
     count, best = 0, budget + step
     for c in range(first_at(lines.departure, begin, begin + total, latest) - begin - 1, -1, -1):
@@ -97,7 +97,7 @@ def _merge_back(count, parts, rest, step, to, at):
 def backwards(rules, lines, i, j, refuels, there, at, earliest, desk, here, to):
     """Stairs that suffice at a target before one with given stairs, none before a time.
 
-    Parameters as of :func:`forwards`, from ``there`` back to ``here``.
+    Parameters as of :func:`.stairs.forwards`, from ``there`` back to ``here``.
     """
     lines, here, there = borrowed(lines), borrowed(here), borrowed(there)
     desk = borrowed(desk)
