@@ -273,7 +273,9 @@ def auto(
     )
     if short_of_time and not certificate.proven:
         search.usual(USUAL_WIDTH)
-    width, recreations, annealings = VARIED_WIDTH, 20, ANNEALINGS
+    # An annealing of few targets is as good after a few: the proof is not to wait for the others.
+    share = min(1.0, (len(mission.instance.targets) / USUAL_TARGETS) ** 2)
+    width, recreations, annealings = VARIED_WIDTH, 20, max(2, round(share * ANNEALINGS))
     with nullcontext() if prover is None else closing(prover), ThreadPoolExecutor(1) as pool:
         while not is_over():
             rounds += 1
