@@ -23,6 +23,7 @@ from ..relaxation.proof import Proof, ProofOptions, bound_notes, fits_memory, se
 from ..search.beams import USUAL, hurried, usual_settings
 from ..search.greedy_order import guarded_sequence
 from ..search.recreate import recreate
+from ..search.strings import Strings
 from ..search.timely_beams import PILOT_WIDTH, Beams
 from ..search.varied_beams import varied
 
@@ -43,6 +44,12 @@ WIDEST = 30_000
 USUAL_TARGETS = 50
 """Fields of this size get beams of the widths above; larger ones narrower ones."""
 
+ANNEALED, ANNEALINGS = 300, 16
+"""Iterations of an annealing where planes drift, and annealings of the first round."""
+
+FRUITLESS = 6
+"""So many annealings from one plan that find nothing better are followed by one from another."""
+
 LEAST_PROOF_S, LEAST_SET_UPS = 1.0, 2.0
 """With less time left, or less than so many times what setting it up takes, no proof is begun."""
 
@@ -57,7 +64,16 @@ class _Search:
         self._rng = np.random.default_rng(seed)
         self._beams = Beams(mission, stop)
         self._widest = 0
+        self._strings: Strings | None = None
+        self._fruitless = 0
         self.counters = {"beams": 0, "recreations": 0}
+        if self._drifts:
+            self.counters["annealings"] = 0
+
+    @property
+    def _drifts(self) -> bool:
+        """Whether planes drift far enough for orders to be annealed, which takes memory."""
+        return self._mission.instance.transfer.max_drift_s > 0.0
 
     def needed_s(self, width: int) -> float:
         """Seconds that a beam takes."""
@@ -94,6 +110,28 @@ class _Search:
         found = self._beams.search(settings, guide=latest, seed=seed, mission=mission)
         self._certificate.offer(found)
         self.counters["beams"] += 1
+
+    def anneal(self, annealings: int, width: int) -> None:
+        """Where planes drift: anneal an order again and again, another once that is fruitless."""
+        if not (self._drifts and self._mission.total_worth > 0.0):
+            return
+        if self._strings is None and self._stop.remaining_s() > 0.0:
+            self._strings = Strings(self._mission, int(self._rng.integers(2**31)), self._stop)
+            self._strings.begin(self._certificate.sequence or ())
+        for _ in range(annealings):
+            if self._strings is None or self._certificate.proven or self._stop.remaining_s() <= 0.0:
+                break
+            if self._fruitless == FRUITLESS:
+                mission, settings, seed = varied(self._mission, width, self._rng)
+                found = self._beams.search(settings, seed=seed, mission=mission)
+                self._certificate.offer(found)
+                self.counters["beams"] += 1
+                self._strings.begin(found)
+                self._fruitless = 0
+            before = self._certificate.incumbent
+            self._certificate.offer(self._strings.anneal(ANNEALED))
+            self._fruitless = 0 if self._certificate.incumbent > before else self._fruitless + 1
+            self.counters["annealings"] += 1
 
     def improve(self, recreations: int, width: int) -> None:
         """Ruin and recreate the incumbent."""
@@ -196,9 +234,9 @@ def auto(
     for that reason. Then rounds, each with more effort than the one before: a round of proof
     (:class:`solvers.relaxation.proof.Proof`: it bounds the objective, and its searches for plans
     worth more than the incumbent are exhaustive, so they find what beams miss) side by side with
-    wider beams and with ruin-and-recreate. Ends when the incumbent meets the bound, or when
-    ``stop`` says so. The same seed and the same number of iterations (rounds) give the same plan;
-    ``jobs`` does not change it.
+    wider beams, with ruin-and-recreate and, where planes drift, with annealing of orders. Ends when
+    the incumbent meets the bound, or when ``stop`` says so. The same seed and the same number of
+    iterations (rounds) give the same plan; ``jobs`` does not change it.
 
     Parameters
     ----------
@@ -235,7 +273,9 @@ def auto(
     )
     if short_of_time and not certificate.proven:
         search.usual(USUAL_WIDTH)
-    width, recreations = VARIED_WIDTH, 20
+    # An annealing of few targets is as good after a few: the proof is not to wait for the others.
+    share = min(1.0, (len(mission.instance.targets) / USUAL_TARGETS) ** 2)
+    width, recreations, annealings = VARIED_WIDTH, 20, max(2, round(share * ANNEALINGS))
     with nullcontext() if prover is None else closing(prover), ThreadPoolExecutor(1) as pool:
         while not is_over():
             rounds += 1
@@ -251,6 +291,7 @@ def auto(
             else:
                 search.usual(max(USUAL_WIDTH, scaled(width)))
             search.varied(scaled(width))
+            search.anneal(annealings, VARIED_WIDTH)
             search.improve(recreations, scaled(width // 20))
             if advancing is not None:
                 advancing.result()
@@ -258,6 +299,7 @@ def auto(
                 prover.deliver()
             width = min(2 * width, WIDEST)
             recreations *= 2
+            annealings *= 2
     counters: dict[str, float] = {"rounds": rounds, **search.counters}
     if prover is not None:
         counters |= prover.counters

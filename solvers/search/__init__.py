@@ -5,4 +5,7 @@
 3. :mod:`.beams`, :mod:`.varied_beams`, :mod:`.timely_beams`: beams, with drawn settings, in time.
 4. :mod:`.orders`: an order of targets, and where to refuel best.
 5. :mod:`.recreate`: a new end for a plan.
+6. :mod:`.lines`, :mod:`.stairs`, :mod:`.courses`, :mod:`.strings`: where planes drift, orders
+   timed from both ends on hundreds of connections a pair; strings of targets are taken out of them
+   and put back in.
 """

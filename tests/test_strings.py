@@ -1,0 +1,142 @@
+"""Annealing orders where planes drift: strings of targets are taken out and put back in."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from brute_force import brute_force
+from random_rules import drifting_mission
+
+import adr_opt
+from adr_opt.mission import Mission
+from adr_opt.result import certify
+from adr_opt.stop import MaxIterations
+from solvers.incumbent import Incumbent
+from solvers.search import courses, stairs
+from solvers.search.lines import lines_of
+from solvers.search.strings import LONGEST_STRING, MOST_STRINGS, Strings, ruin
+
+ENDLESS = MaxIterations(1)
+FIELD = 16
+
+
+@pytest.fixture(scope="module")
+def field() -> Mission:
+    """Months among targets whose planes are far apart: nobody reaches all of them in time."""
+    instance = adr_opt.generate("sso", 1, targets=FIELD).with_limits(duration_s=100 * 86400.0)
+    mission = Mission(instance, threads=1)
+    assert mission.rules.service.size == FIELD + 1
+    return mission
+
+
+def begun(mission: Mission, order: list[int], length: int) -> courses.Course:
+    """A course whose chaser is at the start with a full tank; nothing else is timed."""
+    rules = mission.rules
+    course = courses.new_course(np.array(order, dtype=np.int64), rules.service.size)
+    came, start = course.came, rules.start
+    came.size[start], came.time[start, 0], came.tank[start, 0] = 1, rules.ready, rules.budget
+    return course
+
+
+@pytest.mark.parametrize("seeds", [range(part, 60, 3) for part in range(3)])
+def test_what_is_found_can_be_flown_under_all_rules(seeds):
+    """Plans of random missions are legal, collect no more than the best, and mostly as much."""
+    best = drawn = 0
+    for seed in seeds:
+        mission = Mission(drifting_mission(seed))
+        prizes, _, _ = brute_force(mission)
+        if not math.isfinite(prizes):
+            continue
+        strings = Strings(mission, 0, ENDLESS)
+        found = Incumbent(mission)
+        for _ in range(3):
+            sequence = strings.anneal(30)
+            assert mission.time(sequence).made == len(sequence), seed
+            found.offer(sequence)
+        result = certify(mission, "test", found.sequence or (), seed=0, runtime_s=0.0)
+        if found.sequence is not None:
+            assert result.plan is not None
+            assert adr_opt.check(mission.instance, result.plan) == (), seed
+        objective = mission.shown(found.objective)
+        assert objective <= prizes + 1e-9, seed
+        best += objective >= prizes - 1e-9
+        drawn += 1
+    assert best >= 0.8 * drawn, (best, drawn)
+
+
+def test_a_seed_tells_the_plan(field):
+    """The same seed anneals the same orders, another one others."""
+
+    def made(seed: int) -> list[list[int]]:
+        strings = Strings(field, seed, ENDLESS)
+        return [strings.anneal(40).tolist() for _ in range(3)]
+
+    assert made(1) == made(1)
+    assert made(1) != made(2)
+
+
+def test_annealing_finds_more_than_a_beam(field):
+    """From nothing it services all that a beam services, and more."""
+    beam = adr_opt.solve(field, "beam", width=300)
+    strings = Strings(field, 0, ENDLESS)
+    best = max(field.collected(strings.anneal(100)) for _ in range(4))
+    assert best > beam.objective
+
+
+def test_what_changes_is_timed_as_the_whole_is(field):
+    """After a target is put in, stairs are those of an order that is timed from nothing."""
+    rules, lines = field.rules, lines_of(field)
+    desk, trial = stairs.new_desk(lines), stairs.new_stairs(2)
+    rng = np.random.default_rng(4)
+    strings = Strings(field, 3, ENDLESS)
+    visited = [int(j) for j in strings.anneal(60) if j >= rules.first_target]
+    others = [j for j in range(rules.first_target, FIELD + 1) if j not in visited]
+    put_in = 0
+    for take in range(len(visited)):
+        order = visited[:take] + visited[take + 1 :] + [visited[take], *others]
+        size = len(visited) - 1
+        course = begun(field, order, size)
+        assert courses.time_back(rules, lines, course, size, size - 1, -1, desk, trial)
+        assert courses.time_forth(rules, lines, course, size, 0, desk)
+        place = courses.best_position(rules, lines, course, size, visited[take], desk, trial, rng)
+        if place < 0:
+            continue
+        courses.insert(course.order, size, place)
+        assert courses.time_back(rules, lines, course, size + 1, place, place - 1, desk, trial)
+        assert courses.time_forth(rules, lines, course, size + 1, place, desk)
+        anew = begun(field, course.order.tolist(), size + 1)
+        assert courses.time_back(rules, lines, anew, size + 1, size, -1, desk, trial)
+        assert courses.time_forth(rules, lines, anew, size + 1, 0, desk)
+        for j in course.order[: size + 1]:
+            stair = anew.suffices.size[j]
+            assert course.suffices.size[j] == stair
+            for one, other in zip(course.suffices[1:3], anew.suffices[1:3], strict=True):
+                np.testing.assert_array_equal(one[j, :stair], other[j, :stair])
+        assert courses.spare(course, size + 1) >= 0.0
+        put_in += 1
+    assert put_in >= len(visited) // 2
+
+
+def test_ruins_say_what_they_leave():
+    """A ruin keeps all targets, in order, and those before and behind what it says in place."""
+    rng = np.random.default_rng(0)
+    targets = 20
+    near = np.array([rng.permutation(targets) for _ in range(targets)])
+    taken = set()
+    for _ in range(300):
+        before = rng.permutation(targets)
+        length = int(rng.integers(1, targets + 1))
+        order = before.copy()
+        left, first, last = ruin(order, length, near, rng)
+        assert sorted(order) == list(range(targets))
+        kept = [j for j in before[:length] if j in order[:left]]
+        assert order[:left].tolist() == kept
+        assert order[length:].tolist() == before[length:].tolist()
+        assert order[:first].tolist() == before[:first].tolist()
+        behind = left - last
+        assert order[last:left].tolist() == before[length - behind : length].tolist()
+        taken.add(length - left)
+    assert min(taken) >= 1
+    assert LONGEST_STRING < max(taken) <= LONGEST_STRING * MOST_STRINGS
