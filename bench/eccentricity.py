@@ -157,8 +157,8 @@ def print_forms(name: str, cases: list[Case]) -> None:
     circle = np.array([free(case) for case in round_ones])
     sequence = np.array([case.between_circles() for case in cases])
     print(
-        f"\n**{name}**, {len(cases)} legs: the optimum costs {least.sum():.0f} m/s, between circles "
-        f"{circle.sum():.0f}; the sequence between circles {sequence.sum():.0f}, "
+        f"\n**{name}**, {len(cases)} legs: the optimum costs {least.sum():.0f} m/s, "
+        f"between circles {circle.sum():.0f}; the sequence between circles {sequence.sum():.0f}, "
         f"{sequence.sum() / circle.sum() - 1.0:+.1%}\n"
     )
     print("| charged for eccentricity | m/s | total | mean error of a leg | least | most |")

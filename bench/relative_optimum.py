@@ -1,8 +1,9 @@
 """The least ΔV of a leg by free impulses: linear in relative elements, and flown without that.
 
 Between two nearly circular orbits the changes of the elements are linear in the impulses. With
-latitudes u from the line of nodes, L the last one, and impulses (r, t, n), in shares of the circular
-speed, along the radius, ahead and along the normal (D'Amico, PhD thesis, TU Delft, 2010, chapter 2):
+latitudes u from the line of nodes, L the last one, and impulses (r, t, n) along the radius, ahead
+and along the normal, in shares of the circular speed (D'Amico, PhD thesis, TU Delft, 2010, chapter
+2):
 
     Δa/a = 2 t              Δe_x = r sin u + 2 t cos u        Δi_x = n cos u
     Δλ = −2 r − 3 (L − u) t      Δe_y = −r cos u + 2 t sin u       Δi_y = n sin u
