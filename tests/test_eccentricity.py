@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import math
+import os
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -19,6 +20,8 @@ from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
 from adr_opt.orbit import Orbit
 
 BENCH = Path(__file__).parents[1] / "bench"
+DATA = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", "../shared/data"))
+CLOUD = DATA / "omm" / "celestrak_2025-04_iridium-33-debris.csv"
 
 
 @pytest.fixture(scope="module")
@@ -186,3 +189,23 @@ def test_the_optimum_can_be_flown(measured: ModuleType) -> None:
         cost, miss = measured.flown(case, measured.RADIUS_M, start)
         assert miss < 1.0
         assert cost == pytest.approx(measured.free(case), rel=0.03)
+
+
+@pytest.mark.external
+@pytest.mark.skipif(not CLOUD.is_file(), reason=f"no file {CLOUD} (ADR_OPT_EXTERNAL_DATA)")
+@pytest.mark.parametrize("dynamics", ["two-body", "j2"])
+def test_a_real_cloud_is_planned_near_the_optimum(measured: ModuleType, dynamics: str) -> None:
+    """Legs of a real cloud: the charge adds less than 1 %, and the optimum asks for no more."""
+    field = measured.to_instance(
+        measured.read(CLOUD), max_targets=24, skip_bad=True, dynamics=dynamics
+    ).instance
+    plan = adr_opt.solve(field, "greedy-guarded").plan
+    assert plan is not None
+    assert adr_opt.check(field, plan) == ()
+    cases = list(measured.patient_cases(field, 20))
+    least = np.array([measured.free(case) for case in cases])
+    circles = np.array([case.between_circles() for case in cases])
+    form = measured.FORMS["at least hypot(v·\\|Δe\\|/2, v·θ)"]
+    charged = sum(form(*both) for both in zip(cases, circles, strict=True)) - circles.sum()
+    assert 0.0 <= charged < 0.01 * circles.sum()
+    assert least.sum() < circles.sum() + charged
