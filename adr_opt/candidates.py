@@ -183,5 +183,6 @@ def nearest_first(instance: Instance, first: Sequence[str]) -> list[int]:
     unwanted = [name not in wanted for name in instance.names]
     fixed = range(instance.first_target)
     worthless = [*(False for _ in fixed), *(target.prize == 0.0 for target in instance.targets)]
-    order = np.lexsort((turn + climb + shape, worthless, unwanted))
+    cost = np.maximum(turn + climb, np.hypot(turn, shape))
+    order = np.lexsort((cost, worthless, unwanted))
     return [*fixed, *(int(body) for body in order if body not in fixed)]

@@ -34,12 +34,11 @@ from .files import read_model, to_text
 from .kernels.constants import (
     EARTH_RADIUS_M,
     HOUR_S,
-    MU_M3_S2,
     OBLATENESS_M2,
     SLACK_M,
     SLACK_S,
 )
-from .kernels.transfer import TransferRule
+from .kernels.transfer import TransferRule, matchings
 from .orbit import Orbit
 from .records import Name, Record
 from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings
@@ -321,7 +320,7 @@ class Instance(Record):
         return np.array([orbit.row(oblateness) for orbit in self.body_orbits])
 
     def eccentricity_delta_v(self) -> npt.NDArray[np.float64]:
-        """Cost of matching eccentricity vectors, v·|Δe|/2 with the destination's circular speed.
+        """What matching eccentricity vectors alone would cost, v·|Δe|/2.
 
         Returns
         -------
@@ -331,12 +330,7 @@ class Instance(Record):
         """
         if self.dynamics == "j2":
             return np.zeros((len(self.names), len(self.names)))
-        orbits = self.body_orbits
-        vectors = np.array([orbit.eccentricity_vector() for orbit in orbits])
-        speeds = np.sqrt(MU_M3_S2 / np.array([orbit.semi_major_axis_m for orbit in orbits]))
-        difference = np.linalg.norm(vectors[:, None, :] - vectors[None, :, :], axis=2)
-        cost: npt.NDArray[np.float64] = 0.5 * difference * speeds[None, :]
-        return cost
+        return np.asarray(matchings(self.orbits()))
 
     def transfer_rule(self, time_value_m_s_per_h: float | None = None) -> TransferRule:
         """The transfer settings and zones as the kernels take them (radii, m/s per s).

@@ -11,7 +11,6 @@ import numpy.typing as npt
 from . import drifting
 from .errors import InputError
 from .kernels import burns as burn_kernels
-from .kernels import transfer as transfers
 from .kernels.constants import SLACK_M_S
 from .mission import Mission
 from .plan import Burn, Leg, Reason, Unvisited
@@ -20,7 +19,8 @@ FloatArray = npt.NDArray[np.float64]
 
 APPROXIMATE = (
     "some orbits are eccentric: the burns fly between circles of the same semi-major axes, and "
-    "delta_v_m_s includes the cost of matching the eccentricity vectors; this is an approximation"
+    "delta_v_m_s includes what matching the eccentricity vectors costs beyond that, if it is flown "
+    "at its best; this is an approximation"
 )
 
 
@@ -81,7 +81,7 @@ class _Transfer(NamedTuple):
     departure : float
         [s].
     shape : float
-        Part of the ΔV that matches eccentricity vectors, without burns [m/s].
+        Part of the ΔV that eccentricity adds, without burns [m/s].
     burns : (times, vectors, phases)
         As of :func:`adr_opt.kernels.burns.burns`.
     """
@@ -104,8 +104,11 @@ def _transfer(
     flown = burn_kernels.burns_between(
         orbits[i], orbits[j], extra[i, j], rule, departure, arrival, revolutions
     )
-    pair = transfers.prepare(orbits[i], orbits[j], extra[i, j], rule)
-    shape = float(extra[i, j] + transfers.shape(pair, flown[0][0]))
+    shape = float(
+        burn_kernels.eccentric_share(
+            orbits[i], orbits[j], extra[i, j], rule, flown[0][0], arrival, revolutions
+        )
+    )
     return _Transfer("short", float(flown[0][0]), shape, flown)
 
 

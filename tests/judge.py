@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import every_sequence
+import numpy as np
 from every_sequence import Flown
 
 import adr_opt
@@ -145,7 +146,9 @@ def plan_of(instance: Instance, way: Sequence[tuple[int, int, Flown]], favour: f
             delta_v_m_s=flown.delta_v - favour * FAVOUR_M_S,
             delta_v_left_m_s=left + favour * FAVOUR_M_S,
             phasing_revolutions=flown.revolutions,
-            eccentricity_delta_v_m_s=float(extra[i, j]),
+            eccentricity_delta_v_m_s=0.0
+            if extra[i, j] == 0.0
+            else max(0.0, flown.delta_v - float(np.linalg.norm(vectors, axis=1).sum())),
             burns=tuple(
                 Burn(
                     time_s=float(time),

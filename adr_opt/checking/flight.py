@@ -18,6 +18,7 @@ from ..kernels import orbits, precession, transfer
 from ..kernels.constants import MU_M3_S2, SLACK_S
 from ..kernels.drift import POLAR
 from ..plan import Leg
+from .eccentric import Sequence, matching_cost, mean_perigee
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 
 
@@ -25,35 +26,12 @@ class Physics(NamedTuple):
     """What the transfers of an instance follow from, worked out once for all legs."""
 
     elements: npt.NDArray[np.float64]
-    extra: npt.NDArray[np.float64]
     rule: transfer.TransferRule
 
     @classmethod
     def of(cls, instance: Instance) -> Physics:
         """That of an instance."""
-        return cls(instance.orbits(), instance.eccentricity_delta_v(), instance.transfer_rule())
-
-
-class _Sequence(NamedTuple):
-    """The co-elliptic sequence that a leg states, recomputed.
-
-    Attributes
-    ----------
-    departure, arrival : float
-        [s].
-    delta_v : float
-        [m/s].
-    laps : int
-        Phasing revolutions.
-    radius : float
-        Of the phasing orbit [m].
-    """
-
-    departure: float
-    arrival: float
-    delta_v: float
-    laps: int
-    radius: float
+        return cls(instance.orbits(), instance.transfer_rule())
 
 
 def check_transfer(
@@ -66,16 +44,20 @@ def check_transfer(
     """
     if leg.kind == "drift":
         return (yield from check_drift(instance, physics, number, leg, i, j, free))
-    elements, rule, extra = physics.elements, physics.rule, float(physics.extra[i, j])
-    pair = transfer.prepare(elements[i], elements[j], extra, rule)
+    elements, rule = physics.elements, physics.rule
+    pair = transfer.prepare(elements[i], elements[j], 0.0, rule)
     if instance.dynamics == "j2":
         sequence = yield from _check_drifting_planes(pair, rule, number, leg, free)
-        extra = float(transfer.shape(pair, leg.departure_s))
     else:
         sequence = yield from _check_sequence(pair, rule, number, leg, free)
     if sequence is None:
         return leg.arrival_s, leg.delta_v_m_s
-    yield from _check_figures(sequence, extra, number, leg)
+    turn = 4.0 * math.sin(0.5 * sequence.theta) ** 2
+    circles = float(transfer.turned_delta_v(pair, rule, sequence.laps, sequence.radius, turn, 0.0))
+    least = matching_cost(elements[i], elements[j], rule, leg.departure_s, sequence)
+    extra = max(0.0, least - circles)
+    delta_v = circles + extra
+    yield from _check_figures(sequence, delta_v, extra, number, leg)
     if transfer.is_blocked(
         pair, rule, sequence.laps, sequence.radius, sequence.departure
     ) and not any(True for _ in crossed(instance, leg)):
@@ -92,10 +74,10 @@ def check_transfer(
         ),
     )
     arrives_as_stated = abs(leg.arrival_s - sequence.arrival) <= TIME_TOLERANCE_S
-    costs_as_stated = abs(leg.delta_v_m_s - sequence.delta_v) <= DELTA_V_TOLERANCE_M_S
+    costs_as_stated = abs(leg.delta_v_m_s - delta_v) <= DELTA_V_TOLERANCE_M_S
     return (
         sequence.arrival if arrives_as_stated else leg.arrival_s,
-        sequence.delta_v if costs_as_stated else leg.delta_v_m_s,
+        delta_v if costs_as_stated else leg.delta_v_m_s,
     )
 
 
@@ -178,14 +160,9 @@ def drift_cost(
     return whole, whole - sum(lengths)
 
 
-def mean_perigee(orbit: npt.NDArray[np.float64], time: float) -> float:
-    """Argument of perigee of a body at a time [rad]."""
-    return float(orbit[orbits.PERIGEE] + orbit[orbits.PERIGEE_RATE] * time)
-
-
 def _check_sequence(
     pair: transfer.Pair, rule: transfer.TransferRule, number: int, leg: Leg, free: float
-) -> Generator[Violation, None, _Sequence | None]:
+) -> Generator[Violation, None, Sequence | None]:
     """Departure and phasing are possible; returns the sequence, or None if they are not."""
     # Angle of the chaser past the line of nodes, in half turns: whole at a departure event.
     past = (pair.phase_i + pair.rate_i * leg.departure_s) / math.pi
@@ -230,13 +207,12 @@ def _check_sequence(
         )
         return None
     radius = transfer.phasing_radius(pair, rule, laps, flight)
-    delta_v = float(transfer.sequence_delta_v(pair, rule, laps, radius))
-    return _Sequence(departure, arrival, delta_v, laps, radius)
+    return Sequence(departure, arrival, laps, radius, pair.theta)
 
 
 def _check_drifting_planes(
     pair: transfer.Pair, rule: transfer.TransferRule, number: int, leg: Leg, free: float
-) -> Generator[Violation, None, _Sequence | None]:
+) -> Generator[Violation, None, Sequence | None]:
     """The same where nodes drift: the line of nodes is that of the turn, and of this sequence."""
     laps, departure = leg.phasing_revolutions, leg.departure_s
     stand_off = leg.arrival_s - rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
@@ -274,14 +250,12 @@ def _check_drifting_planes(
     behind = alpha_j + math.pi * (half_turns + 1) + rule.standoff / pair.radius_j
     behind -= pair.latitude_j + pair.rate_j * stand_off
     late = math.remainder(behind, 2.0 * math.pi) / pair.rate_j
-    turn = 4.0 * math.sin(0.5 * theta) ** 2
-    delta_v = float(
-        transfer.turned_delta_v(pair, rule, laps, radius, turn) + transfer.shape(pair, departure)
-    )
-    return _Sequence(departure, leg.arrival_s + late, delta_v, laps, radius)
+    return Sequence(departure, leg.arrival_s + late, laps, radius, theta)
 
 
-def _check_figures(sequence: _Sequence, extra: float, number: int, leg: Leg) -> Iterator[Violation]:
+def _check_figures(
+    sequence: Sequence, delta_v: float, extra: float, number: int, leg: Leg
+) -> Iterator[Violation]:
     """Arrival and ΔV are those of the sequence."""
     if abs(leg.arrival_s - sequence.arrival) > TIME_TOLERANCE_S:
         yield Violation(
@@ -289,7 +263,7 @@ def _check_figures(sequence: _Sequence, extra: float, number: int, leg: Leg) -> 
             "arrival",
             f"arrival_s = {leg.arrival_s!r}, but it arrives at {sequence.arrival!r}",
         )
-    yield from _check_costs(sequence.delta_v, extra, number, leg)
+    yield from _check_costs(delta_v, extra, number, leg)
 
 
 def _check_costs(delta_v: float, shape: float, number: int, leg: Leg) -> Iterator[Violation]:

@@ -34,8 +34,8 @@ class EccentricFlight:
     correction_delta_v_m_s : float or None
         What the least corrected last arc costs beyond ``last_arc_delta_v_m_s`` [m/s]: the Lambert
         arc begins at the best of the points that divide the planned last arc into sixteenths, its
-        beginning among them. It vanishes with the eccentricity, and compares with
-        ``eccentricity_delta_v_m_s``.
+        beginning among them. It vanishes with the eccentricity. What the plan sets aside is
+        less, as it is for burns that all match eccentricities on the way.
     correction_time_s : float or None
         When that Lambert arc begins [s].
     eccentricity_delta_v_m_s : float

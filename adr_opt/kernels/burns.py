@@ -132,6 +132,31 @@ def burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r):
 
 
 @kernel
+def eccentric_share(orbit_i, orbit_j, extra_delta_v, rule, departure, arrival, revolutions):
+    """What of the ΔV of a connection its burns do not account for: what eccentricity adds [m/s].
+
+    Parameters
+    ----------
+    orbit_i, orbit_j, extra_delta_v, rule
+        As :func:`adr_opt.kernels.transfer.prepare` takes them.
+    departure, arrival : float
+        When it really leaves, and when it arrives [s].
+    revolutions : int
+    """
+    pair = transfer.prepare(orbit_i, orbit_j, extra_delta_v, rule)
+    flight = arrival - rule.approach_revolutions * transfer.TWO_PI / pair.rate_j - departure
+    r = transfer.phasing_radius(pair, rule, revolutions, flight)
+    turn, matching = pair.turn, pair.matching
+    if rule.oblateness != 0.0:
+        lag = pair.lag + pair.lag_rate * departure
+        lag += precession.carried(pair, rule, revolutions, r, flight)
+        _, _, theta = precession.line(pair, lag)
+        turn = 4.0 * math.sin(0.5 * theta) ** 2
+        matching = transfer.matching(pair, departure)
+    return transfer.eccentric_share(pair, rule, revolutions, r, turn, matching)
+
+
+@kernel
 def burns_between(orbit_i, orbit_j, extra_delta_v, rule, departure, arrival, revolutions):
     """The burns of a connection.
 

@@ -196,7 +196,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
     orbit_i, orbit_j : (4,) float64
         Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
     extra_delta_v : float
-        Cost of matching the eccentricity vectors [m/s].
+        What matching the eccentricity vectors alone would cost [m/s].
     rule : TransferRule
         Its time value is not looked at.
     duration : float

@@ -132,7 +132,7 @@ def short(pair, rule, duration, spacing, most, resolution):
         theta = numbers[6, e]
         if least_turn * math.sin(min(0.9 * theta, 0.5 * math.pi)) > most:
             continue
-        shape = transfer.shape(pair, event)
+        matching = pair.matching + transfer.matching(pair, event)
         moves = numbers[5, e] / pair.rate_j - numbers[4, e] / pair.rate_i
         met = precession.meeting(
             pair, rule, half_turns[e], alpha_j, event + pair.shortest - BAND_S + 0.5 * lap
@@ -157,8 +157,8 @@ def short(pair, rule, duration, spacing, most, resolution):
                     time = base + moves * shift
                     climb, rest, chord, square, shift = phasing.parts_at(curves, k, time)
                     angle = tilt + sines * math.sin(0.5 * (lag + shift)) ** 2
-                    estimate = abs(climb) + abs(rest) + pair.fixed_delta_v + shape
-                    estimate += math.sqrt(chord * chord + square * angle)
+                    estimate = transfer.whole(climb, rest, chord, square * angle, matching)
+                    estimate += pair.fixed_delta_v
                     off = ERROR_M_S + BEND_M_S * (shift / theta) ** 2
                     if estimate - off >= min(cheapest - resolution, best):
                         continue

@@ -104,6 +104,24 @@ def chord(eccentricity_i, eccentricity_j, angle):
     return math.sqrt((eccentricity_j - eccentricity_i) ** 2 + between)
 
 
+@inlined
+def along_turn(inclination_i, inclination_j, lag):
+    """α_i − α_j: what latitudes lose when their plane is turned about the line of nodes [rad].
+
+    By Napier's analogies in the triangle of the two nodes and the line: unlike the two latitudes of
+    the line themselves it is steady where planes nearly coincide.
+
+    Parameters
+    ----------
+    inclination_i, inclination_j, lag : float
+        Of the planes; Ω_j − Ω_i [rad].
+    """
+    across = math.sin(0.5 * lag) * math.cos(0.5 * (inclination_i + inclination_j))
+    return 2.0 * math.atan2(
+        across, math.cos(0.5 * lag) * math.cos(0.5 * (inclination_j - inclination_i))
+    )
+
+
 @kernel
 def period(radius):
     """Period of a circular orbit [s]."""

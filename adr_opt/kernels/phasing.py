@@ -120,7 +120,9 @@ def parts_at(curves, k, time):
 
 
 @kernel
-def _lower(times, size, k, low, high, nodes, coefficients, turn, fixed, cost, revolutions):
+def _lower(
+    times, size, k, low, high, nodes, coefficients, turn, matching, fixed, cost, revolutions
+):
     """Lower costs to those of sequences with k revolutions; one loop that becomes vectors."""
     for t in range(size):
         time = times[t]
@@ -131,7 +133,7 @@ def _lower(times, size, k, low, high, nodes, coefficients, turn, fixed, cost, re
             rest = rest * after + coefficients[1, n]
             chord = chord * after + coefficients[2, n]
             square = square * after + coefficients[3, n]
-        found = abs(climb) + abs(rest) + math.sqrt(chord * chord + square * turn) + fixed
+        found = transfer.whole(climb, rest, chord, square * turn, matching) + fixed
         better = (low <= time) & (time <= high) & (found < cost[t])
         cost[t] = found if better else cost[t]
         revolutions[t] = k if better else revolutions[t]
@@ -162,7 +164,7 @@ def lower(pair, rule, curves, k, times, size, cost, revolutions):
     if curves.time.shape[0] > 0:
         _lower(
             times, size, k, low, high, curves.time[k], curves.coefficients[k],
-            pair.turn, pair.fixed_delta_v, cost, revolutions,
+            pair.turn, pair.matching, pair.fixed_delta_v, cost, revolutions,
         )  # fmt: skip
         return
     for t in range(size):

@@ -211,8 +211,9 @@ def settle(pair, rule, half_turns, revolutions, departure, stand_off, alpha_i, a
         return Settled(departure, stand_off, r, turn, math.inf, steps)
     return Settled(
         departure, stand_off, r, turn,
-        transfer.turned_delta_v(pair, rule, revolutions, r, turn)
-        + transfer.shape(pair, departure),
+        transfer.turned_delta_v(
+            pair, rule, revolutions, r, turn, pair.matching + transfer.matching(pair, departure)
+        ),
         steps,
     )  # fmt: skip
 

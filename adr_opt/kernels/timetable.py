@@ -115,7 +115,7 @@ def fill(first, last, order, bodies, extra_delta_v, rule, limits, table):
     bodies : (bodies, columns) float64
         Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
     extra_delta_v : (bodies, bodies) float64
-        Cost of matching the eccentricity vectors [m/s].
+        What matching the eccentricity vectors alone would cost [m/s].
     rule : TransferRule
     limits : Limits
     table : Table

@@ -10,6 +10,11 @@ n_j T = 3π − Δ + δ + 2π s, s = k + m: the flight time depends on (k, m) th
 search runs over s with T ascending, and inside over the few k whose phasing radius lies within
 the altitude limits. Since w·T grows by w·P_j with every s, it stops as soon as w·T plus a floor
 of the ΔV exceeds the best cost found: no later sequence can win.
+
+Eccentric orbits. The circles of the sequence leave out the eccentricity vectors, which differ by
+Δe. Burns that are flown for other reasons change them on the way, at no cost as long as there are
+enough of them; but to change them and turn the plane takes about hypot(v |Δe| / 2, 2 v sin θ/2). So
+a sequence costs that where it is more than what it costs between circles (docs/model.md).
 """
 
 import math
@@ -75,7 +80,7 @@ class Pair(NamedTuple):
     speed_i: float  # circular speeds [m/s]
     speed_j: float
     turn: float  # 4 sin²(θ/2): the square of the chord of the turn
-    fixed_delta_v: float  # approach, and the eccentricity that the circles leave out [m/s]
+    fixed_delta_v: float  # approach [m/s]
     floor_delta_v: float  # no sequence of this pair costs less [m/s]
     reference: float  # radius of the expansions below [m]
     flight: float  # T, T′ and T″ without phasing, at the reference
@@ -99,7 +104,8 @@ class Pair(NamedTuple):
     widening_j: float
     shift_i: float  # −3/2 π J2 R² cos i: a node's shift in half a revolution, but for a² [rad m²]
     shift_j: float
-    eccentricity_i: float  # where perigees drift; else 0, and the cost is in fixed_delta_v
+    matching: float  # v |Δe| / 2, or 0 where perigees drift [m/s]
+    eccentricity_i: float  # where perigees drift, else 0
     eccentricity_j: float
     perigee_lag: float  # ω_j − ω_i at t = 0 [rad]
     perigee_lag_rate: float  # [rad/s]
@@ -178,8 +184,8 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule):
     orbit_i, orbit_j : (4,) float64
         Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
     extra_delta_v : float
-        Cost of matching the eccentricity vector, zero between circles [m/s]. Under J2 it depends
-        on the time, and is :func:`shape`.
+        What matching the eccentricity vectors alone would cost, zero between circles [m/s]. Under
+        J2 it depends on the time, and is :func:`matching`.
     rule : TransferRule
 
     Returns
@@ -200,11 +206,11 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule):
     wide_j = strength * (4.0 * cosine_j * cosine_j - 1.0)
     drifts = rule.oblateness != 0.0
     fixed = 0.5 * orbits.mean_motion(rj) * rule.standoff
-    eccentricity_i = eccentricity_j = 0.0
+    eccentricity_i = eccentricity_j = matching_alone = 0.0
     if drifts:
         eccentricity_i, eccentricity_j = orbit_i[orbits.ECCENTRICITY], orbit_j[orbits.ECCENTRICITY]
     else:
-        fixed += extra_delta_v
+        matching_alone = extra_delta_v
     # The turning burn takes the velocity v₁ of arc 1 to a velocity at the angle θ: it is at least
     # the distance of v₁ from that direction, v₁ sin θ (v₁ itself beyond a right angle), and v₁ is
     # least at the greatest radius.
@@ -230,7 +236,7 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule):
         math.sqrt(MU_M3_S2 / rj),
         4.0 * math.sin(0.5 * theta) ** 2,
         fixed,
-        fixed + turn_floor * (1.0 - 1e-12),
+        fixed + max(turn_floor, matching_alone) * (1.0 - 1e-12),
         reference,
         flight,
         flight_1,
@@ -253,6 +259,7 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule):
         wide_j,
         -strength * math.pi * cosine_i,
         -strength * math.pi * cosine_j,
+        matching_alone,
         eccentricity_i,
         eccentricity_j,
         orbit_j[orbits.PERIGEE] - orbit_i[orbits.PERIGEE],
@@ -261,12 +268,50 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule):
 
 
 @inlined
-def shape(pair, time):
-    """Cost of matching the eccentricity vector at a time, where perigees drift [m/s]."""
+def matching(pair, time):
+    """What matching alone would cost, v |Δe| / 2, at a time, where perigees drift [m/s]."""
     if pair.eccentricity_i == 0.0 and pair.eccentricity_j == 0.0:
         return 0.0
     angle = pair.perigee_lag + pair.perigee_lag_rate * time
-    return 0.5 * pair.speed_j * orbits.chord(pair.eccentricity_i, pair.eccentricity_j, angle)
+    angle += orbits.along_turn(
+        pair.inclination_i, pair.inclination_j, pair.lag + pair.lag_rate * time
+    )
+    apart = orbits.chord(pair.eccentricity_i, pair.eccentricity_j, angle)
+    return 0.5 * math.sqrt(pair.speed_i * pair.speed_j) * apart
+
+
+@kernel
+def matchings(bodies):
+    """What matching alone would cost, v |Δe| / 2, of all pairs as the orbits are at t = 0 [m/s].
+
+    v is the geometric mean of the two circular speeds, and Δe the difference of the eccentricity
+    vectors once one plane is turned into the other about their line of nodes.
+
+    Parameters
+    ----------
+    bodies : (bodies, columns) float64
+        Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
+
+    Returns
+    -------
+    (origin, destination) float64
+    """
+    count = bodies.shape[0]
+    costs = np.zeros((count, count))
+    for i in range(count):
+        for j in range(i):
+            angle = bodies[j, orbits.PERIGEE] - bodies[i, orbits.PERIGEE] + orbits.along_turn(
+                bodies[i, orbits.INCLINATION], bodies[j, orbits.INCLINATION],
+                bodies[j, orbits.RAAN] - bodies[i, orbits.RAAN],
+            )  # fmt: skip
+            apart = orbits.chord(
+                bodies[i, orbits.ECCENTRICITY], bodies[j, orbits.ECCENTRICITY], angle
+            )
+            speed = math.sqrt(
+                MU_M3_S2 / math.sqrt(bodies[i, orbits.RADIUS] * bodies[j, orbits.RADIUS])
+            )
+            costs[i, j] = costs[j, i] = 0.5 * speed * apart
+    return costs
 
 
 @kernel
@@ -357,16 +402,39 @@ def burn_parts(pair, rule, revolutions, r):
 @inlined
 def sequence_delta_v(pair, rule, revolutions, r):
     """ΔV of the sequence with phasing radius r, by vis-viva (MODEL section 2) [m/s]."""
-    return turned_delta_v(pair, rule, revolutions, r, pair.turn)
+    return turned_delta_v(pair, rule, revolutions, r, pair.turn, pair.matching)
 
 
 @inlined
-def turned_delta_v(pair, rule, revolutions, r, turn):
-    """The same for another turn, 4 sin²(θ/2)."""
+def turned_delta_v(pair, rule, revolutions, r, turn, matching):
+    """The same for another turn, 4 sin²(θ/2), and another v |Δe| / 2 [m/s]."""
     climb, rest, chord, square = burn_parts(pair, rule, revolutions, r)
+    return whole(climb, rest, chord, square * turn, matching) + pair.fixed_delta_v
+
+
+@inlined
+def whole(climb, rest, chord, turned, matching):
+    """ΔV of a sequence, but for the approach [m/s].
+
+    Parameters
+    ----------
+    climb, rest, chord : float
+        As of :func:`burn_parts` [m/s].
+    turned : float
+        4 v₁ v₂ sin²(θ/2) [m²/s²].
+    matching : float
+        v |Δe| / 2 [m/s]. With 0 nothing but the sequence between circles counts, to the last digit.
+    """
     # (v₁ − v₂)² + 4 v₁ v₂ sin²(θ/2) is the cosine formula without its cancellation.
-    turning = math.sqrt(chord * chord + square * turn)
-    return abs(climb) + abs(rest) + turning + pair.fixed_delta_v
+    circles = abs(climb) + abs(rest) + math.sqrt(chord * chord + turned)
+    return max(circles, math.sqrt(matching * matching + turned))
+
+
+@kernel
+def eccentric_share(pair, rule, revolutions, r, turn, matching):
+    """What of a sequence's ΔV its burns between circles do not account for [m/s]."""
+    circles = turned_delta_v(pair, rule, revolutions, r, turn, 0.0)
+    return turned_delta_v(pair, rule, revolutions, r, turn, matching) - circles
 
 
 @kernel
