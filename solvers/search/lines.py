@@ -61,8 +61,7 @@ def _mark(found, limits, j, values, taken, wanted):
 def lines_of(mission: Mission) -> Lines:
     """The lines of a mission under which nodes drift; its timetable is built."""
     rules, limits = mission.rules, mission.timetable.limits
-    lists = mission.timetable.connecting.lists
-    assert lists is not None
+    connecting = mission.timetable.connecting
     usual = TIME_VALUE_M_S_PER_H * mission.instance.hurry / HOUR_S
     values = usual * np.array(SHARES)
     bodies = rules.service.size
@@ -70,7 +69,8 @@ def lines_of(mission: Mission) -> Lines:
     least = np.full((bodies, bodies), np.inf)
     departures, ends, costs, orders = [], [], [], []
     count = 0
-    for (i, j), found in lists.items():
+    for i, j in connecting.counts:
+        found = connecting.found(i, j)
         taken = np.empty(found.departure.size, dtype=np.int64)
         wanted = np.empty(found.departure.size, dtype=np.bool_)
         _mark(found, limits, j, values, taken, wanted)
