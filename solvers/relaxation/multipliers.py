@@ -129,6 +129,10 @@ class Descent:
             return value
         if self.evaluations == 1:
             self._ambition = FIRST_AMBITION * abs(value)
+            if value > bound.total:
+                # Walks go round and round: multipliers as large as the prizes are a better start.
+                self._ambition = FIRST_AMBITION * bound.total
+                self.value, self.multipliers = bound.total, bound.allowed(bound.prize.copy())
         if value < self.value:
             if value < self.value - 0.7 * self._ambition and self.evaluations > 1:
                 self._ambition *= 1.3

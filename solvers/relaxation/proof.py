@@ -168,6 +168,7 @@ class Proof:
             return
         if enough():
             return
+        before = certificate.bound
         nothing_left = self._search(enough)
         self.done = (
             nothing_left
@@ -175,7 +176,9 @@ class Proof:
             or (self._labels == self._options.most_labels and descent.done and not enough())
         )
         self._evaluations *= 2
-        self._labels = min(GROWTH * self._labels, self._options.most_labels)
+        # Where multipliers are what is lacking, more labels are no help.
+        if self._plain or descent.done or certificate.bound < before:
+            self._labels = min(GROWTH * self._labels, self._options.most_labels)
 
     def _search(self, enough: Callable[[], bool]) -> bool:
         """Ask for plans worth less and less until one is found or the labels are too many.

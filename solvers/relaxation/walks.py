@@ -282,6 +282,11 @@ class WalkBound:
         return int(self.prize.size)
 
     @property
+    def total(self) -> float:
+        """The sum of all prizes: the bound of multipliers as large as they are."""
+        return float(self.prize[self.is_target].sum())
+
+    @property
     def radius(self) -> float:
         """How far from the best multipliers the next ones are looked for."""
         return self.greatest_prize
