@@ -125,6 +125,6 @@ def jacobian(state, frame):
         for row in range(6):
             change = above[row] - below[row]
             if row == 5:
-                change = math.remainder(change, 2.0 * math.pi)
+                change -= 2.0 * math.pi * math.floor(change / (2.0 * math.pi) + 0.5)
             matrix[row, column] = change / (2.0 * step)
     return matrix
