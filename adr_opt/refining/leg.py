@@ -54,6 +54,9 @@ class Course:
     angle : float
         That the chaser runs through between them by plan, revolutions counted [rad].
     gravity : {"two-body", "j2", "j3", "j4"}
+    lowest_m, highest_m : float
+        Radii that :func:`cheapen` keeps perigees and apogees between; where the trajectory that
+        it begins with goes further, it may go as far [m].
     """
 
     start: Array
@@ -62,6 +65,8 @@ class Course:
     end_s: float
     angle: float
     gravity: Gravity
+    lowest_m: float = 0.0
+    highest_m: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -92,6 +97,20 @@ class Flown:
     def delta_v_m_s(self) -> float:
         """Sum of the impulses [m/s]."""
         return float(np.sqrt(np.sum(self.impulses**2, axis=1)).sum())
+
+    @property
+    def reach_m(self) -> tuple[float, float]:
+        """Lowest perigee and highest apogee of the arcs between the impulses [m].
+
+        An arc after the last impulse counts, one without length does not: it ends at the goal.
+        """
+        after = self.states[:-1].copy()
+        after[:, 3:] += self.impulses
+        radius = np.sqrt(np.sum(after[:, :3] ** 2, axis=1))
+        axis = 1.0 / (2.0 / radius - np.sum(after[:, 3:] ** 2, axis=1) / MU_M3_S2)
+        momentum = np.sum(np.cross(after[:, :3], after[:, 3:]) ** 2, axis=1)
+        e = np.sqrt(np.maximum(1.0 - momentum / (MU_M3_S2 * axis), 0.0))
+        return float((axis * (1.0 - e)).min()), float((axis * (1.0 + e)).max())
 
 
 class NoWay(ArithmeticError):
@@ -170,6 +189,8 @@ def close(course: Course, times: Array, impulses: Array, most: int = MOST_NEWTON
 
 def cheapen(course: Course, flown: Flown) -> Flown:
     """Impulses of less ΔV that meet the goal as well, by successive convex steps."""
+    low, high = flown.reach_m
+    limits = min(course.lowest_m, low), max(course.highest_m, high)
     share = 1.0
     for _ in range(MOST_CONVEX):
         times, impulses = _with_candidates(course, flown)
@@ -179,7 +200,7 @@ def cheapen(course: Course, flown: Flown) -> Flown:
         found = fewest(now.effects, least.impulses)
         gain = 0.0
         while share > 0.02:
-            tried = _try(course, times, impulses + share * (found - impulses))
+            tried = _try(course, limits, times, impulses + share * (found - impulses))
             if tried is not None and tried.delta_v_m_s < flown.delta_v_m_s:
                 gain = flown.delta_v_m_s - tried.delta_v_m_s
                 flown, share = tried, min(1.0, 2.0 * share)
@@ -187,18 +208,27 @@ def cheapen(course: Course, flown: Flown) -> Flown:
             share *= 0.5
         if gain <= WORTH * flown.delta_v_m_s:
             break
+    # A step that was taken in part leaves the impulses of two solutions.
+    tried = _try(course, limits, flown.times, fewest(flown.effects, flown.impulses))
+    if tried is not None and tried.delta_v_m_s <= (1.0 + WORTH) * flown.delta_v_m_s:
+        return tried
     return flown
 
 
-def _try(course: Course, times: Array, impulses: Array) -> Flown | None:
+def _try(
+    course: Course, limits: tuple[float, float], times: Array, impulses: Array
+) -> Flown | None:
+    """Close impulses, without those that are negligible; None where that leads nowhere."""
     sizes = np.sqrt(np.sum(impulses**2, axis=1))
     kept = sizes > NEGLIGIBLE_M_S
     if kept.sum() < 2:
         return None
     try:
-        return close(course, times[kept], impulses[kept])
+        found = close(course, times[kept], impulses[kept])
     except NoWay:
         return None
+    low, high = found.reach_m
+    return found if limits[0] <= low and high <= limits[1] else None
 
 
 def _with_candidates(course: Course, flown: Flown) -> tuple[Array, Array]:
