@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +28,10 @@ Array = npt.NDArray[np.float64]
 
 RELATIVE, ABSOLUTE_M = 3e-14, 1e-5
 """Tolerances of a step: the first is the least that SciPy takes without complaint."""
+
+STEPS = 80
+"""Steps in a revolution, at least: what the method itself leaves behind at its tolerance has one
+sense, and would be metres after two months."""
 
 HARMONICS = {"two-body": 0, "j2": 2, "j3": 3, "j4": 4}
 
@@ -106,10 +111,14 @@ class _World:
         """
         if start_s == end_s:
             return states
+        # NumPy's operations cost more than a number's own where there is one state alone.
+        rates = self._rates_of_one if states.shape[1] == 1 else self._rates
         solver = self._method(
-            self._rates, start_s, states.ravel(), end_s,
+            rates, start_s, states.ravel(), end_s,
             rtol=RELATIVE, atol=np.repeat([ABSOLUTE_M, 1e-3 * ABSOLUTE_M], 3 * states.shape[1]),
+            max_step=math.tau / STEPS * math.sqrt(_lowest(states) ** 3 / MU_M3_S2),
         )  # fmt: skip
+        problem = None
         while solver.status == "running":
             problem = solver.step()
         if solver.status != "finished" or not bool(np.isfinite(solver.y).all()):
@@ -120,28 +129,53 @@ class _World:
         states = flat.reshape(6, -1)
         x, y, z = states[:3]
         square = x * x + y * y + z * z
-        r = np.sqrt(square)
-        point = -MU_M3_S2 / (square * r)
-        side, polar = np.ones_like(r), np.ones_like(r)
-        q, t = EARTH_RADIUS_M / r, z * z / square
-        extra = 0.0
-        if self._most >= 2:
-            k = 1.5 * J2 * q**2
-            side, polar = side + k * (1.0 - 5.0 * t), polar + k * (3.0 - 5.0 * t)
-        if self._most >= 3:
-            # Odd in z: what has no factor z is added at the end.
-            k = 0.5 * J3 * q**3 * z / r
-            side = side + 5.0 * k * (3.0 - 7.0 * t)
-            polar = polar + 5.0 * k * (6.0 - 7.0 * t)
-            extra = MU_M3_S2 / square * 1.5 * J3 * q**3
-        if self._most >= 4:
-            k = 0.625 * J4 * q**4
-            side = side - k * (3.0 - 42.0 * t + 63.0 * t * t)
-            polar = polar - k * (15.0 - 70.0 * t + 63.0 * t * t)
+        point, side, polar, odd = self._pull(square, np.sqrt(square), z)
         rates = np.empty_like(states)
         rates[:3] = states[3:]
-        rates[3], rates[4], rates[5] = point * side * x, point * side * y, point * polar * z + extra
+        rates[3], rates[4], rates[5] = point * side * x, point * side * y, point * polar * z + odd
         return rates.ravel()
+
+    def _rates_of_one(self, _: float, flat: Array) -> list[float]:
+        x, y, z, *velocity = flat.tolist()
+        square = x * x + y * y + z * z
+        point, side, polar, odd = self._pull(square, math.sqrt(square), z)
+        return [*velocity, point * side * x, point * side * y, point * polar * z + odd]
+
+    def _pull(self, square: Any, r: Any, z: Any) -> tuple[Any, Any, Any, Any]:
+        """The pull of a point, what it is multiplied by across and along the axis, and a rest."""
+        point, side, polar, odd = -MU_M3_S2 / (square * r), 1.0, 1.0, 0.0
+        flat, t = EARTH_RADIUS_M * EARTH_RADIUS_M / square, z * z / square
+        if self._most >= 2:
+            k = 1.5 * J2 * flat
+            side, polar = side + k * (1.0 - 5.0 * t), polar + k * (3.0 - 5.0 * t)
+        if self._most >= 3:
+            # Odd in z: what has no factor z stands for itself.
+            k = 2.5 * J3 * flat * EARTH_RADIUS_M * z / square
+            side, polar = side + k * (3.0 - 7.0 * t), polar + k * (6.0 - 7.0 * t)
+            odd = 1.5 * J3 * MU_M3_S2 * flat * EARTH_RADIUS_M / (square * r)
+        if self._most >= 4:
+            k = 0.625 * J4 * flat * flat
+            side = side - k * (3.0 - 42.0 * t + 63.0 * t * t)
+            polar = polar - k * (15.0 - 70.0 * t + 63.0 * t * t)
+        return point, side, polar, odd
+
+
+def _lowest(states: Array) -> float:
+    """The lowest perigee of some states [m]; a tenth of the Earth's radius where it is lower.
+
+    Raises
+    ------
+    ArithmeticError
+        An orbit is not closed.
+    """
+    positions, velocities = states[:3].T, states[3:].T
+    radius = np.sqrt(np.sum(positions**2, axis=1))
+    inverse = 2.0 / radius - np.sum(velocities**2, axis=1) / MU_M3_S2
+    if not bool((inverse > 0.0).all()):
+        raise ArithmeticError("the burns lead away from the Earth")
+    momentum = np.sum(np.cross(positions, velocities) ** 2, axis=1)
+    e = np.sqrt(np.maximum(1.0 - momentum * inverse / MU_M3_S2, 0.0))
+    return float(max(((1.0 - e) / inverse).min(), 0.1 * EARTH_RADIUS_M))
 
 
 class _Ephemeris:
