@@ -16,11 +16,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import InputError, MissingExtra
-from ..formats_1 import is_of
 from ..instance import Instance
 from ..kernels.constants import EARTH_RADIUS_M, J2, MU_M3_S2
 from ..kernels.gravity import J3, J4
 from ..refining.plan import RefinedLeg, RefinedPlan
+from .flyable import refuse_foreign
 from .refined_result import RefinedFlight, RefinedLegFlight
 from .result import TankFlight
 
@@ -58,7 +58,7 @@ def fly_refined(
     MissingExtra
         SciPy is not installed.
     """
-    _refuse_foreign(instance, refined)
+    _refuse_strangers(instance, refined)
     world = _World(refined.gravity)
     bodies = _Ephemeris(world, refined)
     flown = []
@@ -77,13 +77,8 @@ def fly_refined(
     )
 
 
-def _refuse_foreign(instance: Instance, refined: RefinedPlan) -> None:
-    if not is_of(refined.instance, instance):
-        raise InputError(
-            f"the refined plan belongs to the instance {refined.instance.name!r} "
-            f"(sha256 {refined.instance.sha256[:12]}…), not to {instance.name!r} "
-            f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
-        )
+def _refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
+    refuse_foreign(instance, refined)
     for leg in refined.legs:
         for name in (leg.origin, leg.destination):
             if name not in instance.names:

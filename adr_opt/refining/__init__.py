@@ -6,7 +6,7 @@ model (:mod:`.bodies`); each leg is led to its stand-off by successive convex st
 :func:`adr_opt.flight.fly_refined` judges the result with another integrator.
 """
 
-from .plan import RefinedPlan, load_refined
-from .refine import refine
+from .plan import RefinedPlan, load_refined  # isort: skip
+from .all_legs import refine
 
 __all__ = ["RefinedPlan", "load_refined", "refine"]

@@ -35,7 +35,7 @@ PER_REVOLUTION = 24
 """Candidate times in a revolution."""
 
 MOST_CANDIDATES = 960
-"""In a leg; where there would be more, revolutions are thinned evenly in the middle of long arcs."""
+"""In a leg; where there would be more, whole revolutions are left out evenly in its middle."""
 
 NEGLIGIBLE_M_S = 1e-4
 """Impulses smaller than this are left out where the rest can do without them."""

@@ -98,7 +98,9 @@ def refine_leg(
 
 def planned_angles(instance: Instance, leg: Leg) -> tuple[float, float]:
     """Angles that the chaser runs through by plan: to the stand-off, and from there on [rad]."""
-    position, velocity = (each[0] for each in body_states(instance, leg.origin, leg.burns[0].time_s))
+    position, velocity = (
+        each[0] for each in body_states(instance, leg.origin, leg.burns[0].time_s)
+    )
     angles, approaching = [0.0, 0.0], 0
     for burn, after in zip(leg.burns[:-1], leg.burns[1:], strict=True):
         if burn.phase == "approach":

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import math
 import os
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ..files import read_model, to_text, write_text
+from ..errors import InputError
+from ..files import read_model, read_text, to_text, write_text
 from ..plan import InstanceReference, Plan, Vector
 from ..records import DeltaV, Name, NonNegative, Record, Time
 
@@ -142,6 +144,7 @@ class RefinedPlan(Record):
     status: Status
     runtime_s: NonNegative
     versions: dict[str, str] = Field(default_factory=dict)
+    notes: Annotated[tuple[str, ...], Field(strict=False)] = ()
     bodies: Annotated[tuple[BodyState, ...], Field(strict=False)] = ()
     legs: Annotated[tuple[RefinedLeg, ...], Field(strict=False)] = ()
     missing: Annotated[tuple[Missing, ...], Field(strict=False)] = ()
@@ -195,6 +198,24 @@ def load_refined(path: str | os.PathLike[str]) -> RefinedPlan:
         No such file, not JSON, or not a valid refined plan file.
     """
     return read_model(path, RefinedPlan)
+
+
+def is_refined(path: str | os.PathLike[str]) -> bool:
+    """Whether a file says that it is a refined plan; what is wrong with it is for others to say.
+
+    Raises
+    ------
+    InputError
+        It cannot be read.
+    """
+    try:
+        content = json.loads(read_text(path))
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        return False
+    said = content.get("format") if isinstance(content, dict) else None
+    return isinstance(said, str) and said.startswith("adr-opt-refined/")
 
 
 def reference(plan: Plan) -> PlanReference:

@@ -72,9 +72,11 @@ def swing(elements: Array, frame: Array, zonals: Array) -> Array:
         return np.zeros(6)
     a, f, g = elements[:3]
     count = SAMPLES
-    while math.hypot(f, g) > 0.3 and count < 16 * SAMPLES and math.hypot(f, g) ** (count / 8) > 1e-8:
+    while (
+        math.hypot(f, g) > 0.3 and count < 16 * SAMPLES and math.hypot(f, g) ** (count / 8) > 1e-8
+    ):
         count *= 2
-    longitudes = np.arange(count) * (math.tau / count)
+    longitudes = np.linspace(0.0, math.tau, count, endpoint=False)
     rates = _rates(a, f, g, longitudes, frame, zonals)
     series = np.fft.rfft(rates, axis=1) / count
     orders = np.arange(1, count // 2)
