@@ -29,9 +29,10 @@ Array = npt.NDArray[np.float64]
 RELATIVE, ABSOLUTE_M = 3e-14, 1e-5
 """Tolerances of a step: the first is the least that SciPy takes without complaint."""
 
-STEPS = 80
+STEPS = 100
 """Steps in a revolution, at least: what the method itself leaves behind at its tolerance has one
-sense, and would be metres after two months."""
+sense, and would be metres after two months. With so many it is two centimetres then, and about a
+metre after a year and a half; more hardly help, because what is left is rounding."""
 
 HARMONICS = {"two-body": 0, "j2": 2, "j3": 3, "j4": 4}
 
