@@ -108,8 +108,12 @@ def planned_angles(instance: Instance, leg: Leg) -> tuple[float, float]:
         span = after.time_s - burn.time_s
         velocity = velocity + np.array(burn.delta_v_m_s)
         axis = 1.0 / (2.0 / math.hypot(*position) - float(velocity @ velocity) / MU_M3_S2)
-        pace = secular(position, velocity, instance.oblateness_m2)[0]
-        angles[approaching] += pace * math.sqrt(MU_M3_S2 / axis**3) * span
+        pace, node_rate = secular(position, velocity, instance.oblateness_m2)
+        momentum = np.cross(position, velocity)
+        # The latitude counts from the node, which drifts along the orbit meanwhile.
+        rate = pace * math.sqrt(MU_M3_S2 / axis**3)
+        rate += node_rate * momentum[2] / math.hypot(*momentum)
+        angles[approaching] += rate * span
         positions, velocities = drift(position, velocity, span, instance.oblateness_m2)
         position, velocity = positions[0], velocities[0]
     return angles[0], angles[1]
