@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .instance import Instance, load
     from .mission import Mission
     from .plan import Plan, load_plan
+    from .refining import RefinedPlan, load_refined, refine
     from .result import Result
     from .timetable import Matrices, Timetable
 
@@ -41,6 +42,9 @@ _HOME = {
     "Mission": "mission",
     "Plan": "plan",
     "load_plan": "plan",
+    "RefinedPlan": "refining",
+    "load_refined": "refining",
+    "refine": "refining",
     "Result": "result",
     "Matrices": "timetable",
     "Timetable": "timetable",
@@ -53,6 +57,7 @@ __all__ = [
     "MissingExtra",
     "Mission",
     "Plan",
+    "RefinedPlan",
     "Result",
     "Timetable",
     "Violation",
@@ -62,6 +67,8 @@ __all__ = [
     "generate",
     "load",
     "load_plan",
+    "load_refined",
+    "refine",
     "solve",
 ]
 

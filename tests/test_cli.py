@@ -37,8 +37,8 @@ def test_verbs_are_listed_as_a_mission_goes(cli: Cli) -> None:
     listed = re.findall(r"(?m)^  ([a-z-]+) ", cli("--help").out.partition("Commands:")[2])
     assert tuple(listed) == VERBS
     assert set(VERBS) == {
-        "generate", "import", "solve", "bound", "check", "fly", "matrix", "export", "report",
-        "train", "methods", "warm-up", "schema",
+        "generate", "import", "solve", "bound", "check", "fly", "refine", "matrix", "export",
+        "report", "train", "methods", "warm-up", "schema",
     }  # fmt: skip
 
 
@@ -63,6 +63,7 @@ def test_version(cli: Cli) -> None:
         ["solve", "--help"],
         ["import", "--help"],
         ["export", "--help"],
+        ["refine", "--help"],
         ["report", "--help"],
         ["train", "--help"],
     ],
@@ -113,6 +114,7 @@ def test_verb_imports_only_its_own_module() -> None:
         (["report", "x.json", "y.json"], "missing option '--out'"),
         (["train", "--out", "run"], "missing option '--config'"),
         (["train", "--config", "set", "--out", "run", "--steps", "many"], "'--steps': 'many'"),
+        (["refine", "x.json", "y.json"], "missing option '--out'"),
         (["schema", "result"], "'result' is not one of 'instance', 'plan'"),
     ],
 )

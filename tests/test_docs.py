@@ -23,6 +23,7 @@ from adr_opt.generator import FAMILIES, generate
 from adr_opt.kernels import constants
 from adr_opt.kernels.burns import PHASES
 from adr_opt.library import Library, load_library
+from adr_opt.refining import plan as refined
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(
@@ -85,6 +86,8 @@ def described(caption: str) -> dict[str, str]:
         ("Defined in `adr_opt/plan.py`", plan.Plan),
         ("**`legs[]`**", plan.Leg),
         ("**`burns[]`**", plan.Burn),
+        ("Defined in `adr_opt/refining/plan.py`", refined.RefinedPlan),
+        ("**A refined leg**", refined.RefinedLeg),
         ("says how to get the files", Library),
     ],
 )
@@ -113,13 +116,22 @@ def test_small_parts_of_the_formats_are_described() -> None:
         plan.InstanceReference,
         plan.Route,
         plan.Unvisited,
+        refined.PlanReference,
+        refined.BodyState,
+        refined.Missing,
+        refined.RefinedBurn,
+        refined.RefinedState,
     ):
         assert f"{{{', '.join(model.model_json_schema()['properties'])}}}" in text
 
 
 def test_the_schemas_that_are_printed_are_those_of_the_tables(cli: Cli) -> None:
     """`schema` prints the schemas that the tables are held against."""
-    for which, model in (("instance", instance.Instance), ("plan", plan.Plan)):
+    for which, model in (
+        ("instance", instance.Instance),
+        ("plan", plan.Plan),
+        ("refined", refined.RefinedPlan),
+    ):
         printed = json.loads(cli("schema", which).out)
         assert printed["properties"].keys() == model.model_json_schema()["properties"].keys()
         assert printed["$defs"].keys() == model.model_json_schema()["$defs"].keys()

@@ -40,6 +40,9 @@ from .parameters import check_out, instance_argument, json_option, plan_argument
     "more than a day.",
 )
 @click.option("--leg", type=int, metavar="N", help="Only this leg, counted from 1.")
+@click.option(
+    "--body", metavar="NAME", help="Of a refined plan: this visited body instead of the chaser."
+)
 @json_option
 @quiet_option
 def command(
@@ -50,19 +53,30 @@ def command(
     frame: str,
     step_s: float | None,
     leg: int | None,
+    body: str | None,
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Fly PLAN in the dynamics of INSTANCE and write the flight for other programs."""
+    """Fly PLAN in the dynamics of INSTANCE and write the flight for other programs.
+
+    Of a refined plan, an OEM file of its numerically integrated states is written.
+    """
     if step_s is not None and not (step_s > 0.0 and math.isfinite(step_s)):
         raise InputError(f"--step = {step_s:g}: must be a positive number of seconds")
 
     from ..instance import load
     from ..plan import load_plan
+    from ..refining.plan import is_refined
     from ..trajectory.write import flown, format_of, write_trajectory
 
     format_ = format_of(out, format_)
     check_out(out, instance_path, plan_path)
+    if is_refined(plan_path):
+        return _refined(
+            instance_path, plan_path, out, format_, frame, step_s, leg, body, as_json, quiet
+        )
+    if body is not None:
+        raise InputError(f"--body {body}: only of a refined plan bodies are exported")
     instance, plan = load(instance_path), load_plan(plan_path)
     try:
         written = flown(instance, plan, step_s, leg)
@@ -89,4 +103,53 @@ def command(
     if not quiet:
         legs, parts = counted(len(written.legs), "leg"), counted(len(arcs), "arc")
         say(f"wrote {out}: {legs}, {parts}")
+    return 0
+
+
+def _refined(
+    instance_path: str,
+    refined_path: str,
+    out: str,
+    format_: str,
+    frame: str,
+    step_s: float | None,
+    leg: int | None,
+    body: str | None,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """The same for a refined plan."""
+    from ..instance import load
+    from ..refining import load_refined
+    from ..refining.oem import write_refined
+
+    if format_ != "oem":
+        raise InputError(f"{out}: a refined plan is written as .oem only; name such a file")
+    instance, refined = load(instance_path), load_refined(refined_path)
+    try:
+        written = write_refined(
+            instance, refined, out, frame=frame, body=body, step_s=step_s, leg=leg
+        )
+    except InputError as error:
+        raise InputError(f"{refined_path}: {error}") from None
+    legs = [one for one in refined.legs if leg is None or one.leg == leg]
+    if as_json:
+        emit_json(
+            {
+                "instance": instance.name,
+                "path": out,
+                "format": format_,
+                "frame": frame,
+                "body": body,
+                "legs": len(legs),
+                "dynamics": refined.gravity,
+                "arcs": len(written),
+                "states": sum(track.arc.times_s.size for track in written),
+                "burns": 0 if body else sum(len(one.burns) for one in legs),
+                "start_s": written[0].arc.start_s,
+                "end_s": written[-1].arc.end_s,
+            }
+        )
+    if not quiet:
+        say(f"wrote {out}: {counted(len(legs), 'leg')}, {counted(len(written), 'arc')}")
     return 0

@@ -41,12 +41,22 @@ def command(instance_path: str, plan_path: str, out: str | None, as_json: bool, 
     In two-body motion legs with an eccentric orbit are flown on the true orbits as well, and a
     corrected last arc is solved for: a Lambert arc to the true stand-off. Exit status 1: with what
     the corrections cost, or the burns of legs that drift, some tank is not enough.
+
+    A refined plan is flown in true dynamics, by another integrator than the one it was made with.
+    Exit status 1: an arrival misses by more than 1 m or 1 mm/s, a leg is missing, or a tank is not
+    enough.
     """
+    from ..refining.plan import is_refined
+    from .fly_refined import fly_and_tell
+
+    check_out(out, instance_path)
+    if is_refined(plan_path):
+        return fly_and_tell(instance_path, plan_path, out, as_json, quiet)
+
     from ..flight import fly
     from ..instance import load
     from ..plan import load_plan
 
-    check_out(out, instance_path)
     instance, plan = load(instance_path), load_plan(plan_path)
     try:
         flight = fly(instance, plan)

@@ -9,13 +9,15 @@ from .parameters import json_option
 
 
 @click.command("schema")
-@click.argument("which", type=click.Choice(["instance", "plan"]))
+@click.argument("which", type=click.Choice(["instance", "plan", "refined"]))
 @json_option
 def command(which: str, as_json: bool) -> int:
-    """Print the JSON Schema of the instance file or of the plan file."""
+    """Print the JSON Schema of the instance file, the plan file or the refined plan file."""
     if which == "instance":
         from ..instance import json_schema
-    else:
+    elif which == "plan":
         from ..plan import json_schema
+    else:
+        from ..refining.plan import json_schema
     emit_json(json_schema())
     return 0

@@ -11,8 +11,8 @@ from .. import __version__
 from ..errors import InputError
 
 VERBS = (
-    "generate", "import", "solve", "bound", "check", "fly", "matrix", "export", "report", "train",
-    "methods", "warm-up", "schema",
+    "generate", "import", "solve", "bound", "check", "fly", "refine", "matrix", "export", "report",
+    "train", "methods", "warm-up", "schema",
 )  # fmt: skip
 
 

@@ -9,9 +9,23 @@ on a circle? It must, to a millimetre, and under J2 to a metre. And where an orb
 eccentric: where does it arrive in truth, and what does it cost to arrive there after all? That is
 the size of the approximation of MODEL section 1, and decides whether each tank holds. The second is
 asked in two-body motion only.
+
+A refined plan (:mod:`adr_opt.refining`) is flown by :func:`fly_refined`: in true dynamics, by
+another integrator than the one it was made with.
 """
 
 from .fly import fly
+from .refined import fly_refined
+from .refined_result import RefinedFlight, RefinedLegFlight
 from .result import EccentricFlight, Flight, LegFlight, TankFlight
 
-__all__ = ["EccentricFlight", "Flight", "LegFlight", "TankFlight", "fly"]
+__all__ = [
+    "EccentricFlight",
+    "Flight",
+    "LegFlight",
+    "RefinedFlight",
+    "RefinedLegFlight",
+    "TankFlight",
+    "fly",
+    "fly_refined",
+]

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from ..errors import InputError
 from ..formats_1 import is_of
 from ..instance import Instance
 from ..plan import Leg, Plan
+
+if TYPE_CHECKING:
+    from ..refining.plan import RefinedPlan
 
 TIME_TOLERANCE_S = 1e-3
 """How far the last burn may lie behind the stated arrival."""
@@ -23,8 +28,8 @@ def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
         _refuse_leg(number, leg, bodies)
 
 
-def refuse_foreign(instance: Instance, plan: Plan) -> None:
-    """Raise :class:`InputError` for a plan that belongs to another instance."""
+def refuse_foreign(instance: Instance, plan: Plan | RefinedPlan) -> None:
+    """Raise :class:`InputError` for a plan, or a refined one, of another instance."""
     if not is_of(plan.instance, instance):
         raise InputError(
             f"the plan belongs to the instance {plan.instance.name!r} "

@@ -80,9 +80,9 @@ def header(keyword: str, instance: Instance, plan: Plan, said: Iterable[str] = (
     yield f"ORIGINATOR = {ORIGINATOR}"
 
 
-def metadata(frame: str) -> Iterator[str]:
+def metadata(frame: str, name: str = OBJECT_NAME) -> Iterator[str]:
     """What both messages say of the object, the frame and the time system."""
-    yield f"OBJECT_NAME = {OBJECT_NAME}"
+    yield f"OBJECT_NAME = {name}"
     yield f"OBJECT_ID = {OBJECT_ID}"
     yield "CENTER_NAME = EARTH"
     yield f"REF_FRAME = {frame}"

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from .clock import Clock, states_at_labels
 from .kvn import comment, header, metadata
-from .sampling import Arc, LegPath, Trajectory
+from .sampling import Arc, Trajectory
 
 DEGREE = 7
 """Of Hermite's interpolation: four states. At 60 s it is exact to a micrometre, at 300 s to a
@@ -34,21 +34,21 @@ def _lines(trajectory: Trajectory, frame: str) -> Iterator[str]:
     yield from header("CCSDS_OEM_VERS", trajectory.instance, trajectory.plan, said)
     for path, arc in trajectory.arcs():
         yield ""
-        yield from _segment(clock, path, arc, frame)
+        which = f"leg {path.number}, {path.leg.origin} to {path.leg.destination}: {arc.phase}"
+        yield from segment(clock, which, arc, metadata(frame))
 
 
-def _segment(clock: Clock, path: LegPath, arc: Arc, frame: str) -> Iterator[str]:
+def segment(clock: Clock, said: str, arc: Arc, about: Iterable[str]) -> Iterator[str]:
+    """One arc, with a comment and what the metadata say of object, frame and times."""
     labels = clock.labels(arc.times_s)
     yield "META_START"
-    yield from metadata(frame)
+    yield from about
     yield f"START_TIME = {labels[0]}"
     yield f"STOP_TIME = {labels[-1]}"
     yield "INTERPOLATION = HERMITE"
     yield f"INTERPOLATION_DEGREE = {DEGREE}"
     yield "META_STOP"
-    yield from comment(
-        f"leg {path.number}, {path.leg.origin} to {path.leg.destination}: {arc.phase}"
-    )
+    yield from comment(said)
     positions, velocities = states_at_labels(arc)
     for label, r, v in zip(labels, positions / 1e3, velocities / 1e3, strict=True):
         yield f"{label} {r[0]:.9f} {r[1]:.9f} {r[2]:.9f} {v[0]:.12f} {v[1]:.12f} {v[2]:.12f}"

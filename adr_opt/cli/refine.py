@@ -1,0 +1,166 @@
+"""``refine``: turn a plan into a trajectory that holds in true dynamics."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import TYPE_CHECKING
+
+import click
+
+from ..errors import InputError
+from ..wording import counted
+from .output import emit, emit_json, emit_rich, say, terminal_width
+from .parameters import check_out, instance_argument, json_option, plan_argument, quiet_option
+from .work import Aborted
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ..refining import RefinedPlan
+    from ..refining.plan import Freedom, Gravity
+
+GRAVITIES = ("two-body", "j2", "j3", "j4")
+FREEDOMS = ("free", "planned")
+
+
+@click.command("refine", short_help="Lead the legs of PLAN to their stand-offs in true dynamics.")
+@instance_argument
+@plan_argument
+@click.option("--out", required=True, metavar="FILE", help="Refined plan file to write.")
+@click.option(
+    "--gravity",
+    type=click.Choice(GRAVITIES),
+    help="Field to fly in, with zonal harmonics up to this one; by default that of INSTANCE.",
+)
+@click.option(
+    "--burns",
+    "freedom",
+    type=click.Choice(FREEDOMS),
+    help="free: least ΔV, at any times; planned: the plan's own, changed as little as it takes. By "
+    "default free, and planned where there are keep-out zones.",
+)
+@click.option("--jobs", type=int, metavar="N", help="Cores to use; 0 for all.")
+@json_option
+@quiet_option
+def command(
+    instance_path: str,
+    plan_path: str,
+    out: str,
+    gravity: Gravity | None,
+    freedom: Freedom | None,
+    jobs: int | None,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Lead each leg of PLAN to its stand-off and its target in numerically integrated motion.
+
+    Ctrl-C writes the legs that are done. Exit status 1: some leg is missing, because it was not
+    reached in time or no trajectory was found.
+    """
+    from ..instance import load
+    from ..plan import load_plan
+    from ..refining import refine
+    from .leg_bar import leg_bar
+    from .live import wanted
+
+    check_out(out, instance_path, plan_path)
+    instance, plan = load(instance_path), load_plan(plan_path)
+    try:
+        with _interruptible() as enough, leg_bar(wanted(as_json, quiet), "refining") as show:
+            refined = refine(
+                instance, plan, gravity=gravity, freedom=freedom, jobs=jobs, enough=enough,
+                report=show,
+            )  # fmt: skip
+    except InputError as error:
+        raise InputError(f"{plan_path}: {error}") from None
+    refined.save(out)
+    if not quiet:
+        say(f"wrote {out}: {counted(len(refined.legs), 'leg')}, {refined.status}")
+    if as_json:
+        emit_json(_told(refined, out))
+    else:
+        if refined.legs:
+            emit_rich(_table(refined, terminal_width()))
+        emit(_summary(refined))
+        for missing in refined.missing:
+            emit(f"leg {missing.leg} is missing: {missing.reason}")
+    return 1 if refined.missing else 0
+
+
+@contextmanager
+def _interruptible() -> Iterator[Callable[[], bool]]:
+    """Let the first SIGINT or SIGTERM be asked for; the second one aborts."""
+    stopped = threading.Event()
+
+    def hear(number: int, frame: FrameType | None) -> None:
+        if stopped.is_set():
+            raise Aborted(number)
+        stopped.set()
+
+    before = {}
+    if threading.current_thread() is threading.main_thread():
+        for number in (signal.SIGINT, signal.SIGTERM):
+            # Ignored signals, as in the background of a script, stay ignored.
+            if signal.getsignal(number) not in (signal.SIG_IGN, None):
+                before[number] = signal.signal(number, hear)
+    try:
+        yield stopped.is_set
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _summary(refined: RefinedPlan) -> str:
+    planned, flown = refined.planned_delta_v_m_s, refined.flown_delta_v_m_s
+    retargeted = sum(leg.retargeted_delta_v_m_s for leg in refined.legs)
+    kept = f", and {retargeted:.1f} m/s with the plan's own burns" if _is_free(refined) else ""
+    return (
+        f"{counted(len(refined.legs), 'leg')} in the field {refined.gravity}: planned with "
+        f"{planned:.1f} m/s, flown with {flown:.1f} m/s{kept}"
+    )
+
+
+def _is_free(refined: RefinedPlan) -> bool:
+    return refined.freedom == "free"
+
+
+def _table(refined: RefinedPlan, width: int | None) -> Table:
+    from .tables import Row, leg_table
+
+    headings = ["kind", "planned\nm/s", "own burns\nm/s", "flown\nm/s", "burns", "lowest\nkm"]
+    rows = [
+        Row(
+            leg.leg,
+            leg.origin,
+            leg.destination,
+            [
+                leg.kind,
+                f"{leg.planned_delta_v_m_s:.1f}",
+                f"{leg.retargeted_delta_v_m_s:.1f}",
+                f"{leg.flown_delta_v_m_s:.1f}",
+                str(len(leg.burns)),
+                f"{leg.lowest_altitude_m / 1e3:.0f}",
+            ],
+        )
+        for leg in refined.legs
+    ]
+    return leg_table(headings, rows, width)
+
+
+def _told(refined: RefinedPlan, out: str) -> dict[str, object]:
+    legs = [leg.model_dump(mode="json", exclude={"burns", "states"}) for leg in refined.legs]
+    return {
+        "path": out,
+        "gravity": refined.gravity,
+        "burns": refined.freedom,
+        "status": refined.status,
+        "runtime_s": refined.runtime_s,
+        "planned_delta_v_m_s": refined.planned_delta_v_m_s,
+        "flown_delta_v_m_s": refined.flown_delta_v_m_s,
+        "missing": [missing.model_dump() for missing in refined.missing],
+        "legs": legs,
+    }

@@ -1,0 +1,269 @@
+"""Judge a refined plan with another integrator than the one it was made with.
+
+Nothing of :mod:`adr_opt.kernels` is used but constants: the pull is written once more, from the
+Cartesian form of the potential, and SciPy's DOP853 integrates it, an explicit method with steps of
+its own choice, where the refinement uses an implicit one with equal steps. Bodies are propagated
+from the states at the epoch that the file states, the chaser from its origin's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import InputError, MissingExtra
+from ..instance import Instance
+from ..kernels.constants import EARTH_RADIUS_M, J2, MU_M3_S2
+from ..kernels.gravity import J3, J4
+from ..refining.plan import RefinedLeg, RefinedPlan
+from .flyable import refuse_foreign
+from .refined_result import RefinedFlight, RefinedLegFlight
+from .result import TankFlight
+
+Array = npt.NDArray[np.float64]
+
+RELATIVE, ABSOLUTE_M = 3e-14, 1e-5
+"""Tolerances of a step: the first is the least that SciPy takes without complaint."""
+
+STEPS = 100
+"""Steps in a revolution, at least: what the method itself leaves behind at its tolerance has one
+sense, and would be metres after two months. With so many it is two centimetres then, and about a
+metre after a year and a half; more hardly help, because what is left is rounding."""
+
+HARMONICS = {"two-body": 0, "j2": 2, "j3": 3, "j4": 4}
+
+
+def fly_refined(
+    instance: Instance,
+    refined: RefinedPlan,
+    report: Callable[[int, int], None] = lambda done, total: None,
+) -> RefinedFlight:
+    """Fly a refined plan in its gravity and say where it leads.
+
+    Parameters
+    ----------
+    instance : Instance
+    refined : RefinedPlan
+    report : callable
+        Hears of how many legs are flown, and of how many there are.
+
+    Raises
+    ------
+    InputError
+        The refined plan belongs to another instance, names an unknown body, or leads away from
+        the Earth.
+    MissingExtra
+        SciPy is not installed.
+    """
+    _refuse_strangers(instance, refined)
+    world = _World(refined.gravity)
+    bodies = _Ephemeris(world, refined)
+    flown = []
+    report(0, len(refined.legs))
+    for leg in refined.legs:
+        try:
+            flown.append(_fly_leg(world, bodies, leg, instance.transfer.standoff_m))
+        except ArithmeticError as error:
+            raise InputError(f"leg {leg.leg}: cannot be flown: {error}") from None
+        report(len(flown), len(refined.legs))
+    return RefinedFlight(
+        gravity=refined.gravity,
+        legs=tuple(flown),
+        tanks=tuple(_tanks(instance, refined)),
+        missing=tuple(missing.leg for missing in refined.missing),
+    )
+
+
+def _refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
+    refuse_foreign(instance, refined)
+    for leg in refined.legs:
+        for name in (leg.origin, leg.destination):
+            if name not in instance.names:
+                raise InputError(f"leg {leg.leg}: {name!r} is not a body of the instance")
+
+
+class _World:
+    """Free motion, of many at once: states are columns, shape (6, n) [m, m/s]."""
+
+    def __init__(self, gravity: str) -> None:
+        try:
+            from scipy.integrate import DOP853
+        except ImportError:
+            raise MissingExtra("flying a refined plan", "scipy", "astro") from None
+        self._method = DOP853
+        self._most = HARMONICS[gravity]
+
+    def coast(self, states: Array, start_s: float, end_s: float) -> Array:
+        """States at another time.
+
+        Raises
+        ------
+        ArithmeticError
+            They lead into the centre of the Earth or out of numbers.
+        """
+        if start_s == end_s:
+            return states
+        # NumPy's operations cost more than a number's own where there is one state alone.
+        rates = self._rates_of_one if states.shape[1] == 1 else self._rates
+        solver = self._method(
+            rates, start_s, states.ravel(), end_s,
+            rtol=RELATIVE, atol=np.repeat([ABSOLUTE_M, 1e-3 * ABSOLUTE_M], 3 * states.shape[1]),
+            max_step=math.tau / STEPS * math.sqrt(_lowest(states) ** 3 / MU_M3_S2),
+        )  # fmt: skip
+        problem = None
+        while solver.status == "running":
+            problem = solver.step()
+        if solver.status != "finished" or not bool(np.isfinite(solver.y).all()):
+            raise ArithmeticError(problem or "the states are no longer numbers")
+        return np.asarray(solver.y).reshape(states.shape)
+
+    def _rates(self, _: float, flat: Array) -> Array:
+        states = flat.reshape(6, -1)
+        x, y, z = states[:3]
+        square = x * x + y * y + z * z
+        point, side, polar, odd = self._pull(square, np.sqrt(square), z)
+        rates = np.empty_like(states)
+        rates[:3] = states[3:]
+        rates[3], rates[4], rates[5] = point * side * x, point * side * y, point * polar * z + odd
+        return rates.ravel()
+
+    def _rates_of_one(self, _: float, flat: Array) -> list[float]:
+        x, y, z, *velocity = flat.tolist()
+        square = x * x + y * y + z * z
+        point, side, polar, odd = self._pull(square, math.sqrt(square), z)
+        return [*velocity, point * side * x, point * side * y, point * polar * z + odd]
+
+    def _pull(self, square: Any, r: Any, z: Any) -> tuple[Any, Any, Any, Any]:
+        """The pull of a point, what it is multiplied by across and along the axis, and a rest."""
+        point, side, polar, odd = -MU_M3_S2 / (square * r), 1.0, 1.0, 0.0
+        flat, t = EARTH_RADIUS_M * EARTH_RADIUS_M / square, z * z / square
+        if self._most >= 2:
+            k = 1.5 * J2 * flat
+            side, polar = side + k * (1.0 - 5.0 * t), polar + k * (3.0 - 5.0 * t)
+        if self._most >= 3:
+            # Odd in z: what has no factor z stands for itself.
+            k = 2.5 * J3 * flat * EARTH_RADIUS_M * z / square
+            side, polar = side + k * (3.0 - 7.0 * t), polar + k * (6.0 - 7.0 * t)
+            odd = 1.5 * J3 * MU_M3_S2 * flat * EARTH_RADIUS_M / (square * r)
+        if self._most >= 4:
+            k = 0.625 * J4 * flat * flat
+            side = side - k * (3.0 - 42.0 * t + 63.0 * t * t)
+            polar = polar - k * (15.0 - 70.0 * t + 63.0 * t * t)
+        return point, side, polar, odd
+
+
+def _lowest(states: Array) -> float:
+    """The lowest perigee of some states [m]; a tenth of the Earth's radius where it is lower.
+
+    Raises
+    ------
+    ArithmeticError
+        An orbit is not closed.
+    """
+    positions, velocities = states[:3].T, states[3:].T
+    radius = np.sqrt(np.sum(positions**2, axis=1))
+    inverse = 2.0 / radius - np.sum(velocities**2, axis=1) / MU_M3_S2
+    if not bool((inverse > 0.0).all()):
+        raise ArithmeticError("the burns lead away from the Earth")
+    momentum = np.sum(np.cross(positions, velocities) ** 2, axis=1)
+    e = np.sqrt(np.maximum(1.0 - momentum * inverse / MU_M3_S2, 0.0))
+    return float(max(((1.0 - e) / inverse).min(), 0.1 * EARTH_RADIUS_M))
+
+
+class _Ephemeris:
+    """States of the bodies when legs begin and end, all propagated side by side from the epoch."""
+
+    def __init__(self, world: _World, refined: RefinedPlan) -> None:
+        self._world = world
+        wanted: dict[float, set[str]] = {}
+        for leg in refined.legs:
+            wanted.setdefault(leg.states[0].time_s, set()).add(leg.origin)
+            for time in (leg.standoff_s, leg.arrival_s):
+                wanted.setdefault(time, set()).add(leg.destination)
+        last = {name: time for time in sorted(wanted) for name in wanted[time]}
+        states = {
+            body.name: np.array([*body.position_m, *body.velocity_m_s])
+            for body in refined.bodies
+            if body.name in last
+        }
+        self._known: dict[tuple[str, float], Array] = {}
+        now = 0.0
+        for time in sorted(wanted):
+            names = [name for name in states if last[name] >= time]
+            moved = world.coast(np.stack([states[name] for name in names], axis=1), now, time)
+            states = dict(zip(names, moved.T, strict=True))
+            now = time
+            for name in wanted[time]:
+                self._known[name, time] = states[name]
+
+    def state(self, name: str, time_s: float) -> Array:
+        """State of a body at a time that a leg names, shape (6,)."""
+        return self._known[name, time_s]
+
+    def following(self, name: str, time_s: float, length_m: float) -> Array:
+        """State of the point that follows it on its orbit: where it was a moment ago."""
+        state = self._known[name, time_s]
+        return self._world.coast(state[:, None], length_m / math.hypot(*state[3:]), 0.0)[:, 0]
+
+
+def _fly_leg(
+    world: _World, bodies: _Ephemeris, leg: RefinedLeg, length_m: float
+) -> RefinedLegFlight:
+    now = leg.states[0].time_s
+    chaser = bodies.state(leg.origin, now)[:, None].copy()
+    begin = leg.states[0]
+    stated = np.array([*begin.position_m, *begin.velocity_m_s])
+    at_standoff = None
+    for burn in leg.burns:
+        if at_standoff is None and burn.phase == "approach":
+            chaser, now = world.coast(chaser, now, leg.standoff_s), leg.standoff_s
+            at_standoff = chaser[:, 0]
+        chaser, now = world.coast(chaser, now, burn.time_s), burn.time_s
+        chaser = chaser.copy()
+        chaser[3:, 0] += burn.delta_v_m_s
+    if at_standoff is None:
+        raise ArithmeticError("no burn begins the approach; add the approach burns")
+    chaser = world.coast(chaser, now, leg.arrival_s)
+    behind = bodies.following(leg.destination, leg.standoff_s, length_m)
+    target = bodies.state(leg.destination, leg.arrival_s)
+    return RefinedLegFlight(
+        leg=leg.leg,
+        origin=leg.origin,
+        destination=leg.destination,
+        kind=leg.kind,
+        planned_delta_v_m_s=leg.planned_delta_v_m_s,
+        flown_delta_v_m_s=math.fsum(burn.size_m_s for burn in leg.burns),
+        departure_miss_m=math.dist(stated[:3], bodies.state(leg.origin, begin.time_s)[:3]),
+        standoff_miss_m=math.dist(at_standoff[:3], behind[:3]),
+        standoff_miss_m_s=math.dist(at_standoff[3:], behind[3:]),
+        arrival_miss_m=math.dist(chaser[:3, 0], target[:3]),
+        arrival_miss_m_s=math.dist(chaser[3:, 0], target[3:]),
+    )
+
+
+def _tanks(instance: Instance, refined: RefinedPlan) -> Iterator[TankFlight]:
+    """The legs tank by tank; a tank ends with the leg to a station."""
+    legs: list[RefinedLeg] = []
+    number = 1
+    every = [*refined.legs]
+    for at, leg in enumerate(every):
+        legs.append(leg)
+        if leg.destination in instance.station_names or at == len(every) - 1:
+            yield _tank(instance, number, legs)
+            legs, number = [], number + 1
+
+
+def _tank(instance: Instance, number: int, legs: Iterable[RefinedLeg]) -> TankFlight:
+    legs = list(legs)
+    return TankFlight(
+        tank=number,
+        first_leg=legs[0].leg,
+        last_leg=legs[-1].leg,
+        budget_m_s=instance.chaser.tank.delta_v_m_s,
+        planned_delta_v_m_s=math.fsum(leg.planned_delta_v_m_s for leg in legs),
+        flown_delta_v_m_s=math.fsum(burn.size_m_s for leg in legs for burn in leg.burns),
+    )

@@ -1,0 +1,127 @@
+"""What came of flying a refined plan."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+from .result import TankFlight
+
+MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
+"""What an arrival may miss its stand-off and its target by, in position [m] and velocity [m/s]."""
+
+
+@dataclass(frozen=True)
+class RefinedLegFlight:
+    """Where the burns of one refined leg lead.
+
+    Attributes
+    ----------
+    leg : int
+        Number of the leg, from 1.
+    origin, destination : str
+    kind : {"short", "drift"}
+    planned_delta_v_m_s, flown_delta_v_m_s : float
+        As the plan states it, and the sum of the burns [m/s].
+    departure_miss_m : float
+        How far the stated state of the departure is from the origin as propagated here [m].
+    standoff_miss_m, standoff_miss_m_s : float
+        Distance from the stand-off when the approach begins [m], and speed relative to it [m/s].
+    arrival_miss_m, arrival_miss_m_s : float
+        The same from the target, when the chaser docks.
+    """
+
+    leg: int
+    origin: str
+    destination: str
+    kind: Literal["short", "drift"]
+    planned_delta_v_m_s: float
+    flown_delta_v_m_s: float
+    departure_miss_m: float
+    standoff_miss_m: float
+    standoff_miss_m_s: float
+    arrival_miss_m: float
+    arrival_miss_m_s: float
+
+    @property
+    def arrives(self) -> bool:
+        """Whether it misses neither its stand-off nor its target."""
+        return (
+            max(self.standoff_miss_m, self.arrival_miss_m) <= MOST_MISS_M
+            and max(self.standoff_miss_m_s, self.arrival_miss_m_s) <= MOST_MISS_M_S
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return asdict(self) | {"arrives": self.arrives}
+
+
+@dataclass(frozen=True)
+class RefinedFlight:
+    """What came of flying a refined plan.
+
+    Attributes
+    ----------
+    gravity : {"two-body", "j2", "j3", "j4"}
+    legs : tuple of RefinedLegFlight
+    tanks : tuple of TankFlight
+        Of the legs that were refined.
+    missing : tuple of int
+        Numbers of the legs that were not.
+    """
+
+    gravity: str
+    legs: tuple[RefinedLegFlight, ...]
+    tanks: tuple[TankFlight, ...]
+    missing: tuple[int, ...] = ()
+
+    @property
+    def worst_miss_m(self) -> float:
+        """Largest miss in position, of stand-offs and arrivals; 0 without legs [m]."""
+        return max((max(leg.standoff_miss_m, leg.arrival_miss_m) for leg in self.legs), default=0.0)
+
+    @property
+    def worst_miss_m_s(self) -> float:
+        """Largest miss in velocity, likewise [m/s]."""
+        return max(
+            (max(leg.standoff_miss_m_s, leg.arrival_miss_m_s) for leg in self.legs), default=0.0
+        )
+
+    @property
+    def strayed(self) -> tuple[RefinedLegFlight, ...]:
+        """The legs that miss."""
+        return tuple(leg for leg in self.legs if not leg.arrives)
+
+    @property
+    def broken_tanks(self) -> tuple[TankFlight, ...]:
+        """The tanks that do not hold."""
+        return tuple(tank for tank in self.tanks if not tank.holds)
+
+    @property
+    def holds(self) -> bool:
+        """Whether every leg is there and arrives, and every tank is enough."""
+        return not (self.missing or self.strayed or self.broken_tanks)
+
+    @property
+    def planned_delta_v_m_s(self) -> float:
+        """ΔV of the legs as the plan states it [m/s]."""
+        return sum(leg.planned_delta_v_m_s for leg in self.legs)
+
+    @property
+    def flown_delta_v_m_s(self) -> float:
+        """ΔV of the legs as flown [m/s]."""
+        return sum(leg.flown_delta_v_m_s for leg in self.legs)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data: what ``fly --json`` prints."""
+        return {
+            "gravity": self.gravity,
+            "worst_miss_m": self.worst_miss_m,
+            "worst_miss_m_s": self.worst_miss_m_s,
+            "planned_delta_v_m_s": self.planned_delta_v_m_s,
+            "flown_delta_v_m_s": self.flown_delta_v_m_s,
+            "holds": self.holds,
+            "missing": list(self.missing),
+            "tanks": [tank.to_dict() for tank in self.tanks],
+            "legs": [leg.to_dict() for leg in self.legs],
+        }

@@ -1,0 +1,98 @@
+"""A refined plan as a CCSDS Orbit Ephemeris Message: one object a message."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from datetime import UTC, datetime
+
+from ..files import check_writable, write_text
+from ..flight.flyable import refuse_foreign
+from ..instance import Instance
+from ..kernels.constants import EARTH_RADIUS_M, J2
+from ..kernels.gravity import J3, J4
+from ..trajectory.clock import Clock
+from ..trajectory.kvn import OBJECT_NAME, ORIGINATOR, comment, metadata, plain
+from ..trajectory.oem import segment
+from ..trajectory.write import check_frame
+from .ephemeris import Track, tracks
+from .plan import RefinedPlan
+
+
+def write_refined(
+    instance: Instance,
+    refined: RefinedPlan,
+    path: str | os.PathLike[str],
+    *,
+    frame: str = "EME2000",
+    body: str | None = None,
+    step_s: float | None = None,
+    leg: int | None = None,
+) -> tuple[Track, ...]:
+    """Write the flight of the chaser, or of a visited body, whole or not at all.
+
+    Parameters
+    ----------
+    instance : Instance
+    refined : RefinedPlan
+    path : path
+    frame : {"EME2000", "GCRF", "ICRF", "TEME"}
+        The name of the frame that the elements are meant in; nothing is transformed.
+    body, step_s, leg
+        As :func:`.ephemeris.tracks` takes them.
+
+    Returns
+    -------
+    tuple of Track
+        What was written.
+
+    Raises
+    ------
+    InputError
+        A refined plan of another instance, an unknown frame, what :func:`.ephemeris.tracks`
+        raises, or a file that cannot be written.
+    """
+    refuse_foreign(instance, refined)
+    check_frame(frame)
+    check_writable(path)
+    written = tracks(refined, body=body, step_s=step_s, leg=leg)
+    write_text(path, "\n".join(_lines(instance, refined, body, written, frame)) + "\n")
+    return written
+
+
+def _lines(
+    instance: Instance,
+    refined: RefinedPlan,
+    body: str | None,
+    written: tuple[Track, ...],
+    frame: str,
+) -> Iterator[str]:
+    clock = Clock(instance)
+    name = OBJECT_NAME if body is None else plain(body)
+    yield "CCSDS_OEM_VERS = 2.0"
+    for sentence in _origin(instance, refined):
+        yield from comment(sentence)
+    yield f"CREATION_DATE = {datetime.now(UTC):%Y-%m-%dT%H:%M:%S}"
+    yield f"ORIGINATOR = {ORIGINATOR}"
+    for track in written:
+        yield ""
+        yield from segment(clock, track.comment, track.arc, metadata(frame, name))
+
+
+def _origin(instance: Instance, refined: RefinedPlan) -> Iterator[str]:
+    yield (
+        f"Plan by {refined.plan.method} (seed {refined.plan.seed}), refined, for the instance "
+        f"{instance.name}, sha256 {refined.instance.sha256}."
+    )
+    harmonics = {"j2": f"J2 = {J2:.8e}", "j3": f"J3 = {J3:.8e}", "j4": f"J4 = {J4:.8e}"}
+    until = ("two-body", *harmonics).index(refined.gravity)
+    terms = ", ".join(list(harmonics.values())[:until])
+    yield (
+        "Osculating states of numerically integrated motion with GM = 398600.4418 km**3/s**2"
+        + (f", R = {EARTH_RADIUS_M / 1e3:.3f} km, {terms}" if terms else "")
+        + "; impulsive burns."
+    )
+    yield (
+        "The reference frame is named by whoever exports: an instance says only that its elements "
+        "are inertial."
+    )

@@ -1,0 +1,187 @@
+"""One leg of a plan, refined: from the docked start by way of the stand-off to the target."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..instance import Instance
+from ..kernels.constants import EARTH_RADIUS_M, MU_M3_S2
+from ..plan import Burn, Leg
+from ..trajectory.bodies import body_states
+from ..trajectory.kepler import drift, secular
+from .bodies import TrueBodies
+from .leg import Course, Flown, NoWay, cheapen, close, residual
+from .plan import Freedom, RefinedBurn, RefinedLeg, RefinedState
+from .short_periods import Array
+
+HELPERS = 24
+"""Times at which impulses may help where the plan's own burns cannot be closed."""
+
+
+def refine_leg(
+    instance: Instance, bodies: TrueBodies, number: int, leg: Leg, freedom: Freedom
+) -> RefinedLeg:
+    """Lead one leg to its stand-off, and from there to its target.
+
+    Parameters
+    ----------
+    instance : Instance
+    bodies : TrueBodies
+        With the origin and the destination.
+    number : int
+        From 1.
+    leg : Leg
+        With burns in time order, the last of them those of the approach.
+    freedom : {"free", "planned"}
+        Whether ΔV is made least with impulses at any time from the first burn to the stand-off, or
+        the plan's burns are only changed as little as it takes.
+
+    Raises
+    ------
+    ArithmeticError
+        No trajectory was found.
+    """
+    first = next(at for at, burn in enumerate(leg.burns) if burn.phase == "approach")
+    before, approach = leg.burns[:first], leg.burns[first:]
+    start_s, standoff_s, docked_s = leg.burns[0].time_s, approach[0].time_s, approach[-1].time_s
+    length = instance.transfer.standoff_m
+    transfer, to_target = planned_angles(instance, leg)
+    rule = instance.transfer
+    course = Course(
+        bodies.state(leg.origin, start_s),
+        bodies.following(leg.destination, standoff_s, length),
+        start_s,
+        standoff_s,
+        transfer,
+        bodies.gravity,
+        EARTH_RADIUS_M + rule.min_altitude_m,
+        EARTH_RADIUS_M + rule.max_altitude_m,
+    )
+    retargeted = _retargeted(course, before)
+    flown = cheapen(course, retargeted) if freedom == "free" else retargeted
+    last = Course(
+        flown.states[-1],
+        bodies.state(leg.destination, docked_s),
+        standoff_s,
+        docked_s,
+        to_target,
+        bodies.gravity,
+    )
+    docking = close(last, *_with_a_middle(approach, to_target))
+    phases = _phases(() if freedom == "free" else before, flown)
+    burns = [
+        *_burns(flown, phases),
+        *_burns(docking, ["approach"] * docking.times.size),
+    ]
+    misses = residual(course, flown), residual(last, docking)
+    return RefinedLeg(
+        leg=number,
+        kind=leg.kind,
+        origin=leg.origin,
+        destination=leg.destination,
+        ready_s=min(leg.ready_s, start_s),
+        standoff_s=standoff_s,
+        arrival_s=docked_s,
+        end_s=max(leg.end_s, docked_s),
+        planned_delta_v_m_s=leg.delta_v_m_s,
+        retargeted_delta_v_m_s=retargeted.delta_v_m_s + docking.delta_v_m_s,
+        flown_delta_v_m_s=math.fsum(burn.size_m_s for burn in burns),
+        lowest_altitude_m=flown.reach_m[0] - EARTH_RADIUS_M,
+        residual_m=max(miss[0] for miss in misses),
+        residual_m_s=max(miss[1] for miss in misses),
+        burns=tuple(burns),
+        states=tuple(_states(course, flown, docking)),
+    )
+
+
+def planned_angles(instance: Instance, leg: Leg) -> tuple[float, float]:
+    """Angles that the chaser runs through by plan: to the stand-off, and from there on [rad]."""
+    position, velocity = (
+        each[0] for each in body_states(instance, leg.origin, leg.burns[0].time_s)
+    )
+    angles, approaching = [0.0, 0.0], 0
+    for burn, after in zip(leg.burns[:-1], leg.burns[1:], strict=True):
+        if burn.phase == "approach":
+            approaching = 1
+        span = after.time_s - burn.time_s
+        velocity = velocity + np.array(burn.delta_v_m_s)
+        axis = 1.0 / (2.0 / math.hypot(*position) - float(velocity @ velocity) / MU_M3_S2)
+        pace, node_rate = secular(position, velocity, instance.oblateness_m2)
+        momentum = np.cross(position, velocity)
+        # The latitude counts from the node, which drifts along the orbit meanwhile.
+        rate = pace * math.sqrt(MU_M3_S2 / axis**3)
+        rate += node_rate * momentum[2] / math.hypot(*momentum)
+        angles[approaching] += rate * span
+        positions, velocities = drift(position, velocity, span, instance.oblateness_m2)
+        position, velocity = positions[0], velocities[0]
+    return angles[0], angles[1]
+
+
+def _retargeted(course: Course, burns: tuple[Burn, ...]) -> Flown:
+    """The plan's burns, changed as little as it takes; with a few more where that is too little."""
+    times = np.array([burn.time_s for burn in burns])
+    impulses = np.array([burn.delta_v_m_s for burn in burns])
+    try:
+        return close(course, times, impulses)
+    except NoWay:
+        helping = np.linspace(course.start_s, course.end_s, HELPERS)
+        times = np.r_[times, helping]
+        order = np.argsort(times, kind="stable")
+        impulses = np.vstack([impulses, np.zeros((HELPERS, 3))])
+        return close(course, times[order], impulses[order])
+
+
+def _with_a_middle(burns: tuple[Burn, ...], angle: float) -> tuple[Array, Array]:
+    """The burns of the approach with one more a quarter of a lap after the first.
+
+    Half a lap after it an impulse across the plane has no effect: what the planes of the chaser
+    and the target differ by, some decimetres, is closed between.
+    """
+    times = np.array([burn.time_s for burn in burns])
+    impulses = np.array([burn.delta_v_m_s for burn in burns])
+    quarter = times[0] + (times[-1] - times[0]) * 0.5 * math.pi / max(angle, math.pi)
+    return np.insert(times, 1, quarter), np.insert(impulses, 1, 0.0, axis=0)
+
+
+def _phases(burns: tuple[Burn, ...], flown: Flown) -> list[str]:
+    """The phase of the plan's burn of each time; ``transfer`` where the plan has none."""
+    known = {burn.time_s: burn.phase for burn in reversed(burns)}
+    return [known.get(float(time), "transfer") for time in flown.times]
+
+
+def _burns(flown: Flown, phases: list[str]) -> list[RefinedBurn]:
+    return [
+        RefinedBurn.model_validate(
+            {"time_s": float(time), "delta_v_m_s": tuple(impulse.tolist()), "phase": phase}
+        )
+        for time, impulse, phase in zip(flown.times, flown.impulses, phases, strict=True)
+    ]
+
+
+def _states(course: Course, flown: Flown, docking: Flown) -> list[RefinedState]:
+    """States at the departure, after each burn, at the stand-off, and docked."""
+    found = [_state("departure", course.start_s, course.start)]
+    for part in (flown, docking):
+        for time, before, impulse in zip(part.times, part.states[:-1], part.impulses, strict=True):
+            after = before.copy()
+            after[3:] += impulse
+            found.append(_state("burn", time, after))
+        if part is flown:
+            found.append(_state("stand-off", course.end_s, part.states[-1]))
+    # The last burn is at the target: what follows it is docked.
+    found.append(_state("arrival", docking.times[-1], docking.states[-1]))
+    return found
+
+
+def _state(event: str, time: float, state: Array) -> RefinedState:
+    values = state.tolist()
+    return RefinedState.model_validate(
+        {
+            "event": event,
+            "time_s": float(time),
+            "position_m": tuple(values[:3]),
+            "velocity_m_s": tuple(values[3:]),
+        }
+    )
