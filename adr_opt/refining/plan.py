@@ -201,18 +201,10 @@ def load_refined(path: str | os.PathLike[str]) -> RefinedPlan:
 
 
 def is_refined(path: str | os.PathLike[str]) -> bool:
-    """Whether a file says that it is a refined plan; what is wrong with it is for others to say.
-
-    Raises
-    ------
-    InputError
-        It cannot be read.
-    """
+    """Whether a file says that it is a refined plan; what is wrong with it is for others to say."""
     try:
         content = json.loads(read_text(path))
-    except ValueError as error:
-        if isinstance(error, InputError):
-            raise
+    except (ValueError, RecursionError):  # InputError among them
         return False
     said = content.get("format") if isinstance(content, dict) else None
     return isinstance(said, str) and said.startswith("adr-opt-refined/")
