@@ -10,7 +10,6 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ..errors import InputError
 from ..files import read_model, read_text, to_text, write_text
 from ..plan import InstanceReference, Plan, Vector
 from ..records import DeltaV, Name, NonNegative, Record, Time
