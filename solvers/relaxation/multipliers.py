@@ -22,6 +22,10 @@ PASSES = 500
 """Rounds of the projection. Giving up early only costs progress: every bound is valid."""
 
 MOST_PLANES = 150
+ROUND_AND_ROUND = 1.5
+"""Where the best walk collects so many times all prizes, multipliers as large as they are a better
+start than none."""
+
 FIRST_AMBITION = 0.02
 LEAST_AMBITION = 2e-5
 
@@ -129,8 +133,7 @@ class Descent:
             return value
         if self.evaluations == 1:
             self._ambition = FIRST_AMBITION * abs(value)
-            if value > bound.total:
-                # Walks go round and round: multipliers as large as the prizes are a better start.
+            if value > ROUND_AND_ROUND * bound.total:
                 self._ambition = FIRST_AMBITION * bound.total
                 self.value, self.multipliers = bound.total, bound.allowed(bound.prize.copy())
         if value < self.value:

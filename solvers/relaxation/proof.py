@@ -216,7 +216,7 @@ class Proof:
     def _ask(
         self, multipliers: np.ndarray, enough: Callable[[], bool]
     ) -> tuple[bool, float, float]:
-        """Ask with some multipliers: done, least threshold finished, labels that it took."""
+        """Ask with some multipliers: done, least threshold that nothing reaches, labels it took."""
         certificate, routes = self._certificate, self._routes
         assert routes is not None
         certificate.lower(routes.use(multipliers))
@@ -226,7 +226,8 @@ class Proof:
             finished, value, plan, grown = routes.search(threshold, self._labels, enough)
             if not finished:
                 return False, least, took
-            least, took = threshold, routes.labels_made - before
+            if value < threshold:
+                least, took = threshold, routes.labels_made - before
             if plan is not None:
                 certificate.offer(plan)
             # Every plan left out of the search is worth less than the threshold.
