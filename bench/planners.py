@@ -42,14 +42,19 @@ def options_of(name: str, texts: dict[str, str]) -> dict[str, Any]:
     return {key: parsed(kind, key, text) for key, text in texts.items()}
 
 
-def measure(family: str, seed: int, spec: str, mission: adr_opt.Mission) -> dict[str, Any]:
-    """One plan: solved, checked, flown."""
+def measure(
+    family: str, seed: int, spec: str, mission: adr_opt.Mission, plans: Path | None
+) -> dict[str, Any]:
+    """One plan: solved, checked, flown, and written into a folder if there is one."""
     name, texts, bound, limit = parse(spec)
     options = options_of(name, texts)
     began = time.perf_counter()
     result = adr_opt.solve(mission, name, time_limit=limit, seed=0, bound=bound, **options)
     wall = time.perf_counter() - began
     assert result.plan is not None
+    if plans is not None:
+        plans.mkdir(parents=True, exist_ok=True)
+        result.plan.save(plans / f"{mission.instance.name}-{name}.json")
     violations = adr_opt.check(mission.instance, result.plan)
     miss = fly(mission.instance, result.plan).worst_miss_m
     return {
@@ -106,6 +111,7 @@ def main() -> None:
     parser.add_argument("--days", type=float)
     parser.add_argument("--dynamics", choices=["two-body", "j2"])
     parser.add_argument("--out", type=Path, help="JSON lines, appended to")
+    parser.add_argument("--plans", type=Path, metavar="FOLDER", help="where to keep the plans")
     arguments = parser.parse_args()
     family = arguments.family
     if arguments.targets is not None:
@@ -140,7 +146,7 @@ def main() -> None:
         mission.rules  # noqa: B018  builds the timetable
         built.append(time.perf_counter() - began)
         for spec in missing:
-            row = measure(family, seed, spec, mission)
+            row = measure(family, seed, spec, mission, arguments.plans)
             rows.append(row)
             if arguments.out:
                 with arguments.out.open("a") as file:
