@@ -11,10 +11,13 @@ import rows
 from drift_cases import FAMILIES_DEG, drawn, fly, pair_of, pairs
 from rows import FloatArray, oblate_rule, rule
 
+import adr_opt
+from adr_opt.connections import Connecting
 from adr_opt.flight.mean import MeanDynamics
 from adr_opt.kernels import burns as burn_kernels
 from adr_opt.kernels import connections, drifting, orbits, precession, transfer
 from adr_opt.kernels.constants import DAY_S, OBLATENESS_M2, SLACK_S
+from adr_opt.settings import TransferSettings
 
 WEEK_S = 7.0 * DAY_S
 NO_DRIFT = drifting.Times(0.0, DAY_S, 0.0, 1e9)
@@ -246,3 +249,36 @@ def test_oblateness_that_fades_leads_to_two_body_motion():
         assert np.abs(faint - plain) == pytest.approx(
             1e-3 * np.abs(full - plain), rel=0.05, abs=1e-9
         )
+
+
+def test_departures_between_planes_that_nearly_coincide_are_found_again() -> None:
+    """However near planes are, who takes a listed transfer finds out when to leave."""
+    rng = np.random.default_rng(5)
+    field = adr_opt.generate("rocket-bodies", 0)
+    first, second = field.targets[:2]
+    listed = 0
+    for scale in 10.0 ** rng.uniform(-1.5, 0.5, 25):
+        tilt_deg, node_deg = scale * rng.normal(0.0, [0.02, 0.3])
+        orbit = first.orbit.replace(
+            inclination_deg=first.orbit.inclination_deg + tilt_deg,
+            raan_deg=(first.orbit.raan_deg + node_deg) % 360.0,
+        )
+        instance = field.replace(targets=(first, second.replace(orbit=orbit)))
+        instance = instance.with_limits(duration_s=20.0 * DAY_S).replace(
+            transfer=TransferSettings(delta_v_resolution_m_s=0.1)
+        )
+        connecting = Connecting(instance)
+        orbits, extra, rule = connecting.inputs
+        for i, j in ((1, 2), (2, 1)):
+            found = connecting.find(i, j, 0.1)
+            pair = transfer.prepare(orbits[i], orbits[j], extra[i, j], rule)
+            approach = rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
+            for c in range(found.departure.size):
+                departure = precession.leaving(
+                    pair, rule, found.revolutions[c], found.departure[c],
+                    found.arrival[c] - approach,
+                )  # fmt: skip
+                late = departure - found.departure[c]
+                assert -precession.ROUNDING_S <= late <= precession.STEP_S + precession.ROUNDING_S
+            listed += found.departure.size
+    assert listed > 10_000

@@ -23,12 +23,15 @@ from .compile import inlined, kernel
 from .constants import SLACK_S
 from .transfer import TWO_PI
 
-MOST_STEPS, MORE_STEPS = 8, 60
+MOST_STEPS = 8
 """Steps of a fixed point; where planes nearly coincide so few are not enough for a sequence, and
-there is none; to find a departure again there are more."""
+there is none."""
 
 CLOSE_S = 1e-6
 """A fixed point is found when a step is less: the next one would be less by far [s]."""
+
+APART_RAD = 0.005
+"""Planes that far apart do not nearly coincide [rad]."""
 
 STEP_S = 16.0
 """Departures are rounded down to whole steps after their event [s]."""
@@ -36,9 +39,8 @@ STEP_S = 16.0
 ROUNDING_S = 1e-3
 """A departure so little before a step counts as at it [s]."""
 
-GUESSES = 8
-"""A departure is looked for from so many places within a step: where planes nearly coincide, the
-line of nodes moves as fast as the chaser."""
+BRACKETS = 8
+"""A departure is looked for in so many parts of a step."""
 
 STEP_RAD = 1e-6
 """By which a difference of RAANs is moved to see how the line of nodes moves with it [rad]."""
@@ -198,8 +200,9 @@ def settle(pair, rule, half_turns, revolutions, departure, stand_off, alpha_i, a
         met = meeting(pair, rule, half_turns, alpha_j, stand_off)
         step = abs(left - departure) + abs(met - stand_off)
         departure, stand_off = left, met
-        # The next one would be as much smaller as this one is than the one before.
-        if step < CLOSE_S or (number > 0 and step * step < CLOSE_S * before):
+        # The next one would be as much smaller as this one is than the one before, where the line
+        # moves slowly.
+        if step < CLOSE_S or (number > 0 and theta > APART_RAD and step * step < CLOSE_S * before):
             steps = number + 1
             break
         before = step
@@ -218,9 +221,34 @@ def settle(pair, rule, half_turns, revolutions, departure, stand_off, alpha_i, a
     )  # fmt: skip
 
 
+@inlined
+def _past_line(pair, rule, revolutions, departure, stand_off):
+    """How long after the nearest crossing of its line a sequence would leave, if so [s].
+
+    Returns
+    -------
+    past : float
+        [s].
+    half_turns : int
+        Number of that crossing.
+    alpha_j : float
+        Argument of latitude of the line in the target's plane [rad].
+    """
+    time = stand_off - departure
+    r = transfer.phasing_radius(pair, rule, revolutions, time)
+    lag = pair.lag + pair.lag_rate * departure + carried(pair, rule, revolutions, r, time)
+    alpha_i, alpha_j, _ = line(pair, lag)
+    turned = pair.latitude_i + pair.rate_i * departure - alpha_i
+    half_turns = math.floor(turned / math.pi + 0.5)
+    return (turned - math.pi * half_turns) / pair.rate_i, half_turns, alpha_j
+
+
 @kernel
 def leaving(pair, rule, revolutions, ready, stand_off):
     """When a sequence leaves that arrives at a time: the first crossing of its line from then on.
+
+    By bisection: where planes nearly coincide, the line moves as fast as the chaser, and a fixed
+    point need not be found.
 
     Parameters
     ----------
@@ -238,26 +266,27 @@ def leaving(pair, rule, revolutions, ready, stand_off):
     float
         [s]; not a number if there is none.
     """
-    for guess in range(GUESSES + 1):
-        departure = ready + guess * STEP_S / GUESSES
-        half_turns, alpha_i, alpha_j = 0, 0.0, 0.0
-        for number in range(MORE_STEPS):
-            time = stand_off - departure
-            r = transfer.phasing_radius(pair, rule, revolutions, time)
-            lag = pair.lag + pair.lag_rate * departure + carried(pair, rule, revolutions, r, time)
-            found, alpha_j, _ = line(pair, lag)
-            if number == 0:
-                past = (pair.latitude_i + pair.rate_i * departure - found) / math.pi
-                half_turns, alpha_i = math.floor(past + 0.5), found
-            alpha_i = near(found, alpha_i)
-            before = departure
-            departure = (alpha_i + math.pi * half_turns - pair.latitude_i) / pair.rate_i
-            if abs(departure - before) < CLOSE_S:
+    width = (STEP_S + 2.0 * ROUNDING_S) / BRACKETS
+    for bracket in range(BRACKETS):
+        low = ready - ROUNDING_S + bracket * width
+        high = low + width
+        past_low = _past_line(pair, rule, revolutions, low, stand_off)[0]
+        past_high = _past_line(pair, rule, revolutions, high, stand_off)[0]
+        # From half a revolution after one crossing to as much before the next is a leap.
+        if past_low * past_high > 0.0 or abs(past_high - past_low) * pair.rate_i > 1.0:
+            continue
+        while high - low > CLOSE_S * CLOSE_S:
+            departure = 0.5 * (low + high)
+            if not low < departure < high:
                 break
+            past = _past_line(pair, rule, revolutions, departure, stand_off)[0]
+            if past * past_low > 0.0:
+                low = departure
+            else:
+                high = departure
+        departure = 0.5 * (low + high)
+        _, half_turns, alpha_j = _past_line(pair, rule, revolutions, departure, stand_off)
         met = meeting(pair, rule, half_turns, alpha_j, stand_off)
-        if (
-            ready - ROUNDING_S <= departure <= ready + STEP_S + ROUNDING_S
-            and abs(met - stand_off) < ROUNDING_S
-        ):
+        if abs(met - stand_off) < ROUNDING_S:
             return departure
     return math.nan
