@@ -25,8 +25,11 @@ from .transfer import TWO_PI
 BAND_S = 300.0
 """A sequence whose flight time is estimated so far from what its revolutions allow is left out."""
 
-SURE_STEPS = 2
+SURE_STEPS = 3
 """A fixed point that takes no more is found again from anywhere near."""
+
+NEAR_RAD = 0.003
+"""Where planes are so near, that is not sure [rad]."""
 
 ERROR_M_S, BEND_M_S = 0.05, 400.0
 """How far the estimate of a ΔV may be off: so much, and so much times (ε/θ)²."""
@@ -176,7 +179,7 @@ def short(pair, rule, duration, spacing, most, resolution):
                 ):
                     continue
                 listed = max(_listed(event, found.departure), 0.0)
-                if found.steps > SURE_STEPS:
+                if found.steps > SURE_STEPS or theta < NEAR_RAD:
                     # Who flies it must find the departure again.
                     again = precession.leaving(pair, rule, k, listed, found.stand_off)
                     if not abs(again - found.departure) < precession.ROUNDING_S:

@@ -30,9 +30,6 @@ there is none."""
 CLOSE_S = 1e-6
 """A fixed point is found when a step is less: the next one would be less by far [s]."""
 
-APART_RAD = 0.005
-"""Planes that far apart do not nearly coincide [rad]."""
-
 STEP_S = 16.0
 """Departures are rounded down to whole steps after their event [s]."""
 
@@ -188,7 +185,7 @@ def settle(pair, rule, half_turns, revolutions, departure, stand_off, alpha_i, a
     -------
     Settled
     """
-    r, theta, before = pair.reference, 0.0, 0.0
+    r, theta = pair.reference, 0.0
     steps = MOST_STEPS + 1
     for number in range(MOST_STEPS):
         time = stand_off - departure
@@ -200,12 +197,9 @@ def settle(pair, rule, half_turns, revolutions, departure, stand_off, alpha_i, a
         met = meeting(pair, rule, half_turns, alpha_j, stand_off)
         step = abs(left - departure) + abs(met - stand_off)
         departure, stand_off = left, met
-        # The next one would be as much smaller as this one is than the one before, where the line
-        # moves slowly.
-        if step < CLOSE_S or (number > 0 and theta > APART_RAD and step * step < CLOSE_S * before):
+        if step < CLOSE_S:
             steps = number + 1
             break
-        before = step
     turn = 4.0 * math.sin(0.5 * theta) ** 2
     time = stand_off - departure
     low = pair.shortest + revolutions * pair.shortest_lap
@@ -247,8 +241,8 @@ def _past_line(pair, rule, revolutions, departure, stand_off):
 def leaving(pair, rule, revolutions, ready, stand_off):
     """When a sequence leaves that arrives at a time: the first crossing of its line from then on.
 
-    By bisection: where planes nearly coincide, the line moves as fast as the chaser, and a fixed
-    point need not be found.
+    A fixed point, or where planes nearly coincide and the line moves as fast as the chaser, by
+    bisection.
 
     Parameters
     ----------
@@ -267,26 +261,35 @@ def leaving(pair, rule, revolutions, ready, stand_off):
         [s]; not a number if there is none.
     """
     width = (STEP_S + 2.0 * ROUNDING_S) / BRACKETS
-    for bracket in range(BRACKETS):
+    for bracket in range(-1, BRACKETS):
         low = ready - ROUNDING_S + bracket * width
         high = low + width
-        past_low = _past_line(pair, rule, revolutions, low, stand_off)[0]
-        past_high = _past_line(pair, rule, revolutions, high, stand_off)[0]
-        # From half a revolution after one crossing to as much before the next is a leap.
-        if past_low * past_high > 0.0 or abs(past_high - past_low) * pair.rate_i > 1.0:
-            continue
-        while high - low > CLOSE_S * CLOSE_S:
+        if bracket < 0:
+            # Mostly the line hardly moves, and the way back to it is soon gone.
+            departure = ready
+            for _ in range(MOST_STEPS):
+                past = _past_line(pair, rule, revolutions, departure, stand_off)[0]
+                departure -= past
+                if abs(past) < CLOSE_S:
+                    break
+            if not ready - ROUNDING_S <= departure <= ready + STEP_S + ROUNDING_S:
+                continue
+        else:
+            past_low = _past_line(pair, rule, revolutions, low, stand_off)[0]
+            past_high = _past_line(pair, rule, revolutions, high, stand_off)[0]
+            # From half a revolution after one crossing to as much before the next is a leap.
+            if past_low * past_high > 0.0 or abs(past_high - past_low) * pair.rate_i > 1.0:
+                continue
             departure = 0.5 * (low + high)
-            if not low < departure < high:
-                break
-            past = _past_line(pair, rule, revolutions, departure, stand_off)[0]
-            if past * past_low > 0.0:
-                low = departure
-            else:
-                high = departure
-        departure = 0.5 * (low + high)
-        _, half_turns, alpha_j = _past_line(pair, rule, revolutions, departure, stand_off)
+            while high - low > CLOSE_S * CLOSE_S and low < departure < high:
+                past = _past_line(pair, rule, revolutions, departure, stand_off)[0]
+                if past * past_low > 0.0:
+                    low = departure
+                else:
+                    high = departure
+                departure = 0.5 * (low + high)
+        past, half_turns, alpha_j = _past_line(pair, rule, revolutions, departure, stand_off)
         met = meeting(pair, rule, half_turns, alpha_j, stand_off)
-        if abs(met - stand_off) < ROUNDING_S:
+        if abs(met - stand_off) < ROUNDING_S and abs(past) < CLOSE_S:
             return departure
     return math.nan
