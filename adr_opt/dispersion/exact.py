@@ -41,6 +41,11 @@ def fly_exactly(
         ΔV [m/s].
     (6,) float64
         The state at the end less that of the refined plan [m, m/s].
+
+    Raises
+    ------
+    ArithmeticError
+        It leads away from the Earth or into its centre.
     """
     zonals, none = FIELDS[part.gravity], np.empty((0, 0))
     now, angle, spent = part.start + begun, 0.0, 0.0
@@ -53,6 +58,8 @@ def fly_exactly(
         now[3:] += burn
         until = part.times[at + 1] if at < last else part.end_s
         angle += coast.coast(now, until - part.times[at], zonals, none)
+    if not np.isfinite(now).all():
+        raise ArithmeticError("a flight with errors leads away from the Earth or into its centre")
     return spent, now - part.goal
 
 
@@ -77,6 +84,8 @@ def _miss(part: Part, state: Array, at: int, angle: float, changes: Array) -> Ar
     frame = equinoctial.own_frame(part.goal)
     reached, goal = (equinoctial.elements(one, frame) for one in (states[-1], part.goal))
     miss: Array = reached - goal
+    if not np.isfinite(miss).all():
+        raise ArithmeticError("a flight with errors leads away from the Earth or into its centre")
     miss[5] = math.remainder(miss[5], math.tau)
     miss[5] += math.tau * round((angle + rest - part.angle - miss[5]) / math.tau)
     return miss

@@ -134,12 +134,10 @@ def _fly_leg(
     to_standoff = fly(transfer, begun, drawn[0], errors)
     to_target = fly(approach, to_standoff.miss, drawn[1], errors)
     spent = to_standoff.delta_v_m_s + to_target.delta_v_m_s
-    exact = list(_exactly((transfer, approach), begun, drawn, errors))
-    if not np.isfinite([there for _, there in exact]).all():
-        raise InputError(
-            f"leg {leg.leg}: with errors as large as these a flight leads away from the Earth; "
-            "take smaller ones"
-        )
+    try:
+        exact = list(_exactly((transfer, approach), begun, drawn, errors))
+    except ArithmeticError as error:
+        raise InputError(f"leg {leg.leg}: {error}; take smaller errors") from None
     axis = 1.0 / (
         2.0 / float(np.linalg.norm(transfer.goal[:3]))
         - float(transfer.goal[3:] @ transfer.goal[3:]) / MU_M3_S2
