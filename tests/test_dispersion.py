@@ -217,6 +217,14 @@ def test_flights_that_miss_by_far_wait() -> None:
     assert 0.0 < far.mean() < 1.0
     assert [leg.waits_share for leg in found.legs] == pytest.approx(far.mean(axis=1).tolist())
     assert 5000.0 < found.waits_s.value < 7000.0 * len(found.legs)
+    instance, refined = mission()
+    departures = [leg.states[0].time_s for leg in refined.legs[1:]]
+    departures.append(instance.mission.duration_s)
+    spare = [at - leg.end_s for at, leg in zip(departures, refined.legs, strict=True)]
+    assert not any(5000.0 < one < 7000.0 for one in spare), "a revolution decides"
+    short = np.array(spare) < 6000.0
+    assert short.any()
+    assert found.late_share == pytest.approx(far[short].any(axis=0).mean())
 
 
 def test_wrong_parameters_are_one_sentence() -> None:
