@@ -27,8 +27,8 @@ OPTIONS = (
     ("--corrections", int, "N", "Burns for corrections alone after each burn; 2 by default."),
     ("--burn-magnitude-error", float, "SHARE", "1-sigma, of each burn's size; 0.005 by default."),
     ("--burn-pointing-error", float, "DEG", "1-sigma, about each axis; 0.5 by default."),
-    ("--navigation-position-error", float, "M", "1-sigma, on each axis when a leg begins; 10 m."),
-    ("--navigation-velocity-error", float, "M_S", "1-sigma, likewise; 0.01 m/s by default."),
+    ("--navigation-position-error", float, "M", "1-sigma, per axis at departure; 10 by default."),
+    ("--navigation-velocity-error", float, "M_S", "1-sigma, likewise; 0.01 by default."),
 )
 
 
