@@ -1,4 +1,4 @@
-"""Draw the pictures of docs/model.md, docs/waiting.md, docs/drift.md and docs/index.md.
+"""Draw the pictures of docs/model.md, waiting.md, drift.md, refining.md and index.md.
 
     python docs/draw_model.py              # into docs/pictures
     python docs/draw_model.py --out DIR
@@ -341,6 +341,36 @@ def drift() -> Any:
     return figure
 
 
+def refined_cloud() -> tuple[adr_opt.RefinedPlan, adr_opt.RefinedPlan]:
+    """A plan of an eccentric cloud, refined with its own burns and with free ones."""
+    instance = adr_opt.generate("cloud", 0).replace(dynamics="j2")
+    plan = adr_opt.solve(instance, method="greedy-guarded").plan
+    assert plan is not None
+    own = adr_opt.refine(instance, plan, freedom="planned")
+    return own, adr_opt.refine(instance, plan, freedom="free")
+
+
+def flown() -> Any:
+    """Planned against flown ΔV of each leg of a plan."""
+    own, free = refined_cloud()
+    numbers = [leg.leg for leg in free.legs]
+    figure, ax = plt.subplots(figsize=(WIDTH_IN, 3.6))
+    planned = [leg.planned_delta_v_m_s for leg in free.legs]
+    ax.bar(numbers, planned, 0.86, color="#d5dbe1", label="planned")
+    ax.bar(
+        numbers, [leg.flown_delta_v_m_s for leg in free.legs], 0.5,
+        color=plot.COLOURS["phasing"], label="flown, free burns",
+    )  # fmt: skip
+    ax.plot(
+        numbers, [leg.flown_delta_v_m_s for leg in own.legs], "_",
+        color=INK, ms=9, mew=1.8, label="flown, the plan's own burns",
+    )  # fmt: skip
+    ax.set(xlabel="leg", ylabel="ΔV [m/s]", xlim=(0.2, len(numbers) + 0.8))
+    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, handlelength=1.2)
+    figure.tight_layout()
+    return figure
+
+
 def mission() -> Any:
     """A whole small mission: altitude against time, phases coloured."""
     instance = adr_opt.generate("tiny", 0).with_limits(delta_v_m_s=400.0)
@@ -366,6 +396,7 @@ PICTURES: dict[str, Callable[[], Any]] = {
     "connections": connections,
     "waiting": waiting,
     "drift": drift,
+    "flown": flown,
     "mission": mission,
 }
 

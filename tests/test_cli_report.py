@@ -7,10 +7,11 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import Cli
+from conftest import Cli, refused
 from plans import solved
 
 import adr_opt
+from adr_opt.report.text import fixed
 
 pytest.importorskip("plotly.graph_objects")
 
@@ -78,3 +79,24 @@ def test_without_plotly(cli: Cli, tiny_file: Path, monkeypatch: pytest.MonkeyPat
     assert "plotly" in outcome.err
     assert "pip install -e '.[viz]'" in outcome.err
     assert not Path("mission.html").exists()
+
+
+def test_what_refined_legs_take_is_told(cli: Cli, tiny_file: Path) -> None:
+    """With --refined each leg has its ΔV in true dynamics, and another plan's is refused."""
+    instance = adr_opt.load(tiny_file)
+    plan = solved(instance)
+    plan.save("plan.json")
+    refined = adr_opt.refine(instance, plan)
+    refined.save("refined.json")
+    told = cli("report", tiny_file, "plan.json", "--refined", "refined.json", "--out", "m.html")
+    assert told.status == 0, told.err
+    text = Path("m.html").read_text(encoding="utf-8")
+    assert text.count(">refined m/s<") == 1
+    assert f"flown with {fixed(refined.flown_delta_v_m_s, 1)} m/s" in text
+    for leg in refined.legs:
+        assert f"<td class=n>{fixed(leg.flown_delta_v_m_s, 1)}</td>" in text
+    other = refined.replace(plan=refined.plan.replace(sha256="0" * 64))
+    other.save("other.json")
+    call = ("report", tiny_file, "plan.json", "--refined", "other.json", "--out", "n.html")
+    refused(cli(*call), "the refined plan was made of another plan")
+    assert not Path("n.html").exists()

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import InputError, MissingExtra
 from ..wording import counted
+from .fly_errors import Sampling, tell
 from .output import emit, emit_json, emit_rich, say, terminal_width
 
 if TYPE_CHECKING:
@@ -18,7 +19,12 @@ FLOWN = "flown in true dynamics"
 
 
 def fly_and_tell(
-    instance_path: str, refined_path: str, out: str | None, as_json: bool, quiet: bool
+    instance_path: str,
+    refined_path: str,
+    out: str | None,
+    as_json: bool,
+    quiet: bool,
+    sampling: Sampling,
 ) -> int:
     """Fly a refined plan and say where it leads; the parameters are those of ``fly``."""
     from ..flight import fly_refined
@@ -28,7 +34,12 @@ def fly_and_tell(
     from .live import wanted
 
     instance, refined = load(instance_path), load_refined(refined_path)
+    dispersion = None
     try:
+        if sampling.samples is not None:
+            # First, because it is quick: what is wrong with the errors is said at once.
+            with leg_bar(wanted(as_json, quiet), "sampling") as show:
+                dispersion = sampling.fly(instance, refined, show)
         with leg_bar(wanted(as_json, quiet), "flying") as show:
             flight = fly_refined(instance, refined, show)
     except MissingExtra:
@@ -41,12 +52,16 @@ def fly_and_tell(
         if not quiet:
             say(f"wrote {out}")
     if as_json:
-        emit_json(flight.to_dict())
+        errors = {} if dispersion is None else {"errors": dispersion.to_dict()}
+        emit_json(flight.to_dict() | errors)
     else:
         if flight.legs:
             emit_rich(_table(flight, terminal_width()))
         emit(said(flight))
-    return 0 if flight.holds else 1
+        if dispersion is not None:
+            tell(dispersion)
+    enough = dispersion is None or not dispersion.broken_tanks
+    return 0 if flight.holds and enough else 1
 
 
 def said(flight: RefinedFlight) -> str:

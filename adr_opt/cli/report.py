@@ -20,9 +20,22 @@ from .parameters import (
 @instance_argument
 @plan_argument
 @click.option("--out", required=True, metavar="FILE", help="HTML file to write.")
+@click.option(
+    "--refined",
+    "refined_path",
+    metavar="FILE",
+    help="PLAN as 'refine' has written it: what its legs take is told beside what was planned.",
+)
 @json_option
 @quiet_option
-def command(instance_path: str, plan_path: str, out: str, as_json: bool, quiet: bool) -> int:
+def command(
+    instance_path: str,
+    plan_path: str,
+    out: str,
+    refined_path: str | None,
+    as_json: bool,
+    quiet: bool,
+) -> int:
     """Write PLAN on INSTANCE as one self-contained HTML page: charts, tables, bound and gap.
 
     A plan with violations is reported too: they head the page and are counted here. So are tanks
@@ -30,14 +43,16 @@ def command(instance_path: str, plan_path: str, out: str, as_json: bool, quiet: 
     """
     from ..instance import load
     from ..plan import load_plan
+    from ..refining.plan import load_refined
     from ..report import write_report
 
     instance, plan = load(instance_path), load_plan(plan_path)
-    check_out(out, instance_path, plan_path)
+    refined = None if refined_path is None else load_refined(refined_path)
+    check_out(out, instance_path, plan_path, refined_path)
     if not out.lower().endswith((".html", ".htm")):
         raise InputError(f"{out}: the page is HTML; give a file that ends in .html")
     try:
-        written = write_report(instance, plan, out)
+        written = write_report(instance, plan, out, refined)
     except MissingExtra:
         raise
     except InputError as error:

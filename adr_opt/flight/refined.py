@@ -9,7 +9,7 @@ from the states at the epoch that the file states, the chaser from its origin's.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -59,7 +59,7 @@ def fly_refined(
     MissingExtra
         SciPy is not installed.
     """
-    _refuse_strangers(instance, refined)
+    refuse_strangers(instance, refined)
     world = _World(refined.gravity)
     bodies = _Ephemeris(world, refined)
     flown = []
@@ -73,12 +73,16 @@ def fly_refined(
     return RefinedFlight(
         gravity=refined.gravity,
         legs=tuple(flown),
-        tanks=tuple(_tanks(instance, refined)),
+        tanks=tuple(
+            _tank(instance, number, legs)
+            for number, legs in enumerate(legs_by_tank(instance, refined), start=1)
+        ),
         missing=tuple(missing.leg for missing in refined.missing),
     )
 
 
-def _refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
+def refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
+    """Raise :class:`InputError` for a refined plan of another instance or of unknown bodies."""
     refuse_foreign(instance, refined)
     for leg in refined.legs:
         for name in (leg.origin, leg.destination):
@@ -245,20 +249,17 @@ def _fly_leg(
     )
 
 
-def _tanks(instance: Instance, refined: RefinedPlan) -> Iterator[TankFlight]:
+def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[list[RefinedLeg]]:
     """The legs tank by tank; a tank ends with the leg to a station."""
-    legs: list[RefinedLeg] = []
-    number = 1
-    every = [*refined.legs]
-    for at, leg in enumerate(every):
-        legs.append(leg)
-        if leg.destination in instance.station_names or at == len(every) - 1:
-            yield _tank(instance, number, legs)
-            legs, number = [], number + 1
+    tanks: list[list[RefinedLeg]] = [[]]
+    for leg in refined.legs:
+        tanks[-1].append(leg)
+        if leg.destination in instance.station_names:
+            tanks.append([])
+    return [legs for legs in tanks if legs]
 
 
-def _tank(instance: Instance, number: int, legs: Iterable[RefinedLeg]) -> TankFlight:
-    legs = list(legs)
+def _tank(instance: Instance, number: int, legs: list[RefinedLeg]) -> TankFlight:
     return TankFlight(
         tank=number,
         first_leg=legs[0].leg,

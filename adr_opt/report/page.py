@@ -22,6 +22,7 @@ from ..plan import Plan
 from ..plot.palette import PHASES
 from ..plot.segments import segments
 from ..plot.tracks import Track, tracks
+from ..refining.plan import RefinedPlan, reference
 from ..wording import counted, status_words
 from . import figures, sections, tables
 from .facts import facts
@@ -53,7 +54,12 @@ class Report:
     trouble: str | None
 
 
-def write_report(instance: Instance, plan: Plan, path: str | os.PathLike[str]) -> Report:
+def write_report(
+    instance: Instance,
+    plan: Plan,
+    path: str | os.PathLike[str],
+    refined: RefinedPlan | None = None,
+) -> Report:
     """Write a mission as one HTML file, whole or not at all.
 
     Parameters
@@ -62,24 +68,28 @@ def write_report(instance: Instance, plan: Plan, path: str | os.PathLike[str]) -
     plan : Plan
         Violations do not stop the report: they head it.
     path : path
+    refined : RefinedPlan, optional
+        The same plan, refined: what its legs take is told beside what they were planned with.
 
     Raises
     ------
     InputError
-        The plan belongs to another instance, or the file cannot be written.
+        The plan belongs to another instance, the refined plan was made of another plan, or the file
+        cannot be written.
     MissingExtra
         plotly is not installed.
     """
     check_writable(path)
+    _refuse_other(plan, refined)
     violations, flight = check(instance, plan), _flown(instance, plan)
     drawn, trouble = _drawn(instance, plan)
-    text = _page(instance, plan, violations, flight, drawn, trouble)
+    text = _page(instance, plan, violations, flight, drawn, trouble, refined)
     write_text(path, text)
     tanks = flight.tanks if isinstance(flight, Flight) else None
     return Report(os.fspath(path), len(text.encode()), violations, tanks, trouble)
 
 
-def page(instance: Instance, plan: Plan) -> str:
+def page(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> str:
     """The HTML of the report.
 
     Raises
@@ -87,8 +97,17 @@ def page(instance: Instance, plan: Plan) -> str:
     InputError, MissingExtra
         As in :func:`write_report`.
     """
+    _refuse_other(plan, refined)
     violations, flight = check(instance, plan), _flown(instance, plan)
-    return _page(instance, plan, violations, flight, *_drawn(instance, plan))
+    return _page(instance, plan, violations, flight, *_drawn(instance, plan), refined)
+
+
+def _refuse_other(plan: Plan, refined: RefinedPlan | None) -> None:
+    if refined is not None and refined.plan.sha256 != reference(plan).sha256:
+        raise InputError(
+            f"the refined plan was made of another plan (sha256 {refined.plan.sha256[:12]}…); "
+            "refine the one that is reported"
+        )
 
 
 def _flown(instance: Instance, plan: Plan) -> Flight | str | None:
@@ -118,6 +137,7 @@ def _page(
     flight: Flight | str | None,
     drawn: tuple[Track, ...],
     trouble: str | None,
+    refined: RefinedPlan | None,
 ) -> str:
     found = facts(instance, plan)
     library, script = _library(), _asset("page.js")
@@ -161,7 +181,7 @@ def _page(
         nodes=sections.nodes() if instance.dynamics == "j2" else "",
         costs_note=sections.costs_note(plan),
         planes_note=sections.planes_note(instance),
-        legs=tables.legs(instance, plan),
+        legs=tables.legs(instance, plan, refined),
         unvisited=left_out,
         certificate=sections.certificate(plan, found),
         origin=sections.origin(instance, plan),

@@ -8,6 +8,8 @@ from ..instance import Instance
 from ..kernels.constants import DAY_S, EARTH_RADIUS_M
 from ..plan import Plan
 from ..plot.palette import REASONS
+from ..refining.plan import RefinedPlan
+from ..wording import counted
 from .text import KINDS, LONG_S, NOTHING, clock, escape, fixed, number, span
 
 REASON_TITLES = {
@@ -41,8 +43,12 @@ def table(caption: str, headings: Iterable[tuple[str, str]], rows: Iterable[str]
     )
 
 
-def legs(instance: Instance, plan: Plan) -> str:
-    """One row per leg, refuellings marked; a click on a row shows that leg in the charts."""
+def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> str:
+    """One row per leg, refuellings marked; a click on a row shows that leg in the charts.
+
+    With the plan refined, what legs take then stands beside what they were planned with.
+    """
+    flown = {} if refined is None else {leg.leg: leg.flown_delta_v_m_s for leg in refined.legs}
     prizes = {target.name: target.prize for target in instance.targets}
     drifts = instance.dynamics == "j2"
     lengths = [(leg.departure_s - leg.ready_s, leg.arrival_s - leg.departure_s)
@@ -65,6 +71,7 @@ def legs(instance: Instance, plan: Plan) -> str:
             ("n", NOTHING if leg.kind == "drift" else str(leg.phasing_revolutions)),
             ("n", fixed(leg.delta_v_m_s, 1)),
             *([("n", fixed(leg.burns_delta_v_m_s, 1))] if drifts else []),
+            *([("n", fixed(flown[at], 1) if at in flown else NOTHING)] if refined else []),
             ("n", told(leg.arrival_s - leg.departure_s)),
             ("n", clock(leg.arrival_s)),
             ("n", clock(leg.end_s)),
@@ -77,10 +84,20 @@ def legs(instance: Instance, plan: Plan) -> str:
     headings = (
         ("leg", "n"), ("from → to", ""), ("ready", "n"), *([("kind", "")] if drifts else []),
         (f"wait {unit}", "n"), ("departure", "n"), ("laps", "n"), ("ΔV m/s", "n"),
-        *([("burns m/s", "n")] if drifts else []), (f"flight {unit}", "n"), ("arrival", "n"),
+        *([("burns m/s", "n")] if drifts else []), *([("refined m/s", "n")] if refined else []),
+        (f"flight {unit}", "n"), ("arrival", "n"),
         ("end", "n"), ("ΔV left m/s", "n"), ("prize", "n"),
     )  # fmt: skip
-    return table("Legs", headings, rows)
+    return (_refined(refined) if refined else "") + table("Legs", headings, rows)
+
+
+def _refined(refined: RefinedPlan) -> str:
+    """What the refined legs take in all."""
+    return (
+        f"<p>Refined in the field {refined.gravity}, {counted(len(refined.legs), 'leg')}: planned "
+        f"with {fixed(refined.planned_delta_v_m_s, 1)} m/s, flown with "
+        f"{fixed(refined.flown_delta_v_m_s, 1)} m/s.</p>"
+    )
 
 
 def unvisited(instance: Instance, plan: Plan) -> str:

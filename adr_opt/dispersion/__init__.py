@@ -1,0 +1,21 @@
+"""Errors of a flight: what tank and time a refined plan needs when burns and navigation err.
+
+A Monte Carlo analysis of dispersions. Each flight draws errors of every burn and of where the
+chaser is when a leg begins (:mod:`.errors`); what a burn has left wrong is corrected at the burns
+that are left of the leg, by linear feedback with the state-transition matrices of the refined
+trajectory (:mod:`.feedback`). A few of the flights are flown again without linearisation
+(:mod:`.exact`).
+"""
+
+from .errors import FlightErrors
+from .result import Dispersion, LegDispersion, Quantile, TankDispersion
+from .sample import sample_flights
+
+__all__ = [
+    "Dispersion",
+    "FlightErrors",
+    "LegDispersion",
+    "Quantile",
+    "TankDispersion",
+    "sample_flights",
+]
