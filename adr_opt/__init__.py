@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .mission import Mission
     from .plan import Plan, load_plan
     from .refining import RefinedPlan, load_refined, refine
+    from .refining.loop import RefinedResult, solve_refined
     from .result import Result
     from .timetable import Matrices, Timetable
 
@@ -45,6 +46,8 @@ _HOME = {
     "RefinedPlan": "refining",
     "load_refined": "refining",
     "refine": "refining",
+    "RefinedResult": "refining.loop",
+    "solve_refined": "refining.loop",
     "Result": "result",
     "Matrices": "timetable",
     "Timetable": "timetable",
@@ -58,6 +61,7 @@ __all__ = [
     "Mission",
     "Plan",
     "RefinedPlan",
+    "RefinedResult",
     "Result",
     "Timetable",
     "Violation",
@@ -70,6 +74,7 @@ __all__ = [
     "load_refined",
     "refine",
     "solve",
+    "solve_refined",
 ]
 
 __version__ = "0.1.0"

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from .corrections import NO_CORRECTIONS, Corrections, Kind
 from .errors import InputError
 from .instance import Instance
 from .kept import Kept, Pair
@@ -67,17 +68,21 @@ class Connecting:
     Parameters
     ----------
     instance : Instance
+    corrections : Corrections, optional
+        What connections cost beyond the model. Then they are listed also where events are regular.
 
     Attributes
     ----------
     kept : Kept
-        The connections of pairs that are kept, where nodes drift.
+        The connections of pairs that are kept, as the model has them, where nodes drift.
     counts : dict of (origin, destination) to int
         How many connections the pairs have that a table was made of, where nodes drift.
     """
 
-    def __init__(self, instance: Instance) -> None:
+    def __init__(self, instance: Instance, corrections: Corrections = NO_CORRECTIONS) -> None:
         self.instance = instance
+        self.corrections = corrections
+        self._names = instance.names
         self.inputs = instance.orbits(), instance.eccentricity_delta_v(), instance.transfer_rule()
         self.times = _times(instance)
         self.kept = Kept()
@@ -89,8 +94,8 @@ class Connecting:
 
     @property
     def drifts(self) -> bool:
-        """Whether departure events are not regular."""
-        return self.times is not None
+        """Whether connections are listed: departure events are not regular, or costs corrected."""
+        return self.times is not None or bool(self.corrections)
 
     @property
     def planning_resolution_m_s(self) -> float:
@@ -98,10 +103,14 @@ class Connecting:
 
         None is, where that is affordable: where events are regular.
         """
-        return self._resolution if self.drifts else 0.0
+        return self._resolution if self.times is not None else 0.0
 
     def find(self, i: int, j: int, resolution_m_s: float) -> kernels.Found:
         """Work out all connections of two bodies."""
+        found = self._of_model(i, j, resolution_m_s)
+        return self.corrections.applied(self._names[i], self._names[j], found)
+
+    def _of_model(self, i: int, j: int, resolution_m_s: float) -> kernels.Found:
         orbits, extra, rule = self.inputs
         pair = orbits[i], orbits[j], extra[i, j], rule
         found: kernels.Found
@@ -113,9 +122,23 @@ class Connecting:
 
     def found(self, i: int, j: int) -> kernels.Found:
         """What planning needs of a pair: kept, or worked out."""
-        if not self.drifts:
+        if self.times is None:
             return self.find(i, j, self.planning_resolution_m_s)
-        return self.kept.get((i, j), lambda: self.find(i, j, self.planning_resolution_m_s))
+        found = self.kept.get((i, j), lambda: self._of_model(i, j, self.planning_resolution_m_s))
+        return self.corrections.applied(self._names[i], self._names[j], found)
+
+    def corrected(self, corrections: Corrections) -> Connecting:
+        """The same of other corrections; what is kept of the model is shared."""
+        made = Connecting(self.instance, corrections)
+        made.kept = self.kept
+        return made
+
+    def modelled(self, i: int, j: int, revolutions: int, delta_v_m_s: float) -> float:
+        """What a connection costs without the corrections [m/s]."""
+        if not self.corrections:
+            return delta_v_m_s
+        kind: Kind = "drift" if revolutions < 0 else "short"
+        return self.corrections.modelled(self._names[i], self._names[j], kind, delta_v_m_s)
 
     def choose_pairs(
         self,
@@ -141,7 +164,7 @@ class Connecting:
 
     def part(self, instance: Instance, bodies: list[int]) -> Connecting:
         """That of an instance with some of the bodies, and what is known of them."""
-        made = Connecting(instance)
+        made = Connecting(instance, self.corrections)
         pairs = [(a, b) for a in range(len(bodies)) for b in range(len(bodies)) if a != b]
         there = {(a, b): (bodies[a], bodies[b]) for a, b in pairs}
         made.kept = self.kept.part(there)

@@ -344,25 +344,34 @@ def _announce(instance: Instance, sizing: Callable[[Size], None]) -> None:
 
 def _beyond_the_model(mission: Mission, result: Result) -> Result:
     """A result with what its reader has to know of the margin and of what the model leaves out."""
-    notes, plan = [], result.plan
-    if mission.margin:
-        kept = f"{100.0 * mission.margin:g} % of each tank ({mission.reserve_m_s:g} m/s)"
-        if not math.isfinite(result.upper_bound):
-            notes.append(f"{kept} is kept back")
-        else:
-            most = f"no plan that keeps back {kept} collects more than {result.upper_bound:.6g}"
-            notes.append(f"{most}; one that does not may")
-        if plan is not None:
-            # A plan file is read together with its instance, whose tanks may be used to the end.
-            status = status_of(mission, plan.objective, math.inf)
-            plan = plan.replace(
-                upper_bound=None, gap=None, status=status,
-                cost_bound=None, cost_gap=None, cost_status=None,
-            )  # fmt: skip
+    notes, plan = _of_what_is_proven(mission, result.upper_bound), result.plan
+    if plan is not None and (mission.margin or mission.connecting.corrections):
+        # A plan file is read together with its instance, whose tanks may be used to the end, and
+        # whose connections cost what the model says.
+        plan = plan.replace(
+            upper_bound=None, gap=None, status=status_of(mission, plan.objective, math.inf),
+            cost_bound=None, cost_gap=None, cost_status=None,
+        )  # fmt: skip
     drift = None if plan is None else drift_warning(mission.instance, plan)
     if drift is not None:
         notes.append(drift)
     return _noted(replace(result, plan=plan), notes)
+
+
+def _of_what_is_proven(mission: Mission, upper_bound: float) -> list[str]:
+    """What is said of all plans, where it is not said of those of the instance."""
+    corrections, notes, of, other = mission.connecting.corrections, [], "", "that does not"
+    if corrections:
+        notes.append(f"connections are corrected by what refined legs cost: {corrections}")
+        of, other = " of the corrected connections", "of the model's connections"
+    if mission.margin:
+        kept = f"{100.0 * mission.margin:g} % of each tank ({mission.reserve_m_s:g} m/s)"
+        of += f" that keeps back {kept}"
+        if not math.isfinite(upper_bound):
+            notes.append(f"{kept} is kept back")
+    if of and math.isfinite(upper_bound):
+        notes.append(f"no plan{of} collects more than {upper_bound:.6g}; one {other} may")
+    return notes
 
 
 def _noted(result: Result, notes: Sequence[str]) -> Result:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from .chasers import AtStation
 from .connections import Connecting
+from .corrections import Corrections
 from .errors import InputError
 from .instance import Instance
 from .kernels import rules as kernels
@@ -188,10 +189,24 @@ class Mission:
     def with_margin(self, margin: float) -> Mission:
         """The same mission, timetable included, with another share of each tank kept back."""
         made = self.__dict__.get("timetable")
-        return Mission(
+        other = Mission(
             self.instance, made, threads=self._threads, margin=margin,
             time_value_m_s_per_h=self.time_value_m_s_per_h,
         )  # fmt: skip
+        other.__dict__["connecting"] = self.connecting
+        return other
+
+    def corrected(self, corrections: Corrections) -> Mission:
+        """The same mission over connections that cost more than the model says.
+
+        What is kept of the model's connections is shared; the timetable is another one.
+        """
+        other = Mission(
+            self.instance, threads=self._threads, margin=self.margin,
+            time_value_m_s_per_h=self.time_value_m_s_per_h,
+        )  # fmt: skip
+        other.__dict__["connecting"] = self.connecting.corrected(corrections)
+        return other
 
     def with_time_value(self, time_value_m_s_per_h: float) -> Mission:
         """The same mission with the timetable of another choice; what was built before is kept.

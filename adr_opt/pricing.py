@@ -41,10 +41,15 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
         )
     priced = []
     i, ready = mission.rules.start, mission.rules.ready
+    spared = 0.0  # of the tank by the model, other than by corrected connections
     for at, j in enumerate(moves):
         transfer = _transfer(
             mission, i, j, timing.departures[at], timing.arrivals[at], int(timing.revolutions[at])
         )
+        delta_v = mission.connecting.modelled(
+            i, j, int(timing.revolutions[at]), float(timing.delta_vs[at])
+        )
+        spared = 0.0 if mission.rules.is_station[j] else spared + timing.delta_vs[at] - delta_v
         priced.append(
             Leg(
                 kind=transfer.kind,
@@ -54,8 +59,8 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
                 departure_s=transfer.departure,
                 arrival_s=float(timing.arrivals[at]),
                 end_s=float(timing.ends[at]),
-                delta_v_m_s=float(timing.delta_vs[at]),
-                delta_v_left_m_s=float(timing.lefts[at] - SLACK_M_S) + mission.reserve_m_s,
+                delta_v_m_s=delta_v,
+                delta_v_left_m_s=float(timing.lefts[at] - SLACK_M_S + spared) + mission.reserve_m_s,
                 phasing_revolutions=max(int(timing.revolutions[at]), 0),
                 eccentricity_delta_v_m_s=transfer.shape,
                 burns=tuple(

@@ -19,6 +19,7 @@ from .connections import (
     Connections,
     weights_of,
 )
+from .corrections import NO_CORRECTIONS
 from .errors import InputError
 from .instance import Instance
 from .kernels import timetable as kernels
@@ -115,6 +116,7 @@ class Timetable:
             raise InputError(
                 f"time_value_m_s_per_h = {time_value_m_s_per_h!r}: must be a finite number ≥ 0"
             )
+        corrections = NO_CORRECTIONS if connecting is None else connecting.corrections
         size = estimate(instance)
         wanted = size.bodies**2
         if order is None:
@@ -136,7 +138,7 @@ class Timetable:
             return enough(filled / wanted)
 
         if connecting is None or connecting.instance is not instance:
-            connecting = Connecting(instance)
+            connecting = Connecting(instance, corrections)
         if not connecting.drifts:
             table = kernels.allocate(size.bodies, size.events)
             given = (*connecting.inputs[:2], instance.transfer_rule(time_value_m_s_per_h))

@@ -26,23 +26,26 @@ if TYPE_CHECKING:
 GRAVITIES = ("two-body", "j2", "j3", "j4")
 FREEDOMS = ("free", "planned")
 
-
-@click.command("refine", short_help="Lead the legs of PLAN to their stand-offs in true dynamics.")
-@instance_argument
-@plan_argument
-@click.option("--out", required=True, metavar="FILE", help="Refined plan file to write.")
-@click.option(
+gravity_option = click.option(
     "--gravity",
     type=click.Choice(GRAVITIES),
     help="Field to fly in, with zonal harmonics up to this one; by default that of INSTANCE.",
 )
-@click.option(
+freedom_option = click.option(
     "--burns",
     "freedom",
     type=click.Choice(FREEDOMS),
     help="free: least ΔV, at any times; planned: the plan's own, changed as little as it takes. By "
     "default free, and planned where there are keep-out zones.",
 )
+
+
+@click.command("refine", short_help="Lead the legs of PLAN to their stand-offs in true dynamics.")
+@instance_argument
+@plan_argument
+@click.option("--out", required=True, metavar="FILE", help="Refined plan file to write.")
+@gravity_option
+@freedom_option
 @click.option("--jobs", type=int, metavar="N", help="Cores to use; 0 for all.")
 @json_option
 @quiet_option

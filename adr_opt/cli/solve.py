@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import click
 
 from ..errors import InputError
@@ -14,6 +16,10 @@ from .parameters import (
     quiet_option,
     run_options,
 )
+from .refining_loop import Refining, refine_options, run_refined, save_refined, tell_refined
+
+if TYPE_CHECKING:
+    from ..refining.loop import RefinedResult
 
 
 @click.command("solve")
@@ -28,6 +34,7 @@ from .parameters import (
 @click.option("--repair", is_flag=True, help="Keep the legal beginning of an illegal --start.")
 @click.option("--bound", "bound_name", metavar="NAME", help="Bound to run beside the planner.")
 @click.option("--out", metavar="FILE", help="Plan file to write.")
+@refine_options
 @json_option
 @quiet_option
 def command(
@@ -47,10 +54,12 @@ def command(
     out: str | None,
     as_json: bool,
     quiet: bool,
+    **refining_options: Any,
 ) -> int:
     """Plan the mission of INSTANCE and show its timeline.
 
-    Ctrl-C asks for the best plan so far; twice, it aborts. Exit status 1: no plan.
+    Ctrl-C asks for the best plan so far; twice, it aborts. Exit status 1: no plan, or with --refine
+    none that holds.
     """
     from .. import front
     from ..instance import load
@@ -73,26 +82,42 @@ def command(
     instance = load(instance_path)
     start = None if start_path is None else load_plan(start_path)
     check_out(out, instance_path)
-
-    result = work(
-        lambda stop, progress: front.run(
-            PLANNERS, instance, method, time_limit=time_limit, seed=seed, stop=stop,
-            progress=progress, start=start, repair=repair, jobs=jobs, iterations=iterations,
-            bound=bound_name, margin=margin, options=options, building=progress.building,
-            sizing=progress.sizing,
-        ),
-        live=wanted(as_json, quiet),
-        quiet=quiet,
-    )  # fmt: skip
+    refining = Refining(**refining_options)
+    refining.check(instance_path, out)
+    given: dict[str, Any] = {
+        "time_limit": time_limit, "seed": seed, "start": start, "repair": repair, "jobs": jobs,
+        "iterations": iterations, "bound": bound_name, "margin": margin, "options": options,
+    }  # fmt: skip
+    looped: RefinedResult | None = None
+    live = wanted(as_json, quiet)
+    if refining.refine:
+        looped = work(
+            lambda stop, progress: run_refined(
+                instance, method, refining, progress, quiet, stop=stop, **given
+            ),
+            live=live, quiet=quiet,
+        )  # fmt: skip
+        result = looped.result
+    else:
+        result = work(
+            lambda stop, progress: front.run(
+                PLANNERS, instance, method, stop=stop, progress=progress,
+                building=progress.building, sizing=progress.sizing, **given,
+            ),
+            live=live, quiet=quiet,
+        )  # fmt: skip
     if not quiet:
         for note in result.notes:
             say(f"note: {note}")
     if result.plan is None:
-        if as_json:
+        if looped is not None and as_json:
+            tell_refined(looped, as_json)
+        elif as_json:
             reference = {"name": instance.name, "sha256": instance.sha256}
             emit_json({"instance": reference, "margin": margin, **result.to_dict()})
         if not quiet:
-            say(f"no plan: {method} ended with status {result.status}")
+            why = f"{method} ended with status {result.status}" if looped is None else looped.reason
+            say(f"no plan: {why}")
         return 1
     not_written: InputError | None = None
     if out is not None:
@@ -103,14 +128,22 @@ def command(
                 say(f"wrote {out}: objective {result.objective:g}, {status}")
         except InputError as error:
             not_written = error
+    if looped is not None:
+        try:
+            save_refined(looped, refining.refined_out, quiet)
+        except InputError as error:
+            not_written = not_written or error
     if not as_json:
         from .timeline import summary, timeline
 
         emit_rich(timeline(instance, result.plan, terminal_width()))
         emit(summary(instance, result.plan))
-    if as_json or not_written is not None:
+    if looped is not None:
+        tell_refined(looped, as_json)
+    if (as_json and looped is None) or not_written is not None:
         emit(result.plan.to_json())
     if not_written is not None:
         # It may have taken hours: what cannot be kept is at least said.
         raise InputError(f"{not_written}; the plan is on standard output instead")
-    return 1 if result.status == "infeasible" else 0
+    failed = result.status == "infeasible" if looped is None else not looped.holds
+    return 1 if failed else 0

@@ -8,15 +8,16 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from .live import live_line
 from .output import say
 
 if TYPE_CHECKING:
-    from ..result import Result
     from ..stop import Interrupted, Stop
     from ..timetable_size import Size
+
+Found = TypeVar("Found")
 
 POLL_S = 0.1
 
@@ -61,7 +62,7 @@ class Watch:
         self.bound = min(self.bound, bound)
 
 
-def work(task: Callable[[Stop, Watch], Result], *, live: bool, quiet: bool) -> Result:
+def work(task: Callable[[Stop, Watch], Found], *, live: bool, quiet: bool) -> Found:
     """Run a method in a thread, so that signals and the live line do not wait for kernels.
 
     The first Ctrl-C (or SIGTERM) asks the method to return what it has; the second aborts.
@@ -85,7 +86,7 @@ def work(task: Callable[[Stop, Watch], Result], *, live: bool, quiet: bool) -> R
     from ..stop import Interrupted
 
     stop, watch, done = Interrupted(), Watch(), threading.Event()
-    results: list[Result] = []
+    results: list[Found] = []
     errors: list[BaseException] = []
 
     def run() -> None:

@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..flight.refined import legs_by_tank, refuse_strangers
+from ..flight.refined import refuse_strangers
+from ..flight.tanks import legs_by_tank
 from ..instance import Instance
 from ..kernels.constants import MU_M3_S2
 from ..refining.bodies import Gravity

@@ -22,7 +22,7 @@ from ..kernels.gravity import J3, J4
 from ..refining.plan import RefinedLeg, RefinedPlan
 from .flyable import refuse_foreign
 from .refined_result import RefinedFlight, RefinedLegFlight
-from .result import TankFlight
+from .tanks import tanks_of
 
 Array = npt.NDArray[np.float64]
 
@@ -73,10 +73,7 @@ def fly_refined(
     return RefinedFlight(
         gravity=refined.gravity,
         legs=tuple(flown),
-        tanks=tuple(
-            _tank(instance, number, legs)
-            for number, legs in enumerate(legs_by_tank(instance, refined), start=1)
-        ),
+        tanks=tanks_of(instance, refined),
         missing=tuple(missing.leg for missing in refined.missing),
     )
 
@@ -246,25 +243,4 @@ def _fly_leg(
         standoff_miss_m_s=math.dist(at_standoff[3:], behind[3:]),
         arrival_miss_m=math.dist(chaser[:3, 0], target[:3]),
         arrival_miss_m_s=math.dist(chaser[3:, 0], target[3:]),
-    )
-
-
-def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[list[RefinedLeg]]:
-    """The legs tank by tank; a tank ends with the leg to a station."""
-    tanks: list[list[RefinedLeg]] = [[]]
-    for leg in refined.legs:
-        tanks[-1].append(leg)
-        if leg.destination in instance.station_names:
-            tanks.append([])
-    return [legs for legs in tanks if legs]
-
-
-def _tank(instance: Instance, number: int, legs: list[RefinedLeg]) -> TankFlight:
-    return TankFlight(
-        tank=number,
-        first_leg=legs[0].leg,
-        last_leg=legs[-1].leg,
-        budget_m_s=instance.chaser.tank.delta_v_m_s,
-        planned_delta_v_m_s=math.fsum(leg.planned_delta_v_m_s for leg in legs),
-        flown_delta_v_m_s=math.fsum(burn.size_m_s for leg in legs for burn in leg.burns),
     )

@@ -29,6 +29,9 @@ from .plan import (
 GRAVITIES = ("two-body", "j2", "j3", "j4")
 FREEDOMS = ("free", "planned")
 
+INTERRUPTED = "interrupted"
+"""Why a leg is missing that nobody had time for."""
+
 POLL_S = 0.1
 """How often it is asked whether it is enough."""
 
@@ -106,7 +109,7 @@ def refine(
             ended, left = wait(left, POLL_S, FIRST_COMPLETED)
             for future in ended:
                 if future.cancelled():
-                    missing[running[future]] = "interrupted"
+                    missing[running[future]] = INTERRUPTED
                     continue
                 try:
                     done[running[future]] = future.result()

@@ -1,0 +1,239 @@
+"""Plan, refine, and plan again over connections that cost what refined legs did, until it holds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ..corrections import Corrections
+from ..errors import InputError
+from ..front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, method_of, run
+from ..instance import Instance
+from ..mission import Mission
+from ..plan import Plan
+from ..planner import BOUNDS, PLANNERS, Progress, silent, takes_jobs
+from ..result import Result
+from ..stop import Stop
+from .all_legs import refine
+from .holding import beginning, troubles
+from .lessons import Lessons
+from .plan import Freedom, Gravity, RefinedPlan
+
+MOST_ROUNDS = 10
+"""How often a mission is planned at most, if nobody says."""
+
+
+@dataclass(frozen=True)
+class Round:
+    """One plan of the loop, and what came of refining it.
+
+    Attributes
+    ----------
+    number : int
+        From 1.
+    corrections : Corrections
+        Of the connections that were planned with.
+    objective : float
+        Of the plan.
+    planned_delta_v_m_s, flown_delta_v_m_s : float
+        Of the legs that were refined [m/s].
+    troubles : tuple of str
+        Why the refined plan does not hold; nothing if it does.
+    """
+
+    number: int
+    corrections: Corrections
+    objective: float
+    planned_delta_v_m_s: float
+    flown_delta_v_m_s: float
+    troubles: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data; the corrections in words."""
+        return {
+            "number": self.number,
+            "corrections": str(self.corrections),
+            "objective": self.objective,
+            "planned_delta_v_m_s": self.planned_delta_v_m_s,
+            "flown_delta_v_m_s": self.flown_delta_v_m_s,
+            "troubles": list(self.troubles),
+        }
+
+    def __str__(self) -> str:
+        outcome = "it holds" if not self.troubles else "; ".join(self.troubles)
+        return (
+            f"round {self.number}: prize {self.objective:g}, planned with "
+            f"{self.planned_delta_v_m_s:.1f} m/s, flown with {self.flown_delta_v_m_s:.1f} m/s: "
+            f"{outcome}"
+        )
+
+
+@dataclass(frozen=True)
+class RefinedResult:
+    """The best plan found that holds when refined, or why there is none.
+
+    Attributes
+    ----------
+    result : Result
+        Of the last round, with the plan that is kept; its bound is one over the connections of that
+        round, as its notes say.
+    refined : RefinedPlan or None
+        The plan, refined.
+    rounds : tuple of Round
+    reason : str
+        Why the plan does not hold, or why there is none; empty if it holds.
+    """
+
+    result: Result
+    refined: RefinedPlan | None
+    rounds: tuple[Round, ...]
+    reason: str
+
+    @property
+    def holds(self) -> bool:
+        """Whether there is a plan that holds."""
+        return not self.reason
+
+    @property
+    def plan(self) -> Plan | None:
+        """The plan, which belongs to the instance: its ΔV is that of the model."""
+        return self.result.plan
+
+
+class _Best:
+    """The best plan so far that holds: of most prize, then of least ΔV flown."""
+
+    def __init__(self) -> None:
+        self.kept: tuple[Plan, RefinedPlan] | None = None
+
+    def hear(self, found: tuple[Plan, RefinedPlan] | None) -> None:
+        if found is not None and (self.kept is None or _rank(*found) > _rank(*self.kept)):
+            self.kept = found
+
+
+def _rank(plan: Plan, refined: RefinedPlan) -> tuple[float, float]:
+    return plan.objective, -refined.flown_delta_v_m_s
+
+
+def solve_refined(
+    instance: Instance | Mission,
+    method: str = DEFAULT_METHOD,
+    *,
+    gravity: Gravity | None = None,
+    freedom: Freedom | None = None,
+    rounds: int = MOST_ROUNDS,
+    time_limit: float = DEFAULT_TIME_LIMIT_S,
+    stop: Stop | None = None,
+    progress: Progress = silent,
+    jobs: int | None = None,
+    bound: str | None = None,
+    margin: float = 0.0,
+    told: Callable[[Round], None] = lambda one: None,
+    options: dict[str, Any] | None = None,
+    **arguments: Any,
+) -> RefinedResult:
+    """Plan a mission so that the plan holds when it is refined.
+
+    The plan is refined. Where a tank does not hold what its legs cost then, or a leg cannot be
+    refined, that goes into the connections concerned, what legs cost in the mean goes into the
+    others (:class:`.lessons.Lessons`), and the mission is planned again. Connections never cost
+    less than the model says, so each plan is one of the instance; and each is another one, since
+    one that broke a tank breaks it over the corrected connections. Rounds end with the first plan
+    that holds. A beginning of an earlier plan that holds is kept if it collects more.
+
+    Parameters
+    ----------
+    instance, method, progress
+        As in :func:`adr_opt.solve`.
+    gravity, freedom
+        As in :func:`.refine`.
+    rounds : int
+        How often the mission is planned, at most.
+    time_limit : float
+        Wall time of each round's planning [s].
+    stop : Stop, optional
+        A further criterion of each planning; once it leaves no time, rounds end too.
+    jobs : int, optional
+        Threads to plan with, if the planner takes any, and to refine with.
+    bound : str, optional
+        As in :func:`adr_opt.solve`, in each round. What is proven after the first is proven of the
+        corrected connections.
+    margin : float
+        Share of each tank that is kept back, of flown ΔV too.
+    told : callable
+        Hears of each round.
+    options : mapping, optional
+        Options of the planner.
+    **arguments
+        ``seed``, ``iterations``, ``start`` and ``repair`` as in :func:`adr_opt.solve`.
+
+    Raises
+    ------
+    InputError
+        As of :func:`adr_opt.solve` and :func:`.refine`.
+    """
+    if rounds < 1:
+        raise InputError(f"rounds = {rounds}: must be at least 1")
+    mission = instance if isinstance(instance, Mission) else Mission(instance)
+    lessons, best, held = Lessons(), _Best(), list[Round]()
+
+    able = [method_of(method), *([method_of(bound, BOUNDS)] if bound else [])]
+    planning_jobs = jobs if any(takes_jobs(one) for one in able) else None
+    kept_back = mission.with_margin(margin or mission.margin)
+
+    def over() -> bool:
+        return stop is not None and stop.remaining_s() <= 0.0
+
+    while True:
+        here = mission.corrected(lessons.corrections) if held else mission
+        result = run(
+            PLANNERS, here, method, time_limit=time_limit, stop=stop, progress=progress,
+            jobs=planning_jobs, bound=bound, margin=margin, options=options, **arguments,
+        )  # fmt: skip
+        if result.plan is None:
+            reason = f"round {len(held) + 1} found no plan: {method} ended with {result.status}"
+            return _ended(mission, result, best, tuple(held), reason)
+        plan = result.plan
+        refined = refine(
+            mission.instance, plan, gravity=gravity, freedom=freedom, jobs=jobs, enough=over
+        )
+        wrong = troubles(kept_back, refined)
+        held.append(
+            Round(
+                len(held) + 1, here.connecting.corrections, plan.objective,
+                refined.planned_delta_v_m_s, refined.flown_delta_v_m_s, wrong,
+            )
+        )  # fmt: skip
+        told(held[-1])
+        best.hear(beginning(kept_back, plan, refined) if wrong else (plan, refined))
+        if not wrong:
+            return _ended(mission, result, best, tuple(held), "")
+        if over() or len(held) == rounds:
+            why = "interrupted" if over() else f"not within {len(held)} rounds"
+            reason = f"no plan held: {why}; the last one: {'; '.join(wrong)}"
+            return _ended(mission, result, best, tuple(held), reason, refined)
+        lessons.learn(plan, refined)
+
+
+def _ended(
+    mission: Mission,
+    result: Result,
+    best: _Best,
+    rounds: tuple[Round, ...],
+    reason: str,
+    refined: RefinedPlan | None = None,
+) -> RefinedResult:
+    """The result with the best plan that holds; without one that of the last round."""
+    if best.kept is None:
+        return RefinedResult(result, refined, rounds, reason)
+    plan, kept = best.kept
+    if plan is not result.plan:
+        # It may be none of the connections of the last round: their bound is for the notes.
+        result = replace(
+            result, plan=plan, objective=plan.objective, upper_bound=math.inf, status=plan.status,
+            sequence=tuple(mission.numbers(plan.destinations).tolist()),
+            notes=tuple(dict.fromkeys((*result.notes, *plan.notes))),
+        )  # fmt: skip
+    return RefinedResult(result, kept, rounds, "")
