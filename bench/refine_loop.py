@@ -1,0 +1,135 @@
+"""The loop of planning and refining: plans that hold, and how many rounds they take.
+
+    ADR_OPT_EXTERNAL_DATA=FOLDER python bench/refine_loop.py
+
+Twenty instances of eccentric orbits under J2: fields of the families with e up to 0.02, the family
+of fragments, and real clouds from the folder (without it those are left out). Each is planned,
+refined and planned again until it holds, with free burns and with the plan's own, and flown by
+`fly` with another integrator. First and last round stand side by side.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from machine import heading
+
+import adr_opt
+from adr_opt.__main__ import main as command_line
+from adr_opt.flight import fly_refined
+from adr_opt.instance import Instance
+
+MOST_ECCENTRIC = 0.02
+CLOUDS = (
+    ("tle/celestrak_2025-02_iridium-33-debris.txt", 20, 3, 0.5),
+    ("tle/celestrak_2025-02_iridium-33-debris.txt", 30, 7, 1.0),
+    ("tle/celestrak_2025-02_iridium-33-debris.txt", 40, 7, 2.0),
+    ("tle/celestrak_2025-02_iridium-33-debris.txt", 20, 30, 1.0),
+    ("omm/celestrak_2025-04_iridium-33-debris.csv", 20, 3, 1.0),
+    ("omm/celestrak_2025-04_iridium-33-debris.csv", 30, 5, 0.7),
+    ("omm/celestrak_2025-04_iridium-33-debris.csv", 40, 10, 1.5),
+    ("omm/celestrak_2025-04_iridium-33-debris.csv", 25, 20, 1.0),
+)
+"""File, targets, days, and the tank in km/s."""
+
+
+def eccentric(instance: Instance, seed: int) -> Instance:
+    """The same field under J2, its targets on ellipses of any shape up to the most eccentric."""
+    rng = np.random.default_rng(seed)
+    targets = tuple(
+        target.replace(
+            orbit=target.orbit.replace(
+                eccentricity=MOST_ECCENTRIC * float(rng.random()),
+                argument_of_perigee_deg=float(rng.uniform(0.0, 360.0)),
+            )
+        )
+        for target in instance.targets
+    )
+    return instance.replace(dynamics="j2", targets=targets, name=f"{instance.name}-eccentric")
+
+
+def instances() -> Iterator[Instance]:
+    """All of them."""
+    for family, seeds, targets in (
+        ("reduced-fuel", 4, None),
+        ("nominal", 3, 25),
+        ("tiny", 2, None),
+    ):
+        for seed in range(seeds):
+            yield eccentric(adr_opt.generate(family, seed, targets=targets), seed)
+    for seed in range(3):
+        yield adr_opt.generate("cloud", seed).replace(dynamics="j2")
+    folder = os.environ.get("ADR_OPT_EXTERNAL_DATA")
+    if folder is None:
+        return
+    with tempfile.TemporaryDirectory() as made:
+        for number, (file, targets, days, tank) in enumerate(CLOUDS):
+            path = Path(made) / "cloud.json"
+            arguments = ["--max-targets", targets, "--duration-days", days, "--out", path]
+            command_line(["import", f"{folder}/{file}", *map(str, arguments), "--quiet"])
+            instance = adr_opt.load(path).with_limits(delta_v_m_s=1e3 * tank)
+            yield instance.replace(name=f"iridium-33-{number}")
+
+
+def print_row(instance: Instance, freedom: str, arguments: argparse.Namespace) -> tuple[bool, bool]:
+    """Print what the loop comes to; whether the first plan holds, and the last."""
+    began = time.process_time()
+    found = adr_opt.solve_refined(
+        instance, arguments.method, freedom=freedom, time_limit=arguments.time_limit, seed=0,
+        rounds=arguments.rounds, jobs=arguments.jobs,
+    )  # fmt: skip
+    taken = time.process_time() - began
+    first, last = found.rounds[0], found.rounds[-1]
+    holds = False
+    outcome, legs, objective = found.reason, 0, float("nan")
+    if found.holds and found.refined is not None and found.plan is not None:
+        flight = fly_refined(instance, found.refined)
+        assert adr_opt.check(instance, found.plan) == ()
+        holds = flight.holds
+        outcome = "holds" if holds else "does not hold in `fly`"
+        legs, objective = len(found.plan.legs), found.plan.objective
+    print(
+        f"| {instance.name} | {freedom} | {first.objective:g} | "
+        f"{first.flown_delta_v_m_s / first.planned_delta_v_m_s - 1.0:+.1%} | "
+        f"{'yes' if not first.troubles else 'no'} | {len(found.rounds)} | {objective:g} | {legs} | "
+        f"{last.flown_delta_v_m_s / last.planned_delta_v_m_s - 1.0:+.1%} | {outcome} | "
+        f"{taken:.0f} s |",
+        flush=True,
+    )
+    return not first.troubles, holds
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--method", default="greedy-guarded")
+    parser.add_argument("--time-limit", type=float, default=30.0, help="of each planning [s]")
+    parser.add_argument("--rounds", type=int, default=10)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--burns", choices=("free", "planned", "both"), default="both")
+    parser.add_argument("--only", default="", help="instances whose name holds this")
+    arguments = parser.parse_args()
+    print(heading())
+    print(
+        "\n| instance | burns | prize, first | flown against planned | holds at once | rounds | "
+        "prize | legs | flown against planned, last | outcome | processor time |"
+    )
+    print("|---" * 11 + "|")
+    burns = ("free", "planned") if arguments.burns == "both" else (arguments.burns,)
+    counts = {one: np.zeros(3, dtype=int) for one in burns}
+    for instance in instances():
+        if arguments.only in instance.name:
+            for one in burns:
+                counts[one] += (1, *print_row(instance, one, arguments))
+    for one, (every, at_once, held) in counts.items():
+        print(f"\n{one} burns: {held} of {every} end with a plan that holds, {at_once} at once")
+
+
+if __name__ == "__main__":
+    main()

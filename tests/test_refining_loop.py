@@ -1,0 +1,288 @@
+"""Planning, refining and planning again: plans that hold, or the reason why none does."""
+
+from __future__ import annotations
+
+import json
+import math
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from brute_force import brute_force
+from conftest import Cli, refused
+from small_missions import random_mission
+
+import adr_opt
+from adr_opt.corrections import Corrections
+from adr_opt.flight import fly_refined
+from adr_opt.instance import Instance
+from adr_opt.kernels.connections import Found
+from adr_opt.mission import Mission
+from adr_opt.plan import InstanceReference, Plan
+from adr_opt.refining import RefinedPlan
+from adr_opt.refining.lessons import Lessons
+from adr_opt.refining.loop import RefinedResult
+from adr_opt.refining.plan import reference
+from adr_opt.stop import Interrupted
+
+pytest.importorskip("scipy")
+
+QUICK = "greedy-guarded"
+
+
+def eccentric(seed: int, dynamics: str, tank_m_s: float) -> Instance:
+    """A tiny field with e up to 0.02: what the plan's own burns cost is far from the plan."""
+    instance = adr_opt.generate("tiny", seed).replace(dynamics=dynamics)
+    rng = np.random.default_rng(seed)
+    targets = tuple(
+        target.replace(
+            orbit=target.orbit.replace(
+                eccentricity=0.02 * float(rng.random()),
+                argument_of_perigee_deg=float(rng.uniform(0.0, 360.0)),
+            )
+        )
+        for target in instance.targets
+    )
+    return instance.replace(targets=targets).with_limits(delta_v_m_s=tank_m_s)
+
+
+@cache
+def breaking() -> tuple[Instance, RefinedResult]:
+    """A mission whose first plan breaks its tank when refined, planned until it holds."""
+    instance = eccentric(0, "j2", 600.0)
+    return instance, adr_opt.solve_refined(instance, "exact", freedom="planned", time_limit=60.0)
+
+
+def assert_holds(instance: Instance, found: RefinedResult) -> None:
+    """The plan is one of the instance, and flown by the other integrator it holds."""
+    assert found.holds, found.reason
+    assert found.plan is not None
+    assert found.refined is not None
+    assert adr_opt.check(instance, found.plan) == ()
+    assert fly_refined(instance, found.refined).holds
+    assert len(found.refined.legs) == len(found.plan.legs)
+    assert found.refined.plan == reference(found.plan)
+
+
+def test_a_plan_that_breaks_its_tank_is_planned_again() -> None:
+    """The first plan breaks a tank when refined, and the loop ends with one that holds."""
+    instance, found = breaking()
+    assert len(found.rounds) > 1
+    assert any("is over by" in trouble for trouble in found.rounds[0].troubles)
+    assert found.rounds[-1].corrections
+    assert_holds(instance, found)
+
+
+def test_what_is_proven_is_said_of_the_corrected_connections() -> None:
+    """A proof over corrected connections is in the notes, and not a bound of the plan's file."""
+    instance, found = breaking()
+    assert found.plan is not None
+    (note,) = [note for note in found.plan.notes if "of the corrected connections" in note]
+    assert note.startswith("no plan of the corrected connections collects more than")
+    assert found.plan.upper_bound is None
+    first = adr_opt.solve(instance, "exact", time_limit=60.0)
+    assert found.result.upper_bound <= first.upper_bound + 1e-9
+
+
+def test_a_plan_that_holds_at_once_keeps_its_proof() -> None:
+    """Without corrections the bound is one of the instance, and stays in the plan."""
+    instance = adr_opt.generate("tiny", 1).replace(dynamics="j2")
+    found = adr_opt.solve_refined(instance, "exact", time_limit=60.0)
+    assert len(found.rounds) == 1
+    assert_holds(instance, found)
+    assert found.plan is not None
+    assert found.plan.status == "optimal"
+    assert not any("corrected" in note for note in found.plan.notes)
+
+
+@pytest.mark.parametrize("freedom", ["free", "planned"])
+@pytest.mark.parametrize("dynamics", ["two-body", "j2"])
+@pytest.mark.parametrize("seed", range(4))
+def test_every_mission_ends_with_a_plan_that_holds(seed: int, dynamics: str, freedom: str) -> None:
+    """Whatever the tank and the burns, what is returned holds in the other integrator."""
+    instance = eccentric(seed, dynamics, [250.0, 400.0, 700.0, 1200.0][seed])
+    found = adr_opt.solve_refined(instance, QUICK, freedom=freedom, seed=seed)
+    if found.reason:
+        assert found.refined is None or found.rounds[-1].troubles
+    else:
+        assert_holds(instance, found)
+
+
+def test_the_margin_is_kept_back_of_flown_delta_v() -> None:
+    """With a margin no tank is flown further than what is left of it."""
+    instance = eccentric(0, "j2", 600.0)
+    found = adr_opt.solve_refined(instance, QUICK, freedom="planned", margin=0.1)
+    assert_holds(instance, found)
+    assert found.refined is not None
+    for tank in fly_refined(instance, found.refined).tanks:
+        assert tank.flown_delta_v_m_s is not None
+        assert tank.flown_delta_v_m_s <= 0.9 * 600.0 + 1e-6
+
+
+def test_a_mission_that_cannot_hold_ends_with_a_reason(cli: Cli) -> None:
+    """Where a required target costs more when flown than the tank has, that is said with status 1.
+
+    By the model there is a plan, and the command line writes it before it says that it breaks.
+    """
+    whole = eccentric(0, "j2", 5000.0)
+    first = adr_opt.solve(whole.replace(targets=whole.targets[:1]), "exact").plan
+    assert first is not None
+    alone = whole.replace(targets=(whole.targets[0].replace(required=True),))
+    leg = first.legs[0]
+    flown = adr_opt.refine(alone, first.replace(instance=reference_to(alone)), freedom="planned")
+    over = flown.legs[0].flown_delta_v_m_s - leg.delta_v_m_s
+    assert over > 1.0
+    tight = alone.with_limits(delta_v_m_s=leg.delta_v_m_s + 0.01 * over)
+    Path("my.json").write_text(tight.to_json(), encoding="utf-8")
+    told = cli(
+        "solve", "my.json", "--method", "exact", "--refine", "--burns", "planned",
+        "--refined-out", "r.json", "--out", "p.json",
+    )  # fmt: skip
+    assert told.status == 1
+    assert "found no plan" in told.err
+    assert "services all required targets" in told.err
+
+
+def reference_to(instance: Instance) -> InstanceReference:
+    """What names an instance in a plan."""
+    return InstanceReference(name=instance.name, sha256=instance.sha256)
+
+
+@pytest.mark.parametrize("dynamics", ["two-body", "j2"])
+@pytest.mark.parametrize("seed", range(8))
+def test_corrected_missions_equal_brute_force(seed: int, dynamics: str) -> None:
+    """Over corrected connections the exact method proves what brute force finds, and plans hold."""
+    instance = random_mission(seed, zones=False).instance.replace(dynamics=dynamics)
+    rng = np.random.default_rng(seed)
+    pairs = [(a, b) for a in instance.names for b in instance.names if a != b]
+    excess = {
+        (a, b, "short"): float(rng.choice([0.0, 30.0, 120.0, math.inf]))
+        for a, b in pairs
+        if rng.random() < 0.5
+    }
+    corrected = Mission(instance, threads=1).corrected(Corrections(excess, {"short": 1.15}))
+    best, _, _ = brute_force(corrected)
+    result = adr_opt.solve(corrected, "exact", time_limit=60.0)
+    assert result.objective == pytest.approx(best)
+    assert result.upper_bound == pytest.approx(best, abs=1e-5)
+    bound = adr_opt.bound(corrected, "lagrangian", time_limit=20.0)
+    assert bound.upper_bound >= best - 1e-6
+    assert result.plan is not None
+    assert adr_opt.check(instance, result.plan) == ()
+    assert best <= brute_force(Mission(instance, threads=1))[0]
+
+
+def test_corrected_connections_cost_what_is_said() -> None:
+    """A known pair costs its excess more, another one its factor, a barred one is gone."""
+    instance = adr_opt.generate("tiny", 0)
+    a, b, c, d = instance.names[:4]
+    corrections = Corrections({(a, b, "short"): 12.5, (a, c, "short"): math.inf}, {"short": 1.25})
+    model, corrected = Mission(instance), Mission(instance).corrected(corrections)
+    before = model.timetable.connections(a, b, resolution_m_s=0.0)
+    after = corrected.timetable.connections(a, b, resolution_m_s=0.0)
+    assert np.array_equal(after.departure, before.departure)
+    assert after.delta_v == pytest.approx(before.delta_v + 12.5)
+    assert corrected.timetable.connections(a, c).departure.size == 0
+    other = corrected.timetable.connections(a, d, resolution_m_s=0.0)
+    assert other.delta_v == pytest.approx(
+        1.25 * model.timetable.connections(a, d, resolution_m_s=0.0).delta_v
+    )
+    assert corrections.modelled(a, b, "short", 112.5) == pytest.approx(100.0)
+    assert corrections.modelled(a, d, "short", 125.0) == pytest.approx(100.0)
+
+
+def test_nothing_becomes_cheaper_than_the_model() -> None:
+    """Corrections that would let a plan break the rules of the instance are refused."""
+    with pytest.raises(ValueError, match="factors"):
+        Corrections({}, {"short": 0.9})
+    with pytest.raises(ValueError, match="excess_m_s"):
+        Corrections({("a", "b", "short"): -1.0})
+    assert not Corrections({("a", "b", "short"): 0.0}, {"short": 1.0})
+    nothing = Found(*(np.empty(0) for _ in range(5)))
+    assert Corrections().applied("a", "b", nothing) is nothing
+
+
+def test_lessons_are_the_dearest_leg_and_the_mean() -> None:
+    """A pair costs what its dearest leg did, others the mean factor, and the lost are barred."""
+    _, found = breaking()
+    plan, refined = found.plan, found.refined
+    assert plan is not None
+    assert refined is not None
+    lost = refined.replace(
+        legs=refined.legs[1:], status="incomplete", missing=[{"leg": 1, "reason": "no way"}]
+    )
+    lessons = Lessons()
+    lessons.learn(plan, lost)
+    lessons.learn(plan, refined)
+    corrections = lessons.corrections
+    first = plan.legs[0]
+    assert corrections.excess_m_s[first.origin, first.destination, "short"] == math.inf
+    planned = refined.planned_delta_v_m_s + lost.planned_delta_v_m_s
+    flown = refined.flown_delta_v_m_s + lost.flown_delta_v_m_s
+    assert corrections.factors["short"] == pytest.approx(max(1.0, flown / planned))
+    for leg in lost.legs:
+        excess = corrections.excess_m_s[leg.origin, leg.destination, "short"]
+        assert excess >= max(0.0, leg.flown_delta_v_m_s - leg.planned_delta_v_m_s)
+
+
+def test_when_rounds_are_over_what_holds_of_a_plan_is_kept() -> None:
+    """After one round of a plan that breaks its tank, the legs before that are the plan."""
+    instance, _ = breaking()
+    found = adr_opt.solve_refined(instance, "exact", freedom="planned", rounds=1)
+    assert len(found.rounds) == 1
+    assert found.rounds[0].troubles
+    assert_holds(instance, found)
+    assert found.plan is not None
+    assert found.plan.objective < found.rounds[0].objective
+    assert any("hold when refined" in note for note in found.plan.notes)
+
+
+def test_who_interrupts_gets_what_there_is() -> None:
+    """With a stop that leaves no time the loop ends after the first round."""
+    instance, _ = breaking()
+    stop = Interrupted()
+    stop.interrupt()
+    found = adr_opt.solve_refined(instance, QUICK, freedom="planned", stop=stop)
+    assert len(found.rounds) <= 1
+    if found.holds:
+        assert_holds(instance, found)
+    else:
+        assert found.reason
+
+
+def test_solve_refine_writes_a_plan_that_flies(cli: Cli) -> None:
+    """`solve --refine` writes plan and refined plan; `check` and `fly` accept them."""
+    instance, _ = breaking()
+    Path("my.json").write_text(instance.to_json(), encoding="utf-8")
+    arguments = ("solve", "my.json", "--method", "exact", "--refine", "--burns", "planned")
+    told = cli(*arguments, "--out", "p.json", "--refined-out", "r.json")
+    assert told.status == 0, told
+    assert "round 1: prize" in told.err
+    assert "wrote r.json" in told.err
+    assert "the plan holds when refined" in told.out
+    assert cli("check", "my.json", "p.json").status == 0
+    flown = cli("fly", "my.json", "r.json")
+    assert flown.status == 0
+    assert "every tank holds" in flown.out
+    as_json = cli(*arguments, "--json", "--quiet", "--gravity", "j3", "--rounds", "7")
+    content = json.loads(as_json.out)
+    assert content["holds"] is True
+    assert content["rounds"][0]["troubles"]
+    assert Plan.from_json(json.dumps(content["plan"])).legs
+    assert as_json.err == ""
+    refined = adr_opt.load_refined("r.json")
+    assert isinstance(refined, RefinedPlan)
+    assert content["flown_delta_v_m_s"] != refined.flown_delta_v_m_s
+
+
+def test_options_of_refining_need_refine(cli: Cli) -> None:
+    """Without `--refine` they are refused in one sentence, and so are rounds below 1."""
+    Path("my.json").write_text(adr_opt.generate("tiny", 0).to_json(), encoding="utf-8")
+    refused(cli("solve", "my.json", "--refined-out", "r.json"), "--refined-out r.json: nothing is")
+    refused(cli("solve", "my.json", "--gravity", "j2"), "add --refine")
+    refused(cli("solve", "my.json", "--refine", "--rounds", "0"), "rounds = 0")
+    refused(
+        cli("solve", "my.json", "--refine", "--out", "a.json", "--refined-out", "a.json"), "a.json"
+    )
+    assert not Path("r.json").exists()
