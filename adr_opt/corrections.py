@@ -20,27 +20,25 @@ ADJECTIVES: dict[Kind, str] = {"short": "short", "drift": "drifting"}
 class Corrections:
     """What the connections of a mission cost beyond the model; nothing by default.
 
-    Never less than the model says: a plan that the corrected connections allow is one of the model.
+    A connection costs the factor of its kind times the model's ΔV, and the excess of its pair.
 
     Attributes
     ----------
     excess_m_s : mapping of (origin, destination, kind) to float
-        What all connections of a pair cost more, by the names of the bodies [m/s]; +inf for those
-        that nobody shall fly.
+        What connections of a pair cost more than that, by the names of the bodies [m/s]; not
+        negative, and +inf for those that nobody shall fly.
     factors : mapping of kind to float
-        What the ΔV of all other connections is multiplied by, at least 1; 1 by default.
+        Positive; 1 by default. Below 1, plans may break the tank that the model has.
     """
 
     excess_m_s: Mapping[tuple[str, str, Kind], float] = field(default_factory=dict)
     factors: Mapping[Kind, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for name, values, least in (
-            ("excess_m_s", self.excess_m_s.values(), 0.0),
-            ("factors", self.factors.values(), 1.0),
-        ):
-            if not all(value >= least for value in values):
-                raise ValueError(f"{name}: must be at least {least:g}, or plans break the model")
+        if not all(extra >= 0.0 for extra in self.excess_m_s.values()):
+            raise ValueError("excess_m_s: must not be negative, or a transfer may cost nothing")
+        if not all(0.0 < factor < math.inf for factor in self.factors.values()):
+            raise ValueError("factors: must be positive and finite")
 
     def __bool__(self) -> bool:
         """Whether they change anything."""
@@ -67,9 +65,8 @@ class Corrections:
         return (delta_v_m_s - extra) / share
 
     def _line(self, origin: str, destination: str, kind: Kind) -> tuple[float, float]:
-        """Factor and addend [m/s]: what is known of the pair, or what is fitted to all others."""
-        extra = self.excess_m_s.get((origin, destination, kind))
-        return (self.factors.get(kind, 1.0), 0.0) if extra is None else (1.0, extra)
+        """What the model's ΔV is multiplied by, and what is added [m/s]."""
+        return self.factors.get(kind, 1.0), self.excess_m_s.get((origin, destination, kind), 0.0)
 
     def __str__(self) -> str:
         known = [extra for extra in self.excess_m_s.values() if 0.0 < extra < math.inf]

@@ -16,6 +16,7 @@ from small_missions import random_mission
 import adr_opt
 from adr_opt.corrections import Corrections
 from adr_opt.flight import fly_refined
+from adr_opt.flight.tanks import tanks_of
 from adr_opt.instance import Instance
 from adr_opt.kernels.connections import Found
 from adr_opt.mission import Mission
@@ -174,7 +175,7 @@ def test_corrected_missions_equal_brute_force(seed: int, dynamics: str) -> None:
 
 
 def test_corrected_connections_cost_what_is_said() -> None:
-    """A known pair costs its excess more, another one its factor, a barred one is gone."""
+    """A pair costs the factor of its kind and its excess, and a barred one is gone."""
     instance = adr_opt.generate("tiny", 0)
     a, b, c, d = instance.names[:4]
     corrections = Corrections({(a, b, "short"): 12.5, (a, c, "short"): math.inf}, {"short": 1.25})
@@ -182,20 +183,20 @@ def test_corrected_connections_cost_what_is_said() -> None:
     before = model.timetable.connections(a, b, resolution_m_s=0.0)
     after = corrected.timetable.connections(a, b, resolution_m_s=0.0)
     assert np.array_equal(after.departure, before.departure)
-    assert after.delta_v == pytest.approx(before.delta_v + 12.5)
+    assert after.delta_v == pytest.approx(1.25 * before.delta_v + 12.5)
     assert corrected.timetable.connections(a, c).departure.size == 0
     other = corrected.timetable.connections(a, d, resolution_m_s=0.0)
     assert other.delta_v == pytest.approx(
         1.25 * model.timetable.connections(a, d, resolution_m_s=0.0).delta_v
     )
-    assert corrections.modelled(a, b, "short", 112.5) == pytest.approx(100.0)
+    assert corrections.modelled(a, b, "short", 137.5) == pytest.approx(100.0)
     assert corrections.modelled(a, d, "short", 125.0) == pytest.approx(100.0)
 
 
-def test_nothing_becomes_cheaper_than_the_model() -> None:
-    """Corrections that would let a plan break the rules of the instance are refused."""
+def test_corrections_make_sense() -> None:
+    """Nothing becomes free, and what corrects nothing changes nothing."""
     with pytest.raises(ValueError, match="factors"):
-        Corrections({}, {"short": 0.9})
+        Corrections({}, {"short": 0.0})
     with pytest.raises(ValueError, match="excess_m_s"):
         Corrections({("a", "b", "short"): -1.0})
     assert not Corrections({("a", "b", "short"): 0.0}, {"short": 1.0})
@@ -218,12 +219,41 @@ def test_lessons_are_the_dearest_leg_and_the_mean() -> None:
     corrections = lessons.corrections
     first = plan.legs[0]
     assert corrections.excess_m_s[first.origin, first.destination, "short"] == math.inf
-    planned = refined.planned_delta_v_m_s + lost.planned_delta_v_m_s
-    flown = refined.flown_delta_v_m_s + lost.flown_delta_v_m_s
-    assert corrections.factors["short"] == pytest.approx(max(1.0, flown / planned))
+    means = [one.flown_delta_v_m_s / one.planned_delta_v_m_s for one in (lost, refined)]
+    factor = corrections.factors["short"]
+    assert max(1.0, means[0]) <= factor <= max(1.0, *means)
     for leg in lost.legs:
         excess = corrections.excess_m_s[leg.origin, leg.destination, "short"]
-        assert excess >= max(0.0, leg.flown_delta_v_m_s - leg.planned_delta_v_m_s)
+        assert excess >= 0.0
+        charged = factor * leg.planned_delta_v_m_s + excess
+        assert charged >= leg.flown_delta_v_m_s - 1e-9
+
+
+def test_savings_are_spent_where_one_wants_to() -> None:
+    """Free burns save ΔV: counted on, they let a mission short of ΔV do more, and still it holds.
+
+    Unasked no connection becomes cheaper than the model.
+    """
+    instance = adr_opt.generate("tiny", 0).replace(dynamics="j2")
+    least = adr_opt.solve_refined(instance, "exact", time_limit=60.0)
+    assert least.plan is not None
+    needed = max(tank.planned_delta_v_m_s for tank in tanks_of(instance, least.refined))
+    tight = instance.with_limits(delta_v_m_s=0.97 * needed)
+    plain = adr_opt.solve_refined(tight, "exact", time_limit=60.0)
+    assert_holds(tight, plain)
+    lessons = Lessons()
+    lessons.learn(plain.plan, plain.refined)
+    assert lessons.corrections.factors == {"short": 1.0}
+    spent = adr_opt.solve_refined(tight, "exact", time_limit=60.0, spend_savings=True)
+    assert spent.holds
+    assert fly_refined(tight, spent.refined).holds
+    assert spent.rounds[1].corrections.factors["short"] < 0.95
+    assert (spent.plan.objective, -spent.refined.flown_delta_v_m_s) >= (
+        plain.plan.objective, -plain.refined.flown_delta_v_m_s
+    )  # fmt: skip
+    overdrawn = {violation.rule for violation in adr_opt.check(tight, spent.plan)}
+    assert overdrawn <= {"delta-v"}
+    assert bool(overdrawn) == any("by the model a tank needs" in note for note in spent.plan.notes)
 
 
 def test_when_rounds_are_over_what_holds_of_a_plan_is_kept() -> None:

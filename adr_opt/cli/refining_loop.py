@@ -29,6 +29,7 @@ class Refining(NamedTuple):
     gravity: Gravity | None
     freedom: Freedom | None
     rounds: int | None
+    spend_savings: bool
 
     def check(self, *others: str | None) -> None:
         """Raise :class:`InputError` if some of them do not go together with the other options."""
@@ -39,9 +40,10 @@ class Refining(NamedTuple):
             ("--gravity", self.gravity),
             ("--burns", self.freedom),
             ("--rounds", self.rounds),
+            ("--spend-savings", "" if self.spend_savings else None),
         ):
             if value is not None and not self.refine:
-                raise InputError(f"{name} {value}: nothing is refined; add --refine")
+                raise InputError(f"{f'{name} {value}'.strip()}: nothing is refined; add --refine")
         check_out(self.refined_out, *others)
         if self.refined_out is not None and self.refined_out in others:
             raise InputError(f"{self.refined_out}: two files go there; name another one")
@@ -62,6 +64,11 @@ def refine_options(function: Function) -> Function:
             click.option(
                 "--rounds", type=int, metavar="N", help="Times to plan, at most, with --refine; 10."
             ),
+            click.option(
+                "--spend-savings",
+                is_flag=True,
+                help="With --refine: spend what flown legs save; 'check' may refuse the plan.",
+            ),
         )
     ):
         function = option(function)
@@ -77,6 +84,7 @@ def run_refined(
     return solve_refined(
         instance, method, gravity=refining.gravity, freedom=refining.freedom,
         rounds=MOST_ROUNDS if refining.rounds is None else refining.rounds,
+        spend_savings=refining.spend_savings,
         told=(lambda one: None) if quiet else (lambda one: say(str(one))),
         progress=progress, building=progress.building, sizing=progress.sizing, **given,
     )  # fmt: skip

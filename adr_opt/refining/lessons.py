@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..corrections import Corrections, Kind
+from ..corrections import ADJECTIVES, Corrections, Kind
 from ..plan import Plan
 from .all_legs import INTERRUPTED
 from .plan import RefinedPlan
@@ -15,42 +15,47 @@ Key = tuple[str, str, Kind]
 class Lessons:
     """What the legs refined so far cost beyond their plans.
 
-    A pair costs so much more as its dearest leg did, or is left out if no trajectory was found. All
-    other connections are multiplied by what legs of their kind cost in the mean, against what was
-    planned. Nothing becomes cheaper than the model says: where flown legs save ΔV, they do so by
-    burns that the model does not know, at times that it did not choose, and a plan that counts on
-    it would be one that ``check`` refuses.
+    All connections are multiplied by what legs of their kind cost in the mean, against what was
+    planned. To those of a pair is added what its dearest leg cost beyond that; they are left out if
+    no trajectory was found. Factors never fall after the first lesson, so that a plan costs at
+    least what its legs were flown with from then on.
+
+    Parameters
+    ----------
+    spend_savings : bool
+        Whether factors may be below 1. Where flown legs save ΔV they do so by burns that the model
+        does not know; a plan that counts on it may be one that ``check`` refuses.
     """
 
-    def __init__(self) -> None:
-        self._excess: dict[Key, float] = {}
-        self._planned: dict[Kind, float] = {}
-        self._flown: dict[Kind, float] = {}
+    def __init__(self, spend_savings: bool = False) -> None:
+        self._least = 0.0 if spend_savings else 1.0
+        self._legs: dict[Key, list[tuple[float, float]]] = {}
+        self._factors: dict[Kind, float] = {}
 
     def learn(self, plan: Plan, refined: RefinedPlan) -> None:
         """Hear what the legs of a plan cost as they were refined."""
         for leg in refined.legs:
-            over = leg.flown_delta_v_m_s - leg.planned_delta_v_m_s
-            self._raise((leg.origin, leg.destination, leg.kind), over)
-            for sums, cost in (
-                (self._planned, leg.planned_delta_v_m_s),
-                (self._flown, leg.flown_delta_v_m_s),
-            ):
-                sums[leg.kind] = sums.get(leg.kind, 0.0) + cost
+            key = leg.origin, leg.destination, leg.kind
+            costs = leg.planned_delta_v_m_s, leg.flown_delta_v_m_s
+            self._legs.setdefault(key, []).append(costs)
         for missing in refined.missing:
             if missing.reason != INTERRUPTED:
                 lost = plan.legs[missing.leg - 1]
-                self._raise((lost.origin, lost.destination, lost.kind), math.inf)
-
-    def _raise(self, key: Key, excess_m_s: float) -> None:
-        self._excess[key] = max(self._excess.get(key, 0.0), excess_m_s)
+                key = lost.origin, lost.destination, lost.kind
+                self._legs.setdefault(key, []).append((0.0, math.inf))
+        for kind in ADJECTIVES:
+            legs = [cost for key, costs in self._legs.items() if key[2] == kind for cost in costs]
+            planned = math.fsum(cost[0] for cost in legs)
+            flown = math.fsum(cost[1] for cost in legs if math.isfinite(cost[1]))
+            if planned > 0.0 and flown > 0.0:
+                least = self._factors.get(kind, self._least)
+                self._factors[kind] = max(least, flown / planned)
 
     @property
     def corrections(self) -> Corrections:
         """What they come to."""
-        factors = {
-            kind: max(1.0, self._flown[kind] / planned)
-            for kind, planned in self._planned.items()
-            if planned > 0.0
+        excess = {
+            key: max(0.0, *(flown - self._factors.get(key[2], 1.0) * p for p, flown in costs))
+            for key, costs in self._legs.items()
         }
-        return Corrections(dict(self._excess), factors)
+        return Corrections(excess, dict(self._factors))

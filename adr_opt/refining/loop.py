@@ -7,8 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ..checking.violation import DELTA_V_TOLERANCE_M_S
 from ..corrections import Corrections
 from ..errors import InputError
+from ..flight.result import TankFlight
+from ..flight.tanks import tanks_of
 from ..front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, method_of, run
 from ..instance import Instance
 from ..mission import Mission
@@ -19,7 +22,7 @@ from ..stop import Stop
 from .all_legs import refine
 from .holding import beginning, troubles
 from .lessons import Lessons
-from .plan import Freedom, Gravity, RefinedPlan
+from .plan import Freedom, Gravity, RefinedPlan, reference
 
 MOST_ROUNDS = 10
 """How often a mission is planned at most, if nobody says."""
@@ -113,6 +116,11 @@ class _Best:
             self.kept = found
 
 
+def _overdrawn(tank: TankFlight) -> bool:
+    """Whether the model's ΔV breaks a tank."""
+    return tank.planned_delta_v_m_s > tank.budget_m_s + DELTA_V_TOLERANCE_M_S
+
+
 def _rank(plan: Plan, refined: RefinedPlan) -> tuple[float, float]:
     return plan.objective, -refined.flown_delta_v_m_s
 
@@ -124,6 +132,7 @@ def solve_refined(
     gravity: Gravity | None = None,
     freedom: Freedom | None = None,
     rounds: int = MOST_ROUNDS,
+    spend_savings: bool = False,
     time_limit: float = DEFAULT_TIME_LIMIT_S,
     stop: Stop | None = None,
     progress: Progress = silent,
@@ -137,11 +146,11 @@ def solve_refined(
     """Plan a mission so that the plan holds when it is refined.
 
     The plan is refined. Where a tank does not hold what its legs cost then, or a leg cannot be
-    refined, that goes into the connections concerned, what legs cost in the mean goes into the
-    others (:class:`.lessons.Lessons`), and the mission is planned again. Connections never cost
-    less than the model says, so each plan is one of the instance; and each is another one, since
-    one that broke a tank breaks it over the corrected connections. Rounds end with the first plan
-    that holds. A beginning of an earlier plan that holds is kept if it collects more.
+    refined, what legs cost in the mean goes into all connections, what they cost beyond that into
+    those concerned (:class:`.lessons.Lessons`), and the mission is planned again. Connections never
+    cost less than the model says, so each plan is one of the instance; and each is another one,
+    since one that broke a tank breaks it over the corrected connections. Rounds end with the first
+    plan that holds. A beginning of an earlier plan that holds is kept if it collects more.
 
     Parameters
     ----------
@@ -151,6 +160,10 @@ def solve_refined(
         As in :func:`.refine`.
     rounds : int
         How often the mission is planned, at most.
+    spend_savings : bool
+        Let connections become cheaper than the model says, and plan again also after a first plan
+        that holds. The plan may break the tank of the model, as :func:`adr_opt.check` counts it;
+        refined, it holds.
     time_limit : float
         Wall time of each round's planning [s].
     stop : Stop, optional
@@ -177,7 +190,7 @@ def solve_refined(
     if rounds < 1:
         raise InputError(f"rounds = {rounds}: must be at least 1")
     mission = instance if isinstance(instance, Mission) else Mission(instance)
-    lessons, best, held = Lessons(), _Best(), list[Round]()
+    lessons, best, held = Lessons(spend_savings), _Best(), list[Round]()
 
     able = [method_of(method), *([method_of(bound, BOUNDS)] if bound else [])]
     planning_jobs = jobs if any(takes_jobs(one) for one in able) else None
@@ -208,11 +221,12 @@ def solve_refined(
         )  # fmt: skip
         told(held[-1])
         best.hear(beginning(kept_back, plan, refined) if wrong else (plan, refined))
-        if not wrong:
+        done = not wrong and (len(held) > 1 or not spend_savings)
+        if done:
             return _ended(mission, result, best, tuple(held), "")
         if over() or len(held) == rounds:
             why = "interrupted" if over() else f"not within {len(held)} rounds"
-            reason = f"no plan held: {why}; the last one: {'; '.join(wrong)}"
+            reason = f"no plan held: {why}; the last one: {'; '.join(wrong)}" if wrong else ""
             return _ended(mission, result, best, tuple(held), reason, refined)
         lessons.learn(plan, refined)
 
@@ -232,8 +246,14 @@ def _ended(
     if plan is not result.plan:
         # It may be none of the connections of the last round: their bound is for the notes.
         result = replace(
-            result, plan=plan, objective=plan.objective, upper_bound=math.inf, status=plan.status,
+            result, objective=plan.objective, upper_bound=math.inf, status=plan.status,
             sequence=tuple(mission.numbers(plan.destinations).tolist()),
             notes=tuple(dict.fromkeys((*result.notes, *plan.notes))),
         )  # fmt: skip
-    return RefinedResult(result, kept, rounds, "")
+    over = [tank for tank in tanks_of(mission.instance, kept) if _overdrawn(tank)]
+    if over:
+        most = max(tank.planned_delta_v_m_s for tank in over)
+        said = f"by the model a tank needs {most:.1f} m/s, and has {over[0].budget_m_s:g}"
+        plan = plan.replace(notes=(*plan.notes, f"{said}; refined, the plan holds"))
+        kept = kept.replace(plan=reference(plan))
+    return RefinedResult(replace(result, plan=plan), kept, rounds, "")
