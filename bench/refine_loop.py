@@ -6,6 +6,10 @@ Twenty instances of eccentric orbits under J2: fields of the families with e up 
 of fragments, and real clouds from the folder (without it those are left out). Each is planned,
 refined and planned again until it holds, with free burns and with the plan's own, and flown by
 `fly` with another integrator. First and last round stand side by side.
+
+    python bench/refine_loop.py --savings 5 --method auto --time-limit 6
+
+Fields short of fuel, of circles under J2, with free burns: prizes without and with what legs save.
 """
 
 from __future__ import annotations
@@ -105,6 +109,34 @@ def print_row(instance: Instance, freedom: str, arguments: argparse.Namespace) -
     return not first.troubles, holds
 
 
+def print_savings(seeds: int, arguments: argparse.Namespace) -> None:
+    """Print what plans collect that spend what free burns save, and what those do that do not."""
+    print("\n| field | prize | spending savings | rounds | planned m/s | flown m/s | holds |")
+    print("|---" * 7 + "|")
+    for seed in range(seeds):
+        mission = adr_opt.Mission(adr_opt.generate("reduced-fuel", seed).replace(dynamics="j2"))
+        mission.timetable  # noqa: B018 - so that both plan with all targets
+        found = []
+        for spend in (False, True):
+            found.append(
+                adr_opt.solve_refined(
+                    mission, arguments.method, freedom="free", time_limit=arguments.time_limit,
+                    seed=0, rounds=arguments.rounds, jobs=arguments.jobs, spend_savings=spend,
+                )
+            )  # fmt: skip
+        plain, spent = found
+        assert plain.plan is not None
+        assert spent.plan is not None
+        assert spent.refined is not None
+        holds = fly_refined(mission.instance, spent.refined).holds
+        print(
+            f"| {mission.instance.name} | {plain.plan.objective:g} | {spent.plan.objective:g} | "
+            f"{len(spent.rounds)} | {spent.refined.planned_delta_v_m_s:.0f} | "
+            f"{spent.refined.flown_delta_v_m_s:.0f} | {'yes' if holds else 'no'} |",
+            flush=True,
+        )
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -114,8 +146,12 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--burns", choices=("free", "planned", "both"), default="both")
     parser.add_argument("--only", default="", help="instances whose name holds this")
+    parser.add_argument("--savings", type=int, metavar="N", help="so many fields short of fuel")
     arguments = parser.parse_args()
     print(heading())
+    if arguments.savings is not None:
+        print_savings(arguments.savings, arguments)
+        return
     print(
         "\n| instance | burns | prize, first | flown against planned | holds at once | rounds | "
         "prize | legs | flown against planned, last | outcome | processor time |"
