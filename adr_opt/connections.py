@@ -15,7 +15,7 @@ from .errors import InputError
 from .instance import Instance
 from .kept import Kept, Pair
 from .kernels import connections as kernels
-from .kernels import drifting
+from .kernels import drifting_connections
 from .kernels import timetable as tables
 from .kernels.constants import HOUR_S, SLACK_M_S, SLACK_S
 
@@ -117,7 +117,7 @@ class Connecting:
         if self.times is None:
             found = kernels.of_pair(*pair, self._end, resolution_m_s)
         else:
-            found = drifting.of_pair(*pair, self.times, self._end, resolution_m_s)
+            found = drifting_connections.of_pair(*pair, self.times, self._end, resolution_m_s)
         return found
 
     def found(self, i: int, j: int) -> kernels.Found:
@@ -256,12 +256,12 @@ def weights_of(choose: Choice) -> tuple[float, float]:
     return 1.0, value / HOUR_S
 
 
-def _times(instance: Instance) -> drifting.Times | None:
+def _times(instance: Instance) -> drifting_connections.Times | None:
     """When transfers may leave; None where events are regular, which needs no such thing."""
     settings = instance.transfer
     if instance.dynamics == "two-body" and settings.departure_spacing_s == 0.0:
         return None
-    return drifting.Times(
+    return drifting_connections.Times(
         settings.departure_spacing_s, settings.drift_step_s, settings.max_drift_s,
         instance.chaser.tank.delta_v_m_s + SLACK_M_S,
     )  # fmt: skip

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from . import drifting
+from . import drift_burns
 from .errors import InputError
 from .kernels import burns as burn_kernels
 from .kernels.constants import SLACK_M_S
@@ -102,9 +102,9 @@ def _transfer(
 ) -> _Transfer:
     orbits, extra, rule = mission.transfer_inputs
     if revolutions < 0:
-        flight = drifting.flown(orbits[i], orbits[j], rule, departure, arrival)
-        shape = drifting.shape_m_s(orbits[i], orbits[j], rule, departure, arrival)
-        burns = flight.times, flight.vectors, drifting.PHASES
+        flight = drift_burns.flown(orbits[i], orbits[j], rule, departure, arrival)
+        shape = drift_burns.shape_m_s(orbits[i], orbits[j], rule, departure, arrival)
+        burns = flight.times, flight.vectors, drift_burns.PHASES
         return _Transfer("drift", float(departure), shape, burns)
     flown = burn_kernels.burns_between(
         orbits[i], orbits[j], extra[i, j], rule, departure, arrival, revolutions

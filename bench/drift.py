@@ -26,7 +26,7 @@ from gtoc9 import Leg, read_legs
 from machine import heading
 
 import adr_opt
-from adr_opt.drifting import flown
+from adr_opt.drift_burns import flown
 from adr_opt.errors import InputError
 from adr_opt.kernels import drift
 from adr_opt.kernels.compile import kernel

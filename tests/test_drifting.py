@@ -11,7 +11,7 @@ import pytest
 from drift_cases import Met, Pair, drawn, fly, pair_of
 from rows import FloatArray, oblate_rule
 
-from adr_opt.drifting import Flight, flown
+from adr_opt.drift_burns import Flight, flown
 from adr_opt.errors import InputError
 from adr_opt.flight.mean import MeanDynamics
 from adr_opt.kernels import drift, orbits

@@ -15,12 +15,12 @@ import adr_opt
 from adr_opt.connections import Connecting
 from adr_opt.flight.mean import MeanDynamics
 from adr_opt.kernels import burns as burn_kernels
-from adr_opt.kernels import connections, drifting, orbits, precession, transfer
+from adr_opt.kernels import connections, drifting_connections, orbits, precession, transfer
 from adr_opt.kernels.constants import DAY_S, OBLATENESS_M2, SLACK_S
 from adr_opt.settings import TransferSettings
 
 WEEK_S = 7.0 * DAY_S
-NO_DRIFT = drifting.Times(0.0, DAY_S, 0.0, 1e9)
+NO_DRIFT = drifting_connections.Times(0.0, DAY_S, 0.0, 1e9)
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +76,7 @@ def test_every_crossing_of_a_year_is_an_event(inclination_deg):
         ahead = math.degrees((rates[0] - rates[1]) * 0.5 * 365.0 * DAY_S)
         pair = pair_of(first, second.replace(raan_deg=40.0 + ahead))
         made = transfer.prepare(pair.i, pair.j, 0.0, oblate_rule())
-        half_turns, numbers = drifting.events_of(made, 365.0 * DAY_S, 0.0)
+        half_turns, numbers = drifting_connections.events_of(made, 365.0 * DAY_S, 0.0)
         expected = crossings(pair.i, pair.j, 365.0 * DAY_S)
         assert np.all(np.diff(half_turns) == 1)
         assert numbers[0].size == expected.size, pair
@@ -92,9 +92,9 @@ def test_events_keep_their_spacing():
     """With a spacing, some of all events are left, none much closer and none much farther apart."""
     for pair in pairs(1, 24):
         made = transfer.prepare(pair.i, pair.j, 0.0, oblate_rule())
-        every = drifting.events_of(made, 60.0 * DAY_S, 0.0)[1][0]
+        every = drifting_connections.events_of(made, 60.0 * DAY_S, 0.0)[1][0]
         for spacing in (1e4, DAY_S, 2.5 * DAY_S):
-            some = drifting.events_of(made, 60.0 * DAY_S, spacing)[1][0]
+            some = drifting_connections.events_of(made, 60.0 * DAY_S, spacing)[1][0]
             assert np.isin(np.round(some, 3), np.round(every, 3)).all()
             gaps = np.diff(some)
             # The line of nodes itself moves meanwhile, by half a revolution at most.
@@ -113,7 +113,7 @@ def test_listed_transfers_fly_to_the_stand_off(truth):
     rng = np.random.default_rng(2)
     flown = 0
     for pair in pairs(3, 420):
-        found = drifting.of_pair(pair.i, pair.j, 0.0, law, NO_DRIFT, WEEK_S, 0.1)
+        found = drifting_connections.of_pair(pair.i, pair.j, 0.0, law, NO_DRIFT, WEEK_S, 0.1)
         assert np.all(found.departure >= 0.0)
         assert np.all(found.arrival <= WEEK_S)
         for c in rng.choice(found.departure.size, min(5, found.departure.size), replace=False):
@@ -148,7 +148,7 @@ def test_without_oblateness_connections_are_those_of_two_bodies(resolution):
     compared = 0
     for pair in pairs(4, 36, oblateness=0.0):
         expected = connections.of_pair(pair.i, pair.j, 3.0, law, WEEK_S, resolution)
-        found = drifting.of_pair(pair.i, pair.j, 3.0, law, NO_DRIFT, WEEK_S, resolution)
+        found = drifting_connections.of_pair(pair.i, pair.j, 3.0, law, NO_DRIFT, WEEK_S, resolution)
         # Where two cost the same to the last digits, rounding may keep either.
         assert abs(found.departure.size - expected.departure.size) <= 2, pair
         table = np.column_stack(expected[:3])
@@ -174,9 +174,11 @@ def test_no_connection_dominates_another():
     law = oblate_rule()
     both = all_ = superfluous = 0
     for number, pair in enumerate(pairs(5, 18, spread_deg=6.0)):
-        times = drifting.Times(DAY_S * (number % 2), DAY_S, 40.0 * DAY_S, 1500.0)
+        times = drifting_connections.Times(DAY_S * (number % 2), DAY_S, 40.0 * DAY_S, 1500.0)
         resolution = (0.1, 1.0, 5.0)[number % 3]
-        found = drifting.of_pair(pair.i, pair.j, 0.0, law, times, 60.0 * DAY_S, resolution)
+        found = drifting_connections.of_pair(
+            pair.i, pair.j, 0.0, law, times, 60.0 * DAY_S, resolution
+        )
         listed = np.column_stack(found[:3])
         assert np.all(np.diff(found.departure) >= 0.0)
         for c, row in enumerate(listed):
@@ -204,10 +206,10 @@ def test_no_sequence_is_missed():
     duration, missed, all_ = 1.5 * DAY_S, 0, 0
     for pair in pairs(6, 18):
         made = transfer.prepare(pair.i, pair.j, 0.0, law)
-        found = drifting.of_pair(pair.i, pair.j, 0.0, law, NO_DRIFT, duration, 0.1)
+        found = drifting_connections.of_pair(pair.i, pair.j, 0.0, law, NO_DRIFT, duration, 0.1)
         lap = 2.0 * math.pi / made.rate_j
         approach = law.approach_revolutions * lap
-        half_turns, numbers = drifting.events_of(made, duration, 0.0)
+        half_turns, numbers = drifting_connections.events_of(made, duration, 0.0)
         for event, k in itertools.product(range(half_turns.size), range(7)):
             departure, _, alpha_i, alpha_j = numbers[:4, event]
             high = made.longest + k * made.longest_lap

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .. import drifting
+from .. import drift_burns
 from ..errors import InputError
 from ..instance import Instance
 from ..keep_out import crossed
@@ -99,11 +99,13 @@ def check_drift(
     delta_v, shape = drift_cost(origin, destination, physics.rule, leg)
     yield from _check_costs(delta_v, shape, number, leg)
     try:
-        flight = drifting.flown(origin, destination, physics.rule, leg.departure_s, leg.arrival_s)
+        flight = drift_burns.flown(
+            origin, destination, physics.rule, leg.departure_s, leg.arrival_s
+        )
     except InputError as error:
         yield Violation(number, "burns", str(error))
         return as_stated
-    yield from check_burns(number, leg, flight.times, flight.vectors, np.array(drifting.PHASES))
+    yield from check_burns(number, leg, flight.times, flight.vectors, np.array(drift_burns.PHASES))
     costs_as_stated = abs(leg.delta_v_m_s - delta_v) <= DELTA_V_TOLERANCE_M_S
     return leg.arrival_s, delta_v if costs_as_stated else leg.delta_v_m_s
 
