@@ -259,7 +259,9 @@ def _merged(departure, arrival, cost, laps, kept, leaves, lands, long_cost, step
         while short < kept.size and not kept[short]:
             short += 1
         is_long = long < leaves.size and (
-            short == kept.size or leaves[long] * step < departure[short]
+            short == kept.size
+            or leaves[long] * step < departure[short]
+            or (leaves[long] * step == departure[short] and lands[long] * step < arrival[short])
         )
         if is_long:
             departures[at], arrivals[at] = leaves[long] * step, lands[long] * step

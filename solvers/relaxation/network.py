@@ -37,7 +37,8 @@ class Network(NamedTuple):
     destination : (rows,) int32
         Of all legs of the row.
     first : (rows + 1,) int64
-        First leg of each row; the legs of a row in order of arrival.
+        First leg of each row; the legs of a row in order of arrival, each cheaper than the one
+        before.
     landing : (legs,) int32
         Row of the destination at the end of service.
     delta_v : (legs,) float64
@@ -104,6 +105,9 @@ class Outgoing(NamedTuple):
 def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
     """Keep the connections to j that fit into the mission at the beginning of their arrays.
 
+    Of those that leave together none is kept that costs no less than one that arrives no later:
+    corrections of what short transfers and those that drift cost may have left some.
+
     Parameters
     ----------
     departure, arrival, delta_v, crossing : (connections,)
@@ -125,10 +129,13 @@ def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
     count, rows, shortest = 0, 0, np.inf
     for c in range(departure.size):
         done = max(arrival[c], rules.opens[j]) + rules.service[j]
+        together = count > 0 and departure[c] == departure[count - 1]
+        if together and delta_v[c] >= delta_v[count - 1]:
+            continue
         if delta_v[c] <= rules.budget and done <= rules.closes[j]:
             end[crossing[c]] = min(end[crossing[c]], done)
             shortest = min(shortest, done - departure[c])
-            rows += count == 0 or departure[c] != departure[count - 1]
+            rows += not together
             departure[count], delta_v[count] = departure[c], delta_v[c]
             crossing[count] = before + crossing[c]
             count += 1
