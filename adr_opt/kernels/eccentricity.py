@@ -37,7 +37,7 @@ def whole(circles, turned, matching):
 
 @inlined
 def _alone(speed, eccentricity_i, eccentricity_j, perigee_lag, inclination_i, inclination_j, lag):
-    """v |Δe| / 2, with what ω_j − ω_i and Ω_j − Ω_i are at the time [m/s]."""
+    """Half of v |Δe| with what ω_j − ω_i and Ω_j − Ω_i are at a time [m/s]."""
     angle = perigee_lag + orbits.along_turn(inclination_i, inclination_j, lag)
     return 0.5 * speed * orbits.chord(eccentricity_i, eccentricity_j, angle)
 
