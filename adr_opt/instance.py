@@ -38,7 +38,8 @@ from .kernels.constants import (
     SLACK_M,
     SLACK_S,
 )
-from .kernels.transfer import TransferRule, matchings
+from .kernels.eccentricity import matchings
+from .kernels.transfer import TransferRule
 from .orbit import Orbit
 from .records import Name, Record
 from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings

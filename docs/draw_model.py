@@ -21,7 +21,7 @@ import numpy as np
 import adr_opt
 from adr_opt import plot
 from adr_opt.kernels import drift as drifts
-from adr_opt.kernels import orbits, transfer
+from adr_opt.kernels import orbits, sequences, transfer
 from adr_opt.kernels import timetable as kernels
 from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
 from adr_opt.result import certify
@@ -193,7 +193,7 @@ def _is_blocked(
     pair = transfer.prepare(rows[origin], rows[destination], 0.0, rule)
     _, half_turns = transfer.first_departure(pair)
     lead = transfer.target_lead(pair, departure, half_turns + event)
-    found = transfer.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
+    found = sequences.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
     return not math.isfinite(found.delta_v)
 
 

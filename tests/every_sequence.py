@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from adr_opt.instance import Instance
-from adr_opt.kernels import orbits, transfer
+from adr_opt.kernels import keep_out, orbits, transfer
 
 
 class Flown(NamedTuple):
@@ -32,7 +32,7 @@ def sequences(
         time += math.ceil((low - time) / lap) * lap
         while time <= high:
             radius = transfer.phasing_radius(pair, rule, k, time)
-            if not transfer.is_blocked(pair, rule, k, radius, departure):
+            if not keep_out.is_blocked(pair, rule, k, radius, departure):
                 delta_v = transfer.sequence_delta_v(pair, rule, k, radius)
                 arrival = departure + time + rule.approach_revolutions * lap
                 yield Flown(departure, arrival, delta_v, k, radius)

@@ -11,7 +11,7 @@ from rows import changed
 
 import adr_opt
 from adr_opt.errors import InputError
-from adr_opt.kernels import connections, transfer
+from adr_opt.kernels import connections, keep_out, transfer
 from adr_opt.kernels.constants import EARTH_RADIUS_M
 from adr_opt.kernels.transfer import TWO_PI
 from adr_opt.timetable import Timetable
@@ -40,7 +40,7 @@ def every_sequence(origin, destination, extra, rule, duration):
                 if not low <= time <= high or arrival > duration:
                     continue
                 r = transfer.phasing_radius(pair, rule, k, time)
-                if not transfer.is_blocked(pair, rule, k, r, departure):
+                if not keep_out.is_blocked(pair, rule, k, r, departure):
                     cost = transfer.sequence_delta_v(pair, rule, k, r)
                     found.append((departure, arrival, cost, k))
         number += 1

@@ -15,7 +15,7 @@ import rows
 
 import adr_opt
 from adr_opt.checking.eccentric import Sequence, matching_cost
-from adr_opt.kernels import orbits, precession, transfer
+from adr_opt.kernels import eccentricity, orbits, precession, transfer
 from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
 from adr_opt.orbit import Orbit
 
@@ -49,7 +49,7 @@ def drawn(rng: np.random.Generator, most: float, spread: float = 2.0) -> Orbit:
 def pair_of(first: Orbit, second: Orbit, oblateness: float = 0.0) -> transfer.Pair:
     bodies = np.array([first.row(oblateness), second.row(oblateness)])
     law = rows.rule()._replace(oblateness=oblateness)
-    return transfer.prepare(bodies[0], bodies[1], transfer.matchings(bodies)[0, 1], law)
+    return transfer.prepare(bodies[0], bodies[1], eccentricity.matchings(bodies)[0, 1], law)
 
 
 def test_a_leg_costs_no_less_than_its_sequence_and_than_its_ends_ask_for() -> None:
@@ -112,7 +112,7 @@ def test_matching_costs_the_same_there_and_back_and_from_any_node() -> None:
         for _ in range(100):
             ends = [drawn(rng, 0.02, spread) for _ in range(2)]
             bodies = np.array([end.row(0.0) for end in ends])
-            costs = transfer.matchings(bodies)
+            costs = eccentricity.matchings(bodies)
             assert costs[0, 1] == costs[1, 0]
             normals = [
                 orbits.frame(body[orbits.INCLINATION], body[orbits.RAAN])[2] for body in bodies
@@ -145,7 +145,7 @@ def test_the_checker_states_the_same_on_its_own(oblateness: float) -> None:
         time, k = rng.uniform(0.0, 30.0 * DAY_S), int(rng.integers(0, 3))
         r = rng.uniform(law.min_radius, law.max_radius)
         _, _, theta = precession.line(pair, pair.lag + pair.lag_rate * time)
-        matching = transfer.matching(pair, time) if oblateness else pair.matching
+        matching = eccentricity.matching(pair, time) if oblateness else pair.matching
         assert matching > 0.0
         _, _, _, square = transfer.burn_parts(pair, law, k, r)
         expected = math.hypot(matching, 2.0 * math.sqrt(square) * math.sin(0.5 * theta))

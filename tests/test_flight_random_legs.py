@@ -14,7 +14,7 @@ import pytest
 import rows
 
 from adr_opt.kernels import burns as burn_kernels
-from adr_opt.kernels import transfer
+from adr_opt.kernels import sequences, transfer
 from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
 from adr_opt.kernels.orbits import COPLANAR_RAD
 
@@ -117,7 +117,7 @@ def flown(orbit_i, orbit_j, rule, ready):
     event = max(0, math.ceil((ready - first) / half_period))
     departure = first + event * half_period
     lead = transfer.target_lead(pair, departure, half_turns + event)
-    chosen = transfer.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
+    chosen = sequences.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
     if not math.isfinite(chosen.delta_v):
         return None
     times, vectors, phases = burn_kernels.burns(

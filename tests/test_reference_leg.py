@@ -12,7 +12,7 @@ import pytest
 
 import adr_opt
 from adr_opt.instance import Instance
-from adr_opt.kernels import transfer
+from adr_opt.kernels import sequences, transfer
 from adr_opt.timetable import Timetable
 
 pytest.importorskip("boinor")
@@ -43,7 +43,7 @@ def next_leg(
     event = max(0, math.ceil((ready_s - first) * pair.rate_i / math.pi))
     departure = first + event * math.pi / pair.rate_i
     lead = transfer.target_lead(pair, departure, half_turns + event)
-    flown = transfer.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
+    flown = sequences.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
     approach = rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
     return float(flown.delta_v), float(departure + flown.flight_time + approach)
 

@@ -12,7 +12,7 @@ from hand_made import PERIOD_S, hand_made
 from random_rules import random_mission
 
 import adr_opt
-from adr_opt.kernels import orbits, transfer
+from adr_opt.kernels import orbits, sequences, transfer
 from adr_opt.kernels import timetable as kernels
 from adr_opt.kernels.constants import EARTH_RADIUS_M, SLACK_M_S, SLACK_S
 from adr_opt.settings import KeepOutZone
@@ -128,7 +128,7 @@ def test_what_lies_on_a_limit_is_not_left_to_rounding():
     pair = transfer.prepare(elements[0], elements[1], 0.0, rule)
     first, half_turns = transfer.first_departure(pair)
     lead = transfer.target_lead(pair, first, half_turns)
-    chosen = transfer.best_sequence(pair, rule, first, lead, -math.inf, math.inf)
+    chosen = sequences.best_sequence(pair, rule, first, lead, -math.inf, math.inf)
     radius = chosen.phasing_radius
     edge = KeepOutZone(
         min_altitude_m=radius - EARTH_RADIUS_M,
@@ -162,7 +162,7 @@ def test_the_clock_of_a_year_is_that_of_the_angles():
             assert abs(departure - exact) < SLACK_S / 50.0
             lead = (pair.phase_j + pair.rate_j * exact - math.pi * round(past)) % (2.0 * math.pi)
             latest = limits.closes[j] - limits.service[j] - approach - exact
-            flown = transfer.best_sequence(pair, rule, exact, lead, -math.inf, latest)
+            flown = sequences.best_sequence(pair, rule, exact, lead, -math.inf, latest)
             arrival = exact + flown.flight_time + approach
             if flown.delta_v + rule.time_value * arrival < best:
                 best = flown.delta_v + rule.time_value * arrival

@@ -9,7 +9,7 @@ import pytest
 import rows
 
 from adr_opt.kernels import burns as burn_kernels
-from adr_opt.kernels import orbits, transfer
+from adr_opt.kernels import keep_out, orbits, sequences, transfer
 from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
 
 CASES = 3000
@@ -50,7 +50,7 @@ def pairs(seed: int = 0):
 
 def best_sequence(pair, rule, departure, lead):
     """The sequence chosen by someone whom no window keeps waiting and no deadline hurries."""
-    return transfer.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
+    return sequences.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
 
 
 def test_node_line():
@@ -186,7 +186,7 @@ def test_choice_keeps_to_a_window(time_value):
         # Between the shortest and the longest sequence, but not where rounding decides.
         shortest, longest = min(row[1] for row in every), max(row[1] for row in every)
         earliest, latest = rng.uniform(shortest - 1e3, longest + 1e3, 2)
-        best = transfer.best_sequence(pair, rule, departure, lead, earliest, latest)
+        best = sequences.best_sequence(pair, rule, departure, lead, earliest, latest)
         costs = sorted(
             (delta_v + rule.time_value * max(time, earliest), time, k)
             for _, time, k, delta_v in every
@@ -252,7 +252,7 @@ def test_blocked_sequences_touch_a_zone_and_others_do_not():
         start = departure + rng.uniform(-0.5, 1.0) * best.flight_time
         zone = (bottom, bottom + 15e3, start, start + 3000.0)
         zoned = rows.rule(zones=[zone])
-        blocked = transfer.is_blocked(pair, zoned, best.revolutions, best.phasing_radius, departure)
+        blocked = keep_out.is_blocked(pair, zoned, best.revolutions, best.phasing_radius, departure)
         times, radii = altitude_profile(i, j, pair, rule, departure, best)
         inside = (zone[0] <= radii) & (radii <= zone[1]) & (zone[2] <= times) & (times <= zone[3])
         if inside.any():
@@ -321,7 +321,7 @@ def test_zone_makes_the_next_best_fly():
         if not math.isfinite(other.delta_v):
             continue
         detours += 1
-        assert not transfer.is_blocked(
+        assert not keep_out.is_blocked(
             pair, zoned, other.revolutions, other.phasing_radius, departure
         )
         w = rule.time_value

@@ -1,7 +1,8 @@
 """Check a plan against its instance, from the instance alone.
 
 Shares nothing with the planners but the physics of one transfer (`kernels.orbits`,
-`kernels.transfer`, `kernels.burns`) and the slack of the model (`kernels.constants`): departure
+`kernels.transfer`, `kernels.precession`, `kernels.keep_out`, `kernels.burns`, `drift_burns`) and
+the slack of the model (`kernels.constants`): what eccentricity costs and drifts do, departure
 events, the choice of the entry and the mission rules are stated here a second time, on purpose, and
 plainly; so are the keep-out zones, in `keep_out`, from the burns alone.
 

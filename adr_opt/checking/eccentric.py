@@ -52,7 +52,7 @@ def matching_cost(
 ) -> float:
     """The least that a short leg may cost because its ends are eccentric, approach included [m/s].
 
-    Written out once more, with vectors where :mod:`adr_opt.kernels.transfer` has angles; 0 for
+    Written out once more, with vectors where :mod:`adr_opt.kernels.eccentricity` has angles; 0 for
     circles. Perigees and nodes are those at the departure [s].
     """
     if origin[orbits.ECCENTRICITY] == destination[orbits.ECCENTRICITY] == 0.0:

@@ -14,7 +14,7 @@ from ..errors import InputError
 from ..instance import Instance
 from ..keep_out import crossed
 from ..kernels import burns as burn_kernels
-from ..kernels import orbits, precession, transfer
+from ..kernels import keep_out, orbits, precession, transfer
 from ..kernels.constants import MU_M3_S2, SLACK_S
 from ..kernels.drift import POLAR
 from ..plan import Leg
@@ -58,7 +58,7 @@ def check_transfer(
     extra = max(0.0, least - circles)
     delta_v = circles + extra
     yield from _check_figures(sequence, delta_v, extra, number, leg)
-    if transfer.is_blocked(
+    if keep_out.is_blocked(
         pair, rule, sequence.laps, sequence.radius, sequence.departure
     ) and not any(True for _ in crossed(instance, leg)):
         yield Violation(

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from . import orbits, precession, transfer
+from . import eccentricity, orbits, precession, transfer
 from .compile import kernel
 from .constants import MU_M3_S2
 
@@ -146,13 +146,13 @@ def eccentric_share(orbit_i, orbit_j, extra_delta_v, rule, departure, arrival, r
     pair = transfer.prepare(orbit_i, orbit_j, extra_delta_v, rule)
     flight = arrival - rule.approach_revolutions * transfer.TWO_PI / pair.rate_j - departure
     r = transfer.phasing_radius(pair, rule, revolutions, flight)
-    turn, matching = pair.turn, pair.matching
+    turn = pair.turn
     if rule.oblateness != 0.0:
         lag = pair.lag + pair.lag_rate * departure
         lag += precession.carried(pair, rule, revolutions, r, flight)
         _, _, theta = precession.line(pair, lag)
         turn = 4.0 * math.sin(0.5 * theta) ** 2
-        matching = transfer.matching(pair, departure)
+    matching = eccentricity.matching(pair, departure)
     return transfer.eccentric_share(pair, rule, revolutions, r, turn, matching)
 
 

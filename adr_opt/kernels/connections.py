@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import phasing, transfer
+from . import keep_out, phasing, transfer
 from .compile import kernel
 from .constants import SLACK_S
 from .lists import ending
@@ -109,7 +109,7 @@ def _cheapest_open(pair, rule, first, departure, time, below):
             continue
         r = transfer.phasing_radius(pair, rule, k, time)
         delta_v = transfer.sequence_delta_v(pair, rule, k, r)
-        if delta_v < min(best, below) and not transfer.is_blocked(pair, rule, k, r, departure):
+        if delta_v < min(best, below) and not keep_out.is_blocked(pair, rule, k, r, departure):
             best, best_k = delta_v, k
             if turn < 0:
                 break

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import drift, phasing, precession, transfer
+from . import drift, eccentricity, keep_out, phasing, precession, transfer
 from .compile import inlined, kernel
 from .connections import Found
 from .constants import SLACK_S
@@ -135,7 +135,7 @@ def short(pair, rule, duration, spacing, most, resolution):
         theta = numbers[6, e]
         if least_turn * math.sin(min(0.9 * theta, 0.5 * math.pi)) > most:
             continue
-        matching = pair.matching + transfer.matching(pair, event)
+        matching = eccentricity.matching(pair, event)
         moves = numbers[5, e] / pair.rate_j - numbers[4, e] / pair.rate_i
         met = precession.meeting(
             pair, rule, half_turns[e], alpha_j, event + pair.shortest - BAND_S + 0.5 * lap
@@ -174,7 +174,7 @@ def short(pair, rule, duration, spacing, most, resolution):
                     continue
                 if found.departure < -SLACK_S or abs(found.stand_off - met) > 0.5 * lap:
                     continue
-                if rule.zones.shape[0] > 0 and transfer.is_blocked(
+                if rule.zones.shape[0] > 0 and keep_out.is_blocked(
                     pair, rule, k, found.radius, found.departure
                 ):
                     continue

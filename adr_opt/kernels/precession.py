@@ -18,7 +18,7 @@ is as in :mod:`.transfer`.
 import math
 from typing import NamedTuple
 
-from . import orbits, transfer
+from . import eccentricity, orbits, transfer
 from .compile import inlined, kernel
 from .constants import SLACK_S
 from .transfer import TWO_PI
@@ -209,7 +209,7 @@ def settle(pair, rule, half_turns, revolutions, departure, stand_off, alpha_i, a
     return Settled(
         departure, stand_off, r, turn,
         transfer.turned_delta_v(
-            pair, rule, revolutions, r, turn, pair.matching + transfer.matching(pair, departure)
+            pair, rule, revolutions, r, turn, eccentricity.matching(pair, departure)
         ),
         steps,
     )  # fmt: skip

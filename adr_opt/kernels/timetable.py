@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import orbits, transfer
+from . import orbits, sequences, transfer
 from .compile import inlined, kernel
 from .connections import Found
 from .constants import SLACK_S
@@ -145,7 +145,7 @@ def fill(first, last, order, bodies, extra_delta_v, rule, limits, table):
                 if departure > limits.duration:
                     break
                 lead = transfer.target_lead(pair, departure, half_turns + m)
-                best = transfer.best_sequence(
+                best = sequences.best_sequence(
                     pair, rule, departure, lead, opens - departure, closes - departure
                 )
                 table.entries[i, m, j, 0] = best.delta_v

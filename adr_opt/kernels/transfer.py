@@ -5,16 +5,7 @@ Vocabulary. The chaser leaves body *i* at the line of nodes, flies half an ellip
 an ellipse to the co-elliptic radius r_c and half an ellipse to a point L behind body *j*; the
 *approach*, half a safety ellipse, closes the rest.
 
-How the choice is searched. With Δ the lead of the target at departure, the phase condition reads
-n_j T = 3π − Δ + δ + 2π s, s = k + m: the flight time depends on (k, m) through s alone. So the
-search runs over s with T ascending, and inside over the few k whose phasing radius lies within
-the altitude limits. Since w·T grows by w·P_j with every s, it stops as soon as w·T plus a floor
-of the ΔV exceeds the best cost found: no later sequence can win.
-
-Eccentric orbits. The circles of the sequence leave out the eccentricity vectors, which differ by
-Δe. Burns that are flown for other reasons change them on the way, at no cost as long as there are
-enough of them; but to change them and turn the plane takes about hypot(v |Δe| / 2, 2 v sin θ/2). So
-a sequence costs that where it is more than what it costs between circles (docs/model.md).
+All orbits are circles here; what eccentric ones add is in :mod:`.eccentricity`.
 """
 
 import math
@@ -22,10 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import orbits
+from . import eccentricity, orbits
 from .compile import inlined, kernel
-from .constants import MU_M3_S2, SLACK_M_S, SLACK_S
-from .memory import borrowed
+from .constants import MU_M3_S2, SLACK_S
 
 TWO_PI = 2.0 * math.pi
 SQRT_MU = math.sqrt(MU_M3_S2)
@@ -111,15 +101,6 @@ class Pair(NamedTuple):
     perigee_lag_rate: float  # [rad/s]
 
 
-class Sequence(NamedTuple):
-    """The sequence flown: ``delta_v`` is +inf where there is none."""
-
-    delta_v: float  # [m/s]
-    flight_time: float  # departure to stand-off [s]
-    revolutions: int  # k
-    phasing_radius: float  # r_x [m]
-
-
 @inlined
 def pace(axis, widening):
     """How much longer than a period two-body motion takes to the same latitude; 1 without J2."""
@@ -185,7 +166,7 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule):
         Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
     extra_delta_v : float
         What matching the eccentricity vectors alone would cost, zero between circles [m/s]. Under
-        J2 it depends on the time, and is :func:`matching`.
+        J2 it depends on the time, and is :func:`.eccentricity.matching`.
     rule : TransferRule
 
     Returns
@@ -265,53 +246,6 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule):
         orbit_j[orbits.PERIGEE] - orbit_i[orbits.PERIGEE],
         orbit_j[orbits.PERIGEE_RATE] - orbit_i[orbits.PERIGEE_RATE],
     )
-
-
-@inlined
-def matching(pair, time):
-    """What matching alone would cost, v |Δe| / 2, at a time, where perigees drift [m/s]."""
-    if pair.eccentricity_i == 0.0 and pair.eccentricity_j == 0.0:
-        return 0.0
-    angle = pair.perigee_lag + pair.perigee_lag_rate * time
-    angle += orbits.along_turn(
-        pair.inclination_i, pair.inclination_j, pair.lag + pair.lag_rate * time
-    )
-    apart = orbits.chord(pair.eccentricity_i, pair.eccentricity_j, angle)
-    return 0.5 * math.sqrt(pair.speed_i * pair.speed_j) * apart
-
-
-@kernel
-def matchings(bodies):
-    """What matching alone would cost, v |Δe| / 2, of all pairs as the orbits are at t = 0 [m/s].
-
-    v is the geometric mean of the two circular speeds, and Δe the difference of the eccentricity
-    vectors once one plane is turned into the other about their line of nodes.
-
-    Parameters
-    ----------
-    bodies : (bodies, columns) float64
-        Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
-
-    Returns
-    -------
-    (origin, destination) float64
-    """
-    count = bodies.shape[0]
-    costs = np.zeros((count, count))
-    for i in range(count):
-        for j in range(i):
-            angle = bodies[j, orbits.PERIGEE] - bodies[i, orbits.PERIGEE] + orbits.along_turn(
-                bodies[i, orbits.INCLINATION], bodies[j, orbits.INCLINATION],
-                bodies[j, orbits.RAAN] - bodies[i, orbits.RAAN],
-            )  # fmt: skip
-            apart = orbits.chord(
-                bodies[i, orbits.ECCENTRICITY], bodies[j, orbits.ECCENTRICITY], angle
-            )
-            speed = math.sqrt(
-                MU_M3_S2 / math.sqrt(bodies[i, orbits.RADIUS] * bodies[j, orbits.RADIUS])
-            )
-            costs[i, j] = costs[j, i] = 0.5 * speed * apart
-    return costs
 
 
 @kernel
@@ -420,14 +354,12 @@ def whole(climb, rest, chord, turned, matching):
     ----------
     climb, rest, chord : float
         As of :func:`burn_parts` [m/s].
-    turned : float
-        4 v₁ v₂ sin²(θ/2) [m²/s²].
-    matching : float
-        v |Δe| / 2 [m/s]. With 0 nothing but the sequence between circles counts, to the last digit.
+    turned, matching : float
+        As :func:`.eccentricity.whole` takes them [m²/s²], [m/s].
     """
     # (v₁ − v₂)² + 4 v₁ v₂ sin²(θ/2) is the cosine formula without its cancellation.
     circles = abs(climb) + abs(rest) + math.sqrt(chord * chord + turned)
-    return max(circles, math.sqrt(matching * matching + turned))
+    return eccentricity.whole(circles, turned, matching)
 
 
 @kernel
@@ -435,114 +367,3 @@ def eccentric_share(pair, rule, revolutions, r, turn, matching):
     """What of a sequence's ΔV its burns between circles do not account for [m/s]."""
     circles = turned_delta_v(pair, rule, revolutions, r, turn, 0.0)
     return turned_delta_v(pair, rule, revolutions, r, turn, matching) - circles
-
-
-@kernel
-def half_ellipse_clock(r1, r2, r):
-    """Share of its time that a half ellipse from apsis r1 to apsis r2 takes from r1 to r."""
-    e = abs(r2 - r1) / (r1 + r2)
-    if e == 0.0:
-        return 0.0
-    # (1 − r/a) / e without its cancellation, which costs seconds on nearly circular arcs.
-    cosine = min(1.0, max(-1.0, ((r1 - r) + (r2 - r)) / abs(r2 - r1)))
-    anomaly = math.acos(cosine)
-    since_perigee = (anomaly - e * math.sin(anomaly)) / math.pi
-    return since_perigee if r2 > r1 else 1.0 - since_perigee
-
-
-@kernel
-def half_ellipse_meets(r1, r2, start, end, zone):
-    """Whether a half ellipse flown from start to end is in the zone at some moment."""
-    low, high = zone[0], zone[1]
-    if max(r1, r2) < low or min(r1, r2) > high or end < zone[2] or start > zone[3]:
-        return False
-    if r1 == r2:
-        return True
-    # The radius is monotone along the arc, so the stay in the band is one closed interval.
-    first = start + (end - start) * half_ellipse_clock(r1, r2, min(max(r1, low), high))
-    last = start + (end - start) * half_ellipse_clock(r1, r2, min(max(r2, low), high))
-    return first <= zone[3] and last >= zone[2]
-
-
-@kernel
-def is_blocked(pair, rule, revolutions, r, departure):
-    """Whether a keep-out zone forbids the sequence (MODEL section 6).
-
-    The zones are closed in altitude and in time. The arcs and the phasing circle are tested
-    moment by moment: an arc is blocked only if it is inside the band while the window is open.
-    The approach is flown on the target's own orbit; it counts from stand-off to arrival.
-    """
-    ri, rj = pair.radius_i, pair.radius_j
-    rc = r + rule.first_leg_fraction * (rj - r)
-    scale = math.pi / SQRT_MU
-    a1, a2, a3 = 0.5 * (ri + r), 0.5 * (r + rc), 0.5 * (rc + rj)
-    t1 = departure + scale * a1 * math.sqrt(a1) * pace(a1, pair.widening_i)
-    t2 = t1 + revolutions * lap_time(r, pair.widening_j)[0]
-    t3 = t2 + scale * a2 * math.sqrt(a2) * pace(a2, pair.widening_j)
-    t4 = t3 + scale * a3 * math.sqrt(a3) * pace(a3, pair.widening_j)
-    t5 = t4 + rule.approach_revolutions * TWO_PI / pair.rate_j
-    zones = borrowed(rule.zones)
-    for z in range(zones.shape[0]):
-        zone = zones[z]
-        if t5 < zone[2] or departure > zone[3]:
-            continue
-        if zone[0] <= r <= zone[1] and t1 <= zone[3] and t2 >= zone[2]:
-            return True
-        if zone[0] <= rj <= zone[1] and t4 <= zone[3] and t5 >= zone[2]:
-            return True
-        if (
-            half_ellipse_meets(ri, r, departure, t1, zone)
-            or half_ellipse_meets(r, rc, t2, t3, zone)
-            or half_ellipse_meets(rc, rj, t3, t4, zone)
-        ):
-            return True
-    return False
-
-
-@kernel
-def best_sequence(pair, rule, departure, lead, earliest, latest):
-    """The sequence of a departure event with the least ΔV + w·T (MODEL sections 2 and 4).
-
-    Parameters
-    ----------
-    pair : Pair
-    rule : TransferRule
-    departure : float
-        Time of the departure event; only keep-out zones depend on it [s].
-    lead : float
-        Δ, the target's lead over the chaser at departure, in [0, 2π) [rad].
-    earliest, latest : float
-        A sequence that takes less time than ``earliest`` has to wait at its end, so that T is that
-        much; one that takes more than ``latest`` is out of the question [s].
-
-    Returns
-    -------
-    Sequence
-        Ties, up to the slack, go to the shorter time, then to the smaller k; ``delta_v`` is +inf
-        if every sequence is out of limits or blocked.
-    """
-    best_cost, best_delta_v, best_time, best_k, best_r = math.inf, math.inf, math.inf, -1, math.nan
-    w = rule.time_value
-    k_max = rule.max_phasing_revolutions
-    phase = 3.0 * math.pi - lead + rule.standoff / pair.radius_j
-    s = math.ceil((pair.shortest * pair.rate_j - phase) / TWO_PI)
-    last = min(pair.longest + k_max * pair.longest_lap, latest)
-    while True:
-        time = (phase + TWO_PI * s) / pair.rate_j
-        s += 1
-        worth = w * max(time, earliest)
-        # Dearer than the best by time alone, or longer than any sequence: so is all that follows.
-        if time > last or worth + pair.floor_delta_v > best_cost:
-            break
-        # The k whose range of times [T(r_min), T(r_max)] holds this time.
-        k = max(0, math.ceil((time - pair.longest) / pair.longest_lap))
-        while k <= k_max and pair.shortest + k * pair.shortest_lap <= time:
-            r = phasing_radius(pair, rule, k, time)
-            delta_v = sequence_delta_v(pair, rule, k, r)
-            cost = delta_v + worth
-            if cost < best_cost - SLACK_M_S and not (
-                rule.zones.shape[0] > 0 and is_blocked(pair, rule, k, r, departure)
-            ):
-                best_cost, best_delta_v, best_time, best_k, best_r = cost, delta_v, time, k, r
-            k += 1
-    return Sequence(best_delta_v, best_time, best_k, best_r)
