@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
@@ -195,3 +195,13 @@ def certify(
         method, moves, plan, objective, upper_bound, status, dict(counters or {}), seed, runtime_s,
         said,
     )  # fmt: skip
+
+
+def noted(result: Result, notes: Sequence[str]) -> Result:
+    """A result with more notes, its plan included."""
+    if not notes:
+        return result
+    plan = result.plan
+    if plan is not None:
+        plan = plan.replace(notes=(*plan.notes, *notes))
+    return replace(result, notes=(*result.notes, *notes), plan=plan)

@@ -114,7 +114,7 @@ def together(
     ----------
     mission : Mission
     planner, bound : callable
-        Called with mission, stop and progress, as :class:`adr_opt.front.Prepared` is.
+        Called with mission, stop and progress, as :class:`adr_opt.prepared.Prepared` is.
     stop : Stop
         Asked by both, with the best incumbent and the best bound of both.
     progress : Progress

@@ -36,6 +36,9 @@ SAFETY_S = 10.0
 ON_TIME_S = 3.0
 """How late a method may be: one step that cannot ask, on a busy machine."""
 
+WAITED_S = 20.0
+"""However busy the machine is: who takes longer by the clock waits for something."""
+
 
 def varied(
     seed: int,
@@ -406,9 +409,10 @@ def test_out_of_time_a_planner_is_as_good_as_guarded_greedy(method: str, name: s
     ran(PLANNERS, method, name)
     least = call(PLANNERS, "greedy-guarded", name, MaxIterations(1))
     heard = Heard()
-    began = time.process_time()  # what others do meanwhile is not counted
+    began, worked = time.perf_counter(), time.process_time()
     result = adr_opt.solve(mission(name), method, time_limit=1e-9, progress=heard)
-    assert time.process_time() - began < ON_TIME_S
+    assert time.process_time() - worked < ON_TIME_S  # what others do meanwhile is not counted
+    assert time.perf_counter() - began < WAITED_S
     assert result.method == method
     assert result.objective >= least.objective
     assert heard.incumbents[-1] == pytest.approx(result.objective)

@@ -10,7 +10,7 @@ from ..plan import Plan
 from ..plot.palette import REASONS
 from ..refining.plan import RefinedPlan
 from ..wording import counted
-from .text import KINDS, LONG_S, NOTHING, clock, escape, fixed, number, span
+from .text import LONG_S, NOTHING, clock, escape, fixed, number, span
 
 REASON_TITLES = {
     "no-transfer": "no transfer",
@@ -65,7 +65,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
             ("n", f'<button type="button" class="leg">{at}</button>'),
             ("", f"{escape(leg.origin)} → <b>{escape(leg.destination)}</b>"),
             ("n", clock(leg.ready_s)),
-            *([("", KINDS[leg.kind])] if drifts else []),
+            *([("", leg.kind)] if drifts else []),
             ("n", told(leg.departure_s - leg.ready_s)),
             ("n", clock(leg.departure_s)),
             ("n", NOTHING if leg.kind == "drift" else str(leg.phasing_revolutions)),

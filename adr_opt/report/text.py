@@ -10,9 +10,6 @@ from ..kernels.constants import DAY_S
 
 NOTHING = "—"
 
-KINDS = {"short": "short", "drift": "drift"}
-"""What kinds of transfers are called."""
-
 LONG_S = 2.0 * DAY_S
 """Longer spans are told in days."""
 

@@ -2,12 +2,9 @@
 
 from random import Random
 
+from adr_opt.catalogue.tle import checksum
+
 OBJECTS = 18
-
-
-def with_checksum(line: str) -> str:
-    """The line with its checksum: digits count as themselves, a minus sign as 1."""
-    return line + str(sum(int(c) if c.isdigit() else c == "-" for c in line) % 10)
 
 
 def main() -> None:
@@ -26,8 +23,8 @@ def main() -> None:
             f"{uniform(14.13, 14.18):11.8f}{number:5d}"
         )
         print(f"SYNTHETIC R/B {number}")
-        print(with_checksum(first))
-        print(with_checksum(second))
+        print(f"{first}{checksum(first)}")
+        print(f"{second}{checksum(second)}")
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...plan import Leg, Plan
 from ...plot.costs import BURNED, PLANNED
-from ..text import KINDS, number
+from ..text import number
 from .parts import Figure, column, leg_title
 
 MOST_TICKS = 20
@@ -45,6 +45,6 @@ def _words(leg: Leg) -> str:
     if leg.eccentricity_delta_v_m_s > 0.0:
         aside = f", {number(leg.eccentricity_delta_v_m_s)} of them for eccentricity"
     return (
-        f"{KINDS[leg.kind]}, planned {number(leg.delta_v_m_s)} m/s{aside}; burns "
+        f"{leg.kind}, planned {number(leg.delta_v_m_s)} m/s{aside}; burns "
         f"{number(leg.burns_delta_v_m_s)} m/s"
     )

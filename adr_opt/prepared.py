@@ -1,0 +1,255 @@
+"""Methods with everything settled but the mission: found, checked, and compiled by practice."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+from .errors import InputError
+from .generator import LARGEST_SEED
+from .mission import Mission
+from .options import read
+from .planner import (
+    BOUNDS,
+    PLANNERS,
+    Planner,
+    Progress,
+    get,
+    names,
+    options_of,
+    silent,
+    takes_jobs,
+    takes_start,
+)
+from .practice import Practice, habits, practice_mission
+from .pricing import APPROXIMATE
+from .result import Result, certify, noted
+from .start import legal_beginning
+from .stop import Stop
+from .wording import counted
+
+FALLBACK = "greedy-guarded"
+"""Takes a millisecond: the least that any planner returns when its time is over."""
+
+PUBLISHED = "greedy"
+"""A baseline that stays as it is."""
+
+
+class _Shown:
+    """A stop that is asked about prizes by methods that think in worths (:meth:`Mission.shown`)."""
+
+    def __init__(self, mission: Mission, stop: Stop) -> None:
+        self._mission = mission
+        self._stop = stop
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
+        return self._stop(self._mission.shown(incumbent), self._mission.shown(bound))
+
+    def remaining_s(self) -> float:
+        """Time that is left [s]."""
+        return self._stop.remaining_s()
+
+
+def _shown(mission: Mission, progress: Progress) -> Progress:
+    """A progress that is told of prizes, likewise."""
+
+    def tell(incumbent: float, bound: float) -> None:
+        progress(mission.shown(incumbent), mission.shown(bound))
+
+    return tell
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A method with everything settled but the mission and the stop.
+
+    Whoever runs several methods side by side prepares each and gives them one stop.
+
+    Attributes
+    ----------
+    method : str
+    function : Planner
+    arguments : mapping
+        Seed, start and options.
+    notes : tuple of str
+        What a reader of the result has to know; added to it.
+    plans : bool
+        Whether a plan is what it is asked for.
+    """
+
+    method: str
+    function: Planner
+    arguments: Mapping[str, Any]
+    notes: tuple[str, ...] = ()
+    plans: bool = True
+
+    def __call__(self, mission: Mission, stop: Stop, progress: Progress = silent) -> Result:
+        """Run the method."""
+        result = self.function(
+            mission, stop=_Shown(mission, stop), progress=_shown(mission, progress),
+            **self.arguments,
+        )  # fmt: skip
+        if self.plans and self.method != PUBLISHED and stop.remaining_s() <= 0.0:
+            result = self._at_least_the_fallback(mission, result, stop, progress)
+        return noted(result, self.notes)
+
+    def beginning_from(self, mission: Mission, destinations: tuple[str, ...], repair: bool) -> Self:
+        """The same from a start plan, or from as much of it as is legal."""
+        sequence = legal_beginning(mission, destinations, repair=repair)
+        notes = self.notes
+        if len(sequence) < len(destinations):
+            kept = f"only the first {len(sequence)}" if sequence else "none"
+            legs = counted(len(destinations), "leg")
+            notes = (*notes, f"{kept} of the start plan's {legs} could be kept")
+        return replace(self, arguments={**self.arguments, "start": sequence}, notes=notes)
+
+    def _at_least_the_fallback(
+        self, mission: Mission, result: Result, stop: Stop, progress: Progress
+    ) -> Result:
+        """What a method has that ran out of time, or the plan of :data:`FALLBACK` if better."""
+        quick = get(FALLBACK)(mission, seed=result.seed, stop=stop, progress=silent)
+        if quick.objective <= result.objective:
+            return result
+        progress(quick.objective, result.upper_bound)
+        said = [note for note in result.notes if note != APPROXIMATE]  # certify says it again
+        return certify(
+            mission, self.method, quick.sequence,
+            seed=result.seed, runtime_s=result.runtime_s,
+            upper_bound=mission.worth(result.upper_bound),
+            counters=result.counters,
+            notes=[*said, f"{self.method} ran out of time: the plan is that of {FALLBACK}"],
+        )  # fmt: skip
+
+
+def prepare(
+    group: str,
+    method: str,
+    *,
+    seed: int = 0,
+    starts: bool = False,
+    repair: bool = False,
+    jobs: int | None = None,
+    options: Mapping[str, Any] | None = None,
+) -> Prepared:
+    """Find a method and check everything that it is to be called with but the start plan.
+
+    Raises
+    ------
+    InputError
+        As in :func:`adr_opt.solve`.
+    """
+    if not 0 <= seed <= LARGEST_SEED:
+        raise InputError(f"seed = {seed}: must be between 0 and {LARGEST_SEED}")
+    function = method_of(method, group)
+    chosen = dict(options or {})
+    if jobs is not None:
+        if not takes_jobs(function):
+            raise InputError(
+                f"jobs = {jobs}: method {method!r} uses one core; leave it out"
+                f"{_others(group, takes_jobs)}"
+            )
+        if "jobs" in chosen:
+            raise InputError("jobs is given twice, also as an option of the method; give it once")
+        chosen["jobs"] = jobs
+    if repair and not starts:
+        raise InputError("repair mends a start plan, but none is given; give one with start")
+    if starts and not takes_start(function):
+        raise InputError(
+            f"method {method!r} takes no start plan; leave it out{_others(group, takes_start)}"
+        )
+    arguments = {"seed": seed, "options": read(options_of(function), chosen)}
+    return Prepared(method, function, arguments, plans=group == PLANNERS)
+
+
+def method_of(name: str, group: str = PLANNERS) -> Planner:
+    """The planner (or bound) of a name, ready to be called.
+
+    Raises
+    ------
+    InputError
+        There is none of that name, or it is declared but cannot be imported.
+    """
+    if group == BOUNDS and not names(group):
+        raise InputError(
+            f"bound {name!r} is unknown and none is installed; "
+            f"install a package with an entry point in the group {BOUNDS!r}"
+        )
+    try:
+        return get(name, group)
+    except (ImportError, AttributeError) as error:
+        raise InputError(
+            f"method {name!r} is declared, but cannot be imported ({error}); "
+            "install the package that declares it anew"
+        ) from error
+
+
+def _others(group: str, able: Callable[[Planner], bool]) -> str:
+    """The end of a sentence that says which methods are able to do something."""
+    found = []
+    for name in names(group):
+        try:
+            if able(get(name, group)):
+                found.append(name)
+        except (ImportError, AttributeError):
+            continue  # cannot be recommended; asked for by name, it says why
+    return f", or use one of: {', '.join(found)}" if found else ""
+
+
+_warm: set[tuple[object, ...]] = set()
+_warming = threading.RLock()
+
+
+def warm_up(
+    group: str,
+    method: str,
+    *stops: Stop,
+    starts: bool = False,
+    options: Mapping[str, Any] | None = None,
+    drifts: bool = False,
+) -> Exception | None:
+    """Let a method compile its kernels, by a run on a small mission; once in a process is enough.
+
+    Parameters
+    ----------
+    group, method, options
+        As in :func:`adr_opt.front.run`.
+    *stops : Stop
+        They end the practice too.
+    starts : bool
+        Whether there will be a plan to begin from.
+    drifts : bool
+        Whether nodes will drift.
+
+    Returns
+    -------
+    Exception or None
+        Why the method could not practise. On a mission of its own it will say so, or do better.
+
+    Raises
+    ------
+    InputError
+        There is no such method or option.
+    """
+    mission = practice_mission(drifts)
+    prepared = prepare(group, method, options=options)
+    # Numbers say how much is done, texts and switches what is done.
+    given = prepared.arguments["options"]
+    chosen = {name: value for name, value in vars(given).items() if isinstance(value, (str, bool))}
+    begins = {"start": (1,)} if starts and takes_start(prepared.function) else {}
+    key = (group, method, drifts, *begins, *sorted(chosen.items()))
+    habit = habits(prepared.function)
+    with _warming:
+        if key in _warm:
+            return None
+        _warm.add(key)
+        try:
+            prepared.function(
+                mission, seed=0, stop=Practice(habit.rounds, *stops), progress=silent, **begins,
+                options=read(type(given), {**habit.options, **chosen}),
+            )  # fmt: skip
+        except Exception as error:
+            return error
+    return None
