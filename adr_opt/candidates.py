@@ -7,12 +7,14 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
+import numpy.typing as npt
 
+from .campaign import Problem
 from .instance import Instance
 from .kernels.constants import MU_M3_S2
-from .mission import Mission
 from .plan import InstanceReference, Unvisited
 from .result import Result, status_of
 from .timetable_size import estimate
@@ -36,17 +38,16 @@ class Candidates:
 
     Attributes
     ----------
-    whole : Mission
-    mission : Mission
-        With its timetable.
+    whole, mission : Mission or Campaign
+        The latter with its timetable.
     spent_s : float
         What the timetable took [s].
     whole_s : float
         What it takes with all targets, by the pace so far [s].
     """
 
-    whole: Mission
-    mission: Mission
+    whole: Problem
+    mission: Problem
     spent_s: float
     whole_s: float
 
@@ -109,14 +110,17 @@ class Candidates:
             notes=(*result.plan.notes, self.note),
         )  # fmt: skip
         number = {name: body for body, name in enumerate(self.whole.names)}
+        routes = tuple(
+            tuple(number[leg.destination] for leg in route.legs) for route in plan.routes
+        )
         return replace(
-            result, sequence=tuple(number[name] for name in plan.destinations), plan=plan,
+            result, sequence=tuple(chain.from_iterable(routes)), routes=routes, plan=plan,
             upper_bound=math.inf, status=status, notes=notes,
         )  # fmt: skip
 
 
 def candidates(
-    whole: Mission,
+    whole: Problem,
     limit_s: float,
     *,
     first: Sequence[str] | None,
@@ -127,7 +131,7 @@ def candidates(
 
     Parameters
     ----------
-    whole : Mission
+    whole : Mission or Campaign
         One that has its timetable is left as it is.
     limit_s : float
         The time limit of everything [s].
@@ -164,12 +168,22 @@ def candidates(
 
 
 def nearest_first(instance: Instance, first: Sequence[str]) -> list[int]:
-    """All bodies: stations, targets wanted first, then by the ΔV from where the chaser starts.
+    """All bodies: stations, targets wanted first, then by the ΔV from where a chaser starts.
 
-    ΔV is that of the change of plane, size and eccentricity alone, as they are at t = 0; targets
-    without a prize are last.
+    Targets without a prize are last.
     """
-    orbits, home = instance.orbits(), instance.start
+    wanted = set(first)
+    unwanted = [name not in wanted for name in instance.names]
+    fixed = range(instance.first_target)
+    worthless = [*(False for _ in fixed), *(target.prize == 0.0 for target in instance.targets)]
+    cost = np.min([_from_home(instance, home) for home in set(instance.starts)], axis=0)
+    order = np.lexsort((cost, worthless, unwanted))
+    return [*fixed, *(int(body) for body in order if body not in fixed)]
+
+
+def _from_home(instance: Instance, home: int) -> npt.NDArray[np.float64]:
+    """ΔV from a body to each one: of plane, size and eccentricity as they are at t = 0 [m/s]."""
+    orbits = instance.orbits()
     radius, inclination, node = orbits[:, 0], orbits[:, 1], orbits[:, 2]
     cosine = np.cos(inclination) * np.cos(inclination[home]) + np.sin(inclination) * np.sin(
         inclination[home]
@@ -179,10 +193,5 @@ def nearest_first(instance: Instance, first: Sequence[str]) -> list[int]:
     climb = speed * np.abs(radius - radius[home]) / (2.0 * radius[home])
     vectors = np.array([orbit.eccentricity_vector() for orbit in instance.body_orbits])
     shape = 0.5 * speed * np.linalg.norm(vectors - vectors[home], axis=1)
-    wanted = set(first)
-    unwanted = [name not in wanted for name in instance.names]
-    fixed = range(instance.first_target)
-    worthless = [*(False for _ in fixed), *(target.prize == 0.0 for target in instance.targets)]
-    cost = np.maximum(turn + climb, np.hypot(turn, shape))
-    order = np.lexsort((cost, worthless, unwanted))
-    return [*fixed, *(int(body) for body in order if body not in fixed)]
+    cost: npt.NDArray[np.float64] = np.maximum(turn + climb, np.hypot(turn, shape))
+    return cost

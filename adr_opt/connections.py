@@ -263,5 +263,5 @@ def _times(instance: Instance) -> drifting_connections.Times | None:
         return None
     return drifting_connections.Times(
         settings.departure_spacing_s, settings.drift_step_s, settings.max_drift_s,
-        instance.chaser.tank.delta_v_m_s + SLACK_M_S,
+        instance.largest_tank_m_s + SLACK_M_S,
     )  # fmt: skip

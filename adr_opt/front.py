@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
+from itertools import chain
 from typing import Any
 
+from .campaign import Campaign, Problem, problem_of
 from .candidates import candidates
 from .drift import drift_warning
 from .errors import InputError
 from .instance import Instance
-from .mission import Mission
-from .plan import Plan
 from .planner import BOUNDS, PLANNERS, Progress, silent, takes_jobs, takes_start
-from .prepared import method_of, prepare, warm_up
+from .prepared import form_for, method_of, prepare, warm_up
 from .result import Result, noted, status_of
-from .start import start_destinations
+from .start import Start, start_destinations
 from .stop import AnyOf, MaxIterations, MaxRuntime, Stop
 from .timetable_size import Size, estimate, too_large
 from .together import together
@@ -36,11 +37,9 @@ DEFAULT_METHOD = "auto"
 DEFAULT_TIME_LIMIT_S = 10.0
 DEFAULT_BOUND_TIME_LIMIT_S = 60.0
 
-Start = Plan | Iterable[int | str]
-
 
 def solve(
-    instance: Instance | Mission,
+    instance: Instance | Problem,
     method: str = DEFAULT_METHOD,
     *,
     time_limit: float = DEFAULT_TIME_LIMIT_S,
@@ -59,8 +58,8 @@ def solve(
 
     Parameters
     ----------
-    instance : Instance or Mission
-        A :class:`Mission` brings its timetable along.
+    instance : Instance, Mission or Campaign
+        The latter two bring their timetables along.
     method : str
         Name of an installed planner.
     time_limit : float
@@ -74,7 +73,8 @@ def solve(
     progress : callable
         Called with incumbent and bound whenever one improves.
     start : Plan or sequence of int or str, optional
-        A plan, or its bodies by number or name, to begin from, for planners that take one.
+        A plan, or its bodies by number or name, to begin from, for planners that take one; of
+        several chasers a sequence of such sequences.
     repair : bool
         Begin from the legal beginning of ``start`` instead of refusing an illegal one.
     jobs : int, optional
@@ -110,7 +110,7 @@ def solve(
 
 
 def bound(
-    instance: Instance | Mission,
+    instance: Instance | Problem,
     method: str,
     *,
     time_limit: float = DEFAULT_BOUND_TIME_LIMIT_S,
@@ -127,7 +127,7 @@ def bound(
 
     Parameters
     ----------
-    instance : Instance or Mission
+    instance : Instance, Mission or Campaign
     method : str
         Name of an installed bound.
     start : Plan or sequence of int, optional
@@ -155,7 +155,7 @@ def bound(
 
 def run(
     group: str,
-    instance: Instance | Mission,
+    instance: Instance | Problem,
     method: str,
     *,
     time_limit: float,
@@ -180,32 +180,37 @@ def run(
     size, if it is large.
     """
     MaxRuntime(time_limit)  # a wrong one is refused before anything is compiled
-    whole = instance if isinstance(instance, Mission) else Mission(instance)
+    whole = problem_of(instance)
     if margin:
         whole = whole.with_margin(margin)
     # Each side counts its own iterations, or the work of one would depend on the other's speed.
     limits = [] if iterations is None else [MaxIterations(iterations) for _ in range(2)]
     prover = None if bound is None else method_of(bound, BOUNDS)
+    form_for(whole, method, method_of(method, group))
+    if bound is not None and prover is not None:
+        form_for(whole, bound, prover)
     both_jobs = jobs if prover is not None and takes_jobs(prover) else None
     only_prover = both_jobs is not None and not takes_jobs(method_of(method, group))
     prepared = prepare(
         group, method, seed=seed, starts=start is not None, repair=repair, options=options,
         jobs=None if only_prover else jobs,
     )  # fmt: skip
-    given = () if start is None else start
-    destinations = start_destinations(whole, given, repair=repair)
+    destinations = start_destinations(whole, () if start is None else start, repair=repair)
     others = () if stop is None else (stop,)
     drifts = whole.connecting.drifts
     if drifts and not whole.has_timetable:
         _announce(whole.instance, sizing)
-    warm_up(group, method, *others, starts=start is not None, options=options, drifts=drifts)
+    ready = partial(
+        warm_up, starts=start is not None, drifts=drifts, campaign=isinstance(whole, Campaign)
+    )
+    ready(group, method, *others, options=options)
     if bound is not None:
-        warm_up(BOUNDS, bound, *others, starts=start is not None, drifts=drifts)
+        ready(BOUNDS, bound, *others)
     criteria: list[Stop] = [MaxRuntime(time_limit), *others]
     chosen = candidates(
         whole,
         time_limit,
-        first=destinations if group == PLANNERS else None,
+        first=list(chain.from_iterable(destinations)) if group == PLANNERS else None,
         interrupted=lambda: stop is not None and stop.remaining_s() <= 0.0,
         building=building,
     )
@@ -244,7 +249,7 @@ def _announce(instance: Instance, sizing: Callable[[Size], None]) -> None:
         sizing(size)
 
 
-def _beyond_the_model(mission: Mission, result: Result) -> Result:
+def _beyond_the_model(mission: Problem, result: Result) -> Result:
     """A result with what its reader has to know of the margin and of what the model leaves out."""
     notes, plan = _of_what_is_proven(mission, result.upper_bound), result.plan
     if plan is not None and (mission.margin or mission.connecting.corrections):
@@ -260,14 +265,16 @@ def _beyond_the_model(mission: Mission, result: Result) -> Result:
     return noted(replace(result, plan=plan), notes)
 
 
-def _of_what_is_proven(mission: Mission, upper_bound: float) -> list[str]:
+def _of_what_is_proven(mission: Problem, upper_bound: float) -> list[str]:
     """What is said of all plans, where it is not said of those of the instance."""
     corrections, notes, of, other = mission.connecting.corrections, [], "", "that does not"
     if corrections:
         notes.append(f"connections are corrected by what refined legs cost: {corrections}")
         of, other = " of the corrected connections", "of the model's connections"
     if mission.margin:
-        kept = f"{100.0 * mission.margin:g} % of each tank ({mission.reserve_m_s:g} m/s)"
+        reserves = sorted({each.reserve_m_s for each in mission.missions})
+        listed = " or ".join(f"{reserve:g}" for reserve in reserves)
+        kept = f"{100.0 * mission.margin:g} % of each tank ({listed} m/s)"
         of += f" that keeps back {kept}"
         if not math.isfinite(upper_bound):
             notes.append(f"{kept} is kept back")

@@ -23,7 +23,6 @@ from pydantic import (
     Field,
     PrivateAttr,
     field_serializer,
-    field_validator,
     model_validator,
 )
 
@@ -73,8 +72,8 @@ def has_utc(epoch: datetime) -> datetime:
 class Instance(Record):
     """A mission to plan.
 
-    Bodies are numbered: the stations in order, then the orbit of its own where the chaser starts,
-    if it has one, then the targets in order.
+    Bodies are numbered: the stations in order, then the orbits of their own where chasers start,
+    then the targets in order.
     """
 
     format: Literal["adr-opt-instance/2"] = FORMAT
@@ -95,13 +94,6 @@ class Instance(Record):
     keep_out_zones: Annotated[tuple[KeepOutZone, ...], Field(strict=False)] = ()
 
     _time_value_m_s_per_h: float | None = PrivateAttr(default=None)
-
-    @field_validator("chasers", mode="after")
-    @classmethod
-    def _one_chaser(cls, chasers: tuple[Chaser, ...]) -> tuple[Chaser, ...]:
-        if len(chasers) > 1:
-            raise ValueError(f"{len(chasers)} chasers are not supported yet; give one")
-        return chasers
 
     @model_validator(mode="after")
     def _something_drifts(self) -> Self:
@@ -212,7 +204,7 @@ class Instance(Record):
         if self.transfer.max_drift_s == 0.0 or duration_s == 0.0:
             return 1.0
         share = SPENT_BY_DRIFTING * (REFUELLED if self.stations else 1.0)
-        spent = share * self.chaser.tank.delta_v_m_s * HOUR_S / duration_s
+        spent = share * self.largest_tank_m_s * HOUR_S / duration_s
         return min(1.0, spent / TIME_VALUE_M_S_PER_H)
 
     def with_limits(
@@ -241,8 +233,23 @@ class Instance(Record):
 
     @property
     def chaser(self) -> Chaser:
-        """The chaser, of which there is one."""
+        """The chaser, where there is one.
+
+        Raises
+        ------
+        InputError
+            There are several: whoever asks works with one.
+        """
+        if len(self.chasers) > 1:
+            raise InputError(
+                f"{self.name!r} has {len(self.chasers)} chasers, and this works with one"
+            )
         return self.chasers[0]
+
+    @property
+    def largest_tank_m_s(self) -> float:
+        """The most ΔV that a chaser has at once [m/s]."""
+        return max(chaser.tank.delta_v_m_s for chaser in self.chasers)
 
     @property
     def station_names(self) -> tuple[str, ...]:
@@ -260,8 +267,13 @@ class Instance(Record):
 
     @property
     def start(self) -> int:
-        """Number of the body where the chaser starts."""
+        """Number of the body where the chaser starts, where there is one."""
         return self.names.index(self.chaser.start_name)
+
+    @property
+    def starts(self) -> tuple[int, ...]:
+        """Number of the body where each chaser starts."""
+        return tuple(self.names.index(chaser.start_name) for chaser in self.chasers)
 
     @property
     def first_target(self) -> int:

@@ -14,8 +14,15 @@ from .plan import Leg
 from .records import Window
 
 
-def limits_of(instance: Instance) -> Limits:
-    """The times of an instance as the kernels take them; the arrays are read-only."""
+def limits_of(instance: Instance, chaser: int | None = None) -> Limits:
+    """The times of an instance as the kernels take them; the arrays are read-only.
+
+    Parameters
+    ----------
+    instance : Instance
+    chaser : int, optional
+        Number of the one whose times they are; by default those in which some chaser is there.
+    """
     mission, first = instance.mission, instance.first_target
     periods = np.array([revolution(row) for row in instance.orbits()])
     service = mission.refuel_revolutions * periods
@@ -23,7 +30,9 @@ def limits_of(instance: Instance) -> Limits:
         service[first:] = mission.service_revolutions * periods[first:]
     else:
         service[first:] = mission.service_s
-    begin, end = _seconds(instance.chaser.available_s)
+    numbers = range(len(instance.chasers)) if chaser is None else [chaser]
+    available = [_seconds(instance.chasers[number].available_s) for number in numbers]
+    begin, end = min(begin for begin, _ in available), max(end for _, end in available)
     duration = min(mission.duration_s, end) + SLACK_S
     opens, closes = np.full(periods.size, begin), np.full(periods.size, duration)
     for body, target in enumerate(instance.targets, start=first):

@@ -1,10 +1,10 @@
-"""The mission: an instance with its timetable and its rules, as every planner gets it."""
+"""The mission of a chaser: an instance with a timetable and rules, as every planner gets it."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -18,15 +18,15 @@ from .kernels import rules as kernels
 from .kernels.constants import SLACK_M_S
 from .kernels.timetable import transfer_exists
 from .kernels.transfer import TransferRule
+from .prizes import Prizes
 from .schedule import Schedule, Scheduler
 from .timetable import Timetable
-from .tolerance import RELATIVE, ROUNDING, common_step
 
 Sequence = npt.NDArray[np.int64]
 
 
-class Mission:
-    """An instance ready for planning.
+class Mission(Prizes):
+    """What a chaser of an instance may do, ready for planning.
 
     Parameters
     ----------
@@ -40,13 +40,26 @@ class Mission:
     time_value_m_s_per_h : float, optional
         What an hour is worth to planners that choose one connection for each move without looking
         ahead; the instance's by default [m/s per h].
+    chaser : int, optional
+        Number of the chaser that flies, where there are several.
+    connecting : Connecting, optional
+        Of the instance, if there is one already.
+    twin : Mission, optional
+        That of a chaser of the same instance that is there at the same times: timetables and what
+        is known of connections are shared.
 
     Attributes
     ----------
     instance : Instance
+    chaser : Chaser
     names : tuple of str
         Bodies, in the order of their numbers.
     margin : float
+
+    Raises
+    ------
+    InputError
+        There are several chasers, and none is named: see :class:`adr_opt.campaign.Campaign`.
     """
 
     def __init__(
@@ -57,17 +70,25 @@ class Mission:
         threads: int | None = None,
         margin: float = 0.0,
         time_value_m_s_per_h: float | None = None,
+        chaser: int | None = None,
+        connecting: Connecting | None = None,
+        twin: Mission | None = None,
     ) -> None:
+        super().__init__(instance)
         if not 0.0 <= margin < 1.0:
             raise InputError(f"margin = {margin!r}: must be a share of the tank, from 0 to below 1")
-        self.instance = instance
+        self.chaser = instance.chaser if chaser is None else instance.chasers[chaser]
+        self._number = instance.chasers.index(self.chaser) if chaser is None else chaser
         self.margin = margin
-        self.names = instance.names
         if time_value_m_s_per_h is None:
             time_value_m_s_per_h = instance.time_value_m_s_per_h
         self.time_value_m_s_per_h = time_value_m_s_per_h
         self._threads = threads
         self._variants: dict[float, Mission] = {time_value_m_s_per_h: self}
+        self._twin = twin
+        self._all: Mission | None = None  # that this one offers other worths of
+        if connecting is not None:
+            self.__dict__["connecting"] = connecting
         if timetable is not None:
             if not timetable.instance.same(instance):
                 raise InputError("the timetable belongs to another instance")
@@ -75,18 +96,25 @@ class Mission:
             self.__dict__["timetable"] = timetable
             self.__dict__["connecting"] = timetable.connecting
 
+    @property
+    def missions(self) -> tuple[Mission, ...]:
+        """Itself, the mission of the one chaser that flies."""
+        return (self,)
+
     @cached_property
     def timetable(self) -> Timetable:
         """The exact costs of the connection chosen for every transfer at every time."""
+        if self._twin is not None:
+            return self._twin.timetable
         return Timetable(
             self.instance, self._threads, time_value_m_s_per_h=self.time_value_m_s_per_h,
-            connecting=self.connecting,
+            connecting=self.connecting, chaser=self._number,
         )  # fmt: skip
 
     @property
     def has_timetable(self) -> bool:
         """Whether the timetable is built."""
-        return "timetable" in self.__dict__
+        return "timetable" in self.__dict__ or (self._twin is not None and self._twin.has_timetable)
 
     def build(self, order: list[int] | None, enough: Callable[[float], bool]) -> Mission:
         """The mission once its timetable is built, or that of a part of its bodies.
@@ -98,10 +126,10 @@ class Mission:
         """
         timetable = Timetable(
             self.instance, self._threads, time_value_m_s_per_h=self.time_value_m_s_per_h,
-            order=order, enough=enough, connecting=self.connecting,
+            order=order, enough=enough, connecting=self.connecting, chaser=self._number,
         )  # fmt: skip
         if timetable.instance is not self.instance:
-            return Mission(timetable.instance, timetable, margin=self.margin)
+            return Mission(timetable.instance, timetable, margin=self.margin, chaser=self._number)
         self.__dict__["timetable"] = timetable
         return self
 
@@ -109,17 +137,13 @@ class Mission:
     def rules(self) -> kernels.Rules:
         """The mission as the kernels take it; its arrays are read-only."""
         limits, table = self.timetable.limits, self.timetable.table
-        instance, chaser = self.instance, self.instance.chaser
+        instance, chaser = self.instance, self.chaser
         bodies, stations = limits.service.size, len(instance.stations)
         is_station = np.arange(bodies) < stations
         may_end = np.ones(bodies, dtype=np.bool_)
         if isinstance(chaser.end, AtStation):
             may_end[:] = [name == chaser.end.station for name in self.names]
-        worth = np.zeros(bodies)
-        worth[instance.first_target :] = [
-            target.prize + self.bonus * target.required for target in instance.targets
-        ]
-        for array in (worth, is_station, may_end):
+        for array in (is_station, may_end):
             array.setflags(write=False)
         budget = chaser.tank.delta_v_m_s - self.reserve_m_s + SLACK_M_S
         return kernels.Rules(
@@ -127,12 +151,12 @@ class Mission:
             limits.service,
             limits.opens,
             limits.closes,
-            worth,
+            self.worths,
             is_station,
             may_end,
             stations,
             instance.first_target,
-            instance.start,
+            instance.starts[self._number],
             limits.ready,
             bodies if chaser.max_targets is None else chaser.max_targets,
             not may_end.all(),
@@ -141,59 +165,53 @@ class Mission:
             kernels.shortest_sortie(table, limits.service, budget, stations, instance.first_target),
         )
 
-    @cached_property
-    def bonus(self) -> float:
-        """What servicing a required target is worth to a planner, besides its prize.
-
-        More than all prizes together, and a multiple of what they are multiples of.
-        """
-        prizes = [target.prize for target in self.instance.targets]
-        return math.fsum(prizes) + (self.prize_step or max(prizes, default=0.0) or 1.0)
-
-    @cached_property
-    def is_required(self) -> npt.NDArray[np.bool_]:
-        """Whether every plan services a body, shape (bodies,)."""
-        is_required = np.zeros(len(self.names), dtype=np.bool_)
-        is_required[self.instance.first_target :] = [
-            target.required for target in self.instance.targets
-        ]
-        is_required.setflags(write=False)
-        return is_required
-
-    @cached_property
-    def required(self) -> frozenset[int]:
-        """The targets that every plan services."""
-        return frozenset(np.flatnonzero(self.is_required).tolist())
-
-    def worth(self, prizes: float) -> float:
-        """What a plan with all required targets and so many prizes is worth to a planner."""
-        return prizes + len(self.required) * self.bonus
-
-    def shown(self, worth: float) -> float:
-        """The prizes of what is worth so much to a planner; −inf if it lacks a required target."""
-        if not self.required or not math.isfinite(worth):
-            return worth
-        prizes = worth - len(self.required) * self.bonus
-        # The difference of two numbers that large has lost digits.
-        step = self.prize_step or RELATIVE * self.bonus
-        whole = step * round(prizes / step)
-        if abs(prizes - whole) < ROUNDING * step:
-            prizes = whole
-        return prizes if prizes >= 0.0 else -math.inf
-
     @property
     def reserve_m_s(self) -> float:
         """What is kept back of each tank [m/s]."""
-        return self.margin * self.instance.chaser.tank.delta_v_m_s
+        return self.margin * self.chaser.tank.delta_v_m_s
+
+    @property
+    def most_targets(self) -> int | None:
+        """So many targets may be serviced; None for all of them."""
+        return self.chaser.max_targets
+
+    def _like(self, **changes: Any) -> Mission:
+        """The same mission but for some arguments."""
+        arguments: dict[str, Any] = {
+            "threads": self._threads, "margin": self.margin,
+            "time_value_m_s_per_h": self.time_value_m_s_per_h, "chaser": self._number,
+            "connecting": self.connecting,
+        }  # fmt: skip
+        return Mission(self.instance, **{**arguments, **changes})
 
     def with_margin(self, margin: float) -> Mission:
         """The same mission, timetable included, with another share of each tank kept back."""
-        made = self.__dict__.get("timetable")
-        other = Mission(
-            self.instance, made, threads=self._threads, margin=margin,
-            time_value_m_s_per_h=self.time_value_m_s_per_h,
-        )  # fmt: skip
-        other.__dict__["connecting"] = self.connecting
+        return self._like(timetable=self.__dict__.get("timetable"), margin=margin)
+
+    def offering(self, worths: npt.NDArray[np.float64]) -> Mission:
+        """The same mission where targets are worth otherwise to a planner, and none is required.
+
+        Parameters
+        ----------
+        worths : (bodies,) float64
+            0 but for targets; −inf for those that must not be serviced.
+        """
+        if self._all is not None:
+            return self._all.offering(worths)
+        other = self._like(timetable=self.timetable)
+        other._all = self
+        barred = np.isneginf(worths)
+        offered = np.where(barred, 0.0, worths)
+        closes = np.where(barred, -np.inf, self.rules.closes)
+        for array in (offered, closes):
+            array.setflags(write=False)
+        other.__dict__ |= {
+            "worths": offered,
+            "is_required": np.zeros(worths.size, dtype=np.bool_),
+            "prize_step": 0.0,
+            "rules": self.rules._replace(prize=offered, closes=closes),
+        }
+        other.__dict__["schedules"] = self.schedules.under(other.rules)
         return other
 
     def corrected(self, corrections: Corrections) -> Mission:
@@ -201,12 +219,7 @@ class Mission:
 
         What is kept of the model's connections is shared; the timetable is another one.
         """
-        other = Mission(
-            self.instance, threads=self._threads, margin=self.margin,
-            time_value_m_s_per_h=self.time_value_m_s_per_h,
-        )  # fmt: skip
-        other.__dict__["connecting"] = self.connecting.corrected(corrections)
-        return other
+        return self._like(connecting=self.connecting.corrected(corrections))
 
     def with_time_value(self, time_value_m_s_per_h: float) -> Mission:
         """The same mission with the timetable of another choice; what was built before is kept.
@@ -219,13 +232,15 @@ class Mission:
         if time_value_m_s_per_h == self.time_value_m_s_per_h:
             return self
         if time_value_m_s_per_h not in self._variants:
-            other = Mission(
-                self.instance, threads=self._threads, margin=self.margin,
-                time_value_m_s_per_h=time_value_m_s_per_h,
-            )  # fmt: skip
+            if self._all is None:
+                twin = self._twin and self._twin.with_time_value(time_value_m_s_per_h)
+                other = self._like(time_value_m_s_per_h=time_value_m_s_per_h, twin=twin)
+                other.__dict__["schedules"] = self.schedules
+            else:
+                barred = np.isneginf(self.rules.closes)
+                worths = np.where(barred, -np.inf, self.worths)
+                other = self._all.with_time_value(time_value_m_s_per_h).offering(worths)
             other._variants = self._variants
-            other.__dict__["connecting"] = self.connecting
-            other.__dict__["schedules"] = self.schedules
             self._variants[time_value_m_s_per_h] = other
         return self._variants[time_value_m_s_per_h]
 
@@ -237,12 +252,9 @@ class Mission:
     @cached_property
     def schedules(self) -> Scheduler:
         """Finds the best schedule of an order of bodies."""
+        if self._twin is not None:
+            return self._twin.schedules.under(self.rules)
         return Scheduler(self.connecting, lambda: self.rules, self.instance.objective.cost)
-
-    @cached_property
-    def sha256(self) -> str:
-        """SHA-256 of the instance, worked out once."""
-        return self.instance.sha256
 
     @cached_property
     def transfer_inputs(
@@ -256,25 +268,6 @@ class Mission:
         """Whether any body has a transfer to a body at any departure event, shape (bodies,)."""
         found: npt.NDArray[np.bool_] = transfer_exists(self.rules.table)
         return found
-
-    @property
-    def total_prize(self) -> float:
-        """Sum of the prizes of as many targets as the chaser may service: the trivial bound."""
-        return self._largest([target.prize for target in self.instance.targets])
-
-    @property
-    def total_worth(self) -> float:
-        """The same of what targets are worth to a planner."""
-        return self._largest(self.rules.prize.tolist())
-
-    def _largest(self, prizes: list[float]) -> float:
-        most = self.instance.chaser.max_targets
-        return math.fsum(sorted(prizes, reverse=True)[:most])
-
-    @cached_property
-    def prize_step(self) -> float:
-        """All objectives are multiples of it, so that a bound may be rounded down; 0 for none."""
-        return common_step(target.prize for target in self.instance.targets)
 
     def numbers(self, sequence: Iterable[int | str]) -> Sequence:
         """The numbers of bodies that are given by number or by name.
@@ -328,19 +321,6 @@ class Mission:
                 since += 1
             body = j
         return len(moves)
-
-    def collected(self, sequence: Iterable[int]) -> float:
-        """What the bodies of a sequence are worth to a planner; their order does not matter."""
-        return math.fsum(self.rules.prize[j] for j in sequence)
-
-    def prizes(self, sequence: Iterable[int]) -> float:
-        """Sum of the prizes of a sequence of bodies."""
-        first = self.instance.first_target
-        return math.fsum(self.instance.targets[j - first].prize for j in sequence if j >= first)
-
-    def lacking(self, sequence: Iterable[int]) -> tuple[int, ...]:
-        """The required targets that a sequence of bodies leaves out."""
-        return tuple(sorted(self.required.difference(sequence)))
 
     def may_stop(self, sequence: tuple[int, ...]) -> bool:
         """Whether a mission may end after these moves."""

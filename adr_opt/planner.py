@@ -8,10 +8,9 @@ from copy import copy
 from dataclasses import field, fields, make_dataclass
 from functools import partial, wraps
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from .errors import InputError
-from .mission import Mission
 from .options import MOST_JOBS, Options, option
 from .result import Result
 from .stop import Stop
@@ -19,6 +18,8 @@ from .stop import Stop
 PLANNERS = "adr_opt.planners"
 BOUNDS = "adr_opt.bounds"
 """Entry-point groups; a package that declares one of them shows up by being installed."""
+
+Method = TypeVar("Method", bound=Callable[..., object])
 
 FIXED = frozenset({"seed", "stop", "progress", "start"})
 """Parameters of methods that are no options."""
@@ -38,11 +39,12 @@ class Planner(Protocol):
     A method that can begin from a known plan has a parameter ``start``, a sequence of bodies or
     None; one that has options has a parameter ``options``, whose default is those of its own
     subclass of :class:`adr_opt.options.Options`. One that can use several cores has an option
-    ``jobs``, 0 for all of them.
+    ``jobs``, 0 for all of them. One that plans for several chasers is decorated with
+    :func:`for_campaigns`.
     """
 
     def __call__(
-        self, mission: Mission, *, seed: int, stop: Stop, progress: Progress, **more: Any
+        self, mission: Any, *, seed: int, stop: Stop, progress: Progress, **more: Any
     ) -> Result:
         """Plan (or bound) a mission until it is enough."""
         ...
@@ -75,6 +77,32 @@ def get(name: str, group: str = PLANNERS) -> Planner:
         raise InputError(f"method {name!r} is unknown; use one of: {known}")
     planner: Planner = found[name].load()
     return planner if _options(planner) else _with_options(name, planner)
+
+
+_CAMPAIGN = "campaign_form"
+
+
+def for_campaigns(planner: Callable[..., Result]) -> Callable[[Method], Method]:
+    """Decorate a method with the function that does the same for several chasers.
+
+    Parameters
+    ----------
+    planner : Planner
+        Takes a :class:`adr_opt.campaign.Campaign` in place of a mission, and for ``start``, if it
+        takes one, a route for each chaser.
+    """
+
+    def decorate(method: Method) -> Method:
+        setattr(method, _CAMPAIGN, planner)
+        return method
+
+    return decorate
+
+
+def campaign_form(planner: Planner) -> Planner | None:
+    """The function that does for several chasers what a method does for one; None without one."""
+    found: Planner | None = getattr(planner, _CAMPAIGN, None)
+    return found
 
 
 def options_of(planner: Planner) -> type[Options]:

@@ -9,6 +9,7 @@ from functools import cache
 from itertools import cycle
 from typing import Any, NamedTuple, TypeVar
 
+from .campaign import Campaign
 from .generator import generate
 from .instance import Instance
 from .kernels.compile import compiling_s
@@ -44,6 +45,14 @@ def practice_mission(drifts: bool = False) -> Mission:
             )
         )
     )
+
+
+@cache
+def practice_campaign(drifts: bool = False) -> Campaign:
+    """The same field with two chasers, of two kinds."""
+    field = practice_mission(drifts).instance
+    second = field.chaser.replace(name=f"{field.chaser.name}-2", max_targets=8)
+    return Campaign(field.replace(chasers=(field.chaser, second)))
 
 
 def _drifting() -> Instance:

@@ -7,15 +7,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
+from .campaign import Campaign, Problem
 from .errors import InputError
 from .generator import LARGEST_SEED
-from .mission import Mission
 from .options import read
 from .planner import (
     BOUNDS,
     PLANNERS,
     Planner,
     Progress,
+    campaign_form,
     get,
     names,
     options_of,
@@ -23,9 +24,9 @@ from .planner import (
     takes_jobs,
     takes_start,
 )
-from .practice import Practice, habits, practice_mission
+from .practice import Practice, habits, practice_campaign, practice_mission
 from .pricing import APPROXIMATE
-from .result import Result, certify, noted
+from .result import Result, certify_routes, noted
 from .start import legal_beginning
 from .stop import Stop
 from .wording import counted
@@ -40,7 +41,7 @@ PUBLISHED = "greedy"
 class _Shown:
     """A stop that is asked about prizes by methods that think in worths (:meth:`Mission.shown`)."""
 
-    def __init__(self, mission: Mission, stop: Stop) -> None:
+    def __init__(self, mission: Problem, stop: Stop) -> None:
         self._mission = mission
         self._stop = stop
 
@@ -53,7 +54,7 @@ class _Shown:
         return self._stop.remaining_s()
 
 
-def _shown(mission: Mission, progress: Progress) -> Progress:
+def _shown(mission: Problem, progress: Progress) -> Progress:
     """A progress that is told of prizes, likewise."""
 
     def tell(incumbent: float, bound: float) -> None:
@@ -86,9 +87,9 @@ class Prepared:
     notes: tuple[str, ...] = ()
     plans: bool = True
 
-    def __call__(self, mission: Mission, stop: Stop, progress: Progress = silent) -> Result:
+    def __call__(self, mission: Problem, stop: Stop, progress: Progress = silent) -> Result:
         """Run the method."""
-        result = self.function(
+        result = form_for(mission, self.method, self.function)(
             mission, stop=_Shown(mission, stop), progress=_shown(mission, progress),
             **self.arguments,
         )  # fmt: skip
@@ -96,27 +97,34 @@ class Prepared:
             result = self._at_least_the_fallback(mission, result, stop, progress)
         return noted(result, self.notes)
 
-    def beginning_from(self, mission: Mission, destinations: tuple[str, ...], repair: bool) -> Self:
-        """The same from a start plan, or from as much of it as is legal."""
-        sequence = legal_beginning(mission, destinations, repair=repair)
-        notes = self.notes
-        if len(sequence) < len(destinations):
-            kept = f"only the first {len(sequence)}" if sequence else "none"
-            legs = counted(len(destinations), "leg")
-            notes = (*notes, f"{kept} of the start plan's {legs} could be kept")
-        return replace(self, arguments={**self.arguments, "start": sequence}, notes=notes)
+    def beginning_from(
+        self, mission: Problem, destinations: tuple[tuple[str, ...], ...], repair: bool
+    ) -> Self:
+        """The same from a start plan, or from as much of each of its routes as is legal."""
+        notes, routes = self.notes, []
+        for each, wanted in zip(mission.missions, destinations, strict=True):
+            sequence = legal_beginning(each, wanted, repair=repair)
+            routes.append(sequence)
+            if len(sequence) < len(wanted):
+                kept = f"only the first {len(sequence)}" if sequence else "none"
+                legs = counted(len(wanted), "leg")
+                whose = "" if len(destinations) == 1 else f" of {each.chaser.name!r}"
+                notes = (*notes, f"{kept} of the start plan's {legs}{whose} could be kept")
+        start = tuple(routes) if isinstance(mission, Campaign) else routes[0]
+        return replace(self, arguments={**self.arguments, "start": start}, notes=notes)
 
     def _at_least_the_fallback(
-        self, mission: Mission, result: Result, stop: Stop, progress: Progress
+        self, mission: Problem, result: Result, stop: Stop, progress: Progress
     ) -> Result:
         """What a method has that ran out of time, or the plan of :data:`FALLBACK` if better."""
-        quick = get(FALLBACK)(mission, seed=result.seed, stop=stop, progress=silent)
+        fallback = form_for(mission, FALLBACK, get(FALLBACK))
+        quick = fallback(mission, seed=result.seed, stop=stop, progress=silent)
         if quick.objective <= result.objective:
             return result
         progress(quick.objective, result.upper_bound)
         said = [note for note in result.notes if note != APPROXIMATE]  # certify says it again
-        return certify(
-            mission, self.method, quick.sequence,
+        return certify_routes(
+            mission, self.method, quick.routes,
             seed=result.seed, runtime_s=result.runtime_s,
             upper_bound=mission.worth(result.upper_bound),
             counters=result.counters,
@@ -198,6 +206,39 @@ def _others(group: str, able: Callable[[Planner], bool]) -> str:
     return f", or use one of: {', '.join(found)}" if found else ""
 
 
+def form_for(problem: Problem, name: str, function: Planner) -> Planner:
+    """The function of a method that plans a mission or a campaign.
+
+    Raises
+    ------
+    InputError
+        It plans for one chaser, and there are several.
+    """
+    if not isinstance(problem, Campaign):
+        return function
+    found = campaign_form(function)
+    if found is None:
+        able = [
+            f"{other} ({group.rsplit('.', 1)[1]})" if group == BOUNDS else other
+            for group in (PLANNERS, BOUNDS)
+            for other in names(group)
+            if _plans_campaigns(other, group)
+        ]
+        raise InputError(
+            f"method {name!r} is for one chaser, and {problem.instance.name!r} has "
+            f"{len(problem.instance.chasers)}; use one of: {', '.join(able)}"
+        )
+    return found
+
+
+def _plans_campaigns(name: str, group: str) -> bool:
+    """Whether an installed method can be called for several chasers."""
+    try:
+        return campaign_form(get(name, group)) is not None
+    except (ImportError, AttributeError):
+        return False  # cannot be recommended; asked for by name, it says why
+
+
 _warm: set[tuple[object, ...]] = set()
 _warming = threading.RLock()
 
@@ -209,6 +250,7 @@ def warm_up(
     starts: bool = False,
     options: Mapping[str, Any] | None = None,
     drifts: bool = False,
+    campaign: bool = False,
 ) -> Exception | None:
     """Let a method compile its kernels, by a run on a small mission; once in a process is enough.
 
@@ -222,6 +264,8 @@ def warm_up(
         Whether there will be a plan to begin from.
     drifts : bool
         Whether nodes will drift.
+    campaign : bool
+        Whether there will be several chasers.
 
     Returns
     -------
@@ -233,20 +277,23 @@ def warm_up(
     InputError
         There is no such method or option.
     """
-    mission = practice_mission(drifts)
+    mission = practice_campaign(drifts) if campaign else practice_mission(drifts)
     prepared = prepare(group, method, options=options)
     # Numbers say how much is done, texts and switches what is done.
     given = prepared.arguments["options"]
     chosen = {name: value for name, value in vars(given).items() if isinstance(value, (str, bool))}
-    begins = {"start": (1,)} if starts and takes_start(prepared.function) else {}
-    key = (group, method, drifts, *begins, *sorted(chosen.items()))
+    function = form_for(mission, method, prepared.function)
+    begins = {}
+    if starts and takes_start(function):
+        begins["start"] = ((1,), ()) if campaign else (1,)
+    key = (group, method, drifts, campaign, *begins, *sorted(chosen.items()))
     habit = habits(prepared.function)
     with _warming:
         if key in _warm:
             return None
         _warm.add(key)
         try:
-            prepared.function(
+            function(
                 mission, seed=0, stop=Practice(habit.rounds, *stops), progress=silent, **begins,
                 options=read(type(given), {**habit.options, **chosen}),
             )  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -117,15 +117,40 @@ def _transfer(
     return _Transfer("short", float(flown[0][0]), shape, flown)
 
 
-def unvisited(mission: Mission, sequence: Iterable[int]) -> tuple[Unvisited, ...]:
-    """The targets that a sequence leaves out, each with its reason (see :class:`Unvisited`)."""
-    moves = [int(j) for j in sequence]
+def unvisited(flown: Iterable[tuple[Mission, Iterable[int]]]) -> tuple[Unvisited, ...]:
+    """The targets that all sequences leave out, each with its reason (see :class:`Unvisited`).
+
+    Parameters
+    ----------
+    flown : iterable of (Mission, sequence of int)
+        What each chaser visits. Of several the one is asked that comes nearest to the target.
+    """
+    found: dict[str, Reason] = {}
+    visited: set[str] = set()
+    for mission, sequence in flown:
+        moves = [int(j) for j in sequence]
+        visited.update(mission.names[j] for j in moves)
+        for name, reason in _left_out(mission, moves):
+            if name not in found or _FURTHEST.index(reason) > _FURTHEST.index(found[name]):
+                found[name] = reason
+    return tuple(
+        Unvisited(target=name, reason=reason)
+        for name, reason in found.items()
+        if name not in visited
+    )
+
+
+_FURTHEST: tuple[Reason, ...] = ("no-transfer", "duration", "delta-v", "not-worth-it")
+"""What keeps a chaser from a target, the harder first."""
+
+
+def _left_out(mission: Mission, moves: list[int]) -> Iterator[tuple[str, Reason]]:
+    """The targets that are not among the moves of a chaser, and why."""
     timing = mission.time(moves)
     rules = mission.rules
     body = moves[-1] if moves else rules.start
     time = float(timing.ends[-1]) if moves else rules.ready
     left = float(timing.lefts[-1]) if moves else rules.budget
-    missing = []
     for j in sorted(set(range(rules.first_target, len(mission.names))) - set(moves)):
         reason: Reason
         found = mission.schedules.connections(body, j).after(time)
@@ -139,5 +164,4 @@ def unvisited(mission: Mission, sequence: Iterable[int]) -> tuple[Unvisited, ...
             reason = "delta-v"
         else:
             reason = "not-worth-it"
-        missing.append(Unvisited(target=mission.names[j], reason=reason))
-    return tuple(missing)
+        yield mission.names[j], reason

@@ -7,11 +7,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from itertools import chain
 from typing import Any
 
+from .campaign import Problem
 from .mission import Mission
 from .plan import InstanceReference, Plan, Route, Status, cost_of, relative_gap
 from .pricing import APPROXIMATE, legs, unvisited
+from .prizes import Prizes
 from .tolerance import meets, tolerance
 
 PACKAGES = ("adr-opt", "numpy", "numba", "ortools")
@@ -42,7 +45,8 @@ class Result:
     ----------
     method : str
     sequence : tuple of int or None
-        Bodies in order of the best plan; None if none was found (a bound looks for none).
+        Bodies in order of the best plan, of several chasers one after the other; None if none was
+        found (a bound looks for none).
     plan : Plan or None
         The same, priced.
     objective : float
@@ -56,6 +60,8 @@ class Result:
     runtime_s : float
     notes : tuple of str
         What a reader of the result has to know.
+    routes : tuple of tuple of int
+        Bodies in order for each chaser.
     versions : mapping
     """
 
@@ -69,6 +75,7 @@ class Result:
     seed: int
     runtime_s: float
     notes: tuple[str, ...] = ()
+    routes: tuple[tuple[int, ...], ...] = ()
     versions: Mapping[str, str] = field(default_factory=versions)
 
     @property
@@ -93,9 +100,9 @@ class Result:
         }
 
 
-def _lacks(mission: Mission, lacking: tuple[int, ...], status: Status) -> str:
+def _lacks(problem: Prizes, lacking: tuple[int, ...], status: Status) -> str:
     """What to say where there is no plan for want of required targets."""
-    names = ", ".join(repr(mission.names[body]) for body in lacking)
+    names = ", ".join(repr(problem.names[body]) for body in lacking)
     if status == "infeasible":
         return f"no plan services all required targets; the best one found lacks {names}"
     return f"no plan was found that services all required targets; the best one lacks {names}"
@@ -111,9 +118,9 @@ def cost_status(cost: float, bound: float) -> Status:
     return "optimal" if cost <= bound + tolerance(bound) else "feasible"
 
 
-def status_of(mission: Mission, objective: float, upper_bound: float) -> Status:
+def status_of(problem: Prizes, objective: float, upper_bound: float) -> Status:
     """What is proven of a plan; all prizes collected is a proof without any bound."""
-    met = meets(objective, min(upper_bound, mission.total_prize))
+    met = meets(objective, min(upper_bound, problem.total_prize))
     return "optimal" if met else "feasible"
 
 
@@ -140,7 +147,7 @@ def certify(
     seed : int
     runtime_s : float
     upper_bound : float
-        Proven bound on what plans are worth to a planner (:attr:`Mission.bonus`), +inf for none.
+        Proven bound on what plans are worth to a planner (:attr:`Prizes.bonus`), +inf for none.
     cost_bound : float, optional
         Proven: no plan that collects as much costs less. None if nobody asked.
     counters, notes
@@ -151,30 +158,74 @@ def certify(
     InputError
         The sequence breaks the mission rules.
     """
+    routes = None if sequence is None else [sequence]
+    return certify_routes(
+        mission, method, routes, seed=seed, runtime_s=runtime_s, upper_bound=upper_bound,
+        cost_bound=cost_bound, counters=counters, notes=notes,
+    )  # fmt: skip
+
+
+def certify_routes(
+    problem: Problem,
+    method: str,
+    routes: Iterable[Iterable[int]] | None,
+    *,
+    seed: int,
+    runtime_s: float,
+    upper_bound: float = math.inf,
+    cost_bound: float | None = None,
+    counters: Mapping[str, float] | None = None,
+    notes: Iterable[str] = (),
+) -> Result:
+    """Make the certificate of the routes of all chasers, likewise.
+
+    Parameters
+    ----------
+    problem : Mission or Campaign
+    method : str
+    routes : iterable of sequences of int, or None
+        Bodies in order for each chaser; no target twice.
+    seed, runtime_s, upper_bound, cost_bound, counters, notes
+        As :func:`certify` takes them.
+
+    Raises
+    ------
+    InputError
+        A sequence breaks the mission rules.
+    """
     said = tuple(notes)
-    if mission.instance.is_approximate:
+    if problem.instance.is_approximate:
         said = (*said, APPROXIMATE)
-    upper_bound = mission.shown(upper_bound)
-    moves = () if sequence is None else mission.closed(sequence)
-    lacking = () if sequence is None else mission.lacking(moves)
-    if sequence is None or lacking or not mission.may_stop(moves):
+    upper_bound = problem.shown(upper_bound)
+    found = () if routes is None else routes
+    flown = [
+        (mission, mission.closed(sequence))
+        for mission, sequence in zip(problem.missions, found, strict=routes is not None)
+    ]
+    moves = tuple(chain.from_iterable(sequence for _, sequence in flown))
+    lacking = () if routes is None else problem.lacking(moves)
+    may_stop = all(mission.may_stop(sequence) for mission, sequence in flown)
+    if routes is None or lacking or not may_stop:
         # A bound that no plan with all required targets reaches says that there is none.
         status: Status = "infeasible" if upper_bound == -math.inf else "unknown"
         if lacking:
-            said = (*said, _lacks(mission, lacking, status))
+            said = (*said, _lacks(problem, lacking, status))
         return Result(
             method, None, None, -math.inf, upper_bound, status, dict(counters or {}), seed,
             runtime_s, said,
         )  # fmt: skip
-    priced = legs(mission, moves)
-    objective = mission.prizes(moves)
-    status = status_of(mission, objective, upper_bound)
-    cost = cost_of(mission.instance.objective, priced)
+    priced = tuple(
+        Route(chaser=mission.chaser.name, legs=legs(mission, sequence))
+        for mission, sequence in flown
+    )
+    objective = problem.prizes(moves)
+    status = status_of(problem, objective, upper_bound)
+    cost = cost_of(problem.instance.objective, [leg for route in priced for leg in route.legs])
     if cost_bound is not None:
         cost_bound = min(cost_bound, cost)  # they may differ by rounding
     bounded = math.isfinite(upper_bound)
     plan = Plan(
-        instance=InstanceReference(name=mission.instance.name, sha256=mission.sha256),
+        instance=InstanceReference(name=problem.instance.name, sha256=problem.sha256),
         method=method,
         seed=seed,
         status=status,
@@ -188,12 +239,12 @@ def certify(
         runtime_s=runtime_s,
         versions=versions(),
         notes=said,
-        routes=(Route(chaser=mission.instance.chaser.name, legs=priced),),
-        unvisited=unvisited(mission, moves),
+        routes=priced,
+        unvisited=unvisited(flown),
     )
     return Result(
         method, moves, plan, objective, upper_bound, status, dict(counters or {}), seed, runtime_s,
-        said,
+        said, tuple(sequence for _, sequence in flown),
     )  # fmt: skip
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -104,6 +105,13 @@ class Scheduler:
         self._least = lru_cache(None)(least)
         # The order of the last call and its fronts. One object, so that threads may share it.
         self._last: tuple[tuple[int, ...], tuple[Front, ...]] = ((), ())
+
+    def under(self, rules: Rules) -> Scheduler:
+        """The same under other rules; what is known of connections is shared."""
+        made = copy(self)
+        made._rules = lambda: rules
+        made._last = ((), ())
+        return made
 
     def fronts(self, order: tuple[int, ...]) -> tuple[Front, ...]:
         """The labels at the start and after each move, as far as the order can be flown.

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from itertools import takewhile
+from typing import Any
 
+import numpy as np
+
+from .campaign import Problem
 from .checking import check
 from .errors import InputError
 from .mission import Mission
 from .plan import Plan
+
+Start = Plan | Iterable[int | str] | Iterable[Iterable[int | str]]
+"""A plan, or its bodies in order; of several chasers a sequence each."""
 
 
 def start_sequence(
@@ -31,14 +38,14 @@ def start_sequence(
         Without ``repair``: the plan belongs to another instance, or a leg is illegal; the sentence
         says which and why.
     """
-    destinations = start_destinations(mission, start, repair=repair)
+    (destinations,) = start_destinations(mission, start, repair=repair)
     return legal_beginning(mission, destinations, repair=repair)
 
 
 def start_destinations(
-    mission: Mission, start: Plan | Iterable[int | str], *, repair: bool = False
-) -> tuple[str, ...]:
-    """Names of the bodies of a start plan, judged by what needs no timetable.
+    problem: Problem, start: Start, *, repair: bool = False
+) -> tuple[tuple[str, ...], ...]:
+    """Names of the bodies of a start plan for each chaser, judged by what needs no timetable.
 
     Raises
     ------
@@ -46,11 +53,34 @@ def start_destinations(
         A body is none of the mission; without ``repair``: :func:`adr_opt.check` is against the
         plan.
     """
-    if not isinstance(start, Plan):
-        return tuple(mission.names[j] for j in mission.numbers(start))
-    if not repair:
-        _refuse_violations(mission, start)
-    return start.destinations
+    missions = problem.missions
+    if isinstance(start, Plan):
+        if not repair:
+            _refuse_violations(problem, start)
+        if len(missions) == 1:
+            return (start.destinations,)
+        flown = {route.chaser: route.legs for route in start.routes}
+        return tuple(
+            tuple(leg.destination for leg in flown.get(mission.chaser.name, ()))
+            for mission in missions
+        )
+    routes: list[Any] = list(start) if len(missions) > 1 else [start]
+    single = [isinstance(route, (int, np.integer, str)) for route in routes]
+    if len(routes) > len(missions) or any(single):
+        raise InputError(
+            f"start: must be a plan, or a sequence of bodies for each of {len(missions)} chasers"
+        )
+    routes += [()] * (len(missions) - len(routes))
+    destinations = []
+    done: set[str] = set()
+    for mission, route in zip(missions, routes, strict=True):
+        names = tuple(mission.names[j] for j in mission.numbers(route))
+        twice = done.intersection(names).difference(mission.instance.station_names)
+        if twice:
+            raise InputError(f"start: {min(twice)!r} is visited by two chasers")
+        done.update(names)
+        destinations.append(names)
+    return tuple(destinations)
 
 
 def legal_beginning(
@@ -75,7 +105,7 @@ def legal_beginning(
     return tuple(moves[: timing.made])
 
 
-def _refuse_violations(mission: Mission, plan: Plan) -> None:
+def _refuse_violations(mission: Problem, plan: Plan) -> None:
     try:
         violations = check(mission.instance, plan)
     except InputError as error:

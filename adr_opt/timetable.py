@@ -82,6 +82,9 @@ class Timetable:
         the one with the least ΔV + value · (arrival − ready); the instance's by default [m/s].
     connecting : Connecting, optional
         Of the instance, if there is one already: what it keeps is not worked out again.
+    chaser : int, optional
+        Number of the one that the choice of transfers is for: when it is there. By default for the
+        times in which some chaser is.
 
     Attributes
     ----------
@@ -109,6 +112,7 @@ class Timetable:
         enough: Callable[[float], bool] = lambda share: False,
         time_value_m_s_per_h: float | None = None,
         connecting: Connecting | None = None,
+        chaser: int | None = None,
     ) -> None:
         if time_value_m_s_per_h is None:
             time_value_m_s_per_h = instance.time_value_m_s_per_h
@@ -130,7 +134,7 @@ class Timetable:
             instance = instance.part(kept)
             order = [kept.index(body) for body in order[: size.bodies]]
         turns = np.array(order, dtype=np.int64)
-        limits = limits_of(instance)
+        limits = limits_of(instance, chaser)
         pairs = size.bodies**2
         threads = threads or os.cpu_count() or 1
 
@@ -163,7 +167,7 @@ class Timetable:
         if done < pairs:
             instance = instance.part(whole.tolist())
             connecting = connecting.part(instance, whole.tolist())
-            limits = limits_of(instance)
+            limits = limits_of(instance, chaser)
         if connecting.drifts:
             table = connecting.table(limits.duration)
         for array in table:

@@ -8,13 +8,13 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from .mission import Mission
+from .campaign import Problem
 from .planner import Progress
 from .pricing import APPROXIMATE
-from .result import Result, certify
+from .result import Result, certify_routes
 from .stop import Proven, Stop
 
-Method = Callable[[Mission, Stop, Progress], Result]
+Method = Callable[[Problem, Stop, Progress], Result]
 
 BOUND_NOTE = "upper bound by "
 """Begins the note of a plan that names the method that proved its bound."""
@@ -97,7 +97,7 @@ class Seat:
 
 
 def together(
-    mission: Mission,
+    mission: Problem,
     planner: Method,
     bound: Method,
     stop: Stop,
@@ -112,7 +112,7 @@ def together(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission or Campaign
     planner, bound : callable
         Called with mission, stop and progress, as :class:`adr_opt.prepared.Prepared` is.
     stop : Stop
@@ -136,7 +136,8 @@ def together(
     InvalidBound
         The plan is worth more than the bound.
     """
-    _ = mission.rules  # made once, not once in each thread
+    for each in mission.missions:
+        _ = each.rules  # made once, not once in each thread
     began = time.perf_counter()
     meeting = Meeting(stop, progress)
     meeting.hear(-math.inf, mission.total_prize)
@@ -169,7 +170,7 @@ def together(
     return _join(mission, planned, results[0], time.perf_counter() - began)
 
 
-def _join(mission: Mission, planned: Result, proven: Result, runtime_s: float) -> Result:
+def _join(mission: Problem, planned: Result, proven: Result, runtime_s: float) -> Result:
     """One certificate of two results."""
     best = proven if proven.objective > planned.objective else planned
     upper_bound = float(min(planned.upper_bound, proven.upper_bound, mission.total_prize))
@@ -187,10 +188,10 @@ def _join(mission: Mission, planned: Result, proven: Result, runtime_s: float) -
         notes.append(f"{proven.method} found a better plan than {planned.method}")
     counters = {f"planner.{name}": count for name, count in planned.counters.items()}
     counters |= {f"bound.{name}": count for name, count in proven.counters.items()}
-    result = certify(
+    result = certify_routes(
         mission,
         best.method,
-        best.sequence,
+        None if best.plan is None else best.routes,
         seed=planned.seed,
         runtime_s=runtime_s,
         upper_bound=mission.worth(upper_bound),

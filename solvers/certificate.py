@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Iterable
+from typing import Any, Generic, Protocol, TypeVar
 
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
+from adr_opt.prizes import Prizes
 from adr_opt.tolerance import meets, rounded_down, rounded_up, tolerance
 
 from .incumbent import Incumbent
@@ -19,20 +21,43 @@ STRIDE = 0.01
 """Ask for a plan worth so much less than the bound (relative)."""
 
 
-class Certificate:
-    """Incumbent and bound, and who is told of them."""
+Found = TypeVar("Found")
 
-    def __init__(self, mission: Mission, progress: Progress) -> None:
-        self._mission = mission
+
+class Best(Protocol[Found]):
+    """The best plan that was offered."""
+
+    sequence: Found | None
+    objective: float
+    cost: float
+
+    def offer(self, sequence: Any) -> bool:
+        """A plan that may be the best one; whether it is."""
+        ...
+
+
+class CertificateOf(Generic[Found]):
+    """Incumbent and bound, and who is told of them.
+
+    Parameters
+    ----------
+    problem : Mission or Campaign
+    progress : Progress
+    best : Best
+        Compares plans.
+    """
+
+    def __init__(self, problem: Prizes, progress: Progress, best: Best[Found]) -> None:
+        self._mission = problem
         self._progress = progress
         self._telling = threading.RLock()
         self._told = (-math.inf, math.inf)
-        self._best = Incumbent(mission)
+        self._best = best
         self.bound = math.inf
-        self.lower(mission.total_worth)
+        self.lower(problem.total_worth)
 
     @property
-    def sequence(self) -> tuple[int, ...] | None:
+    def sequence(self) -> Found | None:
         """The best plan; None before the first."""
         return self._best.sequence
 
@@ -46,8 +71,8 @@ class Certificate:
         """What it costs; +inf before the first."""
         return self._best.cost
 
-    def offer(self, sequence: Iterable[int]) -> bool:
-        """A sequence that may be the best plan so far; whether it is: see :class:`Incumbent`."""
+    def offer(self, sequence: Iterable[Any]) -> bool:
+        """What may be the best plan so far; whether it is: see :class:`Incumbent`."""
         before = self.incumbent
         better = self._best.offer(sequence)
         if self.incumbent > before:
@@ -93,3 +118,10 @@ class Certificate:
         if step:
             return max(value, self.incumbent + step) - MARGIN * step
         return max(value, self.incumbent + 0.5 * tolerance(self.bound))
+
+
+class Certificate(CertificateOf[tuple[int, ...]]):
+    """Incumbent and bound of one chaser's mission, and who is told of them."""
+
+    def __init__(self, mission: Mission, progress: Progress) -> None:
+        super().__init__(mission, progress, Incumbent(mission))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from ..chasers import AtStation
+from ..chasers import AtStation, Chaser
 from ..instance import Instance
 from ..keep_out import crossed
 from ..kernels import orbits
@@ -39,17 +39,19 @@ class _Followed:
         Since when it is [s].
     left : float
         ΔV left [m/s].
+    chaser : Chaser
     since_refuelling : int
         Targets serviced since then.
-    visited : set of str
-        Targets.
+    targets : int
+        Targets serviced.
     """
 
     where: str
     free: float
     left: float
+    chaser: Chaser
     since_refuelling: int = 0
-    visited: set[str] = field(default_factory=set)
+    targets: int = 0
 
 
 def check_routes(instance: Instance, plan: Plan) -> Iterator[Violation]:
@@ -63,13 +65,43 @@ def check_routes(instance: Instance, plan: Plan) -> Iterator[Violation]:
 
 
 def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
-    """Follow the mission leg by leg: order, times, ΔV, burns."""
-    bodies, physics, chaser = _Bodies(instance), Physics.of(instance), instance.chasers[0]
-    now = _Followed(chaser.start_name, chaser.available_s[0], chaser.tank.delta_v_m_s)
-    for number, leg in enumerate(plan.legs, start=1):
-        leads_on = yield from _check_order(bodies, now, number, leg)
+    """Follow each chaser leg by leg: order, times, ΔV, burns. A target is done once, by one."""
+    bodies, physics = _Bodies(instance), Physics.of(instance)
+    chasers = {chaser.name: chaser for chaser in instance.chasers}
+    flown = [(chasers.pop(route.chaser, None), route.legs) for route in plan.routes]
+    at_home: list[tuple[Chaser | None, tuple[Leg, ...]]] = [(each, ()) for each in chasers.values()]
+    visited: set[str] = set()
+    number, whole = 1, True
+    for chaser, route in flown + at_home:
+        first, number = number, number + len(route)
+        if chaser is None:  # unknown, or a second route: said by check_routes
+            continue
+        now = _Followed(chaser.start_name, chaser.available_s[0], chaser.tank.delta_v_m_s, chaser)
+        leads_on = yield from _check_route(instance, bodies, physics, now, visited, first, route)
+        if leads_on:
+            yield from _check_end(plan, now)
+        whole = whole and leads_on
+    if not whole or plan.status not in ("optimal", "feasible"):
+        return
+    for target in instance.targets:
+        if target.required and target.name not in visited:
+            yield Violation(None, "required", f"{target.name!r} is required, but not visited")
+
+
+def _check_route(
+    instance: Instance,
+    bodies: _Bodies,
+    physics: Physics,
+    now: _Followed,
+    visited: set[str],
+    first: int,
+    route: tuple[Leg, ...],
+) -> Generator[Violation, None, bool]:
+    """Follow one chaser, who is left at the end of its last leg; returns whether it got there."""
+    for number, leg in enumerate(route, start=first):
+        leads_on = yield from _check_order(bodies, now, visited, number, leg)
         if not leads_on:
-            return
+            return False
         if abs(leg.ready_s - now.free) > TIME_TOLERANCE_S:
             yield Violation(
                 number,
@@ -79,19 +111,22 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
         i, j = bodies.number[leg.origin], bodies.number[leg.destination]
         arrival, delta_v = yield from check_transfer(instance, physics, number, leg, i, j, now.free)
         yield from _check_zones(instance, number, leg)
-        end = yield from _check_service(instance, bodies, number, leg, arrival, physics.elements[j])
-        now.left = yield from _check_tank(instance, bodies, now, number, leg, delta_v)
+        end = yield from _check_service(
+            instance, bodies, now, number, leg, arrival, physics.elements[j]
+        )
+        now.left = yield from _check_tank(bodies, now, number, leg, delta_v)
         if leg.destination in bodies.stations:
             now.since_refuelling = 0
         else:
             now.since_refuelling += 1
-            now.visited.add(leg.destination)
+            now.targets += leg.destination not in visited
+            visited.add(leg.destination)
         now.where, now.free = leg.destination, end
-    yield from _check_end(instance, plan, now)
+    return True
 
 
 def _check_order(
-    bodies: _Bodies, now: _Followed, number: int, leg: Leg
+    bodies: _Bodies, now: _Followed, visited: set[str], number: int, leg: Leg
 ) -> Generator[Violation, None, bool]:
     """The leg starts where the chaser is and goes where it may; returns whether it leads on.
 
@@ -113,7 +148,7 @@ def _check_order(
             yield Violation(number, "refuelling", "no target was visited since the last refuelling")
     elif leg.destination not in bodies.windows:
         yield Violation(number, "order", f"{leg.destination!r} is no target and no station")
-    elif leg.destination in now.visited:
+    elif leg.destination in visited:
         yield Violation(number, "order", f"{leg.destination!r} was visited before")
     return True
 
@@ -134,6 +169,7 @@ def _check_zones(instance: Instance, number: int, leg: Leg) -> Iterator[Violatio
 def _check_service(
     instance: Instance,
     bodies: _Bodies,
+    now: _Followed,
     number: int,
     leg: Leg,
     arrival: float,
@@ -147,7 +183,7 @@ def _check_service(
         yield Violation(number, "service", f"end_s = {leg.end_s!r}, but it ends at {end!r}")
     for rule, last in (
         ("duration", instance.mission.duration_s),
-        ("availability", instance.chasers[0].available_s[1]),
+        ("availability", now.chaser.available_s[1]),
         ("window", closes),
     ):
         if last is not None and end > last + SLACK_S:
@@ -166,14 +202,14 @@ def _service_s(instance: Instance, elements: npt.NDArray[np.float64], at_station
 
 
 def _check_tank(
-    instance: Instance, bodies: _Bodies, now: _Followed, number: int, leg: Leg, delta_v: float
+    bodies: _Bodies, now: _Followed, number: int, leg: Leg, delta_v: float
 ) -> Generator[Violation, None, float]:
     """The ΔV suffices; returns what is left, after refuelling at a station [m/s]."""
     if delta_v > now.left + SLACK_M_S:
         yield Violation(number, "delta-v", f"needs {delta_v!r} m/s, but only {now.left!r} are left")
     left = now.left - delta_v
     if leg.destination in bodies.stations:
-        left = instance.chasers[0].tank.delta_v_m_s
+        left = now.chaser.tank.delta_v_m_s
     if abs(leg.delta_v_left_m_s - left) > DELTA_V_TOLERANCE_M_S:
         yield Violation(
             number,
@@ -183,14 +219,14 @@ def _check_tank(
     return left
 
 
-def _check_end(instance: Instance, plan: Plan, now: _Followed) -> Iterator[Violation]:
-    """The mission ends where it has to, with no target too many and none that is required left."""
-    chaser = instance.chasers[0]
-    if chaser.max_targets is not None and len(now.visited) > chaser.max_targets:
+def _check_end(plan: Plan, now: _Followed) -> Iterator[Violation]:
+    """The chaser ends where it has to, with no target too many."""
+    chaser = now.chaser
+    if chaser.max_targets is not None and now.targets > chaser.max_targets:
         yield Violation(
             None,
             "targets",
-            f"{len(now.visited)} targets are visited, and {chaser.max_targets} may be",
+            f"{chaser.name!r} visits {now.targets} targets, and may visit {chaser.max_targets}",
         )
     if plan.status not in ("optimal", "feasible"):
         return
@@ -198,8 +234,5 @@ def _check_end(instance: Instance, plan: Plan, now: _Followed) -> Iterator[Viola
         yield Violation(
             None,
             "end",
-            f"ends at {now.where!r}, but the chaser has to end at {chaser.end.station!r}",
+            f"{chaser.name!r} ends at {now.where!r}, but has to end at {chaser.end.station!r}",
         )
-    for target in instance.targets:
-        if target.required and target.name not in now.visited:
-            yield Violation(None, "required", f"{target.name!r} is required, but not visited")

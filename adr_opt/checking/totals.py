@@ -25,7 +25,9 @@ def check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
             "objective",
             f"objective = {plan.objective!r}, but the prizes sum to {objective!r}",
         )
-    least = sum(sorted(prize.values(), reverse=True)[: instance.chasers[0].max_targets])
+    most = [chaser.max_targets for chaser in instance.chasers]
+    together = None if None in most else sum(filter(None, most))
+    least = sum(sorted(prize.values(), reverse=True)[:together])
     if plan.upper_bound is not None:
         least = min(least, plan.upper_bound)
         if plan.objective > plan.upper_bound + OBJECTIVE_TOLERANCE * abs(plan.upper_bound):

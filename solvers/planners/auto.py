@@ -11,12 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from adr_opt.campaign import Campaign
 from adr_opt.mission import Mission
 from adr_opt.options import option
-from adr_opt.planner import Progress
+from adr_opt.planner import Progress, for_campaigns
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
+from ..campaigns.planner import plan
 from ..certificate import Certificate
 from ..relaxation.latest import Latest
 from ..relaxation.proof import Proof, ProofOptions, bound_notes, fits_memory, set_up_s
@@ -219,6 +221,22 @@ class AutoOptions(ProofOptions, method="auto"):
     time_value_m_s_per_h: float = option(USUAL, "As for `beam`.", unit="m/s per h")
 
 
+def _campaign(
+    campaign: Campaign,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    start: Iterable[Iterable[int]] | None = None,
+    options: AutoOptions = AutoOptions(),
+) -> Result:
+    return plan(
+        "auto", campaign, seed=seed, stop=stop, progress=progress, start=start, options=options,
+        proves=options.prove,
+    )  # fmt: skip
+
+
+@for_campaigns(_campaign)
 def auto(
     mission: Mission,
     *,
@@ -236,7 +254,8 @@ def auto(
     worth more than the incumbent are exhaustive, so they find what beams miss) side by side with
     wider beams, with ruin-and-recreate and, where planes drift, with annealing of orders. Ends when
     the incumbent meets the bound, or when ``stop`` says so. The same seed and the same number of
-    iterations (rounds) give the same plan; ``jobs`` does not change it.
+    iterations (rounds) give the same plan; ``jobs`` does not change it. Of several chasers see
+    :func:`solvers.campaigns.planner.plan`.
 
     Parameters
     ----------

@@ -16,13 +16,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from adr_opt.campaign import Campaign
+from adr_opt.errors import InputError
 from adr_opt.mission import Mission
 from adr_opt.options import option
-from adr_opt.planner import Progress
+from adr_opt.planner import Progress, for_campaigns
 from adr_opt.practice import practises
 from adr_opt.result import Result, certify
 from adr_opt.stop import Clock, Stop
 
+from ..campaigns.planner import plan
 from ..certificate import Certificate
 from ..relaxation.latest import Latest
 from ..relaxation.proof import MOST_LABELS, ProofOptions, bound_notes, prove, prove_cost
@@ -53,6 +56,24 @@ class ExactOptions(ProofOptions, method="exact"):
     )
 
 
+def _campaign(
+    campaign: Campaign,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    start: Iterable[Iterable[int]] | None = None,
+    options: ExactOptions = ExactOptions(),
+) -> Result:
+    if options.cost:
+        raise InputError("cost: the least cost is proven for one chaser only; leave it out")
+    return plan(
+        "exact", campaign, seed=seed, stop=stop, progress=progress, start=start, options=options,
+        until_done=True,
+    )  # fmt: skip
+
+
+@for_campaigns(_campaign)
 @practises(rounds=12)
 def exact(
     mission: Mission,

@@ -5,13 +5,19 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
+from itertools import chain
 
+import numpy as np
+import numpy.typing as npt
+
+from adr_opt.campaign import Campaign, Problem
 from adr_opt.mission import Mission
 from adr_opt.options import Options, option
-from adr_opt.planner import Progress
-from adr_opt.result import Result, certify
+from adr_opt.planner import Progress, for_campaigns
+from adr_opt.result import Result, certify_routes
 from adr_opt.stop import Stop
 
+from ..campaigns.orders import one_after_another
 from ..search.greedy_order import GUARDED_BETA, greedy_sequence
 
 
@@ -41,21 +47,52 @@ class GuardedOptions(GreedyOptions, method="greedy-guarded"):
     )
 
 
-def _plan(
-    name: str, mission: Mission, seed: int, progress: Progress, options: GreedyOptions
-) -> Result:
-    start = time.perf_counter()
+def _order(name: str, mission: Mission, options: GreedyOptions) -> npt.NDArray[np.int64]:
     if options.time_value_m_s_per_h >= 0.0:
         mission = mission.with_time_value(options.time_value_m_s_per_h)
     beta = options.beta if options.beta >= 0.0 else GUARDED_BETA * mission.instance.hurry
-    sequence = greedy_sequence(
+    return greedy_sequence(
         mission, alpha=options.alpha, beta=beta, guarded=name == "greedy-guarded"
     )
+
+
+def _plan(
+    name: str, problem: Problem, seed: int, progress: Progress, options: GreedyOptions
+) -> Result:
+    start = time.perf_counter()
+    if isinstance(problem, Campaign):
+        chasers = range(len(problem.missions))
+        routes = one_after_another(problem, lambda each: _order(name, each, options), chasers)
+    else:
+        routes = (tuple(_order(name, problem, options).tolist()),)
     runtime = time.perf_counter() - start
-    progress(float(mission.collected(sequence)), math.inf)
-    return certify(mission, name, sequence, seed=seed, runtime_s=runtime)
+    progress(float(problem.collected(chain.from_iterable(routes))), math.inf)
+    return certify_routes(problem, name, routes, seed=seed, runtime_s=runtime)
 
 
+def _greedy_campaign(
+    campaign: Campaign,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    options: GreedyOptions = GreedyOptions(),
+) -> Result:
+    return _plan("greedy", campaign, seed, progress, options)
+
+
+def _guarded_campaign(
+    campaign: Campaign,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    options: GuardedOptions = GuardedOptions(),
+) -> Result:
+    return _plan("greedy-guarded", campaign, seed, progress, options)
+
+
+@for_campaigns(_greedy_campaign)
 def greedy(
     mission: Mission,
     *,
@@ -66,12 +103,14 @@ def greedy(
 ) -> Result:
     """The published greedy: the legal target with the least α·ΔV + β·T; refuel if there is none.
 
-    It has no look-ahead for the way back to the station and strands itself. Deterministic; ends
-    by itself within a millisecond and does not ask ``stop``.
+    It has no look-ahead for the way back to the station and strands itself. Of several chasers each
+    goes for what those before have left. Deterministic; ends by itself within a millisecond and
+    does not ask ``stop``.
     """
     return _plan("greedy", mission, seed, progress, options)
 
 
+@for_campaigns(_guarded_campaign)
 def greedy_guarded(
     mission: Mission,
     *,

@@ -145,6 +145,32 @@ def learn(network, labels, body, count, least, least_worth, most_walks, neighbou
 
 
 @kernel
+def plans_of(network, labels, body, count, least, least_worth, bodies, path, found):
+    """Labels whose walks are plans worth at least so much; returns how many.
+
+    Parameters
+    ----------
+    network, labels, body, count, least, least_worth, path
+        As of :func:`learn`.
+    bodies : int
+    found : (labels,) int32
+        Written.
+    """
+    network, labels, body = borrowed(network), borrowed(labels), borrowed(body)
+    remembers_nothing = np.zeros((bodies, 1 + bodies // WORD), dtype=np.int64)
+    seen = np.empty(bodies, dtype=np.int64)
+    plans = 0
+    for label in range(count):
+        if _value(network, labels, body, label, least_worth) < least:
+            continue
+        length = path_of(labels, body, label, path)
+        if _fewest(network, path, length, remembers_nothing, seen) < 0:
+            found[plans] = label
+            plans += 1
+    return plans
+
+
+@kernel
 def most_of(network, labels, body, count, least, least_worth):
     """Greatest value of the walks that count, see :func:`_value`; ``least`` if all are below."""
     network, labels, body = borrowed(network), borrowed(labels), borrowed(body)

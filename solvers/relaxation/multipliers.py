@@ -11,12 +11,12 @@ few cheap targets, and slopes swing wildly.
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.memory import write
-
-from .walks import WalkBound
 
 PASSES = 500
 """Rounds of the projection. Giving up early only costs progress: every bound is valid."""
@@ -91,12 +91,33 @@ def nearest_below(slopes, offsets, weights, centre, tolerance, radius, point):
     return False
 
 
+class Convex(Protocol):
+    """A bound that is convex in its multipliers; its parts are those of :class:`WalkBound`."""
+
+    prize: np.ndarray
+
+    @property
+    def dimensions(self) -> int: ...  # noqa: D102
+
+    @property
+    def total(self) -> float: ...  # noqa: D102
+
+    @property
+    def radius(self) -> float: ...  # noqa: D102
+
+    def first_point(self) -> np.ndarray: ...  # noqa: D102
+
+    def allowed(self, point: np.ndarray) -> np.ndarray: ...  # noqa: D102
+
+    def at(self, point: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]: ...  # noqa: D102
+
+
 class Descent:
     """Brings the bound of a mission down, one evaluation at a time.
 
     Parameters
     ----------
-    bound : WalkBound
+    bound : Convex
 
     Attributes
     ----------
@@ -109,7 +130,7 @@ class Descent:
     evaluations : int
     """
 
-    def __init__(self, bound: WalkBound) -> None:
+    def __init__(self, bound: Convex) -> None:
         self._bound = bound
         self.value = np.inf
         self.multipliers = bound.first_point()

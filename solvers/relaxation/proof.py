@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adr_opt.available_memory import available_bytes
+from adr_opt.campaign import Campaign, Problem
 from adr_opt.mission import Mission
 from adr_opt.options import MOST_JOBS, Options, option
 from adr_opt.planner import Progress
@@ -322,22 +323,26 @@ def prove_cost(
     return proof.bound, proof.counters
 
 
-def fits_memory(mission: Mission) -> bool:
+def fits_memory(mission: Problem) -> bool:
     """Whether there is memory for the network of a proof."""
     return BYTES_PER_EVENT * _entries(mission) <= MEMORY_SHARE * available_bytes()
 
 
-def set_up_s(mission: Mission) -> float:
+def set_up_s(mission: Problem) -> float:
     """About how long setting up a proof takes [s]."""
     return SET_UP_S_PER_EVENT * _entries(mission)
 
 
-def _entries(mission: Mission) -> float:
-    """Timetable entries; where connections are listed, and counted, as many as have so many."""
-    entries, connecting = mission.timetable.entries, mission.connecting
+def _entries(problem: Problem) -> float:
+    """Timetable entries; where connections are listed, and counted, as many as have so many.
+
+    Of each kind of chasers: each has a network of its own.
+    """
+    kinds = len(problem.kinds) if isinstance(problem, Campaign) else 1
+    entries, connecting = problem.missions[0].timetable.entries, problem.connecting
     if not connecting.drifts:
-        return entries
-    return sum(connecting.counts.values()) / CONNECTIONS_PER_EVENT
+        return kinds * entries
+    return kinds * sum(connecting.counts.values()) / CONNECTIONS_PER_EVENT
 
 
 def bounded(
@@ -372,7 +377,7 @@ def bounded(
     )
 
 
-def bound_notes(mission: Mission) -> list[str]:
+def bound_notes(mission: Problem) -> list[str]:
     """What a reader of a bound has to know."""
     step = mission.prize_step
     notes = [f"the bound is rounded down: all objectives are multiples of {step:g}"] if step else []

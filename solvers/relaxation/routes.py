@@ -15,7 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from .labels import CROWDED, EXHAUSTED, FULL, PILED, Search, Table, extend
-from .learning import learn, most_of, path_of
+from .learning import learn, most_of, path_of, plans_of
 from .pending import more_room, pending_room, send
 from .waiting import FINE, WORD, Labels, labels_room, larger, room
 from .walks import WalkBound
@@ -57,6 +57,8 @@ class Routes:
     compared : (bodies, words) int64
         What of it tells labels apart there; all of it but in searches that prove nothing.
     greatest_prize : float
+    total : float
+        Sum of the multipliers in use.
     labels_made, searches : int
     """
 
@@ -73,11 +75,12 @@ class Routes:
         self._prices = np.zeros(1)
         self.labels_made = 0
         self.searches = 0
+        self._last = 0, 0
         self._body = np.repeat(np.arange(bodies, dtype=np.int32), np.diff(network.start))
         self._order = np.argsort(network.departure, kind="stable")
         self._labels = labels_room(1 << 16, self.neighbourhood.shape[1])
         self._gain = np.zeros(bodies, dtype=np.int64)
-        self._total = 0.0
+        self.total = 0.0
         self._unit = bound.unit * 2.0**-FINE
 
     def use(self, multipliers: np.ndarray) -> float:
@@ -87,7 +90,7 @@ class Routes:
         kept = np.where((multipliers < bound.unit) | ~bound.is_target, 0.0, multipliers)
         value, _ = bound.evaluate(kept, keep=True)
         self._gain = np.ceil((bound.prize - kept) / self._unit).astype(np.int64)
-        self._total = float(kept.sum())
+        self.total = float(kept.sum())
         return value
 
     def pay(self, values: Table, prices: np.ndarray, reach: WalkBound, least_worth: float) -> None:
@@ -108,7 +111,7 @@ class Routes:
         self._values, self._prices = values, prices
         self._reach, self._reach_unit, self.least_worth = table_of(reach), reach.unit, least_worth
         self._gain = np.ceil(prices[0] * bound.worths / self._unit).astype(np.int64)
-        self._total = 0.0
+        self.total = 0.0
 
     def _extension(self, need: int) -> Callable[[Labels, np.ndarray], int]:
         """What extends labels for a while, for one search: takes them and the cursor."""
@@ -143,6 +146,33 @@ class Routes:
 
         return extend_labels
 
+    def plans(self, most: int) -> list[tuple[int, ...]]:
+        """The plans among the walks of the last search that was finished, best first.
+
+        Parameters
+        ----------
+        most : int
+            No more than so many, no two of the same targets.
+        """
+        count, need = self._last
+        network, labels = self._bound.network, self._labels
+        path = np.empty(self._bound.most_legs + 1, dtype=np.int64)
+        at = np.empty(count, dtype=np.int32)
+        number = plans_of(
+            network, labels, self._body, count, need, self.least_worth, self._gain.size, path, at
+        )
+        at = at[:number]
+        seen, found = set[frozenset[int]](), []
+        for label in at[np.argsort(-labels.value[at], kind="stable")]:
+            route = path[: path_of(labels, self._body, label, path)].tolist()
+            targets = frozenset(route)
+            if targets not in seen:
+                seen.add(targets)
+                found.append(tuple(route))
+                if len(found) == most:
+                    break
+        return found
+
     def search(
         self,
         threshold: float,
@@ -173,7 +203,7 @@ class Routes:
         """
         bound = self._bound
         # A little lower, so that no rounding of the sum of multipliers counts.
-        need = math.ceil((threshold - self._total) / self._unit - 1e-3)
+        need = math.ceil((threshold - self.total) / self._unit - 1e-3)
         labels = self._labels
         labels.row[0], labels.parent[0] = bound.network.root, -1
         labels.value[0], labels.left[0], labels.memory[0] = 0, bound.budget, 0
@@ -195,6 +225,7 @@ class Routes:
                     new[: cursor[1]] = old[: cursor[1]]
         count = int(cursor[1])
         self.labels_made += count
+        self._last = count, need
         best = int(most_of(bound.network, labels, self._body, count, need - 1, self.least_worth))
         if best < need:
             return True, -math.inf, None, 0
@@ -206,4 +237,4 @@ class Routes:
         sequence = None
         if plan >= 0:
             sequence = path[: path_of(labels, self._body, plan, path)].copy()
-        return True, best * self._unit + self._total, sequence, int(grown)
+        return True, best * self._unit + self.total, sequence, int(grown)

@@ -1,0 +1,127 @@
+"""What targets are worth: prizes, what is required, and how planners hold the two together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from .instance import Instance
+from .tolerance import RELATIVE, ROUNDING, common_step
+
+
+class Prizes:
+    """The prizes of an instance, and what its targets are worth to a planner.
+
+    A planner makes the most of one number. So a required target is worth its prize and a bonus that
+    no sum of prizes reaches.
+
+    Parameters
+    ----------
+    instance : Instance
+
+    Attributes
+    ----------
+    instance : Instance
+    names : tuple of str
+        Bodies, in the order of their numbers.
+    """
+
+    def __init__(self, instance: Instance) -> None:
+        self.instance = instance
+        self.names = instance.names
+
+    @cached_property
+    def sha256(self) -> str:
+        """SHA-256 of the instance, worked out once."""
+        return self.instance.sha256
+
+    @cached_property
+    def bonus(self) -> float:
+        """What servicing a required target is worth to a planner, besides its prize.
+
+        More than all prizes together, and a multiple of what they are multiples of.
+        """
+        prizes = [target.prize for target in self.instance.targets]
+        return math.fsum(prizes) + (self.prize_step or max(prizes, default=0.0) or 1.0)
+
+    @cached_property
+    def worths(self) -> npt.NDArray[np.float64]:
+        """What servicing each body is worth to a planner, shape (bodies,)."""
+        worths = np.zeros(len(self.names))
+        worths[self.instance.first_target :] = [
+            target.prize + self.bonus * target.required for target in self.instance.targets
+        ]
+        worths.setflags(write=False)
+        return worths
+
+    @cached_property
+    def is_required(self) -> npt.NDArray[np.bool_]:
+        """Whether every plan services a body, shape (bodies,)."""
+        is_required = np.zeros(len(self.names), dtype=np.bool_)
+        is_required[self.instance.first_target :] = [
+            target.required for target in self.instance.targets
+        ]
+        is_required.setflags(write=False)
+        return is_required
+
+    @cached_property
+    def required(self) -> frozenset[int]:
+        """The targets that every plan services."""
+        return frozenset(np.flatnonzero(self.is_required).tolist())
+
+    @cached_property
+    def prize_step(self) -> float:
+        """All objectives are multiples of it, so that a bound may be rounded down; 0 for none."""
+        return common_step(target.prize for target in self.instance.targets)
+
+    @property
+    def most_targets(self) -> int | None:
+        """So many targets may be serviced; None for all of them."""
+        most = [chaser.max_targets for chaser in self.instance.chasers]
+        return None if None in most else sum(filter(None, most))
+
+    @property
+    def total_prize(self) -> float:
+        """Sum of the prizes of as many targets as may be serviced: the trivial bound."""
+        return self._largest([target.prize for target in self.instance.targets])
+
+    @property
+    def total_worth(self) -> float:
+        """The same of what targets are worth to a planner."""
+        return self._largest(self.worths.tolist())
+
+    def _largest(self, prizes: list[float]) -> float:
+        return math.fsum(sorted(prizes, reverse=True)[: self.most_targets])
+
+    def worth(self, prizes: float) -> float:
+        """What a plan with all required targets and so many prizes is worth to a planner."""
+        return prizes + len(self.required) * self.bonus
+
+    def shown(self, worth: float) -> float:
+        """The prizes of what is worth so much to a planner; −inf if it lacks a required target."""
+        if not self.required or not math.isfinite(worth):
+            return worth
+        prizes = worth - len(self.required) * self.bonus
+        # The difference of two numbers that large has lost digits.
+        step = self.prize_step or RELATIVE * self.bonus
+        whole = step * round(prizes / step)
+        if abs(prizes - whole) < ROUNDING * step:
+            prizes = whole
+        return prizes if prizes >= 0.0 else -math.inf
+
+    def collected(self, bodies: Iterable[int]) -> float:
+        """What bodies are worth to a planner; their order does not matter."""
+        return math.fsum(self.worths[j] for j in bodies)
+
+    def prizes(self, bodies: Iterable[int]) -> float:
+        """Sum of the prizes of bodies."""
+        first = self.instance.first_target
+        return math.fsum(self.instance.targets[j - first].prize for j in bodies if j >= first)
+
+    def lacking(self, bodies: Iterable[int]) -> tuple[int, ...]:
+        """The required targets that are not among the bodies."""
+        return tuple(sorted(self.required.difference(bodies)))

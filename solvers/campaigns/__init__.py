@@ -1,0 +1,1 @@
+"""Several chasers: searches over their routes, and bounds on what they collect together."""

@@ -1,0 +1,64 @@
+"""The best plan of a campaign so far, and its certificate: most prize, then least cost."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from adr_opt.campaign import Campaign, Routes
+from adr_opt.planner import Progress
+from adr_opt.schedule import Schedule
+
+from ..certificate import CertificateOf
+
+
+class CampaignIncumbent:
+    """The best plan that was offered.
+
+    Parameters
+    ----------
+    campaign : Campaign
+
+    Attributes
+    ----------
+    sequence : tuple of tuple of int or None
+        Bodies in order for each chaser; None before the first plan.
+    objective : float
+        What they are worth, −inf before the first plan.
+    cost : float
+        At the best schedules, +inf before the first plan.
+    """
+
+    def __init__(self, campaign: Campaign) -> None:
+        self._campaign = campaign
+        self._by_time = campaign.instance.objective.cost == "duration"
+        self.sequence: Routes | None = None
+        self.objective = -math.inf
+        self.cost = math.inf
+
+    def offer(self, routes: Iterable[Iterable[int]]) -> bool:
+        """Routes that may be the best plan, no target on two of them; whether they are."""
+        campaign = self._campaign
+        moves = tuple(tuple(int(j) for j in route) for route in routes)
+        worth = campaign.collected(j for route in moves for j in route)
+        if worth < self.objective or moves == self.sequence:
+            return False
+        closed = campaign.closed(moves)
+        costs = []
+        for mission, route in zip(campaign.missions, closed, strict=True):
+            schedule: Schedule = mission.time(route)
+            if schedule.made < len(route) or not mission.may_stop(route):
+                return False
+            costs.append(schedule.cost)
+        cost = max(costs, default=0.0) if self._by_time else math.fsum(costs)
+        if worth == self.objective and cost >= self.cost:
+            return False
+        self.sequence, self.objective, self.cost = closed, worth, cost
+        return True
+
+
+class CampaignCertificate(CertificateOf[Routes]):
+    """Incumbent and bound of a campaign, and who is told of them."""
+
+    def __init__(self, campaign: Campaign, progress: Progress) -> None:
+        super().__init__(campaign, progress, CampaignIncumbent(campaign))

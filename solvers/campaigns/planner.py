@@ -1,0 +1,169 @@
+"""Planning for several chasers: search and proof side by side, round by round."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterable
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import closing, nullcontext
+
+from adr_opt.campaign import Campaign
+from adr_opt.planner import Progress
+from adr_opt.result import Result, certify_routes
+from adr_opt.stop import Stop
+
+from ..relaxation.proof import ProofOptions, bound_notes, fits_memory, set_up_s
+from .incumbent import CampaignCertificate
+from .pool import Pool
+from .proof import CampaignProof
+from .search import RouteSearch
+
+FIRST_MOVES, MOST_MOVES = 20, 640
+"""Moves of the search in a round: twice as many in each."""
+
+WIDTH = 100
+"""Of the beams of a move."""
+
+PACKING_S = 10.0
+"""The longest that putting routes together may take in a round."""
+
+LEAST_PROOF_S, LEAST_SET_UPS = 1.0, 2.0
+"""With less time left, or less than so many times what setting it up takes, no proof is begun."""
+
+
+class _Prover:
+    """The proving half: works on a certificate and a pool of its own, compared between rounds."""
+
+    def __init__(
+        self,
+        campaign: Campaign,
+        certificate: CampaignCertificate,
+        pool: Pool,
+        seed: int,
+        stop: Stop,
+        options: ProofOptions,
+    ) -> None:
+        self._campaign, self._shared, self._shared_pool = campaign, certificate, pool
+        self._seed, self._stop, self._options = seed, stop, options
+        self._own = CampaignCertificate(campaign, certificate.tell)
+        self._pool = Pool(campaign)
+        self._proof: CampaignProof | None = None
+
+    @property
+    def done(self) -> bool:
+        """Whether the proof can do no more."""
+        return self._proof is not None and self._proof.done
+
+    def advance(self) -> None:
+        """One round; the first one is a descent alone."""
+        if self._proof is None:
+            least_s = max(LEAST_PROOF_S, LEAST_SET_UPS * set_up_s(self._campaign))
+            if self._stop.remaining_s() < least_s:
+                return
+            self._proof = CampaignProof(
+                self._campaign, self._own, self._pool, self._seed, self._stop, self._options
+            )
+            self._proof.begin()
+            return
+        self._proof.advance(lambda: self._stop.remaining_s() <= 0.0)
+
+    def fetch(self) -> None:
+        """Hear of the incumbent and of routes, before a round."""
+        self._own.offer(self._shared.sequence or ())
+        self._pool.take(self._shared_pool)
+
+    def deliver(self) -> None:
+        """Tell what the round has found."""
+        self._shared_pool.take(self._pool)
+        self._shared.lower(self._own.bound)
+
+    @property
+    def counters(self) -> dict[str, float]:
+        """What was done."""
+        return {} if self._proof is None else self._proof.counters
+
+    def close(self) -> None:
+        """End the threads."""
+        if self._proof is not None:
+            self._proof.close()
+
+
+def plan(
+    method: str,
+    campaign: Campaign,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    start: Iterable[Iterable[int]] | None = None,
+    options: ProofOptions,
+    proves: bool = True,
+    until_done: bool = False,
+) -> Result:
+    """The best plan that the time allows, and a proof where one is found.
+
+    Rounds, each with more effort than the one before: ruin and recreate across routes
+    (:class:`.search.RouteSearch`) side by side with column generation
+    (:class:`.proof.CampaignProof`); after each the best plan is put together from all routes that
+    either of them has met. The same seed and the same number of rounds give the same plan.
+
+    Parameters
+    ----------
+    method : str
+        Whose result it is.
+    start : sequence of sequences of int, optional
+        Routes to begin from.
+    proves : bool
+        Whether to work on the bound.
+    until_done : bool
+        End when the proof can do no more.
+    """
+    began = time.perf_counter()
+    certificate, pool = CampaignCertificate(campaign, progress), Pool(campaign)
+    search = RouteSearch(campaign, seed, stop, certificate, pool)
+    search.begin(None if start is None else tuple(map(tuple, start)))
+    prover = None
+    if proves and fits_memory(campaign):
+        prover = _Prover(campaign, certificate, pool, seed, stop, options)
+
+    def is_over() -> bool:
+        ended = until_done and (prover is None or prover.done)
+        return ended or certificate.proven or stop(certificate.incumbent, certificate.bound)
+
+    rounds, moves = 0, FIRST_MOVES
+    with nullcontext() if prover is None else closing(prover), ThreadPoolExecutor(1) as threads:
+        while not is_over():
+            rounds += 1
+            advancing: Future[None] | None = None
+            if prover is not None and not prover.done:
+                prover.fetch()
+                if options.cores > 1:
+                    advancing = threads.submit(prover.advance)
+                else:
+                    prover.advance()
+            for _ in range(moves):
+                if certificate.proven or stop.remaining_s() <= 0.0:
+                    break
+                search.move(WIDTH)
+            if advancing is not None:
+                advancing.result()
+            if prover is not None:
+                prover.deliver()
+            if not certificate.proven:
+                search.pack(PACKING_S)
+            moves = min(2 * moves, MOST_MOVES)
+    counters: dict[str, float] = {"rounds": rounds, **search.counters}
+    if prover is not None:
+        counters |= prover.counters
+    bounded = certificate.bound < campaign.total_worth
+    return certify_routes(
+        campaign,
+        method,
+        certificate.sequence,
+        seed=seed,
+        runtime_s=time.perf_counter() - began,
+        upper_bound=certificate.bound if bounded else math.inf,
+        counters=counters,
+        notes=bound_notes(campaign) if bounded else (),
+    )

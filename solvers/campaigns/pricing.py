@@ -1,0 +1,108 @@
+"""Routes that a mixture lacks: by beams, and by labels that find all of them or prove none left."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from adr_opt.mission import Mission
+from adr_opt.stop import Stop
+
+from ..relaxation.routes import Routes
+from ..relaxation.walks import WalkBound
+from ..search.beams import beam_search
+from ..search.varied_beams import varied
+
+MOST_PLANS = 200
+"""Routes taken from one search with labels."""
+
+WIDTH = 200
+"""Of beams."""
+
+
+def by_beam(
+    mission: Mission, multipliers: np.ndarray, rng: np.random.Generator, stop: Stop
+) -> tuple[int, ...]:
+    """A route over the targets that are worth more than their multipliers."""
+    worths = mission.worths - multipliers
+    worths[mission.instance.first_target :][
+        worths[mission.instance.first_target :] <= 0.0
+    ] = -np.inf
+    layer, settings, seed = varied(mission.offering(worths), WIDTH, rng)
+    return tuple(int(j) for j in beam_search(layer, settings, seed=seed, stop=stop)[0])
+
+
+class LabelPricing:
+    """Searches with labels for routes of one kind that are worth more than they are to cost.
+
+    Parameters
+    ----------
+    bound : WalkBound
+        Of the kind; its values are overwritten.
+
+    Attributes
+    ----------
+    most_worth : float
+        Valid after a search: no route is worth more, less the multipliers.
+    """
+
+    def __init__(self, bound: WalkBound) -> None:
+        self._bound = bound
+        self._routes = Routes(bound)
+        self.most_worth = math.inf
+
+    @property
+    def labels_made(self) -> int:
+        """Labels of all searches."""
+        return self._routes.labels_made
+
+    @property
+    def searches(self) -> int:
+        """How many there were."""
+        return self._routes.searches
+
+    def search(
+        self,
+        multipliers: np.ndarray,
+        least: float,
+        most_labels: int,
+        enough: Callable[[], bool],
+        is_new: Callable[[tuple[int, ...]], bool],
+    ) -> tuple[bool, list[tuple[int, ...]]]:
+        """Routes that are worth more than ``least``, less the multipliers.
+
+        Parameters
+        ----------
+        multipliers : (bodies,) float64
+        least : float
+        most_labels : int
+            Give up beyond so many.
+        enough : callable
+            Whether to give up.
+        is_new : callable
+            Whether a route is of use.
+
+        Returns
+        -------
+        finished : bool
+            False if it gave up.
+        routes : list of tuple of int
+            Of use, best first. None if it finished means that walks that repeat targets are all
+            that is left, or nothing.
+        """
+        routes = self._routes
+        value = routes.use(multipliers) - routes.total
+        self.most_worth = value
+        if value < least:
+            return True, []
+        while True:
+            threshold = routes.total + least
+            finished, value, _, grown = routes.search(threshold, most_labels, enough)
+            if not finished:
+                return False, []
+            self.most_worth = min(self.most_worth, max(value - routes.total, least))
+            found = [route for route in routes.plans(MOST_PLANS) if is_new(route)]
+            if value < threshold or found or grown == 0:
+                return True, found

@@ -1,0 +1,224 @@
+"""Column generation: what no campaign exceeds, brought down round by round.
+
+Master and pricing in turn (Desrosiers and Lübbecke 2005). The master mixes known routes; its duals
+are multipliers, for which beams, and where they find nothing labels, look for routes worth more
+than they cost. The labels are those of one chaser's proofs (:mod:`solvers.relaxation.labels`), so
+routes are exact in time and ΔV, and relaxed only in that walks may repeat what they have forgotten
+(ng-routes: Baldacci, Mingozzi and Roberti 2011). With any multipliers
+
+    prizes collected ≤ Σ π + Σ over chasers of the most that a route is worth, less multipliers:
+
+that is the bound, whether or not the master is solved. Multipliers between the best ones so far and
+the master's duals make it come down sooner (Wentges 1997). Before all that, a descent with the
+walks of :mod:`.bound` tells where to begin.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+
+import numpy as np
+
+from adr_opt.campaign import Campaign
+from adr_opt.stop import Stop
+
+from ..relaxation.multipliers import Descent
+from ..relaxation.proof import COARSER, FIRST_LABELS, GROWTH, ProofOptions
+from ..relaxation.walks import TimeIsOver, WalkBound
+from .bound import CampaignBound, walk_bounds
+from .incumbent import CampaignCertificate
+from .master import Duals, Master
+from .pool import Column, Pool
+from .pricing import LabelPricing, by_beam
+
+DESCENT = 30
+"""Evaluations of walks before the first columns."""
+
+BEAMS = 8
+"""Beams of each kind before labels are set."""
+
+CENTRED = 0.6
+"""Weight of the best multipliers against the master's duals."""
+
+ATTRACTIVE = 1e-4
+"""A route of use is worth so much more than it costs, as a share of the largest prize."""
+
+FIRST_ITERATIONS = 4
+"""Of column generation in a round."""
+
+
+class CampaignProof:
+    """Rounds of column generation for one campaign.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    certificate : CampaignCertificate
+        Told of every bound, and asked for the incumbent.
+    pool : Pool
+        Of routes; added to.
+    seed : int
+    stop : Stop
+        Its time alone counts here.
+    options : ProofOptions
+
+    Attributes
+    ----------
+    done : bool
+        Nothing is left to do: proven, or the master is solved and proves no more.
+    """
+
+    def __init__(
+        self,
+        campaign: Campaign,
+        certificate: CampaignCertificate,
+        pool: Pool,
+        seed: int,
+        stop: Stop,
+        options: ProofOptions,
+    ) -> None:
+        self._campaign, self._certificate, self._pool = campaign, certificate, pool
+        self._options, self._stop = options, stop
+        self._rng = np.random.default_rng(seed)
+        self._over = lambda: stop.remaining_s() <= 0.0
+        self._coarse = walk_bounds(
+            campaign, COARSER * options.delta_v_slot_m_s, jobs=options.cores, over=self._over
+        )
+        self._descent = Descent(CampaignBound(campaign, self._coarse))
+        self._pricing: tuple[LabelPricing, ...] = ()
+        self._fine: tuple[WalkBound, ...] = ()
+        self._master = Master(campaign)
+        self._mixed: set[tuple[int, frozenset[int]]] = set()
+        self._counts = [len(kind.chasers) for kind in campaign.kinds]
+        self._centre = np.zeros(len(campaign.names))
+        self._centred = CENTRED
+        self._least = math.inf  # the bound at the centre
+        self._labels = min(FIRST_LABELS, options.most_labels)
+        self._iterations = FIRST_ITERATIONS
+        self._largest = float(campaign.worths.max(initial=0.0)) or 1.0
+        self._columns = 0
+        self.done = certificate.proven
+
+    def begin(self) -> None:
+        """The descent: a first bound, and multipliers to begin with."""
+        with suppress(TimeIsOver):
+            for _ in range(DESCENT):
+                if self._descent.done or self._certificate.proven or self._over():
+                    break
+                self._descent.step()
+                self._certificate.lower(self._descent.value)
+        self._centre, self._least = self._descent.multipliers, self._descent.value
+        self.done = self._certificate.proven or self._descent.value == -math.inf
+
+    def advance(self, enough: Callable[[], bool]) -> None:
+        """One round, with more effort than the one before.
+
+        Parameters
+        ----------
+        enough : callable
+            Asked now and then whether to leave it.
+        """
+        if not self._pricing:
+            self._fine = walk_bounds(
+                self._campaign, self._options.delta_v_slot_m_s, jobs=self._options.cores,
+                over=self._over, networks=self._coarse,
+            )  # fmt: skip
+            self._pricing = tuple(map(LabelPricing, self._fine))
+        with suppress(TimeIsOver):
+            for _ in range(self._iterations):
+                if self.done or enough():
+                    return
+                self._iterate(enough)
+        self._iterations *= 2
+
+    def _iterate(self, enough: Callable[[], bool]) -> None:
+        """Solve the master, and look for routes that it lacks."""
+        self._mix()
+        duals = self._master.solve()
+        multipliers = self._centred * self._centre + (1.0 - self._centred) * duals.targets
+        if self._by_beams(duals, multipliers):
+            return
+        new, bound = self._by_labels(duals, multipliers, enough)
+        if bound < self._least:
+            self._least, self._centre = bound, multipliers
+            self._certificate.lower(bound)
+        self.done = self._certificate.proven
+        if new:
+            self._centred = CENTRED
+        elif math.isfinite(bound):
+            # Nothing is missing at the duals themselves: the master is solved.
+            self.done = self.done or self._centred == 0.0
+            self._centred = 0.0 if self._centred < 0.1 else 0.5 * self._centred
+        else:
+            self.done = self.done or self._labels == self._options.most_labels
+            self._labels = min(GROWTH * self._labels, self._options.most_labels)
+
+    def _mix(self) -> None:
+        """Let the master know of routes that came into the pool."""
+        new = [
+            column for column in self._pool.columns()
+            if (column.kind, column.targets) not in self._mixed
+        ]  # fmt: skip
+        self._mixed.update((column.kind, column.targets) for column in new)
+        self._master.add(new)
+
+    def _attracts(self, duals: Duals, column: Column) -> bool:
+        """Whether the master would take a column."""
+        paid = math.fsum(duals.targets[j] for j in column.targets) + duals.kinds[column.kind]
+        return bool(column.worth - paid > ATTRACTIVE * self._largest)
+
+    def _keep(self, duals: Duals, kind: int, route: tuple[int, ...]) -> bool:
+        """Put a route into the pool; whether it is one that the master would take."""
+        column = self._pool.add(kind, route)
+        if column is None or (kind, column.targets) in self._mixed:
+            return False
+        return self._attracts(duals, column)
+
+    def _by_beams(self, duals: Duals, multipliers: np.ndarray) -> bool:
+        """Whether beams find routes that the master would take."""
+        found = 0
+        for number, kind in enumerate(self._campaign.kinds):
+            for _ in range(BEAMS):
+                if self._over():
+                    break
+                route = by_beam(kind.mission, multipliers, self._rng, self._stop)
+                found += self._keep(duals, number, route)
+        self._columns += found
+        return found > 0
+
+    def _by_labels(
+        self, duals: Duals, multipliers: np.ndarray, enough: Callable[[], bool]
+    ) -> tuple[bool, float]:
+        """Whether labels find such routes, and the bound that they prove; +inf if they gave up."""
+        bound, new = math.fsum(multipliers), False
+        for number, pricing in enumerate(self._pricing):
+            paid = float(duals.kinds[number])
+            finished, routes = pricing.search(
+                multipliers,
+                paid + ATTRACTIVE * self._largest,
+                self._labels,
+                enough,
+                partial(self._keep, duals, number),
+            )
+            self._columns += len(routes)
+            new = new or bool(routes)
+            bound += self._counts[number] * pricing.most_worth if finished else math.inf
+        return new, bound
+
+    @property
+    def counters(self) -> dict[str, float]:
+        """What was done so far."""
+        return {
+            "evaluations": self._descent.evaluations,
+            "columns": self._columns,
+            "searches": sum(pricing.searches for pricing in self._pricing),
+            "labels": sum(pricing.labels_made for pricing in self._pricing),
+        }
+
+    def close(self) -> None:
+        """End the threads."""
+        for bound in (*self._coarse, *self._fine):
+            bound.close()

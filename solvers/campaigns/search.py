@@ -1,0 +1,128 @@
+"""Ruin and recreate across routes: some chasers fly anew over what the others leave."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from adr_opt.campaign import Campaign, Routes
+from adr_opt.mission import Mission
+from adr_opt.stop import Stop
+
+from ..search.beams import beam_search, hurried, usual_settings
+from ..search.greedy_order import guarded_sequence
+from ..search.varied_beams import varied
+from .incumbent import CampaignCertificate
+from .orders import left, one_after_another, targets_of
+from .pool import Pool
+
+FIRST_WIDTH = 200
+"""Of the beams of the first plans."""
+
+MOST_FLOWN_ANEW = 3
+"""Chasers whose routes are given up at once."""
+
+ADRIFT = 300
+"""So many moves that find nothing better are followed by a return to the best plan."""
+
+
+class RouteSearch:
+    """Looks for plans of a campaign, and keeps all routes that it meets.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    seed : int
+    stop : Stop
+    certificate : CampaignCertificate
+    pool : Pool
+    """
+
+    def __init__(
+        self,
+        campaign: Campaign,
+        seed: int,
+        stop: Stop,
+        certificate: CampaignCertificate,
+        pool: Pool,
+    ) -> None:
+        self._campaign = campaign
+        self._rng = np.random.default_rng(seed)
+        self._stop = stop
+        self._certificate = certificate
+        self._pool = pool
+        self._kind_of = {
+            chaser: number for number, kind in enumerate(campaign.kinds) for chaser in kind.chasers
+        }
+        self._routes: Routes = tuple(() for _ in campaign.missions)
+        self._worth = -np.inf
+        self._idle = 0
+        self.counters = {"beams": 0, "recreations": 0, "packings": 0}
+
+    def begin(self, start: Routes | None = None) -> None:
+        """The guarded greedy plan, one by beams, chaser after chaser, and one that is given."""
+        self._meet(one_after_another(self._campaign, guarded_sequence, self._chasers()))
+        self._meet(one_after_another(self._campaign, self._usual, self._chasers()))
+        if start is not None:
+            self._meet(start)
+        best = self._certificate.sequence
+        if best is not None:
+            self._meet(best)
+
+    def _chasers(self) -> range:
+        return range(len(self._campaign.missions))
+
+    def _usual(self, mission: Mission) -> tuple[int, ...]:
+        if self._stop.remaining_s() <= 0.0:
+            return ()
+        layer = hurried(mission)
+        self.counters["beams"] += 1
+        return self._beam(layer, usual_settings(layer, FIRST_WIDTH), 0)
+
+    def _beam(self, mission: Mission, settings, seed: int) -> tuple[int, ...]:
+        found = beam_search(mission, settings, seed=seed, stop=self._stop)[0]
+        return tuple(int(j) for j in found)
+
+    def _meet(self, routes: Routes) -> None:
+        """Go on from routes, and tell of them."""
+        for chaser, route in enumerate(routes):
+            if route:
+                self._pool.add(self._kind_of[chaser], route)
+        self._certificate.offer(routes)
+        self._routes, self._worth = (
+            routes,
+            self._campaign.collected(targets_of(self._campaign, routes)),
+        )
+
+    def move(self, width: int) -> None:
+        """Give up the routes of some chasers, and fly anew over what the others leave."""
+        campaign, rng = self._campaign, self._rng
+        count = len(campaign.missions)
+        flown_anew = rng.permutation(count)[: int(rng.integers(1, min(count, MOST_FLOWN_ANEW) + 1))]
+        routes = list(self._routes)
+        for chaser in flown_anew:
+            routes[chaser] = ()
+        done = targets_of(campaign, routes)
+        for chaser in flown_anew:
+            worths = left(campaign, done)
+            mission = campaign.missions[chaser].offering(worths)
+            layer, settings, seed = varied(mission, width, rng)
+            if self._stop.remaining_s() <= 0.0:
+                return
+            routes[chaser] = self._beam(layer, settings, seed)
+            self._pool.add(self._kind_of[int(chaser)], routes[chaser])
+            done |= targets_of(campaign, [routes[chaser]])
+        self.counters["recreations"] += 1
+        worth = campaign.collected(done)
+        if worth >= self._worth:
+            self._idle = 0 if worth > self._worth else self._idle + 1
+            self._routes, self._worth = tuple(routes), worth
+            self._certificate.offer(routes)
+        else:
+            self._idle += 1
+
+    def pack(self, time_limit_s: float) -> None:
+        """The best plan of the routes met."""
+        found = self._pool.best(self._pool.columns(), min(time_limit_s, self._stop.remaining_s()))
+        self.counters["packings"] += 1
+        if found is not None and self._certificate.offer(found):
+            self._meet(found)
