@@ -106,6 +106,13 @@ class CertificateOf(Generic[Found]):
         return meets(self.incumbent, self.bound)
 
     @property
+    def stated(self) -> float:
+        """The bound if it says more than that nothing beyond all prizes is collected, else +inf."""
+        problem = self._mission
+        says = self.bound < problem.total_worth or problem.shown(self.bound) < problem.total_prize
+        return self.bound if says else math.inf
+
+    @property
     def goal(self) -> float:
         """What the next plan has to be worth to be better."""
         return self.incumbent + (self._mission.prize_step or tolerance(self.bound))

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from adr_opt.campaign import Campaign
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import SLACK_M_S, SLACK_S
 from adr_opt.mission import Mission
@@ -104,13 +105,10 @@ def revolution_s(orbit: Orbit, dynamics: str) -> float:
     return 2.0 * math.pi / (perigee + anomaly)
 
 
-def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
-    """The most prizes, their least cost, and a sequence of bodies that has both.
-
-    Prizes are −inf where no plan keeps to all rules.
-    """
+def _labels(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
+    """All ways worth having to have done a set of targets and be at a body, see _enumerate."""
     instance = mission.instance
-    chaser, first = instance.chasers[0], instance.first_target
+    chaser, first = mission.chaser, instance.first_target
     bodies = len(instance.names)
     stations = len(instance.stations)
     service, opens, closes = np.zeros(bodies), np.zeros(bodies), np.zeros(bodies)
@@ -146,7 +144,7 @@ def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
     first_leg[:, 1:] = ends
     first_leg[:, 0] = ends[:, 0] - sizes.reshape(bodies, bodies)[:, 0]
     budget = chaser.tank.delta_v_m_s * (1.0 - mission.margin) + SLACK_M_S
-    where, what = _enumerate(
+    return _enumerate(
         first_leg,
         np.concatenate([pair.departure for pair in pairs]),
         np.concatenate([pair.arrival for pair in pairs]),
@@ -155,6 +153,15 @@ def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
         chaser.available_s[0], budget,
         bodies if chaser.max_targets is None else chaser.max_targets,
     )  # fmt: skip
+
+
+def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
+    """The most prizes, their least cost, and a sequence of bodies that has both.
+
+    Prizes are −inf where no plan keeps to all rules.
+    """
+    instance, chaser = mission.instance, mission.chaser
+    where, what = _labels(mission)
     best: tuple[float, float, int] = (-math.inf, -math.inf, -1)
     needed = sum(1 << n for n, target in enumerate(instance.targets) if target.required)
     for label, ((done, body, _), (time, _, spent)) in enumerate(zip(where, what, strict=True)):
@@ -170,3 +177,41 @@ def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
         sequence.append(int(where[label, 1]))
         label = int(where[label, 2])
     return best[0], -best[1], tuple(reversed(sequence))
+
+
+def brute_force_campaign(campaign: Campaign) -> tuple[float, float]:
+    """The most prizes that all chasers together collect, and the least cost of that.
+
+    Every partition of every set of targets among them. Prizes are −inf where no plan keeps to all
+    rules.
+    """
+    instance = campaign.instance
+    by_time = instance.objective.cost == "duration"
+    together = {0: 0.0}
+    for mission in campaign.missions:
+        end = (
+            mission.chaser.end
+            if isinstance(mission.chaser.end, str)
+            else mission.chaser.end.station
+        )
+        least: dict[int, float] = {}
+        for label, ((done, body, _), (time, _, spent)) in enumerate(
+            zip(*_labels(mission), strict=True)
+        ):
+            if end in ("anywhere", instance.names[body]):
+                cost = spent if not by_time else (time if label else 0.0)
+                least[int(done)] = min(least.get(int(done), math.inf), cost)
+        after: dict[int, float] = {}
+        for done, cost in together.items():
+            for more, added in least.items():
+                if not done & more:
+                    both = max(cost, added) if by_time else cost + added
+                    after[done | more] = min(after.get(done | more, math.inf), both)
+        together = after
+    needed = sum(1 << n for n, target in enumerate(instance.targets) if target.required)
+    best = (-math.inf, -math.inf)
+    for done, cost in together.items():
+        if done & needed == needed:
+            prizes = math.fsum(t.prize for n, t in enumerate(instance.targets) if done >> n & 1)
+            best = max(best, (prizes, -cost))
+    return best[0], -best[1]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 import adr_opt
@@ -152,3 +154,30 @@ def _with_rules(
         mission=MissionSettings(duration_s=duration, **service),
         objective=Objective(cost=str(rng.choice(["delta-v", "delta-v", "duration"]))),
     )
+
+
+def random_campaign(seed: int, draw: Callable[[int], Instance] = random_mission) -> Instance:
+    """The same for two or three chasers, some of them of one kind."""
+    rng = np.random.default_rng([4, seed])
+    instance = draw(seed)
+    chasers = [instance.chaser]
+    for number in range(2, int(rng.integers(2, 4)) + 1):
+        chaser = chasers[int(rng.integers(len(chasers)))].replace(name=f"chaser-{number}")
+        changes: dict[str, object] = {}
+        if rng.random() < 0.3:
+            share = float(rng.uniform(0.5, 1.5))
+            changes["tank"] = chaser.tank.replace(delta_v_m_s=share * chaser.tank.delta_v_m_s)
+        if rng.random() < 0.25:
+            changes["available_s"] = (
+                float(rng.uniform(0.0, 0.4)) * instance.mission.duration_s,
+                None,
+            )
+        if rng.random() < 0.25:
+            orbit = instance.targets[0].orbit.replace(true_anomaly_deg=200.0)
+            changes["start"] = InOrbit(orbit=orbit)
+        if rng.random() < 0.25:
+            changes["max_targets"] = int(rng.integers(0, 3))
+        if rng.random() < 0.2:
+            changes["end"] = "anywhere"
+        chasers.append(chaser.replace(**changes))
+    return instance.replace(name=f"campaign-{seed}", chasers=tuple(chasers))

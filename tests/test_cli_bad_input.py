@@ -160,7 +160,6 @@ def test_broken_instance_field(cli: Cli, tiny_file: Path, change: Change, named:
         (put(*CHASER, "kits", 5), "chasers[0].kits = 5: carrying kits is not supported yet; write"),
         (put(*CHASER, "kit_mass_kg", 5.0), "kit_mass_kg = 5.0: carrying kits is not supported yet"),
         (put("objective", "cost", "expense"), 'cost = "expense": this is not supported yet; write'),
-        (twice("chasers"), "field chasers: 2 chasers are not supported yet; give one"),
     ],
 )
 def test_what_the_format_names_and_nothing_can_plan(

@@ -14,6 +14,8 @@ from .parameters import check_out, json_option, quiet_option
 @click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same file.")
 @click.option("--targets", type=int, metavar="N", help="Targets, instead of the family's.")
 @click.option("--zones", type=int, default=0, metavar="N", help="Keep-out zones to draw.")
+@click.option("--chasers", type=int, metavar="N", help="Chasers, instead of the family's.")
+@click.option("--stations", type=int, metavar="M", help="Stations, instead of the family's.")
 @click.option("--out", metavar="FILE", help="Instance file to write; else it is printed.")
 @json_option
 @quiet_option
@@ -22,20 +24,24 @@ def command(
     seed: int,
     targets: int | None,
     zones: int,
+    chasers: int | None,
+    stations: int | None,
     out: str | None,
     as_json: bool,
     quiet: bool,
 ) -> int:
     """Draw an instance of FAMILY.
 
-    One of tiny, nominal, reduced-time, reduced-fuel, cloud, large, sso and
-    rocket-bodies.
+    One of tiny, nominal, reduced-time, reduced-fuel, campaign, cloud, large,
+    sso and rocket-bodies.
     """
     from ..files import write_text
     from ..generator import generate
 
     check_out(out)
-    instance = generate(family, seed, targets=targets, zones=zones)
+    instance = generate(
+        family, seed, targets=targets, zones=zones, chasers=chasers, stations=stations
+    )
     text = instance.to_json()
     if out is not None:
         write_text(out, text)

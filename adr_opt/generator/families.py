@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ..errors import InputError
-from ..kernels.constants import DAY_S
+from ..kernels.constants import DAY_S, HOUR_S
 from ..orbit import Orbit
 from . import belt, cloud, rocket_bodies, sso
 from .stream import Uniform
@@ -35,6 +35,8 @@ class Family:
         Whether nodes drift: under J2, with the transfers of :func:`adr_opt.sizes.transfers_for`.
     service_s : float, optional
         Time spent at a target, instead of a revolution [s].
+    chasers : int
+        How many; all alike.
     """
 
     name: str
@@ -48,6 +50,7 @@ class Family:
     draw_start: Callable[[Uniform], Orbit] | None = None
     drifts: bool = False
     service_s: float | None = None
+    chasers: int = 1
 
 
 FAMILIES = {
@@ -60,6 +63,10 @@ FAMILIES = {
         Family(
             "cloud", "50 fragments, 10 days, 4 km/s", (cloud.TARGETS, cloud.TARGETS),
             10.0 * DAY_S, 4000.0, cloud.STATION, cloud.draw_fragment, purpose=2,
+        ),
+        Family(
+            "campaign", "50 targets, 3 chasers, 7 days, 1 km/s, 8 h at each target", (50, 50),
+            7.0 * DAY_S, 1000.0, service_s=8.0 * HOUR_S, chasers=3,
         ),
         Family("large", "200 targets, 30 days, 3 km/s", (200, 200), 30.0 * DAY_S, 3000.0),
         Family(

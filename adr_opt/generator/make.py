@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from datetime import UTC, datetime
 
-from ..bodies import Station, Target
-from ..chasers import AtStation, Chaser, InOrbit, Tank
+from ..bodies import Target
 from ..errors import InputError
 from ..instance import Instance
 from ..settings import MissionSettings, TransferSettings
 from ..sizes import transfers_for
 from .families import FAMILIES, Family, family
+from .fleet import chasers_of, stations_of
 from .stream import LARGEST_SEED, stream
 from .zones import draw_zones
 
@@ -19,12 +19,24 @@ EPOCH = datetime(2026, 1, 1, tzinfo=UTC)
 MOST = 10**6
 """Largest number of targets and of zones."""
 
+MOST_CHASERS = 100
+"""Largest number of chasers and of stations."""
+
 NAME = re.compile(
-    r"(?P<family>[a-z-]+)-(?P<seed>\d{3,})(?:-n(?P<targets>\d+))?(?:-z(?P<zones>\d+))?"
+    r"(?P<family>[a-z-]+)-(?P<seed>\d{3,})(?:-n(?P<targets>\d+))?(?:-c(?P<chasers>\d+))?"
+    r"(?:-s(?P<stations>\d+))?(?:-z(?P<zones>\d+))?"
 )
 
 
-def generate(name: str, seed: int, *, targets: int | None = None, zones: int = 0) -> Instance:
+def generate(
+    name: str,
+    seed: int,
+    *,
+    targets: int | None = None,
+    zones: int = 0,
+    chasers: int | None = None,
+    stations: int | None = None,
+) -> Instance:
     """Draw an instance.
 
     Parameters
@@ -37,6 +49,10 @@ def generate(name: str, seed: int, *, targets: int | None = None, zones: int = 0
         Number of targets, instead of the family's.
     zones : int
         Number of keep-out zones to draw; they do not change the field.
+    chasers, stations : int, optional
+        Numbers of chasers and of stations, instead of the family's. Further stations lie where
+        targets might; all chasers are alike and start at the stations in turn, or each in an orbit
+        of its own. They do not change the field.
 
     Raises
     ------
@@ -49,6 +65,14 @@ def generate(name: str, seed: int, *, targets: int | None = None, zones: int = 0
             raise InputError(f"{what} = {value}: must be between 0 and {most}")
     if targets is not None and not 0 <= targets <= MOST:
         raise InputError(f"targets = {targets}: must be between 0 and {MOST}")
+    if chasers is not None and not 1 <= chasers <= MOST_CHASERS:
+        raise InputError(f"chasers = {chasers}: must be between 1 and {MOST_CHASERS}")
+    fewest = 0 if kind.station is None else 1
+    most = 0 if kind.station is None else MOST_CHASERS
+    if stations is not None and not fewest <= stations <= most:
+        raise InputError(
+            f"stations = {stations}: must be between {fewest} and {most} in the family {name}"
+        )
     uniform = stream(seed, kind.purpose)
     low, high = kind.targets
     count = low
@@ -58,22 +82,21 @@ def generate(name: str, seed: int, *, targets: int | None = None, zones: int = 0
         count = targets
     width = max(3, len(str(count)))
     suffix = f"-n{count}" if targets is not None else ""
+    suffix += "" if chasers in (None, kind.chasers) else f"-c{chasers}"
+    suffix += "" if stations in (None, fewest) else f"-s{stations}"
     suffix += f"-z{zones}" if zones else ""
-    start = (
-        AtStation(station="station")
-        if kind.draw_start is None
-        else InOrbit(orbit=kind.draw_start(uniform))
-    )
+    start = None if kind.draw_start is None else kind.draw_start(uniform)
+    there = stations_of(kind, seed, fewest if stations is None else stations)
     return Instance(
         name=f"{kind.name}-{seed:03d}{suffix}",
         epoch=EPOCH,
         dynamics="j2" if kind.drifts else "two-body",
-        stations=() if kind.station is None else (Station(name="station", orbit=kind.station),),
+        stations=there,
         targets=tuple(
             Target(name=f"debris-{number:0{width}d}", prize=1.0, orbit=kind.draw_target(uniform))
             for number in range(1, count + 1)
         ),
-        chasers=(Chaser(name="chaser", start=start, tank=Tank(delta_v_m_s=kind.delta_v_m_s)),),
+        chasers=chasers_of(kind, seed, chasers or kind.chasers, start, there),
         mission=_mission(kind),
         transfer=transfers_for(kind.duration_s) if kind.drifts else TransferSettings(),
         keep_out_zones=draw_zones(seed, zones, kind.duration_s),
@@ -103,9 +126,13 @@ def by_name(name: str) -> Instance:
             f"nominal-042, with one of the families {', '.join(FAMILIES)}"
         )
     targets = None if found["targets"] is None else int(found["targets"])
+    counts = {
+        what: None if found[what] is None else int(found[what]) for what in ("chasers", "stations")
+    }
     made = generate(
-        found["family"], int(found["seed"]), targets=targets, zones=int(found["zones"] or 0)
-    )
+        found["family"], int(found["seed"]), targets=targets, zones=int(found["zones"] or 0),
+        **counts,
+    )  # fmt: skip
     if made.name != name:
         raise InputError(f"instance {name!r} is written {made.name!r}; write it so")
     return made

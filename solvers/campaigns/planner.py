@@ -70,7 +70,8 @@ class _Prover:
 
     def fetch(self) -> None:
         """Hear of the incumbent and of routes, before a round."""
-        self._own.offer(self._shared.sequence or ())
+        if self._shared.sequence is not None:
+            self._own.offer(self._shared.sequence)
         self._pool.take(self._shared_pool)
 
     def deliver(self) -> None:
@@ -156,14 +157,13 @@ def plan(
     counters: dict[str, float] = {"rounds": rounds, **search.counters}
     if prover is not None:
         counters |= prover.counters
-    bounded = certificate.bound < campaign.total_worth
     return certify_routes(
         campaign,
         method,
         certificate.sequence,
         seed=seed,
         runtime_s=time.perf_counter() - began,
-        upper_bound=certificate.bound if bounded else math.inf,
+        upper_bound=certificate.stated,
         counters=counters,
-        notes=bound_notes(campaign) if bounded else (),
+        notes=bound_notes(campaign) if math.isfinite(certificate.stated) else (),
     )

@@ -322,14 +322,13 @@ def auto(
     counters: dict[str, float] = {"rounds": rounds, **search.counters}
     if prover is not None:
         counters |= prover.counters
-    bounded = certificate.bound < mission.total_worth
     return certify(
         mission,
         "auto",
         certificate.sequence,
         seed=seed,
         runtime_s=time.perf_counter() - began,
-        upper_bound=certificate.bound if bounded else math.inf,
+        upper_bound=certificate.stated,
         counters=counters,
-        notes=bound_notes(mission) if bounded else (),
+        notes=bound_notes(mission) if math.isfinite(certificate.stated) else (),
     )
