@@ -8,6 +8,8 @@ from collections.abc import Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing, nullcontext
 
+import numpy as np
+
 from adr_opt.campaign import Campaign
 from adr_opt.planner import Progress
 from adr_opt.result import Result, certify_routes
@@ -15,11 +17,12 @@ from adr_opt.stop import Stop
 
 from ..relaxation.proof import ProofOptions, bound_notes, fits_memory, set_up_s
 from .incumbent import CampaignCertificate
+from .orders import FloatArray
 from .pool import Pool
 from .proof import CampaignProof
 from .search import RouteSearch
 
-FIRST_MOVES, MOST_MOVES = 20, 640
+FIRST_MOVES, MOST_MOVES = 20, 160
 """Moves of the search in a round: twice as many in each."""
 
 WIDTH = 100
@@ -78,6 +81,12 @@ class _Prover:
         """Tell what the round has found."""
         self._shared_pool.take(self._pool)
         self._shared.lower(self._own.bound)
+
+    @property
+    def multipliers(self) -> FloatArray:
+        """What one more of each target would be worth, as far as it is known."""
+        nothing = np.zeros(len(self._campaign.names))
+        return nothing if self._proof is None else self._proof.multipliers
 
     @property
     def counters(self) -> dict[str, float]:
@@ -143,6 +152,7 @@ def plan(
                     advancing = threads.submit(prover.advance)
                 else:
                     prover.advance()
+            search.pack(PACKING_S)
             for _ in range(moves):
                 if certificate.proven or stop.remaining_s() <= 0.0:
                     break
@@ -151,8 +161,7 @@ def plan(
                 advancing.result()
             if prover is not None:
                 prover.deliver()
-            if not certificate.proven:
-                search.pack(PACKING_S)
+                search.multipliers = prover.multipliers
             moves = min(2 * moves, MOST_MOVES)
     counters: dict[str, float] = {"rounds": rounds, **search.counters}
     if prover is not None:

@@ -46,7 +46,7 @@ CENTRED = 0.6
 ATTRACTIVE = 1e-4
 """A route of use is worth so much more than it costs, as a share of the largest prize."""
 
-FIRST_ITERATIONS = 4
+ITERATIONS = 6
 """Of column generation in a round."""
 
 
@@ -97,7 +97,6 @@ class CampaignProof:
         self._centred = CENTRED
         self._least = math.inf  # the bound at the centre
         self._labels = min(FIRST_LABELS, options.most_labels)
-        self._iterations = FIRST_ITERATIONS
         self._largest = float(campaign.worths.max(initial=0.0)) or 1.0
         self._columns = 0
         self.done = certificate.proven
@@ -128,11 +127,10 @@ class CampaignProof:
             )  # fmt: skip
             self._pricing = tuple(map(LabelPricing, self._fine))
         with suppress(TimeIsOver):
-            for _ in range(self._iterations):
+            for _ in range(ITERATIONS):
                 if self.done or enough():
-                    return
+                    break
                 self._iterate(enough)
-        self._iterations *= 2
 
     def _iterate(self, enough: Callable[[], bool]) -> None:
         """Solve the master, and look for routes that it lacks."""
@@ -207,6 +205,11 @@ class CampaignProof:
             new = new or bool(routes)
             bound += self._counts[number] * pricing.most_worth if finished else math.inf
         return new, bound
+
+    @property
+    def multipliers(self) -> np.ndarray:
+        """Those of the best bound so far, shape (bodies,)."""
+        return self._centre
 
     @property
     def counters(self) -> dict[str, float]:

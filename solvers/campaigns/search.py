@@ -21,8 +21,11 @@ FIRST_WIDTH = 200
 MOST_FLOWN_ANEW = 3
 """Chasers whose routes are given up at once."""
 
-ADRIFT = 300
+ADRIFT = 100
 """So many moves that find nothing better are followed by a return to the best plan."""
+
+LEAST_OFFER = 0.05
+"""Share of its worth that a target keeps at least where it is worth something to others."""
 
 
 class RouteSearch:
@@ -35,6 +38,12 @@ class RouteSearch:
     stop : Stop
     certificate : CampaignCertificate
     pool : Pool
+
+    Attributes
+    ----------
+    multipliers : (bodies,) float64
+        What one more of each target would be worth to all chasers together, as far as it is known.
+        Who flies anew before others leaves them what is worth much to all.
     """
 
     def __init__(
@@ -56,6 +65,7 @@ class RouteSearch:
         self._routes: Routes = tuple(() for _ in campaign.missions)
         self._worth = -np.inf
         self._idle = 0
+        self.multipliers = np.zeros(len(campaign.names))
         self.counters = {"beams": 0, "recreations": 0, "packings": 0}
 
     def begin(self, start: Routes | None = None) -> None:
@@ -102,8 +112,12 @@ class RouteSearch:
         for chaser in flown_anew:
             routes[chaser] = ()
         done = targets_of(campaign, routes)
-        for chaser in flown_anew:
+        for number, chaser in enumerate(flown_anew):
             worths = left(campaign, done)
+            considerate = float(rng.uniform())
+            if number < flown_anew.size - 1:
+                offered = worths - considerate * self.multipliers
+                worths = np.maximum(offered, LEAST_OFFER * worths)
             mission = campaign.missions[chaser].offering(worths)
             layer, settings, seed = varied(mission, width, rng)
             if self._stop.remaining_s() <= 0.0:
@@ -119,6 +133,9 @@ class RouteSearch:
             self._certificate.offer(routes)
         else:
             self._idle += 1
+        if self._idle >= ADRIFT and self._certificate.sequence is not None:
+            self._meet(self._certificate.sequence)
+            self._idle = 0
 
     def pack(self, time_limit_s: float) -> None:
         """The best plan of the routes met."""
