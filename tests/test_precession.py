@@ -79,12 +79,12 @@ def test_every_crossing_of_a_year_is_an_event(inclination_deg):
         half_turns, numbers = drifting_connections.events_of(made, 365.0 * DAY_S, 0.0)
         expected = crossings(pair.i, pair.j, 365.0 * DAY_S)
         assert np.all(np.diff(half_turns) == 1)
-        assert numbers[0].size == expected.size, pair
-        off = np.abs(numbers[0] - expected) > 1e-4
+        assert numbers[:, 0].size == expected.size, pair
+        off = np.abs(numbers[:, 0] - expected) > 1e-4
         assert np.count_nonzero(off) <= (2 if abs(apart) < 0.1 else 0), pair
-        assert np.all(numbers[6][off] < 5e-4)
-        assert np.all(np.diff(numbers[0]) > 0.0)
-        aligned += numbers[6].min() < 0.5 * numbers[6].max()
+        assert np.all(numbers[:, 6][off] < 5e-4)
+        assert np.all(np.diff(numbers[:, 0]) > 0.0)
+        aligned += numbers[:, 6].min() < 0.5 * numbers[6].max()
     assert aligned == 3
 
 
@@ -92,9 +92,9 @@ def test_events_keep_their_spacing():
     """With a spacing, some of all events are left, none much closer and none much farther apart."""
     for pair in pairs(1, 24):
         made = transfer.prepare(pair.i, pair.j, 0.0, oblate_rule())
-        every = drifting_connections.events_of(made, 60.0 * DAY_S, 0.0)[1][0]
+        every = drifting_connections.events_of(made, 60.0 * DAY_S, 0.0)[1][:, 0]
         for spacing in (1e4, DAY_S, 2.5 * DAY_S):
-            some = drifting_connections.events_of(made, 60.0 * DAY_S, spacing)[1][0]
+            some = drifting_connections.events_of(made, 60.0 * DAY_S, spacing)[1][:, 0]
             assert np.isin(np.round(some, 3), np.round(every, 3)).all()
             gaps = np.diff(some)
             # The line of nodes itself moves meanwhile, by half a revolution at most.
@@ -211,7 +211,7 @@ def test_no_sequence_is_missed():
         approach = law.approach_revolutions * lap
         half_turns, numbers = drifting_connections.events_of(made, duration, 0.0)
         for event, k in itertools.product(range(half_turns.size), range(7)):
-            departure, _, alpha_i, alpha_j = numbers[:4, event]
+            departure, _, alpha_i, alpha_j = numbers[event, :4]
             high = made.longest + k * made.longest_lap
             met = departure + made.shortest + k * made.shortest_lap
             while met < departure + high + lap:

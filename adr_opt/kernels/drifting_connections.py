@@ -15,21 +15,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import drift, eccentricity, keep_out, phasing, precession, transfer
+from . import drift, eccentricity, keep_out, phasing, precession, settling, transfer
 from .compile import inlined, kernel
 from .connections import Found
 from .constants import SLACK_S
-from .lists import chosen, rising, wider
+from .lists import chosen, rising
+from .memory import borrowed
+from .settling import BAND_S, BLOCK, COST, LEFT, MET, NEAR_RAD, REVOLUTIONS
 from .transfer import TWO_PI
-
-BAND_S = 300.0
-"""A sequence whose flight time is estimated so far from what its revolutions allow is left out."""
 
 SURE_STEPS = 3
 """A fixed point that takes no more is found again from anywhere near."""
-
-NEAR_RAD = 0.003
-"""Where planes are so near, that is not sure [rad]."""
 
 ERROR_M_S, BEND_M_S = 0.05, 400.0
 """How far the estimate of a ΔV may be off: so much, and so much times (ε/θ)²."""
@@ -61,23 +57,23 @@ def events_of(pair, duration, spacing):
     Returns
     -------
     half_turns : (events,) int64
-    numbers : (7, events) float64
-        The other fields of :class:`.precession.Event`, event by event.
+    numbers : (events, 7) float64
+        The other fields of :class:`.precession.Event`.
     """
     steps = max(1, math.ceil(spacing * pair.rate_i / math.pi - 1e-9))
     most = int(max(duration, 0.0) * pair.rate_i / math.pi / steps) + 3
-    half_turns, numbers = np.empty(most, np.int64), np.empty((7, most))
+    half_turns, numbers = np.empty(most, np.int64), np.empty((most, 7))
     event = precession.first_event(pair)
     count = 0
     while event.time <= duration and count < most:
         half_turns[count] = event.half_turns
-        numbers[0, count], numbers[1, count] = event.time, event.lag
-        numbers[2, count], numbers[3, count] = event.alpha_i, event.alpha_j
-        numbers[4, count], numbers[5, count] = event.turn_i, event.turn_j
-        numbers[6, count] = event.theta
+        numbers[count, 0], numbers[count, 1] = event.time, event.lag
+        numbers[count, 2], numbers[count, 3] = event.alpha_i, event.alpha_j
+        numbers[count, 4], numbers[count, 5] = event.turn_i, event.turn_j
+        numbers[count, 6] = event.theta
         count += 1
         event = precession.later_event(pair, event, steps)
-    return half_turns[:count], numbers[:, :count]
+    return half_turns[:count], numbers[:count]
 
 
 @inlined
@@ -85,6 +81,182 @@ def _listed(event, departure):
     """By when a chaser has to be ready that leaves at a time near an event [s]."""
     steps = math.floor((departure - event + precession.ROUNDING_S) / precession.STEP_S)
     return min(departure, event + steps * precession.STEP_S)
+
+
+class Shorts(NamedTuple):
+    """Short transfers of a pair, in order of events from the last to the first, then of arrival.
+
+    Attributes
+    ----------
+    departure, arrival, delta_v : (transfers,) float64
+        [s], [s], [m/s].
+    revolutions : (transfers,) int8
+    """
+
+    departure: np.ndarray
+    arrival: np.ndarray
+    delta_v: np.ndarray
+    revolutions: np.ndarray
+
+
+class Known(NamedTuple):
+    """By crossing of the target, what later departures cost that arrive there, and until when.
+
+    Attributes
+    ----------
+    delta_v : (crossings,) float64
+        The least of them, +inf for none [m/s].
+    until : (crossings,) float64
+        [s].
+    """
+
+    delta_v: np.ndarray
+    until: np.ndarray
+
+
+@kernel
+def _settled(pair, rule, curves, half_turns, number, met, below):
+    """The cheapest sequence of an event that meets the target about a time, found one by one.
+
+    Parameters
+    ----------
+    pair : Pair
+    rule : TransferRule
+    curves : Curves
+    half_turns : int
+        Of the event.
+    number : (7,) float64
+        What else :func:`events_of` says of it.
+    met : float
+        When the chaser would be at the stand-off without ε [s].
+    below : float
+        It has to cost less [m/s].
+
+    Returns
+    -------
+    delta_v : float
+        +inf for none [m/s].
+    revolutions : int
+    departure, stand_off : float
+        The departure exactly [s].
+    """
+    event, lag, alpha_i, alpha_j = number[0], number[1], number[2], number[3]
+    turn_i, turn_j, theta = number[4], number[5], number[6]
+    sines = 4.0 * math.sin(pair.inclination_i) * math.sin(pair.inclination_j)
+    tilt = 4.0 * math.sin(0.5 * (pair.inclination_j - pair.inclination_i)) ** 2
+    matching = eccentricity.matching(pair, event)
+    moves = turn_j / pair.rate_j - turn_i / pair.rate_i
+    base = met - event
+    best, best_k, best_d, best_a = math.inf, -1, 0.0, 0.0
+    for k in range(rule.max_phasing_revolutions + 1):
+        if pair.shortest + k * pair.shortest_lap > base + BAND_S:
+            break
+        if pair.longest + k * pair.longest_lap < base - BAND_S:
+            continue
+        left, there = event, met
+        if curves.time.shape[0] > 0:
+            shift = phasing.parts_at(curves, k, base)[4]
+            time = base + moves * shift
+            climb, rest, chord, square, shift = phasing.parts_at(curves, k, time)
+            angle = tilt + sines * math.sin(0.5 * (lag + shift)) ** 2
+            estimate = transfer.whole(climb, rest, chord, square * angle, matching)
+            estimate += pair.fixed_delta_v
+            if estimate - ERROR_M_S - BEND_M_S * (shift / theta) ** 2 >= min(below, best):
+                continue
+            left += turn_i * shift / pair.rate_i
+            there += turn_j * shift / pair.rate_j
+        found = precession.settle(pair, rule, half_turns, k, left, there, alpha_i, alpha_j)
+        if found.delta_v >= min(below, best):
+            continue
+        if found.departure < -SLACK_S or abs(found.stand_off - met) > math.pi / pair.rate_j:
+            continue
+        if rule.zones.shape[0] > 0 and keep_out.is_blocked(
+            pair, rule, k, found.radius, found.departure
+        ):
+            continue
+        if found.steps > SURE_STEPS or theta < NEAR_RAD:
+            # Who flies it must find the departure again.
+            ready = max(_listed(event, found.departure), 0.0)
+            again = precession.leaving(pair, rule, k, ready, found.stand_off)
+            if not abs(again - found.departure) < precession.ROUNDING_S:
+                continue
+        best, best_k = found.delta_v, k
+        best_d, best_a = found.departure, found.stand_off
+    return best, best_k, best_d, best_a
+
+
+@kernel
+def _sift(
+    pair, rule, curves, grid, half_turns, number, place, base, duration, most, resolution,
+    known, shorts, count,
+):  # fmt: skip
+    """Add the sequences of an event that none of a later departure dominates; how many there are.
+
+    Parameters
+    ----------
+    pair : Pair
+    rule : TransferRule
+    curves : Curves
+    grid : Grid
+        With the event in it.
+    half_turns, number
+        As :func:`_settled` takes them.
+    place : int
+        Of the event in the grid, −1 if its sequences have to be settled one by one.
+    base : float
+        Flight time of the first row without ε [s].
+    duration, most, resolution : float
+        As :func:`short` takes them.
+    known : Known
+        Brought up to date.
+    shorts : Shorts
+        Written from number ``count`` on.
+    count : int
+    """
+    grid, known, shorts = borrowed(grid), borrowed(known), borrowed(shorts)
+    event, lap = number[0], TWO_PI / pair.rate_j
+    approach = rule.approach_revolutions * lap
+    longest = pair.longest + rule.max_phasing_revolutions * pair.longest_lap
+    latest = min(longest, duration - event - approach) + BAND_S
+    turned = pair.latitude_j + pair.rate_j * (event + base) - rule.standoff / pair.radius_j
+    first = math.floor((turned - number[3]) / math.pi + 0.5) + 1
+    zoned, cheapest = rule.zones.shape[0] > 0, most + resolution
+    for row in range(grid.found.shape[0]):
+        met = event + base + row * lap
+        if met - event > latest:
+            break
+        below = cheapest - resolution
+        best, best_k, departure, stand_off = -math.inf, 0, event, met
+        if place >= 0:
+            best = grid.found[row, COST * BLOCK + place]
+            best_k = int(grid.found[row, REVOLUTIONS * BLOCK + place])
+            departure += grid.found[row, LEFT * BLOCK + place]
+            stand_off += grid.found[row, MET * BLOCK + place]
+        if best == -math.inf or (
+            zoned
+            and best < below
+            and keep_out.any_closed(rule.zones, departure, stand_off + approach)
+        ):
+            best, best_k, departure, stand_off = _settled(
+                pair, rule, curves, half_turns, number, met, below
+            )
+        better, arrival = best < below, stand_off + approach
+        crossing = min(max(first + 2 * row, 1), known.until.size - 1)
+        for c in range(max(crossing - 3, 0), crossing + 1):
+            if not better or known.until[c] <= arrival + SLACK_S:
+                cheapest = min(cheapest, known.delta_v[c])
+        if better and best < cheapest - resolution and arrival <= duration:
+            shorts.departure[count] = max(_listed(event, departure), 0.0)
+            shorts.arrival[count], shorts.delta_v[count] = arrival, best
+            shorts.revolutions[count] = best_k
+            count += 1
+            cheapest = best
+            until = known.until[crossing]
+            known.until[crossing] = (
+                arrival if known.delta_v[crossing] == math.inf else max(until, arrival)
+            )
+            known.delta_v[crossing] = min(known.delta_v[crossing], best)
+    return count
 
 
 @kernel
@@ -106,109 +278,61 @@ def short(pair, rule, duration, spacing, most, resolution):
 
     Returns
     -------
-    departure, arrival, delta_v : (transfers,) float64
-        In order of events from the last to the first, then of arrival [s], [s], [m/s].
-    revolutions : (transfers,) int8
+    shorts : Shorts
+        With room for more.
+    count : int
+        How many they are.
     """
     half_turns, numbers = events_of(pair, duration, spacing)
-    curves = phasing.curves_of(pair, rule)
-    lap, approach = TWO_PI / pair.rate_j, rule.approach_revolutions * TWO_PI / pair.rate_j
-    longest = pair.longest + rule.max_phasing_revolutions * pair.longest_lap + BAND_S
-    sines = 4.0 * math.sin(pair.inclination_i) * math.sin(pair.inclination_j)
-    tilt = 4.0 * math.sin(0.5 * (pair.inclination_j - pair.inclination_i)) ** 2
-    size = 1024
-    departures, arrivals, costs = np.empty(size), np.empty(size), np.empty(size)
-    laps = np.empty(size, np.int8)
-    count = 0
-    # By crossing of the target: what later departures cost that arrive there, and until when.
-    crossings = int(max(duration, 0.0) / lap * 2.0) + 8
-    known, until = np.empty(crossings), np.empty(crossings)
-    for c in range(crossings):
-        known[c], until[c] = math.inf, math.inf
+    curves, lap = phasing.curves_of(pair, rule), TWO_PI / pair.rate_j
     least_turn = (1.0 - 1e-9) * pair.speed_i * math.sqrt(
         2.0 * pair.radius_i * pair.radius_i
         / (rule.max_radius * (pair.radius_i + rule.max_radius))
     )  # fmt: skip
-    offset = rule.standoff / pair.radius_j
-    for e in range(half_turns.size - 1, -1, -1):
-        event, lag, alpha_i, alpha_j = numbers[0, e], numbers[1, e], numbers[2, e], numbers[3, e]
-        theta = numbers[6, e]
-        if least_turn * math.sin(min(0.9 * theta, 0.5 * math.pi)) > most:
+    # Events whose planes are near enough, and their flight times in the first row.
+    size, bases = 0, np.empty(half_turns.size)
+    for e in range(half_turns.size):
+        if least_turn * math.sin(min(0.9 * numbers[e, 6], 0.5 * math.pi)) > most:
             continue
-        matching = eccentricity.matching(pair, event)
-        moves = numbers[5, e] / pair.rate_j - numbers[4, e] / pair.rate_i
-        met = precession.meeting(
-            pair, rule, half_turns[e], alpha_j, event + pair.shortest - BAND_S + 0.5 * lap
-        )
-        latest = min(longest, duration - event - approach + BAND_S)
-        cheapest = most + resolution
-        while met - event <= latest:
-            base = met - event
-            turned = pair.latitude_j + pair.rate_j * met - offset - alpha_j
-            crossing = math.floor(turned / math.pi + 0.5) + 1
-            crossing = min(max(crossing, 1), crossings - 1)
-            best, best_k = math.inf, -1
-            best_d = best_a = 0.0
-            for k in range(rule.max_phasing_revolutions + 1):
-                if pair.shortest + k * pair.shortest_lap > base + BAND_S:
-                    break
-                if pair.longest + k * pair.longest_lap < base - BAND_S:
-                    continue
-                left, there = event, met
-                if curves.time.shape[0] > 0:
-                    shift = phasing.parts_at(curves, k, base)[4]
-                    time = base + moves * shift
-                    climb, rest, chord, square, shift = phasing.parts_at(curves, k, time)
-                    angle = tilt + sines * math.sin(0.5 * (lag + shift)) ** 2
-                    estimate = transfer.whole(climb, rest, chord, square * angle, matching)
-                    estimate += pair.fixed_delta_v
-                    off = ERROR_M_S + BEND_M_S * (shift / theta) ** 2
-                    if estimate - off >= min(cheapest - resolution, best):
-                        continue
-                    left += numbers[4, e] * shift / pair.rate_i
-                    there += numbers[5, e] * shift / pair.rate_j
-                found = precession.settle(
-                    pair, rule, half_turns[e], k, left, there, alpha_i, alpha_j
-                )
-                if found.delta_v >= min(cheapest - resolution, best):
-                    continue
-                if found.departure < -SLACK_S or abs(found.stand_off - met) > 0.5 * lap:
-                    continue
-                if rule.zones.shape[0] > 0 and keep_out.is_blocked(
-                    pair, rule, k, found.radius, found.departure
-                ):
-                    continue
-                listed = max(_listed(event, found.departure), 0.0)
-                if found.steps > SURE_STEPS or theta < NEAR_RAD:
-                    # Who flies it must find the departure again.
-                    again = precession.leaving(pair, rule, k, listed, found.stand_off)
-                    if not abs(again - found.departure) < precession.ROUNDING_S:
-                        continue
-                best, best_k = found.delta_v, k
-                best_d, best_a = listed, found.stand_off + approach
-            for c in range(max(crossing - 3, 0), crossing + 1):
-                if best_k < 0 or until[c] <= best_a + SLACK_S:
-                    cheapest = min(cheapest, known[c])
-            if best_k >= 0 and best < cheapest - resolution and best_a <= duration:
-                if count == departures.size:
-                    departures, arrivals = wider(departures, count), wider(arrivals, count)
-                    costs, laps = wider(costs, count), wider(laps, count)
-                departures[count], arrivals[count] = best_d, best_a
-                costs[count], laps[count] = best, best_k
-                count += 1
-                cheapest = best
-                until[crossing] = (
-                    best_a if known[crossing] == math.inf else max(until[crossing], best_a)
-                )
-                known[crossing] = min(known[crossing], best)
-            met += lap
-    return departures[:count], arrivals[:count], costs[:count], laps[:count]
+        for field in range(7):
+            numbers[size, field] = numbers[e, field]
+        half_turns[size] = half_turns[e]
+        about = numbers[e, 0] + pair.shortest - BAND_S + 0.5 * lap
+        met = precession.meeting(pair, rule, half_turns[e], numbers[e, 3], about)
+        bases[size] = met - numbers[e, 0]
+        size += 1
+    span = pair.longest + rule.max_phasing_revolutions * pair.longest_lap - pair.shortest
+    rows = int((span + 2.0 * BAND_S) / lap) + 1
+    crossings = int(max(duration, 0.0) / lap * 2.0) + 8
+    known = Known(np.empty(crossings), np.empty(crossings))
+    for c in range(crossings):
+        known.delta_v[c], known.until[c] = math.inf, math.inf
+    room = rows * size
+    shorts = Shorts(np.empty(room), np.empty(room), np.empty(room), np.empty(room, np.int8))
+    grid, count = settling.grid_of(curves, rows), 0
+    approach = rule.approach_revolutions * lap
+    for end in range(size, 0, -BLOCK):
+        begin = max(end - BLOCK, 0)
+        in_time = duration - numbers[begin, 0] - approach - pair.shortest + 2.0 * BAND_S
+        settling.lay_out(
+            pair, grid, numbers[begin:end], bases[begin:end],
+            min(int(max(in_time, 0.0) / lap) + 1, rows),
+        )  # fmt: skip
+        for e in range(end - 1, begin - 1, -1):
+            theta = numbers[e, 6]
+            sure = curves.time.shape[0] > 0 and NEAR_RAD <= theta <= math.pi - NEAR_RAD
+            count = _sift(
+                pair, rule, curves, grid, half_turns[e], numbers[e],
+                grid.place[e - begin] if sure else -1, bases[e],
+                duration, most, resolution, known, shorts, count,
+            )  # fmt: skip
+    return shorts, count
 
 
 @kernel
-def _by_departure(departure, arrival):
-    """Order of connections by departure, and of those that leave together by arrival."""
-    order = rising(departure, departure.size)
+def _by_departure(departure, arrival, size):
+    """Order of the first connections by departure, and of those that leave together by arrival."""
+    order = rising(departure, size)
     for place in range(1, order.size):
         new, at = order[place], place
         while (
@@ -300,13 +424,11 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolution):
         Long transfers have −1 revolutions.
     """
     pair = transfer.prepare(orbit_i, orbit_j, extra_delta_v, rule)
-    departure, arrival, cost, laps = short(
-        pair, rule, duration, times.interval, times.most, resolution
-    )
-    order = _by_departure(departure, arrival)
-    shorts = order.size
-    departure, arrival = chosen(departure, order, shorts), chosen(arrival, order, shorts)
-    cost, laps = chosen(cost, order, shorts), chosen(laps, order, shorts)
+    found, shorts = short(pair, rule, duration, times.interval, times.most, resolution)
+    order = _by_departure(found.departure, found.arrival, shorts)
+    departure = chosen(found.departure, order, shorts)
+    arrival = chosen(found.arrival, order, shorts)
+    cost, laps = chosen(found.delta_v, order, shorts), chosen(found.revolutions, order, shorts)
     if times.longest < times.step:
         return Found(departure, arrival, cost, laps, _ranks(arrival))
     drifts = drift.prepare(orbit_i, orbit_j, rule.min_radius, rule.max_radius, rule.oblateness)
