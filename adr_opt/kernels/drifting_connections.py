@@ -21,11 +21,14 @@ from .connections import Found
 from .constants import SLACK_S
 from .lists import chosen, rising
 from .memory import borrowed
-from .settling import BAND_S, BLOCK, COST, LEFT, MET, NEAR_RAD, REVOLUTIONS
+from .settling import BAND_S, BLOCK, COST, FLAT_RAD, LEFT, MET, REVOLUTIONS
 from .transfer import TWO_PI
 
 SURE_STEPS = 3
 """A fixed point that takes no more is found again from anywhere near."""
+
+NEAR_RAD = 0.003
+"""Where planes are so near, that is not sure [rad]."""
 
 ERROR_M_S, BEND_M_S = 0.05, 400.0
 """How far the estimate of a ΔV may be off: so much, and so much times (ε/θ)²."""
@@ -57,22 +60,22 @@ def events_of(pair, duration, spacing):
     Returns
     -------
     half_turns : (events,) int64
-    numbers : (events, 7) float64
+    numbers : (events, 5) float64
         The other fields of :class:`.precession.Event`.
     """
     steps = max(1, math.ceil(spacing * pair.rate_i / math.pi - 1e-9))
     most = int(max(duration, 0.0) * pair.rate_i / math.pi / steps) + 3
-    half_turns, numbers = np.empty(most, np.int64), np.empty((most, 7))
+    half_turns, numbers = np.empty(most, np.int64), np.empty((most, 5))
     event = precession.first_event(pair)
-    count = 0
+    count, after = 0, steps * math.pi / pair.rate_i
     while event.time <= duration and count < most:
         half_turns[count] = event.half_turns
         numbers[count, 0], numbers[count, 1] = event.time, event.lag
         numbers[count, 2], numbers[count, 3] = event.alpha_i, event.alpha_j
-        numbers[count, 4], numbers[count, 5] = event.turn_i, event.turn_j
-        numbers[count, 6] = event.theta
+        numbers[count, 4] = event.theta
         count += 1
-        event = precession.later_event(pair, event, steps)
+        later = precession.later_event(pair, event, steps, after)
+        event, after = later, later.time - event.time
     return half_turns[:count], numbers[:count]
 
 
@@ -81,6 +84,14 @@ def _listed(event, departure):
     """By when a chaser has to be ready that leaves at a time near an event [s]."""
     steps = math.floor((departure - event + precession.ROUNDING_S) / precession.STEP_S)
     return min(departure, event + steps * precession.STEP_S)
+
+
+@kernel
+def _found_again(pair, rule, revolutions, event, departure, stand_off):
+    """Whether he who flies a sequence finds its departure again."""
+    ready = max(_listed(event, departure), 0.0)
+    again = precession.leaving(pair, rule, revolutions, ready, stand_off)
+    return abs(again - departure) < precession.ROUNDING_S
 
 
 class Shorts(NamedTuple):
@@ -125,7 +136,7 @@ def _settled(pair, rule, curves, half_turns, number, met, below):
     curves : Curves
     half_turns : int
         Of the event.
-    number : (7,) float64
+    number : (5,) float64
         What else :func:`events_of` says of it.
     met : float
         When the chaser would be at the stand-off without ε [s].
@@ -141,7 +152,8 @@ def _settled(pair, rule, curves, half_turns, number, met, below):
         The departure exactly [s].
     """
     event, lag, alpha_i, alpha_j = number[0], number[1], number[2], number[3]
-    turn_i, turn_j, theta = number[4], number[5], number[6]
+    theta = number[4]
+    turn_i, turn_j = precession.turning(pair, lag, alpha_i, alpha_j)
     sines = 4.0 * math.sin(pair.inclination_i) * math.sin(pair.inclination_j)
     tilt = 4.0 * math.sin(0.5 * (pair.inclination_j - pair.inclination_i)) ** 2
     matching = eccentricity.matching(pair, event)
@@ -174,12 +186,10 @@ def _settled(pair, rule, curves, half_turns, number, met, below):
             pair, rule, k, found.radius, found.departure
         ):
             continue
-        if found.steps > SURE_STEPS or theta < NEAR_RAD:
-            # Who flies it must find the departure again.
-            ready = max(_listed(event, found.departure), 0.0)
-            again = precession.leaving(pair, rule, k, ready, found.stand_off)
-            if not abs(again - found.departure) < precession.ROUNDING_S:
-                continue
+        if (found.steps > SURE_STEPS or theta < NEAR_RAD) and not _found_again(
+            pair, rule, k, event, found.departure, found.stand_off
+        ):
+            continue
         best, best_k = found.delta_v, k
         best_d, best_a = found.departure, found.stand_off
     return best, best_k, best_d, best_a
@@ -220,7 +230,8 @@ def _sift(
     latest = min(longest, duration - event - approach) + BAND_S
     turned = pair.latitude_j + pair.rate_j * (event + base) - rule.standoff / pair.radius_j
     first = math.floor((turned - number[3]) / math.pi + 0.5) + 1
-    zoned, cheapest = rule.zones.shape[0] > 0, most + resolution
+    zoned, near = rule.zones.shape[0] > 0, number[4] < NEAR_RAD
+    cheapest = most + resolution
     for row in range(grid.found.shape[0]):
         met = event + base + row * lap
         if met - event > latest:
@@ -232,11 +243,12 @@ def _sift(
             best_k = int(grid.found[row, REVOLUTIONS * BLOCK + place])
             departure += grid.found[row, LEFT * BLOCK + place]
             stand_off += grid.found[row, MET * BLOCK + place]
-        if best == -math.inf or (
-            zoned
-            and best < below
-            and keep_out.any_closed(rule.zones, departure, stand_off + approach)
-        ):
+        alone = best == -math.inf
+        if best < below and not alone:
+            alone = (
+                zoned and keep_out.any_closed(rule.zones, departure, stand_off + approach)
+            ) or (near and not _found_again(pair, rule, best_k, event, departure, stand_off))
+        if alone:
             best, best_k, departure, stand_off = _settled(
                 pair, rule, curves, half_turns, number, met, below
             )
@@ -292,9 +304,9 @@ def short(pair, rule, duration, spacing, most, resolution):
     # Events whose planes are near enough, and their flight times in the first row.
     size, bases = 0, np.empty(half_turns.size)
     for e in range(half_turns.size):
-        if least_turn * math.sin(min(0.9 * numbers[e, 6], 0.5 * math.pi)) > most:
+        if least_turn * math.sin(min(0.9 * numbers[e, 4], 0.5 * math.pi)) > most:
             continue
-        for field in range(7):
+        for field in range(5):
             numbers[size, field] = numbers[e, field]
         half_turns[size] = half_turns[e]
         about = numbers[e, 0] + pair.shortest - BAND_S + 0.5 * lap
@@ -319,8 +331,8 @@ def short(pair, rule, duration, spacing, most, resolution):
             min(int(max(in_time, 0.0) / lap) + 1, rows),
         )  # fmt: skip
         for e in range(end - 1, begin - 1, -1):
-            theta = numbers[e, 6]
-            sure = curves.time.shape[0] > 0 and NEAR_RAD <= theta <= math.pi - NEAR_RAD
+            theta = numbers[e, 4]
+            sure = curves.time.shape[0] > 0 and FLAT_RAD <= theta <= math.pi - FLAT_RAD
             count = _sift(
                 pair, rule, curves, grid, half_turns[e], numbers[e],
                 grid.place[e - begin] if sure else -1, bases[e],

@@ -55,8 +55,6 @@ class Event(NamedTuple):
         δ then [rad].
     alpha_i, alpha_j : float
         Arguments of latitude of the line of nodes in the two planes [rad].
-    turn_i, turn_j : float
-        By how much these change with δ.
     theta : float
         Angle between the planes [rad].
     """
@@ -66,8 +64,6 @@ class Event(NamedTuple):
     lag: float
     alpha_i: float
     alpha_j: float
-    turn_i: float
-    turn_j: float
     theta: float
 
 
@@ -118,13 +114,16 @@ def event_at(pair, half_turns, time, alpha_i, alpha_j):
         time = (alpha_i + math.pi * half_turns - pair.latitude_i) / pair.rate_i
         if abs(time - before) < CLOSE_S:
             break
+    return Event(half_turns, time, lag, alpha_i, alpha_j, theta)
+
+
+@inlined
+def turning(pair, lag, alpha_i, alpha_j):
+    """By how much the arguments of latitude of the line of nodes change with δ."""
     moved_i, moved_j, _ = line(pair, lag + STEP_RAD)
-    return Event(
-        half_turns, time, lag, alpha_i, alpha_j,
-        (near(moved_i, alpha_i) - alpha_i) / STEP_RAD,
-        (near(moved_j, alpha_j) - alpha_j) / STEP_RAD,
-        theta,
-    )  # fmt: skip
+    return (near(moved_i, alpha_i) - alpha_i) / STEP_RAD, (
+        near(moved_j, alpha_j) - alpha_j
+    ) / STEP_RAD
 
 
 @kernel
@@ -140,11 +139,11 @@ def first_event(pair):
 
 
 @kernel
-def later_event(pair, event, steps):
-    """The event so many half turns after another one."""
-    half_turns = event.half_turns + steps
-    time = event.time + steps * math.pi / pair.rate_i
-    return event_at(pair, half_turns, time, event.alpha_i, event.alpha_j)
+def later_event(pair, event, steps, after):
+    """The event so many half turns after another one, and about so many seconds."""
+    return event_at(
+        pair, event.half_turns + steps, event.time + after, event.alpha_i, event.alpha_j
+    )
 
 
 @inlined

@@ -30,10 +30,10 @@ sees that no two of its fields overlap."""
 BAND_S = 300.0
 """A sequence whose flight time without ε is so far from what its revolutions allow is left out."""
 
-NEAR_RAD = 0.003
-"""Where planes are so near, or so near to opposite, lines of nodes move too far [rad]."""
+FLAT_RAD = 3e-4
+"""Where planes are so near, or so near to opposite, too many digits are lost [rad]."""
 
-SMALL = 0.25
+SMALL = 1.7
 """Tangents of angles up to so much are followed by a series."""
 
 TERMS = np.array([(-1.0) ** term / (2.0 * term + 1.0) for term in range(14)])
@@ -131,14 +131,19 @@ def _enter(pair, facts, e, time, base, lag):
 
 
 @inlined
-def _angle(tangent):
-    """The arc tangent of a small number; even and odd terms beside each other, which is faster."""
-    square = tangent * tangent
+def _angle(sine, cosine):
+    """The angle of a direction that need not be of length one, by that of its quarter.
+
+    Even and odd terms are added up beside each other, which is faster.
+    """
+    half = sine / (cosine + math.sqrt(cosine * cosine + sine * sine))
+    quarter = half / (1.0 + math.sqrt(1.0 + half * half))
+    square = quarter * quarter
     fourth, even, odd = square * square, 0.0, 0.0
     for term in range(12, -1, -2):
         even = even * fourth + TERMS[term]
         odd = odd * fourth + TERMS[term + 1]
-    return tangent * (even + odd * square)
+    return 4.0 * quarter * (even + odd * square)
 
 
 @inlined
@@ -151,8 +156,8 @@ def _ends(facts, e, s, rate_i, rate_j, cosine_i, cosine_j):
         [s].
     versine : float
         By how much 1 − cos δ grows.
-    tangent : float
-        The greater one of the two angles.
+    narrow : bool
+        Whether both angles are small enough for that.
     """
     half = 0.5 * s
     q = half * half
@@ -162,15 +167,13 @@ def _ends(facts, e, s, rate_i, rate_j, cosine_i, cosine_j):
     moved = 2.0 * sine * (at_cosine * cosine - at_sine * sine)
     versine = 2.0 * sine * (at_sine * cosine + at_cosine * sine)
     across, along = facts[ACROSS_I * BLOCK + e], facts[ALONG_I * BLOCK + e]
-    tangent_i = (across * moved + cosine_i * along * versine) / (
-        1.0 + along * moved - cosine_i * across * versine
-    )
+    sine_i = across * moved + cosine_i * along * versine
+    into_i = 1.0 + along * moved - cosine_i * across * versine
     across, along = facts[ACROSS_J * BLOCK + e], facts[ALONG_J * BLOCK + e]
-    tangent_j = (across * moved - cosine_j * along * versine) / (
-        1.0 + along * moved + cosine_j * across * versine
-    )
-    left, met = _angle(tangent_i) / rate_i, _angle(tangent_j) / rate_j
-    return left, met, versine, max(abs(tangent_i), abs(tangent_j))
+    sine_j = across * moved - cosine_j * along * versine
+    into_j = 1.0 + along * moved + cosine_j * across * versine
+    narrow = (abs(sine_i) <= SMALL * into_i) & (abs(sine_j) <= SMALL * into_j)
+    return _angle(sine_i, into_i) / rate_i, _angle(sine_j, into_j) / rate_j, versine, narrow
 
 
 @inlined
@@ -192,15 +195,15 @@ def _lower(
         base = facts[BASE * BLOCK + e] + later
         # s = g(s): g(0), g there, on by Aitken's rule, and a step of the secant method.
         s0 = _shift(curve, base)
-        left, met, versine, tangent = _ends(facts, e, s0, rate_i, rate_j, cosine_i, cosine_j)
+        left, met, versine, narrow = _ends(facts, e, s0, rate_i, rate_j, cosine_i, cosine_j)
         s1 = lag_rate * left + _shift(curve, base + met - left)
         bend = 2.0 * s0 - s1
         s2 = s1 if bend == 0.0 else s1 + (s1 - s0) * (s1 - s0) / bend
-        left, met, versine, tangent = _ends(facts, e, s2, rate_i, rate_j, cosine_i, cosine_j)
+        left, met, versine, narrow = _ends(facts, e, s2, rate_i, rate_j, cosine_i, cosine_j)
         s3 = lag_rate * left + _shift(curve, base + met - left)
         steep = 0.0 if s2 == s0 else (s3 - s1) / (s2 - s0)
         s = s2 + (s3 - s2) / (1.0 - steep)
-        left, met, versine, tangent = _ends(facts, e, s, rate_i, rate_j, cosine_i, cosine_j)
+        left, met, versine, narrow = _ends(facts, e, s, rate_i, rate_j, cosine_i, cosine_j)
         time = base + met - left
         shift = _shift(curve, time)
         climb = rest = chord = square = 0.0
@@ -214,7 +217,7 @@ def _lower(
         sure = (
             (abs(lag_rate * left + shift - s) <= error)
             & (abs(s1 - s0) <= SURE * abs(s0) + error)
-            & (tangent <= SMALL)
+            & narrow
         )
         turned = square * (facts[TURN * BLOCK + e] + sines * versine)
         matching = facts[MATCHING * BLOCK + e] + left * (
