@@ -240,8 +240,7 @@ def _past_line(pair, rule, revolutions, departure, stand_off):
 def leaving(pair, rule, revolutions, ready, stand_off):
     """When a sequence leaves that arrives at a time: the first crossing of its line from then on.
 
-    A fixed point, or where planes nearly coincide and the line moves as fast as the chaser, by
-    bisection.
+    By the secant method, or where that does not lead there, by bisection.
 
     Parameters
     ----------
@@ -264,13 +263,19 @@ def leaving(pair, rule, revolutions, ready, stand_off):
         low = ready - ROUNDING_S + bracket * width
         high = low + width
         if bracket < 0:
-            # Mostly the line hardly moves, and the way back to it is soon gone.
-            departure = ready
-            for _ in range(MOST_STEPS):
-                past = _past_line(pair, rule, revolutions, departure, stand_off)[0]
-                departure -= past
+            # Mostly the line moves at an even rate, and the way back to it is soon gone.
+            departure, before, past_before = ready, ready, 0.0
+            past, half_turns, alpha_j = _past_line(pair, rule, revolutions, ready, stand_off)
+            for step in range(MOST_STEPS):
+                grown = past - past_before
+                steep = 1.0 if step == 0 or grown == 0.0 else (departure - before) / grown
+                before, past_before = departure, past
+                departure -= past * steep
                 if abs(past) < CLOSE_S:
                     break
+                past, half_turns, alpha_j = _past_line(
+                    pair, rule, revolutions, departure, stand_off
+                )
             if not ready - ROUNDING_S <= departure <= ready + STEP_S + ROUNDING_S:
                 continue
         else:
@@ -287,7 +292,7 @@ def leaving(pair, rule, revolutions, ready, stand_off):
                 else:
                     high = departure
                 departure = 0.5 * (low + high)
-        past, half_turns, alpha_j = _past_line(pair, rule, revolutions, departure, stand_off)
+            past, half_turns, alpha_j = _past_line(pair, rule, revolutions, departure, stand_off)
         met = meeting(pair, rule, half_turns, alpha_j, stand_off)
         if abs(met - stand_off) < ROUNDING_S and abs(past) < CLOSE_S:
             return departure
