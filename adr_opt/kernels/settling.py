@@ -93,9 +93,7 @@ def grid_of(curves, rows):
             flat[k, n] = curves.time[k, n]
             for part in range(5):
                 flat[k, (part + 1) * NODES + n] = curves.coefficients[k, part, n]
-    return Grid(
-        np.zeros(13 * BLOCK), np.zeros((rows, 4 * BLOCK)), np.empty(BLOCK, np.int64), flat
-    )
+    return Grid(np.zeros(13 * BLOCK), np.zeros((rows, 4 * BLOCK)), np.empty(BLOCK, np.int64), flat)
 
 
 @inlined
