@@ -112,7 +112,7 @@ def test_no_burns_nearby_are_better() -> None:
 
 
 def test_what_needs_no_change_is_not_changed() -> None:
-    """Between circles, in the model's own dynamics, burns stay the plan's if changes count fully."""
+    """Between circles, in two-body motion, burns stay the plan's where changes count in full."""
     for course, closed, planned in cases("circles"):
         found = settle(course, closed, planned, 1.0)
         assert sizes(found.impulses - planned) <= sizes(closed.impulses - planned) + 0.05
