@@ -336,6 +336,27 @@ def test_savings_are_spent_where_one_wants_to() -> None:
     assert bool(overdrawn) == any("by the model a tank needs" in note for note in spent.plan.notes)
 
 
+@pytest.mark.parametrize("bound", [None, "lagrangian"])
+def test_what_is_proven_of_savings_is_no_bound_of_the_instance(bound: str | None) -> None:
+    """A plan that spends savings collects more than is proven possible by the model.
+
+    So it states no bound, nor that it is optimal: what is proven is in the notes, and of the
+    corrected connections.
+    """
+    tight = adr_opt.generate("tiny", 0).replace(dynamics="j2").with_limits(delta_v_m_s=450.0)
+    proven = adr_opt.solve(tight, "exact", time_limit=60.0).upper_bound
+    spent = adr_opt.solve_refined(tight, "exact", time_limit=60.0, spend_savings=True, bound=bound)
+    assert spent.plan is not None
+    assert fly_refined(tight, spent.refined).holds
+    assert spent.plan.objective > proven
+    assert {violation.rule for violation in adr_opt.check(tight, spent.plan)} == {"delta-v"}
+    plan = spent.plan
+    assert (plan.upper_bound, plan.gap, plan.cost_bound, plan.cost_gap) == (None,) * 4
+    assert plan.status == "feasible"
+    (note,) = [note for note in plan.notes if "collects more than" in note]
+    assert "of the corrected connections" in note
+
+
 def test_when_rounds_are_over_what_holds_of_a_plan_is_kept() -> None:
     """After one round of a plan that breaks its tank, the legs before that are the plan."""
     instance, _ = breaking()

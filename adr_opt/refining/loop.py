@@ -163,9 +163,9 @@ def solve_refined(
     The plan is refined. Where a tank does not hold what its legs cost then, or a leg cannot be
     refined, what legs cost in the mean goes into all connections, what they cost against that into
     those of their pairs (:class:`.lessons.Lessons`), and the mission is planned again. Connections
-    never cost less than the model says, so each plan is one of the instance; and each is another one,
-    since one that broke a tank breaks it over the corrected connections. Rounds end with the first
-    plan that holds. A beginning of an earlier plan that holds is kept if it collects more.
+    never cost less than the model says, so each plan is one of the instance; and each is another
+    one, since one that broke a tank breaks it over the corrected connections. Rounds end with the
+    first plan that holds. A beginning of an earlier plan that holds is kept if it collects more.
 
     Parameters
     ----------
