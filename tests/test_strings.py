@@ -163,12 +163,16 @@ def test_ruins_say_what_they_leave():
     rng = np.random.default_rng(0)
     targets = 20
     near = np.array([rng.permutation(targets) for _ in range(targets)])
+    for j in range(targets):
+        near[j] = [j, *near[j][near[j] != j]]
     taken = set()
     for _ in range(300):
         before = rng.permutation(targets)
         length = int(rng.integers(1, targets + 1))
         order = before.copy()
-        left, first, last = ruin(order, length, near, rng)
+        aim = int(rng.integers(-1, length))
+        left, first, last = ruin(order, length, near, aim, rng)
+        assert aim < 0 or before[aim] not in order[:left]
         assert sorted(order) == list(range(targets))
         kept = [j for j in before[:length] if j in order[:left]]
         assert order[:left].tolist() == kept

@@ -62,8 +62,8 @@ def _by_span(lines, i, j, cell_s, spans, cheapest, least):
     for c in range(begin, begin + lines.total[i, j]):
         departure, end = lines.departure[c], lines.end[c]
         straight = min(straight, end - departure)
-        g = min(max(np.int64(departure / cell_s), 0), CELLS - 1)
-        n = min(max(np.int64(end / cell_s), g), CELLS - 1) - g
+        g = min(max(int(departure / cell_s), 0), CELLS - 1)
+        n = min(max(int(end / cell_s), g), CELLS - 1) - g
         cheapest[g, n] = min(cheapest[g, n], lines.delta_v[c])
     for n in range(1, CELLS):
         for g in range(CELLS):
@@ -110,8 +110,8 @@ def leg(reach, i, j, begin, end):
     """Least ΔV of the connections of a pair that leave and end between two times [m/s]."""
     cost = np.inf
     if end - earliest_taken(begin) >= reach.straight[i, j]:
-        first = min(max(np.int64(earliest_taken(begin) / reach.cell_s), 0), CELLS - 1)
-        last = min(max(np.int64(end / reach.cell_s), first), CELLS - 1)
+        first = min(max(int(earliest_taken(begin) / reach.cell_s), 0), CELLS - 1)
+        last = min(max(int(end / reach.cell_s), first), CELLS - 1)
         cost = np.float64(reach.least[i, j, reach.rank[last - first + 1], first])
     return cost
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from copy import copy
 
 import numpy as np
 import numpy.typing as npt
@@ -37,6 +38,10 @@ MOST_STRINGS = 3
 
 HOT, COLD = 1.0, 0.03
 """Temperatures of the annealing, in mean prizes."""
+
+TIME_COUNTS = 0.3
+"""Share of what time is worth by which an order is judged. Targets that are hard to come by take
+more of it than their prize is worth, and an order that spares time for nothing is none better."""
 
 AIMED, AIMS = 0.5, 4
 """Share of the ruins that make room for a certain target, and positions of which one is chosen."""
@@ -161,7 +166,9 @@ def _recreate(rules, lines, reach, course, length, foremost, far, absent, desk, 
         length += 1
         if not (
             courses.time_back(rules, lines, course, length, position, position - 1, desk, trial)
-            and courses.time_forth(rules, lines, course, length, position, position + 1, desk, trial)
+            and courses.time_forth(
+                rules, lines, course, length, position, position + 1, desk, trial
+            )
         ):
             # Of stairs of about one height the one that would have done was left out.
             return -1
@@ -236,7 +243,9 @@ def anneal(rules, lines, reach, order, length, near, far, absent, weights, itera
         ) and courses.time_forth(rules, lines, there, size, 0, max(last, 1), desk, trial)
         new_value = -np.inf
         if possible:
-            size = _recreate(rules, lines, reach, there, size, foremost, far, absent, desk, trial, rng)
+            size = _recreate(
+                rules, lines, reach, there, size, foremost, far, absent, desk, trial, rng
+            )
             possible = size >= 0
         if possible:
             prize = courses.prize_of(rules, there, size)
@@ -299,6 +308,13 @@ class Strings:
         self._order = np.arange(first, rules.service.size, dtype=np.int64)
         self._length = 0
 
+    def beside(self, seed: int) -> Strings:
+        """Another one of the same mission, that may anneal at the same time."""
+        other = copy(self)
+        other._rng = np.random.default_rng(seed)
+        other._absent, other._order = self._absent.copy(), self._order.copy()
+        return other
+
     def begin(self, sequence: Iterable[int]) -> None:
         """Go on from a plan: bodies in order."""
         rules = self._mission.rules
@@ -312,6 +328,7 @@ class Strings:
         mission = self._mission
         rules, prize = mission.rules, worth_of(mission).prize
         worth = max(mission.prizes(self._order[: self._length]), prize) / rules.duration
+        worth *= TIME_COUNTS
         with halted_by(self._stop) as halt:
             best, self._length = anneal(
                 rules, self._lines, self._reach, self._order, self._length, self._near, self._far,
