@@ -46,12 +46,12 @@ WIDEST = 30_000
 USUAL_TARGETS = 50
 """Fields of this size get beams of the widths above; larger ones narrower ones."""
 
-ANNEALED, ANNEALINGS = 300, 16
+ANNEALED, ANNEALINGS = 300, 8
 """Iterations of an annealing where planes drift, and annealings of the first round."""
 
 PROVING_ROUNDS = 4
-"""Where planes drift and a proof has no bound yet, it goes on in one of so many rounds; in the
-others a second order is annealed in its place."""
+"""Where planes drift and a proof has no bound yet, it goes on in one of so many rounds after
+the second; in the others a second order is annealed in its place."""
 
 FRUITLESS = 6
 """So many annealings from one plan that find nothing better are followed by one from another."""
@@ -75,11 +75,11 @@ class _Search:
         self._beside: Strings | None = None
         self._found = Incumbent(mission)
         self.counters = {"beams": 0, "recreations": 0}
-        if self._drifts:
+        if self.drifts:
             self.counters["annealings"] = 0
 
     @property
-    def _drifts(self) -> bool:
+    def drifts(self) -> bool:
         """Whether planes drift far enough for orders to be annealed, which takes memory."""
         return self._mission.instance.transfer.max_drift_s > 0.0
 
@@ -121,7 +121,7 @@ class _Search:
 
     def anneal(self, annealings: int, width: int) -> None:
         """Where planes drift: anneal an order again and again, another once that is fruitless."""
-        if not (self._drifts and self._mission.total_worth > 0.0):
+        if not (self.drifts and self._mission.total_worth > 0.0):
             return
         if self._strings is None and self._stop.remaining_s() > 0.0:
             self._strings = Strings(self._mission, int(self._rng.integers(2**31)), self._stop)
@@ -267,7 +267,8 @@ def auto(
     worth more than the incumbent are exhaustive, so they find what beams miss) side by side with
     wider beams, with ruin-and-recreate and, where planes drift, with annealing of orders. Ends when
     the incumbent meets the bound, or when ``stop`` says so. The same seed and the same number of
-    iterations (rounds) give the same plan; ``jobs`` does not change it.
+    iterations (rounds) give the same plan; ``jobs`` does not change it. Where planes drift and a search
+    has proven nothing, a second order is annealed in most rounds in place of the proof.
 
     Parameters
     ----------
@@ -312,11 +313,11 @@ def auto(
             rounds += 1
             advancing: Future[None] | None = None
             task: Callable[[], None] | None = None
+            # Where nothing is proven after a search, the next ones will not prove it soon.
+            unbounded = search.drifts and certificate.bound >= mission.total_worth and rounds > 2
             if prover is not None and not prover.done:
                 prover.fetch()
                 task = prover.advance
-                # Where nothing is proven after a round, the next ones will not prove it soon.
-                unbounded = certificate.bound >= mission.total_worth
                 if unbounded and rounds % PROVING_ROUNDS != 1 and search.may_part():
                     task = partial(search.part, annealings)
             elif search.may_part():
@@ -325,7 +326,8 @@ def auto(
                 advancing = pool.submit(task)
             elif task is not None:
                 task()
-            if prover is not None and prover.latest is not None and rounds > 1:
+            guided = prover is not None and rounds > 1 and not unbounded
+            if guided and prover is not None and prover.latest is not None:
                 search.guided(prover.latest, min(2**rounds, MOST_GUIDED))
             else:
                 search.usual(max(USUAL_WIDTH, scaled(width)))
