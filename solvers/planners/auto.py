@@ -267,8 +267,8 @@ def auto(
     worth more than the incumbent are exhaustive, so they find what beams miss) side by side with
     wider beams, with ruin-and-recreate and, where planes drift, with annealing of orders. Ends when
     the incumbent meets the bound, or when ``stop`` says so. The same seed and the same number of
-    iterations (rounds) give the same plan; ``jobs`` does not change it. Where planes drift and a search
-    has proven nothing, a second order is annealed in most rounds in place of the proof.
+    iterations (rounds) give the same plan; ``jobs`` does not change it. Where planes drift and
+    a search has proven nothing, a second order is annealed in most rounds in place of the proof.
 
     Parameters
     ----------
