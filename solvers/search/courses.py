@@ -38,7 +38,7 @@ class Course(NamedTuple):
 
 
 @inlined
-def before(rules, order, position):
+def _before(rules, order, position):
     """The body before a position of an order."""
     return np.int64(rules.start) if position == 0 else order[position - 1]
 
@@ -52,7 +52,7 @@ def time_forth(rules, lines, course, length, first, settled, desk, trial):
     """
     order, came, suffices = course.order, course.came, course.suffices
     for p in range(first, length):
-        i, j = before(rules, order, p), order[p]
+        i, j = _before(rules, order, p), order[p]
         latest = suffices.time[j, 0]
         size = staircases.forwards(rules, lines, i, j, p > 0, came, i, latest, desk, trial, 0)
         if size == 0:
@@ -113,7 +113,7 @@ def left_with(rules, lines, course, length, j, p, latest, desk, trial):
     ``latest`` is when the chaser has to be ready at the next target, or when the mission ends.
     """
     order, came, suffices = course.order, course.came, course.suffices
-    i = before(rules, order, p)
+    i = _before(rules, order, p)
     size = staircases.forwards(rules, lines, i, j, p > 0, came, i, latest, desk, trial, 0)
     if size == 0:
         return -np.inf
@@ -139,7 +139,7 @@ def best_position(rules, lines, reach, course, length, j, desk, trial, rng):
     for p in range(length + 1):
         if rng.random() < PASSED_OVER:
             continue
-        i = before(rules, order, p)
+        i = _before(rules, order, p)
         k, latest, need = np.int64(-1), rules.duration, 0.0
         if p < length:
             k = order[p]

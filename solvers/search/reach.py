@@ -165,19 +165,3 @@ def may_fit(rules, reach, i, j, k, times, tanks, refuels):
         or to + on_full <= left
         or to_full + on_full <= rules.budget
     )
-
-
-@kernel
-def least_around(rules, reach, i, j, k, ready, latest):
-    """Least ΔV to come from a body to a target, and to go on, a full tank at either end [m/s].
-
-    Parameters as of :func:`may_fit`.
-    """
-    to, on = leg(reach, i, j, ready, latest), 0.0
-    if k >= 0:
-        on = leg(reach, j, k, ready, latest)
-    for s in range(rules.stations):
-        to = min(to, leg(reach, s, j, ready, latest))
-        if k >= 0:
-            on = min(on, leg(reach, j, s, ready, latest))
-    return to + on

@@ -30,7 +30,7 @@ from . import courses
 from . import stairs as staircases
 from .beams import TIME_VALUE_M_S_PER_H
 from .lines import lines_of
-from .reach import least_around, reach_of
+from .reach import reach_of
 from .worth import worth_of
 
 LONGEST_STRING = 6
@@ -43,9 +43,6 @@ TIME_COUNTS = 0.3
 """Share of what time is worth by which an order is judged. Targets that are hard to come by take
 more of it than their prize is worth, and an order that spares time for nothing is none better."""
 
-AIMED, AIMS = 0.5, 4
-"""Share of the ruins that make room for a certain target, and positions of which one is chosen."""
-
 NEIGHBOURS = 3
 """A target is as far from others as the mean of so many that are nearest to it."""
 
@@ -54,33 +51,8 @@ PATIENCE = 0.99
 
 
 @kernel
-def _aim(rules, reach, course, length, rng):
-    """A missing target, and a position of the order where little ΔV leads there and on."""
-    order, came, suffices = course.order, course.came, course.suffices
-    j = order[rng.integers(length, order.size)]
-    place, least = np.int64(-1), np.inf
-    for _ in range(AIMS):
-        p = rng.integers(0, length)
-        i, k = courses.before(rules, order, p), order[p]
-        cost = least_around(rules, reach, i, j, k, came.time[i, 0], suffices.time[k, 0])
-        if cost < least:
-            place, least = p, cost
-    return j, place
-
-
-@kernel
-def ruin(order, length, near, aim, rng):
+def ruin(order, length, near, rng):
     """Take strings of targets out of an order.
-
-    Parameters
-    ----------
-    order : (targets,) int64
-        Updated.
-    length : int
-        How many are visited.
-    near : (bodies, targets) int64
-    aim : int
-        A position from where a string is taken in any case; −1 for none.
 
     Returns
     -------
@@ -100,8 +72,6 @@ def ruin(order, length, near, aim, rng):
         seed = order[rng.integers(length, targets)]
     wanted = rng.integers(1, MOST_STRINGS + 1)
     longest = rng.integers(1, LONGEST_STRING + 1)
-    if aim >= 0:
-        seed = order[aim]
     for rank in range(near.shape[1]):
         p = place[near[seed, rank]]
         if wanted == 0:
@@ -134,7 +104,7 @@ def ruin(order, length, near, aim, rng):
 
 
 @kernel
-def _recreate(rules, lines, reach, course, length, foremost, far, absent, desk, trial, rng):
+def _recreate(rules, lines, reach, course, length, far, absent, desk, trial, rng):
     """Put missing targets back in, as far as they fit; returns how many are visited, or −1."""
     order = course.order
     missing = order.size - length
@@ -147,8 +117,6 @@ def _recreate(rules, lines, reach, course, length, foremost, far, absent, desk, 
             keys[m] -= absent[j]
         elif way < 0.6:
             keys[m] = -far[j] * (0.8 + 0.4 * keys[m])
-        if j == foremost:
-            keys[m] = -np.inf
     ranks = rising(keys, missing)
     turns = np.empty(missing, np.int64)
     for m in range(missing):
@@ -233,19 +201,14 @@ def anneal(rules, lines, reach, order, length, near, far, absent, weights, itera
             break
         temperature = hot * (cold / hot) ** (iteration / iterations)
         size, first, last = length, 0, 0
-        foremost, aim = np.int64(-1), np.int64(-1)
-        if 0 < length < order.size and rng.random() < AIMED:
-            foremost, aim = _aim(rules, reach, there, length, rng)
         if length > 0:
-            size, first, last = ruin(there.order, length, near, aim, rng)
+            size, first, last = ruin(there.order, length, near, rng)
         possible = courses.time_back(
             rules, lines, there, size, min(last, size) - 1, first - 1, desk, trial
         ) and courses.time_forth(rules, lines, there, size, 0, max(last, 1), desk, trial)
         new_value = -np.inf
         if possible:
-            size = _recreate(
-                rules, lines, reach, there, size, foremost, far, absent, desk, trial, rng
-            )
+            size = _recreate(rules, lines, reach, there, size, far, absent, desk, trial, rng)
             possible = size >= 0
         if possible:
             prize = courses.prize_of(rules, there, size)
