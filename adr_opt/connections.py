@@ -62,8 +62,8 @@ class Connecting:
     """Works out the connections of an instance, pair by pair.
 
     Where events are regular (two-body motion) a pair takes a tenth of a millisecond, and is worked
-    out whenever somebody asks. Where nodes drift it takes some milliseconds, and what planning
-    needs is kept, as far as there is room (:class:`.kept.Kept`).
+    out whenever somebody asks. Where nodes drift it takes half a millisecond to many, and what
+    planning needs is kept, as far as there is room (:class:`.kept.Kept`).
 
     Parameters
     ----------

@@ -161,7 +161,7 @@ class Timetable:
                 lambda first, last: chooser.choose_pairs(
                     turns, first, last, limits, time_value_m_s_per_h
                 ),
-                pairs, 1, threads, so_far,
+                pairs, max(1, int(SLICE_ENTRIES / max(size.listed, size.events))), threads, so_far,
             )  # fmt: skip
             whole = np.sort(turns[: max(1, math.isqrt(done))])
         if done < pairs:

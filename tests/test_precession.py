@@ -15,7 +15,14 @@ import adr_opt
 from adr_opt.connections import Connecting
 from adr_opt.flight.mean import MeanDynamics
 from adr_opt.kernels import burns as burn_kernels
-from adr_opt.kernels import connections, drifting_connections, orbits, precession, transfer
+from adr_opt.kernels import (
+    connections,
+    drifting_connections,
+    orbits,
+    precession,
+    short_transfers,
+    transfer,
+)
 from adr_opt.kernels.constants import DAY_S, OBLATENESS_M2, SLACK_S
 from adr_opt.settings import TransferSettings
 
@@ -76,15 +83,15 @@ def test_every_crossing_of_a_year_is_an_event(inclination_deg):
         ahead = math.degrees((rates[0] - rates[1]) * 0.5 * 365.0 * DAY_S)
         pair = pair_of(first, second.replace(raan_deg=40.0 + ahead))
         made = transfer.prepare(pair.i, pair.j, 0.0, oblate_rule())
-        half_turns, numbers = drifting_connections.events_of(made, 365.0 * DAY_S, 0.0)
+        half_turns, numbers = short_transfers.events_of(made, 365.0 * DAY_S, 0.0)
         expected = crossings(pair.i, pair.j, 365.0 * DAY_S)
         assert np.all(np.diff(half_turns) == 1)
-        assert numbers[0].size == expected.size, pair
-        off = np.abs(numbers[0] - expected) > 1e-4
+        assert numbers[:, 0].size == expected.size, pair
+        off = np.abs(numbers[:, 0] - expected) > 1e-4
         assert np.count_nonzero(off) <= (2 if abs(apart) < 0.1 else 0), pair
-        assert np.all(numbers[6][off] < 5e-4)
-        assert np.all(np.diff(numbers[0]) > 0.0)
-        aligned += numbers[6].min() < 0.5 * numbers[6].max()
+        assert np.all(numbers[:, 4][off] < 5e-4)
+        assert np.all(np.diff(numbers[:, 0]) > 0.0)
+        aligned += numbers[:, 4].min() < 0.5 * numbers[6].max()
     assert aligned == 3
 
 
@@ -92,9 +99,9 @@ def test_events_keep_their_spacing():
     """With a spacing, some of all events are left, none much closer and none much farther apart."""
     for pair in pairs(1, 24):
         made = transfer.prepare(pair.i, pair.j, 0.0, oblate_rule())
-        every = drifting_connections.events_of(made, 60.0 * DAY_S, 0.0)[1][0]
+        every = short_transfers.events_of(made, 60.0 * DAY_S, 0.0)[1][:, 0]
         for spacing in (1e4, DAY_S, 2.5 * DAY_S):
-            some = drifting_connections.events_of(made, 60.0 * DAY_S, spacing)[1][0]
+            some = short_transfers.events_of(made, 60.0 * DAY_S, spacing)[1][:, 0]
             assert np.isin(np.round(some, 3), np.round(every, 3)).all()
             gaps = np.diff(some)
             # The line of nodes itself moves meanwhile, by half a revolution at most.
@@ -209,9 +216,9 @@ def test_no_sequence_is_missed():
         found = drifting_connections.of_pair(pair.i, pair.j, 0.0, law, NO_DRIFT, duration, 0.1)
         lap = 2.0 * math.pi / made.rate_j
         approach = law.approach_revolutions * lap
-        half_turns, numbers = drifting_connections.events_of(made, duration, 0.0)
+        half_turns, numbers = short_transfers.events_of(made, duration, 0.0)
         for event, k in itertools.product(range(half_turns.size), range(7)):
-            departure, _, alpha_i, alpha_j = numbers[:4, event]
+            departure, _, alpha_i, alpha_j = numbers[event, :4]
             high = made.longest + k * made.longest_lap
             met = departure + made.shortest + k * made.shortest_lap
             while met < departure + high + lap:

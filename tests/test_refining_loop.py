@@ -157,12 +157,13 @@ def test_corrected_missions_equal_brute_force(seed: int, dynamics: str) -> None:
     instance = random_mission(seed, zones=False).instance.replace(dynamics=dynamics)
     rng = np.random.default_rng(seed)
     pairs = [(a, b) for a in instance.names for b in instance.names if a != b]
-    excess = {
-        (a, b, "short"): float(rng.choice([0.0, 30.0, 120.0, math.inf]))
+    shares = {
+        (a, b, "short"): float(rng.choice([0.9, 1.2, 2.0, math.inf]))
         for a, b in pairs
         if rng.random() < 0.5
     }
-    corrected = Mission(instance, threads=1).corrected(Corrections(excess, {"short": 1.15}))
+    corrections = Corrections(shares, {"short": 1.15}, {"short": 20.0})
+    corrected = Mission(instance, threads=1).corrected(corrections)
     best, _, _ = brute_force(corrected)
     result = adr_opt.solve(corrected, "exact", time_limit=60.0)
     assert result.objective == pytest.approx(best)
@@ -175,31 +176,39 @@ def test_corrected_missions_equal_brute_force(seed: int, dynamics: str) -> None:
 
 
 def test_corrected_connections_cost_what_is_said() -> None:
-    """A pair costs the factor of its kind and its excess, and a barred one is gone."""
+    """A pair costs its share of factor and addition of its kind, and a barred one is gone."""
     instance = adr_opt.generate("tiny", 0)
     a, b, c, d = instance.names[:4]
-    corrections = Corrections({(a, b, "short"): 12.5, (a, c, "short"): math.inf}, {"short": 1.25})
+    corrections = Corrections(
+        {(a, b, "short"): 1.1, (a, c, "short"): math.inf}, {"short": 1.25}, {"short": 12.5}
+    )
     model, corrected = Mission(instance), Mission(instance).corrected(corrections)
     before = model.timetable.connections(a, b, resolution_m_s=0.0)
     after = corrected.timetable.connections(a, b, resolution_m_s=0.0)
     assert np.array_equal(after.departure, before.departure)
-    assert after.delta_v == pytest.approx(1.25 * before.delta_v + 12.5)
+    assert after.delta_v == pytest.approx(1.1 * (1.25 * before.delta_v + 12.5))
     assert corrected.timetable.connections(a, c).departure.size == 0
     other = corrected.timetable.connections(a, d, resolution_m_s=0.0)
     assert other.delta_v == pytest.approx(
-        1.25 * model.timetable.connections(a, d, resolution_m_s=0.0).delta_v
+        1.25 * model.timetable.connections(a, d, resolution_m_s=0.0).delta_v + 12.5
     )
-    assert corrections.modelled(a, b, "short", 137.5) == pytest.approx(100.0)
-    assert corrections.modelled(a, d, "short", 125.0) == pytest.approx(100.0)
+    assert corrections.corrected(a, b, "short", 100.0) == pytest.approx(151.25)
+    assert corrections.modelled(a, b, "short", 151.25) == pytest.approx(100.0)
+    assert corrections.modelled(a, d, "short", 137.5) == pytest.approx(100.0)
+    assert corrections.modelled(a, b, "drift", 100.0) == 100.0
 
 
 def test_corrections_make_sense() -> None:
     """Nothing becomes free, and what corrects nothing changes nothing."""
     with pytest.raises(ValueError, match="factors"):
         Corrections({}, {"short": 0.0})
-    with pytest.raises(ValueError, match="excess_m_s"):
-        Corrections({("a", "b", "short"): -1.0})
-    assert not Corrections({("a", "b", "short"): 0.0}, {"short": 1.0})
+    with pytest.raises(ValueError, match="shares"):
+        Corrections({("a", "b", "short"): 0.0})
+    with pytest.raises(ValueError, match="additions_m_s"):
+        Corrections({}, {}, {"drift": -1.0})
+    assert not Corrections({("a", "b", "short"): 1.0}, {"short": 1.0}, {"drift": 0.0})
+    assert Corrections({}, {}, {"drift": 5.0})
+    assert Corrections({("a", "b", "short"): math.inf})
     nothing = Found(*(np.empty(0) for _ in range(5)))
     assert Corrections().applied("a", "b", nothing) is nothing
 
@@ -215,18 +224,89 @@ def test_lessons_are_the_dearest_leg_and_the_mean() -> None:
     )
     lessons = Lessons()
     lessons.learn(plan, lost)
-    lessons.learn(plan, refined)
+    lessons.learn(plan, lost)
     corrections = lessons.corrections
     first = plan.legs[0]
-    assert corrections.excess_m_s[first.origin, first.destination, "short"] == math.inf
-    means = [one.flown_delta_v_m_s / one.planned_delta_v_m_s for one in (lost, refined)]
-    factor = corrections.factors["short"]
-    assert max(1.0, means[0]) <= factor <= max(1.0, *means)
+    assert corrections.shares[first.origin, first.destination, "short"] == math.inf
+    mean = lost.flown_delta_v_m_s / lost.planned_delta_v_m_s
+    assert corrections.factors["short"] == pytest.approx(max(1.0, mean))
+    assert corrections.additions_m_s["short"] == 0.0
     for leg in lost.legs:
-        excess = corrections.excess_m_s[leg.origin, leg.destination, "short"]
-        assert excess >= 0.0
-        charged = factor * leg.planned_delta_v_m_s + excess
-        assert charged >= leg.flown_delta_v_m_s - 1e-9
+        costs = leg.planned_delta_v_m_s, leg.flown_delta_v_m_s
+        charged = corrections.corrected(leg.origin, leg.destination, leg.kind, costs[0])
+        assert charged == pytest.approx(max(costs))
+    saving = Lessons(spend_savings=True)
+    saving.learn(plan, lost)
+    for leg in lost.legs:
+        charged = saving.corrections.corrected(
+            leg.origin, leg.destination, leg.kind, leg.planned_delta_v_m_s
+        )
+        assert charged == pytest.approx(leg.flown_delta_v_m_s)
+
+
+@pytest.mark.parametrize("spend_savings", [False, True])
+def test_whatever_is_learnt_a_plan_costs_what_its_legs_did(spend_savings: bool) -> None:
+    """After any lessons no leg of any of them costs less than flown, nor unasked than planned."""
+    rng = np.random.default_rng(0)
+    plan = breaking()[1].plan
+    assert plan is not None
+    flown = breaking()[1].refined
+    assert flown is not None
+    lessons, heard = Lessons(spend_savings), []
+    for _ in range(12):
+        legs = []
+        for leg in flown.legs:
+            kind = str(rng.choice(["short", "drift"]))
+            planned, share = float(rng.uniform(5.0, 300.0)), float(rng.uniform(0.6, 1.6))
+            cost = share * planned + (float(rng.uniform(0.0, 150.0)) if kind == "drift" else 0.0)
+            made = leg.model_copy(
+                update={
+                    "kind": kind, "planned_delta_v_m_s": planned, "flown_delta_v_m_s": cost
+                }
+            )  # fmt: skip
+            legs.append(made)
+        heard += legs
+        lessons.learn(plan, flown.model_copy(update={"legs": tuple(legs)}))
+        corrections = lessons.corrections
+        for leg in heard:
+            charged = corrections.corrected(
+                leg.origin, leg.destination, leg.kind, leg.planned_delta_v_m_s
+            )
+            assert charged >= leg.flown_delta_v_m_s * (1.0 - 1e-12)
+            for planned in (1.0, 1000.0) if not spend_savings else ():
+                costs = corrections.corrected(leg.origin, leg.destination, leg.kind, planned)
+                assert costs >= planned * (1.0 - 1e-12)
+                assert corrections.corrected("a", "b", leg.kind, planned) >= planned
+
+
+def test_what_drifting_legs_cost_more_is_an_addition() -> None:
+    """Phase costs a drift the same however cheap it is; of few legs the mean excess is told."""
+    shape = breaking()[1].refined
+    plan = breaking()[1].plan
+    assert shape is not None
+    assert plan is not None
+    one = shape.legs[0]
+
+    def told(costs: list[tuple[float, float]]) -> Corrections:
+        lessons = Lessons()
+        legs = tuple(
+            one.model_copy(
+                update={
+                    "kind": "drift", "destination": f"d{at}", "planned_delta_v_m_s": planned,
+                    "flown_delta_v_m_s": flown,
+                }
+            )
+            for at, (planned, flown) in enumerate(costs)
+        )  # fmt: skip
+        lessons.learn(plan, shape.model_copy(update={"legs": legs}))
+        return lessons.corrections
+
+    few = told([(20.0, 120.0), (100.0, 180.0)])
+    assert few.of_kind("drift") == (1.0, pytest.approx(90.0))
+    many = told([(20.0, 110.0), (100.0, 198.0), (200.0, 308.0), (300.0, 418.0)])
+    assert many.of_kind("drift") == (pytest.approx(1.1), pytest.approx(88.0))
+    cheap = told([(20.0, 18.0), (100.0, 90.0)])
+    assert cheap.of_kind("drift") == (1.0, 0.0)
 
 
 def test_savings_are_spent_where_one_wants_to() -> None:
@@ -254,6 +334,27 @@ def test_savings_are_spent_where_one_wants_to() -> None:
     overdrawn = {violation.rule for violation in adr_opt.check(tight, spent.plan)}
     assert overdrawn <= {"delta-v"}
     assert bool(overdrawn) == any("by the model a tank needs" in note for note in spent.plan.notes)
+
+
+@pytest.mark.parametrize("bound", [None, "lagrangian"])
+def test_what_is_proven_of_savings_is_no_bound_of_the_instance(bound: str | None) -> None:
+    """A plan that spends savings collects more than is proven possible by the model.
+
+    So it states no bound, nor that it is optimal: what is proven is in the notes, and of the
+    corrected connections.
+    """
+    tight = adr_opt.generate("tiny", 0).replace(dynamics="j2").with_limits(delta_v_m_s=450.0)
+    proven = adr_opt.solve(tight, "exact", time_limit=60.0).upper_bound
+    spent = adr_opt.solve_refined(tight, "exact", time_limit=60.0, spend_savings=True, bound=bound)
+    assert spent.plan is not None
+    assert fly_refined(tight, spent.refined).holds
+    assert spent.plan.objective > proven
+    assert {violation.rule for violation in adr_opt.check(tight, spent.plan)} == {"delta-v"}
+    plan = spent.plan
+    assert (plan.upper_bound, plan.gap, plan.cost_bound, plan.cost_gap) == (None,) * 4
+    assert plan.status == "feasible"
+    (note,) = [note for note in plan.notes if "collects more than" in note]
+    assert "of the corrected connections" in note
 
 
 def test_when_rounds_are_over_what_holds_of_a_plan_is_kept() -> None:

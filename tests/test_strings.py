@@ -16,6 +16,7 @@ from adr_opt.stop import MaxIterations
 from solvers.incumbent import Incumbent
 from solvers.search import courses, stairs
 from solvers.search.lines import lines_of
+from solvers.search.reach import may_fit, reach_of
 from solvers.search.strings import LONGEST_STRING, MOST_STRINGS, Strings, ruin
 
 ENDLESS = MaxIterations(1)
@@ -88,6 +89,7 @@ def test_annealing_finds_more_than_a_beam(field):
 def test_what_changes_is_timed_as_the_whole_is(field):
     """After a target is put in, stairs are those of an order that is timed from nothing."""
     rules, lines = field.rules, lines_of(field)
+    reach = reach_of(lines, rules.stations, rules.duration)
     desk, trial = stairs.new_desk(lines), stairs.new_stairs(2)
     rng = np.random.default_rng(4)
     strings = Strings(field, 3, ENDLESS)
@@ -99,16 +101,18 @@ def test_what_changes_is_timed_as_the_whole_is(field):
         size = len(visited) - 1
         course = begun(field, order, size)
         assert courses.time_back(rules, lines, course, size, size - 1, -1, desk, trial)
-        assert courses.time_forth(rules, lines, course, size, 0, desk)
-        place = courses.best_position(rules, lines, course, size, visited[take], desk, trial, rng)
+        assert courses.time_forth(rules, lines, course, size, 0, size, desk, trial)
+        place = courses.best_position(
+            rules, lines, reach, course, size, visited[take], desk, trial, rng
+        )
         if place < 0:
             continue
         courses.insert(course.order, size, place)
         assert courses.time_back(rules, lines, course, size + 1, place, place - 1, desk, trial)
-        assert courses.time_forth(rules, lines, course, size + 1, place, desk)
+        assert courses.time_forth(rules, lines, course, size + 1, place, place + 1, desk, trial)
         anew = begun(field, course.order.tolist(), size + 1)
         assert courses.time_back(rules, lines, anew, size + 1, size, -1, desk, trial)
-        assert courses.time_forth(rules, lines, anew, size + 1, 0, desk)
+        assert courses.time_forth(rules, lines, anew, size + 1, 0, size + 1, desk, trial)
         for j in course.order[: size + 1]:
             stair = anew.suffices.size[j]
             assert course.suffices.size[j] == stair
@@ -119,11 +123,48 @@ def test_what_changes_is_timed_as_the_whole_is(field):
     assert put_in >= len(visited) // 2
 
 
+def test_what_is_refused_does_not_fit(field):
+    """A position that bounds on legs refuse is one where no stairs meet; most of those are."""
+    refused = hopeless = fitting = 0
+    for mission in (field, *(Mission(drifting_mission(seed)) for seed in range(12))):
+        rules, lines = mission.rules, lines_of(mission)
+        reach = reach_of(lines, rules.stations, rules.duration)
+        desk, trial = stairs.new_desk(lines), stairs.new_stairs(2)
+        visited = [int(j) for j in Strings(mission, 3, ENDLESS).anneal(40)]
+        visited = [j for j in visited if j >= rules.first_target]
+        for j in range(rules.first_target, rules.service.size):
+            kept = [other for other in visited if other != j]
+            course, size = begun(mission, [*kept, j], len(kept)), len(kept)
+            if not (
+                courses.time_back(rules, lines, course, size, size - 1, -1, desk, trial)
+                and courses.time_forth(rules, lines, course, size, 0, size, desk, trial)
+            ):
+                continue
+            came, suffices = course.came, course.suffices
+            for p in range(size + 1):
+                i, k = kept[p - 1] if p else rules.start, kept[p] if p < size else -1
+                latest, need = rules.duration, 0.0
+                if k >= 0:
+                    latest, need = suffices.time[k, 0], suffices.tank[k, suffices.size[k] - 1]
+                times = came.time[i, 0], latest
+                tanks = came.tank[i, came.size[i] - 1], need
+                may = may_fit(rules, reach, i, j, k, times, tanks, p > 0)
+                left = courses.left_with(rules, lines, course, size, j, p, latest, desk, trial)
+                assert may or left == -math.inf
+                refused += not may
+                hopeless += left == -math.inf
+                fitting += left >= 0.0
+    assert fitting > 50
+    assert refused > 0.5 * hopeless
+
+
 def test_ruins_say_what_they_leave():
     """A ruin keeps all targets, in order, and those before and behind what it says in place."""
     rng = np.random.default_rng(0)
     targets = 20
     near = np.array([rng.permutation(targets) for _ in range(targets)])
+    for j in range(targets):
+        near[j] = [j, *near[j][near[j] != j]]
     taken = set()
     for _ in range(300):
         before = rng.permutation(targets)

@@ -35,7 +35,7 @@ freedom_option = click.option(
     "--burns",
     "freedom",
     type=click.Choice(FREEDOMS),
-    help="free: least ΔV, at any times; planned: the plan's own, changed as little as it takes. By "
+    help="free: least ΔV, at any times; planned: the plan's own, kept near what they were. By "
     "default free, and planned where there are keep-out zones.",
 )
 

@@ -117,15 +117,6 @@ def _cheapest_open(pair, rule, first, departure, time, below):
 
 
 @kernel
-def _any_closed(zones, start, end):
-    """Whether any zone is closed at some moment of a flight."""
-    zones, closed = borrowed(zones), False
-    for z in range(zones.shape[0]):
-        closed = closed or (zones[z, 2] <= end and start <= zones[z, 3])
-    return closed
-
-
-@kernel
 def _sift(pair, rule, zoned, grid, e, approach, latest, resolution, known, kept):
     """The rows of an event that nothing dominates, in order of arrival; how many.
 
@@ -152,7 +143,7 @@ def _sift(pair, rule, zoned, grid, e, approach, latest, resolution, known, kept)
         if cheapest - resolution <= pair.floor_delta_v:
             break
         if grid.cost[row, e] < cheapest - resolution:
-            if zoned and _any_closed(
+            if zoned and keep_out.any_closed(
                 rule.zones, grid.departure[e], grid.departure[e] + grid.time[row, e] + approach
             ):
                 grid.cost[row, e], grid.revolutions[row, e] = _cheapest_open(

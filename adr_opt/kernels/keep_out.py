@@ -67,3 +67,12 @@ def is_blocked(pair, rule, revolutions, r, departure):
         ):
             return True
     return False
+
+
+@kernel
+def any_closed(zones, start, end):
+    """Whether any zone is closed at some moment of a flight."""
+    zones, closed = borrowed(zones), False
+    for z in range(zones.shape[0]):
+        closed = closed or (zones[z, 2] <= end and start <= zones[z, 3])
+    return closed

@@ -55,8 +55,6 @@ class Event(NamedTuple):
         δ then [rad].
     alpha_i, alpha_j : float
         Arguments of latitude of the line of nodes in the two planes [rad].
-    turn_i, turn_j : float
-        By how much these change with δ.
     theta : float
         Angle between the planes [rad].
     """
@@ -66,8 +64,6 @@ class Event(NamedTuple):
     lag: float
     alpha_i: float
     alpha_j: float
-    turn_i: float
-    turn_j: float
     theta: float
 
 
@@ -118,13 +114,16 @@ def event_at(pair, half_turns, time, alpha_i, alpha_j):
         time = (alpha_i + math.pi * half_turns - pair.latitude_i) / pair.rate_i
         if abs(time - before) < CLOSE_S:
             break
+    return Event(half_turns, time, lag, alpha_i, alpha_j, theta)
+
+
+@inlined
+def turning(pair, lag, alpha_i, alpha_j):
+    """By how much the arguments of latitude of the line of nodes change with δ."""
     moved_i, moved_j, _ = line(pair, lag + STEP_RAD)
-    return Event(
-        half_turns, time, lag, alpha_i, alpha_j,
-        (near(moved_i, alpha_i) - alpha_i) / STEP_RAD,
-        (near(moved_j, alpha_j) - alpha_j) / STEP_RAD,
-        theta,
-    )  # fmt: skip
+    return (near(moved_i, alpha_i) - alpha_i) / STEP_RAD, (
+        near(moved_j, alpha_j) - alpha_j
+    ) / STEP_RAD
 
 
 @kernel
@@ -140,11 +139,11 @@ def first_event(pair):
 
 
 @kernel
-def later_event(pair, event, steps):
-    """The event so many half turns after another one."""
-    half_turns = event.half_turns + steps
-    time = event.time + steps * math.pi / pair.rate_i
-    return event_at(pair, half_turns, time, event.alpha_i, event.alpha_j)
+def later_event(pair, event, steps, after):
+    """The event so many half turns after another one, and about so many seconds."""
+    return event_at(
+        pair, event.half_turns + steps, event.time + after, event.alpha_i, event.alpha_j
+    )
 
 
 @inlined
@@ -241,8 +240,7 @@ def _past_line(pair, rule, revolutions, departure, stand_off):
 def leaving(pair, rule, revolutions, ready, stand_off):
     """When a sequence leaves that arrives at a time: the first crossing of its line from then on.
 
-    A fixed point, or where planes nearly coincide and the line moves as fast as the chaser, by
-    bisection.
+    By the secant method, or where that does not lead there, by bisection.
 
     Parameters
     ----------
@@ -265,13 +263,19 @@ def leaving(pair, rule, revolutions, ready, stand_off):
         low = ready - ROUNDING_S + bracket * width
         high = low + width
         if bracket < 0:
-            # Mostly the line hardly moves, and the way back to it is soon gone.
-            departure = ready
-            for _ in range(MOST_STEPS):
-                past = _past_line(pair, rule, revolutions, departure, stand_off)[0]
-                departure -= past
+            # Mostly the line moves at an even rate, and the way back to it is soon gone.
+            departure, before, past_before = ready, ready, 0.0
+            past, half_turns, alpha_j = _past_line(pair, rule, revolutions, ready, stand_off)
+            for step in range(MOST_STEPS):
+                grown = past - past_before
+                steep = 1.0 if step == 0 or grown == 0.0 else (departure - before) / grown
+                before, past_before = departure, past
+                departure -= past * steep
                 if abs(past) < CLOSE_S:
                     break
+                past, half_turns, alpha_j = _past_line(
+                    pair, rule, revolutions, departure, stand_off
+                )
             if not ready - ROUNDING_S <= departure <= ready + STEP_S + ROUNDING_S:
                 continue
         else:
@@ -288,7 +292,7 @@ def leaving(pair, rule, revolutions, ready, stand_off):
                 else:
                     high = departure
                 departure = 0.5 * (low + high)
-        past, half_turns, alpha_j = _past_line(pair, rule, revolutions, departure, stand_off)
+            past, half_turns, alpha_j = _past_line(pair, rule, revolutions, departure, stand_off)
         met = meeting(pair, rule, half_turns, alpha_j, stand_off)
         if abs(met - stand_off) < ROUNDING_S and abs(past) < CLOSE_S:
             return departure

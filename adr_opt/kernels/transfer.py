@@ -278,9 +278,11 @@ def phasing_radius(pair, rule, revolutions, time):
 
     T(r_x) is increasing and nearly linear over the altitude limits: a quadratic inversion about
     the mean radius, then Halley steps. They converge cubically, so a step below 1e-5 leaves an
-    error at the rounding level.
+    error at the rounding level. Under J2, of which derivatives know the first order, a step has to
+    be less.
     """
     k = float(revolutions)
+    small = 1e-5 if pair.widening_i == 0.0 and pair.widening_j == 0.0 else 1e-9
     slope = pair.flight_1 + k * pair.lap_1
     d = (time - pair.flight - k * pair.lap) / slope
     d -= 0.5 * (pair.flight_2 + k * pair.lap_2) / slope * d * d
@@ -298,7 +300,7 @@ def phasing_radius(pair, rule, revolutions, time):
         error = t0 - time
         step = error / (t1 - 0.5 * t2 * error / t1)
         r -= step
-        if abs(step) < 1e-5 * r:
+        if abs(step) < small * r:
             break
     return r
 

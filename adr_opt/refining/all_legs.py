@@ -64,9 +64,9 @@ def refine(
         dynamics by default.
     freedom : {"free", "planned"}, optional
         ``free``: the least ΔV, with impulses at any time from a leg's first burn to its stand-off,
-        between the altitude limits of the instance. ``planned``: the plan's burns, changed as
-        little as it takes. By default free, unless there are keep-out zones, which only the plan's
-        burns are known to avoid.
+        between the altitude limits of the instance. ``planned``: the plan's burns, at their times
+        and kept near what they were. By default free, unless there are keep-out zones, which only
+        the plan's burns are known to avoid.
     jobs : int, optional
         Threads; all cores by default.
     enough : callable

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+from statistics import LinearRegression, linear_regression
 
 from ..corrections import ADJECTIVES, Corrections, Kind
 from ..plan import Plan
@@ -10,52 +12,84 @@ from .all_legs import INTERRUPTED
 from .plan import RefinedPlan
 
 Key = tuple[str, str, Kind]
+Cost = tuple[float, float]
+"""ΔV as planned and as flown [m/s]."""
+
+LEAST_FACTOR = 0.1
+"""However much is saved; no transfer becomes free."""
+
+MOST_OF_A_LINE = 4
+"""From so many drifting legs on a line is laid through what they cost; before, the mean excess."""
 
 
 class Lessons:
-    """What the legs refined so far cost beyond their plans.
+    """What the legs refined so far cost against their plans.
 
-    All connections are multiplied by what legs of their kind cost in the mean, against what was
-    planned. To those of a pair is added what its dearest leg cost beyond that; they are left out if
-    no trajectory was found. Factors never fall after the first lesson, so that a plan costs at
-    least what its legs were flown with from then on.
+    All connections of a kind are corrected by what its legs cost in the mean. For short ones that
+    is a factor. For those that drift it is an addition as well: the model does not know their
+    phase, and to close that within a day or two costs what it costs, however small the rest is.
+    Those of a pair that has been flown cost what the dearest of its legs did, against the mean;
+    they are left out if no trajectory was found. So a plan costs from then on at least what its
+    legs were flown with.
 
     Parameters
     ----------
     spend_savings : bool
-        Whether factors may be below 1. Where flown legs save ΔV they do so by burns that the model
-        does not know; a plan that counts on it may be one that ``check`` refuses.
+        Whether connections may become cheaper than the model says. Where flown legs save ΔV they
+        do so by burns that the model does not know; a plan that counts on it may be one that
+        ``check`` refuses.
     """
 
     def __init__(self, spend_savings: bool = False) -> None:
-        self._least = 0.0 if spend_savings else 1.0
-        self._legs: dict[Key, list[tuple[float, float]]] = {}
-        self._factors: dict[Kind, float] = {}
+        self._savings = spend_savings
+        self._legs: dict[Key, set[Cost]] = {}
 
     def learn(self, plan: Plan, refined: RefinedPlan) -> None:
         """Hear what the legs of a plan cost as they were refined."""
         for leg in refined.legs:
             key = leg.origin, leg.destination, leg.kind
             costs = leg.planned_delta_v_m_s, leg.flown_delta_v_m_s
-            self._legs.setdefault(key, []).append(costs)
+            self._legs.setdefault(key, set()).add(costs)
         for missing in refined.missing:
             if missing.reason != INTERRUPTED:
                 lost = plan.legs[missing.leg - 1]
                 key = lost.origin, lost.destination, lost.kind
-                self._legs.setdefault(key, []).append((0.0, math.inf))
-        for kind in ADJECTIVES:
-            legs = [cost for key, costs in self._legs.items() if key[2] == kind for cost in costs]
-            planned = math.fsum(cost[0] for cost in legs)
-            flown = math.fsum(cost[1] for cost in legs if math.isfinite(cost[1]))
-            if planned > 0.0 and flown > 0.0:
-                least = self._factors.get(kind, self._least)
-                self._factors[kind] = max(least, flown / planned)
+                self._legs.setdefault(key, set()).add((lost.delta_v_m_s, math.inf))
 
     @property
     def corrections(self) -> Corrections:
         """What they come to."""
-        excess = {
-            key: max(0.0, *(flown - self._factors.get(key[2], 1.0) * p for p, flown in costs))
+        least = LEAST_FACTOR if self._savings else 1.0
+        factors: dict[Kind, float] = {}
+        additions: dict[Kind, float] = {}
+        for kind in ADJECTIVES:
+            legs = [cost for key, costs in self._legs.items() if key[2] == kind for cost in costs]
+            legs = sorted(cost for cost in legs if math.isfinite(cost[1]))
+            if legs:
+                factors[kind], additions[kind] = _line(legs, least, drifts=kind == "drift")
+        means = Corrections({}, factors, additions)
+        shares = {
+            key: max(
+                0.0 if self._savings else 1.0 / means.of_kind(key[2])[0],
+                max(flown / means.corrected(*key, planned) for planned, flown in costs),
+            )
             for key, costs in self._legs.items()
         }
-        return Corrections(excess, dict(self._factors))
+        return Corrections(shares, factors, additions)
+
+
+def _line(legs: list[Cost], least: float, *, drifts: bool) -> tuple[float, float]:
+    """Factor, not below the least, and addition, not negative, that legs cost in the mean."""
+    planned, flown = zip(*legs, strict=True)
+    factor = max(least, math.fsum(flown) / math.fsum(planned))
+    if not drifts:
+        return factor, 0.0
+    line = _regression(planned, flown) if len(set(planned)) >= MOST_OF_A_LINE else None
+    if line is not None and line.slope >= least and line.intercept >= 0.0:
+        return line.slope, line.intercept
+    excess = (math.fsum(flown) - math.fsum(planned)) / len(legs)
+    return (1.0, excess) if excess > 0.0 else (factor, 0.0)
+
+
+def _regression(planned: Iterable[float], flown: Iterable[float]) -> LinearRegression:
+    return linear_regression(tuple(planned), tuple(flown))

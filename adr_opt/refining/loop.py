@@ -44,6 +44,8 @@ class Round:
         Of the legs that were refined [m/s].
     troubles : tuple of str
         Why the refined plan does not hold; nothing if it does.
+    refined : RefinedPlan
+        That plan.
     """
 
     number: int
@@ -52,6 +54,17 @@ class Round:
     planned_delta_v_m_s: float
     flown_delta_v_m_s: float
     troubles: tuple[str, ...]
+    refined: RefinedPlan
+
+    @property
+    def corrected_delta_v_m_s(self) -> float:
+        """What the same legs cost by the corrected connections: what was expected [m/s]."""
+        return math.fsum(
+            self.corrections.corrected(
+                leg.origin, leg.destination, leg.kind, leg.planned_delta_v_m_s
+            )
+            for leg in self.refined.legs
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data; the corrections in words."""
@@ -60,16 +73,18 @@ class Round:
             "corrections": str(self.corrections),
             "objective": self.objective,
             "planned_delta_v_m_s": self.planned_delta_v_m_s,
+            "corrected_delta_v_m_s": self.corrected_delta_v_m_s,
             "flown_delta_v_m_s": self.flown_delta_v_m_s,
             "troubles": list(self.troubles),
         }
 
     def __str__(self) -> str:
         outcome = "it holds" if not self.troubles else "; ".join(self.troubles)
+        expected = f", corrected {self.corrected_delta_v_m_s:.1f} m/s" if self.corrections else ""
         return (
             f"round {self.number}: prize {self.objective:g}, planned with "
-            f"{self.planned_delta_v_m_s:.1f} m/s, flown with {self.flown_delta_v_m_s:.1f} m/s: "
-            f"{outcome}"
+            f"{self.planned_delta_v_m_s:.1f} m/s{expected}, flown with "
+            f"{self.flown_delta_v_m_s:.1f} m/s: {outcome}"
         )
 
 
@@ -146,11 +161,11 @@ def solve_refined(
     """Plan a mission so that the plan holds when it is refined.
 
     The plan is refined. Where a tank does not hold what its legs cost then, or a leg cannot be
-    refined, what legs cost in the mean goes into all connections, what they cost beyond that into
-    those concerned (:class:`.lessons.Lessons`), and the mission is planned again. Connections never
-    cost less than the model says, so each plan is one of the instance; and each is another one,
-    since one that broke a tank breaks it over the corrected connections. Rounds end with the first
-    plan that holds. A beginning of an earlier plan that holds is kept if it collects more.
+    refined, what legs cost in the mean goes into all connections, what they cost against that into
+    those of their pairs (:class:`.lessons.Lessons`), and the mission is planned again. Connections
+    never cost less than the model says, so each plan is one of the instance; and each is another
+    one, since one that broke a tank breaks it over the corrected connections. Rounds end with the
+    first plan that holds. A beginning of an earlier plan that holds is kept if it collects more.
 
     Parameters
     ----------
@@ -216,7 +231,7 @@ def solve_refined(
         held.append(
             Round(
                 len(held) + 1, here.connecting.corrections, plan.objective,
-                refined.planned_delta_v_m_s, refined.flown_delta_v_m_s, wrong,
+                refined.planned_delta_v_m_s, refined.flown_delta_v_m_s, wrong, refined,
             )
         )  # fmt: skip
         told(held[-1])

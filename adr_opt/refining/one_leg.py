@@ -13,6 +13,7 @@ from ..trajectory.bodies import body_states
 from ..trajectory.kepler import drift, secular
 from .bodies import TrueBodies
 from .leg import Course, Flown, NoWay, cheapen, close, residual
+from .own_burns import settle
 from .plan import Freedom, RefinedBurn, RefinedLeg, RefinedState
 from .short_periods import Array
 
@@ -36,7 +37,7 @@ def refine_leg(
         With burns in time order, the last of them those of the approach.
     freedom : {"free", "planned"}
         Whether ΔV is made least with impulses at any time from the first burn to the stand-off, or
-        the plan's burns are only changed as little as it takes.
+        the plan's burns keep their times and are kept near what they were (:mod:`.own_burns`).
 
     Raises
     ------
@@ -120,17 +121,18 @@ def planned_angles(instance: Instance, leg: Leg) -> tuple[float, float]:
 
 
 def _retargeted(course: Course, burns: tuple[Burn, ...]) -> Flown:
-    """The plan's burns, changed as little as it takes; with a few more where that is too little."""
+    """The plan's burns, kept near what they were; with a few more where they cannot be closed."""
     times = np.array([burn.time_s for burn in burns])
-    impulses = np.array([burn.delta_v_m_s for burn in burns])
+    planned = np.array([burn.delta_v_m_s for burn in burns])
     try:
-        return close(course, times, impulses)
+        closed = close(course, times, planned)
     except NoWay:
         helping = np.linspace(course.start_s, course.end_s, HELPERS)
         times = np.r_[times, helping]
         order = np.argsort(times, kind="stable")
-        impulses = np.vstack([impulses, np.zeros((HELPERS, 3))])
-        return close(course, times[order], impulses[order])
+        planned = np.vstack([planned, np.zeros((HELPERS, 3))])[order]
+        closed = close(course, times[order], planned)
+    return settle(course, closed, planned)
 
 
 def _with_a_middle(burns: tuple[Burn, ...], angle: float) -> tuple[Array, Array]:

@@ -81,7 +81,7 @@ class RefinedLeg(Record):
     It begins docked with the origin, before the first burn; at ``standoff_s`` it is where the plan
     wants it behind the destination, at rest relative to that point; at ``arrival_s`` it has docked.
     The residuals are the larger ones of those two. ``planned_delta_v_m_s`` is that of the plan,
-    ``retargeted_delta_v_m_s`` that of the plan's own burns, changed as little as it takes, and
+    ``retargeted_delta_v_m_s`` that of the plan's own burns, kept near what they were, and
     ``flown_delta_v_m_s`` the sum of ``burns``.
     """
 

@@ -80,6 +80,8 @@ class _Prover:
     def deliver(self) -> None:
         """Tell what the round has found."""
         self._shared_pool.take(self._pool)
+        if self._own.sequence is not None:
+            self._shared.offer(self._own.sequence)
         self._shared.lower(self._own.bound)
 
     @property

@@ -36,6 +36,27 @@ class Column:
     route: tuple[int, ...]
 
 
+def packing(campaign: Campaign, columns: Sequence[tuple[int, frozenset[int]]]) -> LinearConstraint:
+    """No target on two of the columns taken, and no more of a kind than there are chasers.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    columns : sequence of (kind, targets)
+    """
+    bodies, kinds = len(campaign.names), len(campaign.kinds)
+    rows, ends = [], [0]
+    for kind, targets in columns:
+        rows += [*sorted(targets), bodies + kind]
+        ends.append(len(rows))
+    matrix = csc_array(
+        (np.ones(len(rows)), np.array(rows), np.array(ends)), shape=(bodies + kinds, len(columns))
+    )
+    most = np.ones(bodies + kinds)
+    most[bodies:] = [len(kind.chasers) for kind in campaign.kinds]
+    return LinearConstraint(matrix, -np.inf, most)
+
+
 class Pool:
     """The cheapest route met for each set of targets and kind of chaser.
 
@@ -92,33 +113,23 @@ class Pool:
         if not columns or time_limit_s <= 0.0:
             return None
         campaign = self._campaign
-        bodies, kinds = len(campaign.names), len(campaign.kinds)
-        rows, ends = [], [0]
-        for column in columns:
-            rows += [*sorted(column.targets), bodies + column.kind]
-            ends.append(len(rows))
-        matrix = csc_array(
-            (np.ones(len(rows)), np.array(rows), np.array(ends)),
-            shape=(bodies + kinds, len(columns)),
-        )
-        most = np.ones(bodies + kinds)
-        most[bodies:] = [len(kind.chasers) for kind in campaign.kinds]
         step = campaign.prize_step or 1e-3 * max(column.worth for column in columns) or 1.0
-        dearest = math.fsum(sorted(column.cost for column in columns)[-int(most[bodies:].sum()) :])
+        chasers = len(campaign.missions)
+        dearest = math.fsum(sorted(column.cost for column in columns)[-chasers:])
         price = LEAST_COST * step / max(dearest, 1e-9)
         gain = np.array([column.worth - price * column.cost for column in columns])
         found = milp(
             -gain,
             integrality=np.ones(len(columns)),
             bounds=Bounds(0.0, 1.0),
-            constraints=LinearConstraint(matrix, -np.inf, most),
+            constraints=packing(campaign, [(column.kind, column.targets) for column in columns]),
             options={"time_limit": time_limit_s},
         )
         if found.x is None:
             return None
-        return self._dealt([columns[at] for at in np.flatnonzero(found.x > 0.5).tolist()])
+        return self.dealt([columns[at] for at in np.flatnonzero(found.x > 0.5).tolist()])
 
-    def _dealt(self, columns: Iterable[Column]) -> Routes:
+    def dealt(self, columns: Iterable[Column]) -> Routes:
         """Columns given to chasers of their kinds."""
         routes: list[tuple[int, ...]] = [()] * len(self._campaign.missions)
         free = [list(kind.chasers) for kind in self._campaign.kinds]

@@ -29,6 +29,7 @@ from ..relaxation.multipliers import Descent
 from ..relaxation.proof import COARSER, FIRST_LABELS, GROWTH, ProofOptions
 from ..relaxation.walks import TimeIsOver, WalkBound
 from .bound import CampaignBound, walk_bounds
+from .finish import Answer, Finish
 from .incumbent import CampaignCertificate
 from .master import Duals, Master
 from .pool import Column, Pool
@@ -99,6 +100,8 @@ class CampaignProof:
         self._labels = min(FIRST_LABELS, options.most_labels)
         self._largest = float(campaign.worths.max(initial=0.0)) or 1.0
         self._columns = 0
+        self._most_worth = np.zeros(len(campaign.kinds))
+        self._finishing_labels = 0
         self.done = certificate.proven
 
     def begin(self) -> None:
@@ -142,17 +145,36 @@ class CampaignProof:
         new, bound = self._by_labels(duals, multipliers, enough)
         if bound < self._least:
             self._least, self._centre = bound, multipliers
+            self._most_worth = np.array([pricing.most_worth for pricing in self._pricing])
             self._certificate.lower(bound)
         self.done = self._certificate.proven
-        if new:
+        if new or self.done:
             self._centred = CENTRED
-        elif math.isfinite(bound):
-            # Nothing is missing at the duals themselves: the master is solved.
-            self.done = self.done or self._centred == 0.0
+        elif not math.isfinite(bound):
+            self.done = self._labels == self._options.most_labels
+            self._labels = min(GROWTH * self._labels, self._options.most_labels)
+        elif self._centred > 0.0:
             self._centred = 0.0 if self._centred < 0.1 else 0.5 * self._centred
         else:
-            self.done = self.done or self._labels == self._options.most_labels
-            self._labels = min(GROWTH * self._labels, self._options.most_labels)
+            # Nothing is missing at the duals themselves: the master is solved.
+            self._finish(enough)
+
+    def _finish(self, enough: Callable[[], bool]) -> None:
+        """Ask for a plan that is better than the incumbent, until there is none."""
+        certificate = self._certificate
+        finish = Finish(self._campaign, self._fine)
+        while not certificate.proven and not enough():
+            goal = certificate.goal
+            answer, routes = finish.ask(
+                goal, self._centre, self._most_worth, self._options.most_labels, enough,
+                self._stop.remaining_s(),
+            )  # fmt: skip
+            if answer is Answer.NONE:
+                certificate.lower(certificate.incumbent)
+            if routes is None or not certificate.offer(routes):
+                break
+        self._finishing_labels += finish.labels_made
+        self.done = True
 
     def _mix(self) -> None:
         """Let the master know of routes that came into the pool."""
@@ -218,7 +240,8 @@ class CampaignProof:
             "evaluations": self._descent.evaluations,
             "columns": self._columns,
             "searches": sum(pricing.searches for pricing in self._pricing),
-            "labels": sum(pricing.labels_made for pricing in self._pricing),
+            "labels": self._finishing_labels
+            + sum(pricing.labels_made for pricing in self._pricing),
         }
 
     def close(self) -> None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing, nullcontext
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from adr_opt.stop import Stop
 
 from ..campaigns.planner import plan
 from ..certificate import Certificate
+from ..incumbent import Incumbent
 from ..relaxation.latest import Latest
 from ..relaxation.proof import Proof, ProofOptions, bound_notes, fits_memory, set_up_s
 from ..search.beams import USUAL, hurried, usual_settings
@@ -46,8 +48,12 @@ WIDEST = 30_000
 USUAL_TARGETS = 50
 """Fields of this size get beams of the widths above; larger ones narrower ones."""
 
-ANNEALED, ANNEALINGS = 300, 16
+ANNEALED, ANNEALINGS = 300, 8
 """Iterations of an annealing where planes drift, and annealings of the first round."""
+
+PROVING_ROUNDS = 4
+"""Where planes drift and a proof has no bound yet, it goes on in one of so many rounds after
+the second; in the others a second order is annealed in its place."""
 
 FRUITLESS = 6
 """So many annealings from one plan that find nothing better are followed by one from another."""
@@ -68,12 +74,14 @@ class _Search:
         self._widest = 0
         self._strings: Strings | None = None
         self._fruitless = 0
+        self._beside: Strings | None = None
+        self._found = Incumbent(mission)
         self.counters = {"beams": 0, "recreations": 0}
-        if self._drifts:
+        if self.drifts:
             self.counters["annealings"] = 0
 
     @property
-    def _drifts(self) -> bool:
+    def drifts(self) -> bool:
         """Whether planes drift far enough for orders to be annealed, which takes memory."""
         return self._mission.instance.transfer.max_drift_s > 0.0
 
@@ -115,7 +123,7 @@ class _Search:
 
     def anneal(self, annealings: int, width: int) -> None:
         """Where planes drift: anneal an order again and again, another once that is fruitless."""
-        if not (self._drifts and self._mission.total_worth > 0.0):
+        if not (self.drifts and self._mission.total_worth > 0.0):
             return
         if self._strings is None and self._stop.remaining_s() > 0.0:
             self._strings = Strings(self._mission, int(self._rng.integers(2**31)), self._stop)
@@ -134,6 +142,29 @@ class _Search:
             self._certificate.offer(self._strings.anneal(ANNEALED))
             self._fruitless = 0 if self._certificate.incumbent > before else self._fruitless + 1
             self.counters["annealings"] += 1
+
+    def may_part(self) -> bool:
+        """Get ready to anneal a second order; whether there is one to anneal."""
+        if self._strings is None:
+            return False
+        if self._beside is None:
+            self._beside = self._strings.beside(int(self._rng.integers(2**31)))
+        if self._certificate.incumbent > self._found.objective:
+            self._beside.begin(self._certificate.sequence or ())
+            self._found.offer(self._certificate.sequence or ())
+        return True
+
+    def part(self, annealings: int) -> None:
+        """Anneal a second order, in a thread beside the searches; :meth:`meet` brings it back."""
+        for _ in range(annealings):
+            if self._beside is None or self._stop.remaining_s() <= 0.0:
+                break
+            self._found.offer(self._beside.anneal(ANNEALED))
+
+    def meet(self) -> None:
+        """Tell what the second order has come to."""
+        if self._beside is not None and self._found.sequence is not None:
+            self._certificate.offer(self._found.sequence)
 
     def improve(self, recreations: int, width: int) -> None:
         """Ruin and recreate the incumbent."""
@@ -254,8 +285,9 @@ def auto(
     worth more than the incumbent are exhaustive, so they find what beams miss) side by side with
     wider beams, with ruin-and-recreate and, where planes drift, with annealing of orders. Ends when
     the incumbent meets the bound, or when ``stop`` says so. The same seed and the same number of
-    iterations (rounds) give the same plan; ``jobs`` does not change it. Of several chasers see
-    :func:`solvers.campaigns.planner.plan`.
+    iterations (rounds) give the same plan; ``jobs`` does not change it. Where planes drift and
+    a search has proven nothing, a second order is annealed in most rounds in place of the proof.
+    Of several chasers see :func:`solvers.campaigns.planner.plan`.
 
     Parameters
     ----------
@@ -299,13 +331,22 @@ def auto(
         while not is_over():
             rounds += 1
             advancing: Future[None] | None = None
+            task: Callable[[], None] | None = None
+            # Where nothing is proven after a search, the next ones will not prove it soon.
+            unbounded = search.drifts and certificate.bound >= mission.total_worth and rounds > 2
             if prover is not None and not prover.done:
                 prover.fetch()
-                if options.cores > 1:
-                    advancing = pool.submit(prover.advance)
-                else:
-                    prover.advance()
-            if prover is not None and prover.latest is not None and rounds > 1:
+                task = prover.advance
+                if unbounded and rounds % PROVING_ROUNDS != 1 and search.may_part():
+                    task = partial(search.part, annealings)
+            elif search.may_part():
+                task = partial(search.part, annealings)
+            if task is not None and options.cores > 1:
+                advancing = pool.submit(task)
+            elif task is not None:
+                task()
+            guided = prover is not None and rounds > 1 and not unbounded
+            if guided and prover is not None and prover.latest is not None:
                 search.guided(prover.latest, min(2**rounds, MOST_GUIDED))
             else:
                 search.usual(max(USUAL_WIDTH, scaled(width)))
@@ -314,6 +355,7 @@ def auto(
             search.improve(recreations, scaled(width // 20))
             if advancing is not None:
                 advancing.result()
+            search.meet()
             if prover is not None:
                 prover.deliver()
             width = min(2 * width, WIDEST)

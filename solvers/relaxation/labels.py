@@ -80,7 +80,8 @@ class Search(NamedTuple):
     price : float
         What a m/s takes off the value of a walk [fine units]; 0 where ΔV is not paid for.
     worths : (bodies,) float64
-        What targets are worth, where it is.
+        What targets are worth, where it is; one each where labels of different targets are to be
+        told apart, whatever they remember; else nothing.
     least_worth : float
         Walks worth less are of no use, where it is.
     reach : Table
@@ -244,7 +245,7 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                 if labels.visits[here] == search.most_visits:
                     continue
             left, value, worth = labels.left[here], labels.value[here], labels.worth[here]
-            collected = worth + search.worths[j] if search.price > 0.0 else worth
+            collected = worth + search.worths[j]
             begin, end = _useful(network, search, row, value, left, collected, behind, j)
             if begin >= end:
                 continue

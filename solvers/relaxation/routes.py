@@ -49,6 +49,10 @@ class Routes:
     ----------
     bound : WalkBound
         Its network and values are used, and its values overwritten.
+    all_sets : bool
+        Tell labels of different sets of targets apart, so that of every set one is found that can
+        be visited for what is asked: walks remember all, and none dominates another one but of the
+        same targets.
 
     Attributes
     ----------
@@ -62,16 +66,19 @@ class Routes:
     labels_made, searches : int
     """
 
-    def __init__(self, bound: WalkBound) -> None:
+    def __init__(self, bound: WalkBound, *, all_sets: bool = False) -> None:
         self._bound = bound
         self.greatest_prize = bound.greatest_prize
         network = bound.network
         bodies = bound.prize.size
-        self.neighbourhood = np.zeros((bodies, (bodies - 1) // WORD + 1), dtype=np.int64)
+        words = (bodies - 1) // WORD + 1
+        self.neighbourhood = np.full((bodies, words), -1 if all_sets else 0, dtype=np.int64)
         self.compared = np.full_like(self.neighbourhood, -1)
         self._values = self._reach = table_of(bound)
         # More is set only where ΔV is paid for, see :mod:`.cost`.
         self._reach_unit, self.least_worth = 1.0, 0.0
+        # Of two sets, one of which holds the other, the one has as many and the other no more.
+        self._worths = np.where(bound.is_target, float(all_sets), 0.0)
         self._prices = np.zeros(1)
         self.labels_made = 0
         self.searches = 0
@@ -110,6 +117,7 @@ class Routes:
         bound = self._bound
         self._values, self._prices = values, prices
         self._reach, self._reach_unit, self.least_worth = table_of(reach), reach.unit, least_worth
+        self._worths = bound.worths
         self._gain = np.ceil(prices[0] * bound.worths / self._unit).astype(np.int64)
         self.total = 0.0
 
@@ -122,7 +130,7 @@ class Routes:
         needs[0] = need
         search = Search(
             self._values, shift, needs, self._gain, self.neighbourhood, self.compared,
-            bound.budget, bound.most_targets, bound.price / self._unit, bound.worths,
+            bound.budget, bound.most_targets, bound.price / self._unit, self._worths,
             self.least_worth, self._reach, self._reach_unit,
         )  # fmt: skip
         words = self.neighbourhood.shape[1]

@@ -39,7 +39,8 @@ class Labels(NamedTuple):
     visits, came_from : (labels,) int16
         Services so far, and the body that it may not go back to at once, −1 for none.
     worth : (labels,) float64
-        Worth of the targets serviced; only where ΔV is paid for.
+        Worth of the targets serviced, where ΔV is paid for, or their number, where all sets of
+        targets are told apart; else 0.
     memory : (labels, words) int64
         Bit j % 63 of word j // 63: may not go to target j.
     """

@@ -15,6 +15,7 @@ from adr_opt.kernels.memory import borrowed, write
 
 from . import stairs as staircases
 from . import stairs_back
+from .reach import may_fit
 from .stairs import STRAIGHT, Stairs
 
 PASSED_OVER = 0.15
@@ -43,18 +44,21 @@ def _before(rules, order, position):
 
 
 @kernel
-def time_forth(rules, lines, course, length, first, desk):
+def time_forth(rules, lines, course, length, first, settled, desk, trial):
     """Stairs forwards from a position on; whether all targets can be reached.
 
-    Only those that are early enough for the rest: the stairs backwards are right.
+    Only those that are early enough for the rest: the stairs backwards are right. From the position
+    ``settled`` up the stairs are right if those before have not changed.
     """
     order, came, suffices = course.order, course.came, course.suffices
     for p in range(first, length):
         i, j = _before(rules, order, p), order[p]
         latest = suffices.time[j, 0]
-        size = staircases.forwards(rules, lines, i, j, p > 0, came, i, latest, desk, came, j)
+        size = staircases.forwards(rules, lines, i, j, p > 0, came, i, latest, desk, trial, 0)
         if size == 0:
             return False
+        if staircases.take(trial, 0, came, j) and p >= settled:
+            break
     return True
 
 
@@ -103,35 +107,48 @@ def insert(order, source, position):
 
 
 @kernel
-def best_position(rules, lines, course, length, j, desk, trial, rng):
+def left_with(rules, lines, course, length, j, p, latest, desk, trial):
+    """Time that is left once a target is put in at a position [s]; −inf if it does not fit.
+
+    ``latest`` is when the chaser has to be ready at the next target, or when the mission ends.
+    """
+    order, came, suffices = course.order, course.came, course.suffices
+    i = _before(rules, order, p)
+    size = staircases.forwards(rules, lines, i, j, p > 0, came, i, latest, desk, trial, 0)
+    if size == 0:
+        return -np.inf
+    earliest = trial.time[0, 0]
+    if p == length:
+        size = stairs_back.finish(rules, lines, j, earliest, desk, trial, 1)
+    else:
+        size = stairs_back.backwards(
+            rules, lines, j, order[p], True, suffices, order[p], earliest, desk, trial, 1
+        )
+    if size == 0:
+        return -np.inf
+    return staircases.slack(trial, 0, trial, 1)
+
+
+@kernel
+def best_position(rules, lines, reach, course, length, j, desk, trial, rng):
     """Where most time is left once a target is put in; −1 if it fits in nowhere."""
-    lines, course, trial = borrowed(lines), borrowed(course), borrowed(trial)
+    rules, lines, reach = borrowed(rules), borrowed(lines), borrowed(reach)
+    course, trial = borrowed(course), borrowed(trial)
     best, most = -1, -np.inf
     order, came, suffices = course.order, course.came, course.suffices
     for p in range(length + 1):
         if rng.random() < PASSED_OVER:
             continue
         i = _before(rules, order, p)
-        latest = rules.duration
+        k, latest, need = np.int64(-1), rules.duration, 0.0
         if p < length:
-            latest = suffices.time[order[p], 0]
-        if came.time[i, 0] > latest:
-            continue
-        size = staircases.forwards(rules, lines, i, j, p > 0, came, i, latest, desk, trial, 0)
-        if size == 0:
-            continue
-        earliest = trial.time[0, 0]
-        if p == length:
-            size = stairs_back.finish(rules, lines, j, earliest, desk, trial, 1)
-        else:
-            size = stairs_back.backwards(
-                rules, lines, j, order[p], True, suffices, order[p], earliest, desk, trial, 1
-            )
-        if size == 0:
-            continue
-        left = staircases.slack(trial, 0, trial, 1)
-        if left > most:
-            best, most = p, left
+            k = order[p]
+            latest, need = suffices.time[k, 0], suffices.tank[k, suffices.size[k] - 1]
+        times, tanks = (came.time[i, 0], latest), (came.tank[i, came.size[i] - 1], need)
+        if may_fit(rules, reach, i, j, k, times, tanks, p > 0):
+            left = left_with(rules, lines, course, length, j, p, latest, desk, trial)
+            if left > most:
+                best, most = p, left
     return best
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from copy import copy
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +30,7 @@ from . import courses
 from . import stairs as staircases
 from .beams import TIME_VALUE_M_S_PER_H
 from .lines import lines_of
+from .reach import reach_of
 from .worth import worth_of
 
 LONGEST_STRING = 6
@@ -36,6 +38,10 @@ MOST_STRINGS = 3
 
 HOT, COLD = 1.0, 0.03
 """Temperatures of the annealing, in mean prizes."""
+
+TIME_COUNTS = 0.3
+"""Share of what time is worth by which an order is judged. Targets that are hard to come by take
+more of it than their prize is worth, and an order that spares time for nothing is none better."""
 
 NEIGHBOURS = 3
 """A target is as far from others as the mean of so many that are nearest to it."""
@@ -98,7 +104,7 @@ def ruin(order, length, near, rng):
 
 
 @kernel
-def _recreate(rules, lines, course, length, far, absent, desk, trial, rng):
+def _recreate(rules, lines, reach, course, length, far, absent, desk, trial, rng):
     """Put missing targets back in, as far as they fit; returns how many are visited, or −1."""
     order = course.order
     missing = order.size - length
@@ -118,7 +124,7 @@ def _recreate(rules, lines, course, length, far, absent, desk, trial, rng):
     for j in turns:
         if length == rules.most_targets:
             break
-        position = courses.best_position(rules, lines, course, length, j, desk, trial, rng)
+        position = courses.best_position(rules, lines, reach, course, length, j, desk, trial, rng)
         if position < 0:
             continue
         source = length
@@ -128,7 +134,9 @@ def _recreate(rules, lines, course, length, far, absent, desk, trial, rng):
         length += 1
         if not (
             courses.time_back(rules, lines, course, length, position, position - 1, desk, trial)
-            and courses.time_forth(rules, lines, course, length, position, desk)
+            and courses.time_forth(
+                rules, lines, course, length, position, position + 1, desk, trial
+            )
         ):
             # Of stairs of about one height the one that would have done was left out.
             return -1
@@ -136,7 +144,7 @@ def _recreate(rules, lines, course, length, far, absent, desk, trial, rng):
 
 
 @kernel
-def anneal(rules, lines, order, length, near, far, absent, weights, iterations, rng, halt):
+def anneal(rules, lines, reach, order, length, near, far, absent, weights, iterations, rng, halt):
     """Improve an order.
 
     Parameters
@@ -168,7 +176,7 @@ def anneal(rules, lines, order, length, near, far, absent, weights, iterations, 
     length : int
         Of the last order accepted.
     """
-    rules, lines = borrowed(rules), borrowed(lines)
+    rules, lines, reach = borrowed(rules), borrowed(lines), borrowed(reach)
     worth, hot, cold = weights
     bodies = rules.service.size
     desk = staircases.new_desk(lines)
@@ -179,7 +187,7 @@ def anneal(rules, lines, order, length, near, far, absent, weights, iterations, 
         came.size[start], came.time[start, 0], came.tank[start, 0] = 1, rules.ready, rules.budget
     while not (
         courses.time_back(rules, lines, here, length, length - 1, -1, desk, trial)
-        and courses.time_forth(rules, lines, here, length, 0, desk)
+        and courses.time_forth(rules, lines, here, length, 0, length, desk, trial)
     ):
         # A schedule over all connections may get farther than these lines do.
         length -= 1
@@ -197,10 +205,10 @@ def anneal(rules, lines, order, length, near, far, absent, weights, iterations, 
             size, first, last = ruin(there.order, length, near, rng)
         possible = courses.time_back(
             rules, lines, there, size, min(last, size) - 1, first - 1, desk, trial
-        ) and courses.time_forth(rules, lines, there, size, 0, desk)
+        ) and courses.time_forth(rules, lines, there, size, 0, max(last, 1), desk, trial)
         new_value = -np.inf
         if possible:
-            size = _recreate(rules, lines, there, size, far, absent, desk, trial, rng)
+            size = _recreate(rules, lines, reach, there, size, far, absent, desk, trial, rng)
             possible = size >= 0
         if possible:
             prize = courses.prize_of(rules, there, size)
@@ -253,6 +261,7 @@ class Strings:
         self._lines = lines_of(mission)
         rules = mission.rules
         value = TIME_VALUE_M_S_PER_H * mission.instance.hurry / HOUR_S
+        self._reach = reach_of(self._lines, rules.stations, rules.duration)
         first = rules.first_target
         apart = _nearness(rules, self._lines, value)[:, first:]
         self._near = np.argsort(apart, axis=1, kind="stable") + first
@@ -261,6 +270,13 @@ class Strings:
         self._absent = np.zeros(rules.service.size)
         self._order = np.arange(first, rules.service.size, dtype=np.int64)
         self._length = 0
+
+    def beside(self, seed: int) -> Strings:
+        """Another one of the same mission, that may anneal at the same time."""
+        other = copy(self)
+        other._rng = np.random.default_rng(seed)
+        other._absent, other._order = self._absent.copy(), self._order.copy()
+        return other
 
     def begin(self, sequence: Iterable[int]) -> None:
         """Go on from a plan: bodies in order."""
@@ -275,9 +291,10 @@ class Strings:
         mission = self._mission
         rules, prize = mission.rules, worth_of(mission).prize
         worth = max(mission.prizes(self._order[: self._length]), prize) / rules.duration
+        worth *= TIME_COUNTS
         with halted_by(self._stop) as halt:
             best, self._length = anneal(
-                rules, self._lines, self._order, self._length, self._near, self._far,
+                rules, self._lines, self._reach, self._order, self._length, self._near, self._far,
                 self._absent, (worth, HOT * prize, COLD * prize), iterations, self._rng, halt,
             )  # fmt: skip
         found: npt.NDArray[np.int64] = best

@@ -1,0 +1,127 @@
+"""The end of a proof: all routes that a better plan could be made of, and whether one can be.
+
+With multipliers π and the most v_k that a route of each kind is worth, less multipliers, no plan
+exceeds L = Σ π + Σ v_k over the chasers. A plan that reaches a goal loses no more than L − goal of
+that, whatever it loses it by; so each of its routes is worth at least v_k − (L − goal) (Baldacci,
+Christofides and Mingozzi 2008). Labels find a route for every set of targets that is worth so much,
+and a set packing decides whether some of them make such a plan.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from enum import Enum
+
+import numpy as np
+from scipy.optimize import Bounds, LinearConstraint, milp
+
+from adr_opt.campaign import Campaign, Routes
+
+from ..relaxation.routes import Routes as Search
+from ..relaxation.walks import WalkBound
+from .pool import packing
+
+MOST_ROUTES = 100_000
+"""More are not packed."""
+
+LEAST_OFF = 1e-6
+"""Routes are asked for from so much below, as a share of the largest prize; for rounding."""
+
+
+class Answer(Enum):
+    """What became of a question for a better plan."""
+
+    NONE = "there is none"
+    FOUND = "there is one"
+    UNKNOWN = "nobody knows"
+
+
+class Finish:
+    """Asks for a plan that is worth a goal.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    bounds : sequence of WalkBound
+        Of each kind; their values are overwritten.
+    """
+
+    def __init__(self, campaign: Campaign, bounds: tuple[WalkBound, ...]) -> None:
+        self._campaign = campaign
+        self._searches = tuple(Search(bound, all_sets=True) for bound in bounds)
+        self._largest = float(campaign.worths.max(initial=0.0)) or 1.0
+
+    @property
+    def labels_made(self) -> int:
+        """Labels of all searches."""
+        return sum(search.labels_made for search in self._searches)
+
+    def ask(
+        self,
+        goal: float,
+        multipliers: np.ndarray,
+        most_worth: np.ndarray,
+        most_labels: int,
+        enough: Callable[[], bool],
+        time_limit_s: float,
+    ) -> tuple[Answer, Routes | None]:
+        """Whether a plan is worth a goal, and if so one.
+
+        Parameters
+        ----------
+        goal : float
+        multipliers : (bodies,) float64
+        most_worth : (kinds,) float64
+            Proven: no route of a kind is worth more, less these multipliers.
+        most_labels : int
+            Give up beyond so many.
+        enough : callable
+            Whether to give up.
+        time_limit_s : float
+            Of the packing.
+        """
+        counts = [len(kind.chasers) for kind in self._campaign.kinds]
+        bound = math.fsum([*multipliers, *(counts * most_worth)])
+        routes: list[tuple[int, tuple[int, ...]]] = []
+        for kind, search in enumerate(self._searches):
+            search.use(multipliers)
+            least = most_worth[kind] - (bound - goal) - LEAST_OFF * self._largest
+            finished, _, _, _ = search.search(search.total + least, most_labels, enough)
+            if not finished:
+                return Answer.UNKNOWN, None
+            found = search.plans(MOST_ROUTES + 1)
+            routes += [(kind, route) for route in found]
+            if len(routes) > MOST_ROUTES:
+                return Answer.UNKNOWN, None
+        return self._pack(goal, routes, time_limit_s)
+
+    def _pack(
+        self, goal: float, routes: list[tuple[int, tuple[int, ...]]], time_limit_s: float
+    ) -> tuple[Answer, Routes | None]:
+        """Whether some of the routes make a plan that is worth the goal."""
+        if not routes:
+            return Answer.NONE, None
+        campaign, first = self._campaign, self._campaign.instance.first_target
+        sets = [(kind, frozenset(j for j in route if j >= first)) for kind, route in routes]
+        worths = np.array([campaign.collected(targets) for _, targets in sets])
+        found = milp(
+            -worths,
+            integrality=np.ones(len(sets)),
+            bounds=Bounds(0.0, 1.0),
+            constraints=[
+                packing(campaign, sets),
+                LinearConstraint(worths[None, :], goal - LEAST_OFF * self._largest, np.inf),
+            ],
+            options={"time_limit": max(time_limit_s, 0.1)},
+        )
+        if found.status == 2:  # infeasible
+            return Answer.NONE, None
+        if found.x is None:
+            return Answer.UNKNOWN, None
+        taken: list[tuple[int, ...]] = [()] * len(campaign.missions)
+        free = [list(kind.chasers) for kind in campaign.kinds]
+        for at in np.flatnonzero(found.x > 0.5).tolist():
+            kind, route = routes[at]
+            taken[free[kind].pop(0)] = route
+        return Answer.FOUND, tuple(taken)
