@@ -159,6 +159,8 @@ def plan(
                 if certificate.proven or stop.remaining_s() <= 0.0:
                     break
                 search.move(WIDTH)
+                if search.multipliers.any() and not certificate.proven:
+                    search.complete(WIDTH)
             if advancing is not None:
                 advancing.result()
             if prover is not None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from adr_opt.campaign import Campaign, Routes
@@ -13,7 +15,7 @@ from ..search.greedy_order import guarded_sequence
 from ..search.varied_beams import varied
 from .incumbent import CampaignCertificate
 from .orders import left, one_after_another, targets_of
-from .pool import Pool
+from .pool import Column, Pool
 
 FIRST_WIDTH = 200
 """Of the beams of the first plans."""
@@ -23,6 +25,9 @@ MOST_FLOWN_ANEW = 3
 
 ADRIFT = 100
 """So many moves that find nothing better are followed by a return to the best plan."""
+
+TOLERANCE = 0.3
+"""Mean noise by which routes are preferred that are to be completed, in mean prizes."""
 
 LEAST_OFFER = 0.05
 """Share of its worth that a target keeps at least where it is worth something to others."""
@@ -66,7 +71,9 @@ class RouteSearch:
         self._worth = -np.inf
         self._idle = 0
         self.multipliers = np.zeros(len(campaign.names))
-        self.counters = {"beams": 0, "recreations": 0, "packings": 0}
+        worthy = campaign.worths[campaign.worths > 0.0]
+        self._mean_worth = float(worthy.mean()) if worthy.size else 1.0
+        self.counters = {"beams": 0, "recreations": 0, "completions": 0, "packings": 0}
 
     def begin(self, start: Routes | None = None) -> None:
         """The guarded greedy plan, one by beams, chaser after chaser, and one that is given."""
@@ -136,6 +143,42 @@ class RouteSearch:
         if self._idle >= ADRIFT and self._certificate.sequence is not None:
             self._meet(self._certificate.sequence)
             self._idle = 0
+
+    def complete(self, width: int) -> None:
+        """Let all chasers but one fly routes met that do not meet, and one go for the rest.
+
+        Routes that are worth much, less multipliers, are preferred: there are no better ones left
+        to find for who flies them, and the others lose little by them.
+        """
+        campaign, rng = self._campaign, self._rng
+        columns = self._pool.columns()
+        if not columns:
+            return
+        spare = [len(kind.chasers) for kind in campaign.kinds]
+        last = int(rng.integers(len(campaign.missions)))
+        spare[self._kind_of[last]] -= 1
+        noise = rng.exponential(TOLERANCE * self._mean_worth, len(columns))
+        losses = noise - [self._less_multipliers(column) for column in columns]
+        done, taken = set[int](), list[Column]()
+        for at in np.argsort(losses, kind="stable").tolist():
+            column = columns[at]
+            if spare[column.kind] and done.isdisjoint(column.targets):
+                spare[column.kind] -= 1
+                done |= column.targets
+                taken.append(column)
+                if not any(spare):
+                    break
+        mission = campaign.missions[last].offering(left(campaign, done))
+        layer, settings, seed = varied(mission, width, rng)
+        if self._stop.remaining_s() <= 0.0:
+            return
+        added = self._pool.add(self._kind_of[last], self._beam(layer, settings, seed))
+        self.counters["completions"] += 1
+        if added is not None:
+            self._certificate.offer(self._pool.dealt([*taken, added]))
+
+    def _less_multipliers(self, column: Column) -> float:
+        return column.worth - math.fsum(self.multipliers[j] for j in column.targets)
 
     def pack(self, time_limit_s: float) -> None:
         """The best plan of the routes met."""
