@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from itertools import takewhile
 from typing import Any, Self
 
 from .campaign import Campaign, Problem
@@ -102,9 +103,13 @@ class Prepared:
     ) -> Self:
         """The same from a start plan, or from as much of each of its routes as is legal."""
         notes, routes = self.notes, []
+        done: set[str] = set()
         for each, wanted in zip(mission.missions, destinations, strict=True):
-            sequence = legal_beginning(each, wanted, repair=repair)
+            # What was another chaser's is nobody else's; without repair it was refused.
+            left = takewhile(lambda name: name not in done, wanted)
+            sequence = legal_beginning(each, left, repair=repair)
             routes.append(sequence)
+            done.update(each.names[j] for j in sequence if not each.rules.is_station[j])
             if len(sequence) < len(wanted):
                 kept = f"only the first {len(sequence)}" if sequence else "none"
                 legs = counted(len(wanted), "leg")

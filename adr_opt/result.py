@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -11,6 +12,7 @@ from itertools import chain
 from typing import Any
 
 from .campaign import Problem
+from .errors import InputError
 from .mission import Mission
 from .plan import InstanceReference, Plan, Route, Status, cost_of, relative_gap
 from .pricing import APPROXIMATE, legs, unvisited
@@ -108,6 +110,20 @@ def _lacks(problem: Prizes, lacking: tuple[int, ...], status: Status) -> str:
     return f"no plan was found that services all required targets; the best one lacks {names}"
 
 
+def _refuse_doubles(problem: Prizes, moves: Sequence[int]) -> None:
+    """A target is done once, by one chaser.
+
+    Raises
+    ------
+    InputError
+        One is done twice.
+    """
+    first = problem.instance.first_target
+    twice = [body for body, times in Counter(moves).items() if times > 1 and body >= first]
+    if twice:
+        raise InputError(f"{problem.names[twice[0]]!r} is visited twice; a target is done once")
+
+
 def cost_gap(cost: float, bound: float) -> float:
     """(cost − bound) / cost; 0 where the plan costs nothing."""
     return (cost - bound) / cost if cost > 0.0 else 0.0
@@ -203,6 +219,7 @@ def certify_routes(
         for mission, sequence in zip(problem.missions, found, strict=routes is not None)
     ]
     moves = tuple(chain.from_iterable(sequence for _, sequence in flown))
+    _refuse_doubles(problem, moves)
     lacking = () if routes is None else problem.lacking(moves)
     may_stop = all(mission.may_stop(sequence) for mission, sequence in flown)
     if routes is None or lacking or not may_stop:

@@ -10,7 +10,7 @@ from typing import Any, Generic, Protocol, TypeVar
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
 from adr_opt.prizes import Prizes
-from adr_opt.tolerance import meets, rounded_down, rounded_up, tolerance
+from adr_opt.tolerance import rounded_down, rounded_up, tolerance
 
 from .incumbent import Incumbent
 
@@ -103,7 +103,16 @@ class CertificateOf(Generic[Found]):
     @property
     def proven(self) -> bool:
         """Whether the incumbent meets the bound."""
-        return meets(self.incumbent, self.bound)
+        return self.incumbent >= self.bound - self._tolerance
+
+    @property
+    def _tolerance(self) -> float:
+        """What an incumbent may lack of the bound: a share of prizes, of which proofs are told.
+
+        What is required is worth more to a planner than all of them.
+        """
+        shown = self._mission.shown(self.bound)
+        return tolerance(shown if math.isfinite(shown) else self.bound)
 
     @property
     def stated(self) -> float:
@@ -115,7 +124,7 @@ class CertificateOf(Generic[Found]):
     @property
     def goal(self) -> float:
         """What the next plan has to be worth to be better."""
-        return self.incumbent + (self._mission.prize_step or tolerance(self.bound))
+        return self.incumbent + (self._mission.prize_step or self._tolerance)
 
     @property
     def threshold(self) -> float:
@@ -124,7 +133,7 @@ class CertificateOf(Generic[Found]):
         value = min(self.bound, rounded_up((1.0 - STRIDE) * self.bound, step))
         if step:
             return max(value, self.incumbent + step) - MARGIN * step
-        return max(value, self.incumbent + 0.5 * tolerance(self.bound))
+        return max(value, self.incumbent + 0.5 * self._tolerance)
 
 
 class Certificate(CertificateOf[tuple[int, ...]]):

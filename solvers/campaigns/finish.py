@@ -86,7 +86,9 @@ class Finish:
         routes: list[tuple[int, tuple[int, ...]]] = []
         for kind, search in enumerate(self._searches):
             search.use(multipliers)
-            least = most_worth[kind] - (bound - goal) - LEAST_OFF * self._largest
+            # No route is worth less than all that it may pay: also where there is no plan yet.
+            least = max(most_worth[kind] - (bound - goal), -math.fsum(multipliers))
+            least -= LEAST_OFF * self._largest
             finished, _, _, _ = search.search(search.total + least, most_labels, enough)
             if not finished:
                 return Answer.UNKNOWN, None

@@ -37,10 +37,14 @@ class CampaignIncumbent:
         self.cost = math.inf
 
     def offer(self, routes: Iterable[Iterable[int]]) -> bool:
-        """Routes that may be the best plan, no target on two of them; whether they are."""
+        """Routes that may be the best plan; whether they are. No target may be on two of them."""
         campaign = self._campaign
         moves = tuple(tuple(int(j) for j in route) for route in routes)
-        worth = campaign.collected(j for route in moves for j in route)
+        first = campaign.instance.first_target
+        targets = [j for route in moves for j in route if j >= first]
+        worth = campaign.collected(targets)
+        if len(set(targets)) < len(targets):
+            return False
         if worth < self.objective or moves == self.sequence:
             return False
         closed = campaign.closed(moves)

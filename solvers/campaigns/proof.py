@@ -100,7 +100,8 @@ class CampaignProof:
         self._labels = min(FIRST_LABELS, options.most_labels)
         self._largest = float(campaign.worths.max(initial=0.0)) or 1.0
         self._columns = 0
-        self._most_worth = np.zeros(len(campaign.kinds))
+        # Multipliers, the most that routes are worth less them, and the bound of both.
+        self._priced: tuple[np.ndarray, np.ndarray, float] | None = None
         self._finishing_labels = 0
         self.done = certificate.proven
 
@@ -145,8 +146,10 @@ class CampaignProof:
         new, bound = self._by_labels(duals, multipliers, enough)
         if bound < self._least:
             self._least, self._centre = bound, multipliers
-            self._most_worth = np.array([pricing.most_worth for pricing in self._pricing])
             self._certificate.lower(bound)
+        if math.isfinite(bound) and (self._priced is None or bound < self._priced[2]):
+            most_worth = np.array([pricing.most_worth for pricing in self._pricing])
+            self._priced = (multipliers, most_worth, bound)
         self.done = self._certificate.proven
         if new or self.done:
             self._centred = CENTRED
@@ -162,15 +165,17 @@ class CampaignProof:
     def _finish(self, enough: Callable[[], bool]) -> None:
         """Ask for a plan that is better than the incumbent, until there is none."""
         certificate = self._certificate
+        assert self._priced is not None
+        multipliers, most_worth, _ = self._priced
         finish = Finish(self._campaign, self._fine)
         while not certificate.proven and not enough():
             goal = certificate.goal
             answer, routes = finish.ask(
-                goal, self._centre, self._most_worth, self._options.most_labels, enough,
+                goal, multipliers, most_worth, self._options.most_labels, enough,
                 self._stop.remaining_s(),
             )  # fmt: skip
             if answer is Answer.NONE:
-                certificate.lower(certificate.incumbent)
+                certificate.lower(certificate.incumbent if self._campaign.prize_step else goal)
             if routes is None or not certificate.offer(routes):
                 break
         self._finishing_labels += finish.labels_made
