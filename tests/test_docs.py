@@ -383,8 +383,8 @@ def test_the_readme_counts_the_library() -> None:
     entries = load_library(ROOT / "instances/library.json").instances
     families = list(dict.fromkeys(entry.family for entry in entries))
     text = " ".join(read("README.md").split())
-    assert f"{len(entries)} instances in eight families ({', '.join(families)})" in text
-    assert len(families) == 8
+    assert f"{len(entries)} instances in nine families ({', '.join(families)})" in text
+    assert len(families) == 9
 
 
 def test_formats_are_in_the_changelog_and_on_their_page() -> None:
