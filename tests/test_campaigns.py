@@ -17,9 +17,6 @@ from adr_opt.campaign import Campaign
 CAMPAIGNS = 100
 DRIFTING = 30
 
-ALMOST = 1e-3
-"""So much of the largest prize, for each chaser, may be left open where prizes have no step."""
-
 every_part = pytest.mark.parametrize(
     ("draw", "seeds"),
     [
@@ -64,7 +61,7 @@ def test_plans_pass_and_bounds_hold(method, draw, seeds):
 @pytest.mark.parametrize("method", ["auto", "exact"])
 def test_chasers_of_many_kinds(method, draw, seeds):
     """What differs between chasers is each one's own, a margin is kept by all, proofs hold."""
-    proven = several = 0
+    proven = planned = several = 0
     for seed in seeds:
         instance, margin = mixed_campaign(seed, draw), 0.1 * (seed % 3 == 0)
         campaign = Campaign(instance, margin=margin)
@@ -75,6 +72,7 @@ def test_chasers_of_many_kinds(method, draw, seeds):
         if result.plan is None:
             assert math.isfinite(prizes) <= (result.status != "infeasible"), seed
             continue
+        planned += 1
         assert adr_opt.check(instance, result.plan) == (), seed
         assert result.objective <= prizes + 1e-9, seed
         for mission, route in zip(campaign.missions, result.routes, strict=True):
@@ -84,12 +82,8 @@ def test_chasers_of_many_kinds(method, draw, seeds):
         if result.status == "optimal":
             assert result.objective == pytest.approx(prizes), seed
             proven += 1
-            continue
-        assert campaign.prize_step == 0.0, seed
-        open_share = ALMOST * len(instance.chasers) * max(each.prize for each in instance.targets)
-        assert result.upper_bound <= result.objective + open_share, seed
     assert several > 0.7 * len(seeds)
-    assert proven > 0.3 * len(seeds)
+    assert proven >= 0.7 * planned > 0.2 * len(seeds)
 
 
 @pytest.mark.parametrize("seed", [*RARE, *range(30)])
