@@ -1,11 +1,13 @@
 """How good the planners are: means over fields, every plan checked, gaps where there is a bound.
 
     python bench/planners.py nominal greedy greedy-guarded beam auto@10 auto@60 auto+lagrangian@60
+    python bench/planners.py campaign greedy-guarded auto@10 auto@60 auto@120 --chasers 5
 
 A method is NAME[:OPTION=VALUE,…][+BOUND][@SECONDS]. The time limit starts with a ready timetable.
 Rows go to ``--out`` as JSON lines when they are finished, and a run started again skips what is
 there; the table is printed from these rows. ``--count`` fields of a family, by seed from 0;
-``--targets``, ``--days`` and ``--dynamics`` change them.
+``--targets``, ``--chasers``, ``--stations``, ``--days`` and ``--dynamics`` change them. Methods for
+one chaser are left out where there are several.
 """
 
 from __future__ import annotations
@@ -22,9 +24,11 @@ from typing import Any
 from machine import heading
 
 import adr_opt
-from adr_opt import planner
+from adr_opt import Instance, Plan, planner
+from adr_opt.campaign import Problem, problem_of
 from adr_opt.flight import fly
 from adr_opt.options import parsed
+from adr_opt.plan import InstanceReference
 
 
 def parse(spec: str) -> tuple[str, dict[str, str], str | None, float]:
@@ -42,8 +46,28 @@ def options_of(name: str, texts: dict[str, str]) -> dict[str, Any]:
     return {key: parsed(kind, key, text) for key, text in texts.items()}
 
 
+def plans_campaigns(spec: str) -> bool:
+    """Whether a method as typed is for several chasers too."""
+    name, _, bound, _ = parse(spec)
+    named = [planner.get(name)]
+    named += [] if bound is None else [planner.get(bound, planner.BOUNDS)]
+    return all(planner.campaign_form(each) is not None for each in named)
+
+
+def worst_miss_m(instance: Instance, plan: Plan) -> float:
+    """How far an arrival misses at most, each chaser flown by itself [m]."""
+    chasers = {chaser.name: chaser for chaser in instance.chasers}
+    worst = 0.0
+    for route in plan.routes:
+        alone = instance.replace(chasers=(chasers[route.chaser],))
+        reference = InstanceReference(name=alone.name, sha256=alone.sha256)
+        flight = fly(alone, plan.replace(instance=reference, routes=(route,)))
+        worst = max(worst, flight.worst_miss_m)
+    return worst
+
+
 def measure(
-    family: str, seed: int, spec: str, mission: adr_opt.Mission, plans: Path | None
+    family: str, seed: int, spec: str, mission: Problem, plans: Path | None
 ) -> dict[str, Any]:
     """One plan: solved, checked, flown, and written into a folder if there is one."""
     name, texts, bound, limit = parse(spec)
@@ -56,7 +80,7 @@ def measure(
         plans.mkdir(parents=True, exist_ok=True)
         result.plan.save(plans / f"{mission.instance.name}-{name}.json")
     violations = adr_opt.check(mission.instance, result.plan)
-    miss = fly(mission.instance, result.plan).worst_miss_m
+    miss = worst_miss_m(mission.instance, result.plan)
     return {
         "family": family,
         "seed": seed,
@@ -108,6 +132,8 @@ def main() -> None:
     parser.add_argument("methods", nargs="+")
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--targets", type=int)
+    parser.add_argument("--chasers", type=int)
+    parser.add_argument("--stations", type=int)
     parser.add_argument("--days", type=float)
     parser.add_argument("--dynamics", choices=["two-body", "j2"])
     parser.add_argument("--out", type=Path, help="JSON lines, appended to")
@@ -116,37 +142,50 @@ def main() -> None:
     family = arguments.family
     if arguments.targets is not None:
         family += f"-n{arguments.targets}"
+    if arguments.chasers is not None:
+        family += f"-c{arguments.chasers}"
+    if arguments.stations is not None:
+        family += f"-s{arguments.stations}"
     if arguments.days is not None:
         family += f"-{arguments.days:g}d"
     if arguments.dynamics is not None:
         family += f"-{arguments.dynamics}"
     changes = {} if arguments.dynamics is None else {"dynamics": arguments.dynamics}
-    dynamics = adr_opt.generate(arguments.family, 0).replace(**changes).dynamics
+    sizes = {name: getattr(arguments, name) for name in ("targets", "chasers", "stations")}
+    first = adr_opt.generate(arguments.family, 0, **sizes).replace(**changes)
+    methods = arguments.methods
+    if len(first.chasers) > 1:
+        methods = [spec for spec in methods if plans_campaigns(spec)]
+        left_out = [spec for spec in arguments.methods if spec not in methods]
+        if left_out:
+            print(f"for one chaser, left out: {', '.join(left_out)}", file=sys.stderr)
     rows: list[dict[str, Any]] = []
     if arguments.out and arguments.out.exists():
         rows = [json.loads(line) for line in arguments.out.read_text().splitlines()]
         rows = [row for row in rows if row["family"] == family]
     done = {(row["seed"], row["method"]) for row in rows}
-    for spec in arguments.methods:  # compile before the clock starts
+    for spec in methods:  # compile before the clock starts
         name, texts, bound, _ = parse(spec)
         options = options_of(name, texts)
-        warm = adr_opt.generate("tiny", 0).replace(dynamics=dynamics)
+        warm = adr_opt.generate("tiny", 0, chasers=min(2, len(first.chasers)))
+        warm = warm.replace(dynamics=first.dynamics)
         adr_opt.solve(warm, name, time_limit=20.0, iterations=3, bound=bound, **options)
     built: list[tuple[float, float]] = []
     for seed in range(arguments.count):
-        missing = [spec for spec in arguments.methods if (seed, spec) not in done]
+        missing = [spec for spec in methods if (seed, spec) not in done]
         if not missing:
             continue
-        instance = adr_opt.generate(arguments.family, seed, targets=arguments.targets)
+        instance = adr_opt.generate(arguments.family, seed, **sizes)
         if arguments.days is not None:
             instance = instance.with_limits(duration_s=86400.0 * arguments.days)
             instance = instance.replace(name=f"{family}-{seed:03d}")
-        mission = adr_opt.Mission(instance.replace(**changes))
+        problem = problem_of(instance.replace(**changes))
         began, spent = time.perf_counter(), time.process_time()
-        mission.rules  # noqa: B018  builds the timetable
+        for mission in problem.missions:
+            mission.rules  # noqa: B018  builds the timetable
         built.append((time.perf_counter() - began, time.process_time() - spent))
         for spec in missing:
-            row = measure(family, seed, spec, mission, arguments.plans)
+            row = measure(family, seed, spec, problem, arguments.plans)
             rows.append(row)
             if arguments.out:
                 with arguments.out.open("a") as file:
@@ -159,7 +198,7 @@ def main() -> None:
     rows = [row for row in rows if row["seed"] < arguments.count]
     print(heading())
     print(f"Family `{family}`, seeds 0–{arguments.count - 1}.\n")
-    print(table(rows, arguments.methods))
+    print(table(rows, methods))
     if built:
         wall, spent = (statistics.median(times) for times in zip(*built, strict=True))
         print(f"\nTimetable besides: {wall:.2g} s, {spent:.2g} s on all cores, medians.", end="")

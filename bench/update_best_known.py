@@ -2,12 +2,13 @@
 
     python bench/update_best_known.py --time-limit 60 instances/nominal/*.json
     python bench/update_best_known.py --time-limit 10 --family cloud --family large --missing
+    python bench/update_best_known.py --time-limit 60 --bound none --family campaign --missing
     python bench/update_best_known.py nominal-042 plan.json bound.json
     python bench/update_best_known.py --plan nominal-042 --out plan.json
 
 An instance, given as a file, by its name in the library or with its family, is solved with a
 planner and a bound side by side, or by a planner that proves by itself (`--method exact --bound
-none`); a plan file, or what `bound --json` printed, is taken as it is. A
+none`, as for several chasers); a plan file, or what `bound --json` printed, is taken as it is. A
 row changes only for the better: a plan that collects more (or as much with less ΔV) and that
 `check` finds nothing wrong with, a bound that is lower. Each row is written when it is found;
 `--missing` leaves out the instances that have a plan and a bound already, so that an interrupted
@@ -37,14 +38,14 @@ from typing import Any
 
 import adr_opt
 from adr_opt import Instance, Plan, front
+from adr_opt.campaign import Routes, problem_of
 from adr_opt.errors import InputError
 from adr_opt.files import check_writable, parse_model, read_text, write_text
 from adr_opt.formats_1 import is_of
 from adr_opt.library import Library, load_library
-from adr_opt.mission import Mission
 from adr_opt.plan import InstanceReference, relative_gap
 from adr_opt.planner import PLANNERS
-from adr_opt.result import certify, versions
+from adr_opt.result import certify_routes, versions
 from adr_opt.together import BOUND_NOTE, InvalidBound
 from adr_opt.tolerance import RELATIVE, meets, tolerance
 
@@ -66,9 +67,9 @@ class Row:
     """A row of the table; the names are its columns, empty where nothing is known.
 
     `gap` is (upper bound − objective) / upper bound; `order` the bodies of the plan by number, the
-    station 0, joined with hyphens (an empty plan is a hyphen); `plan` the plan file, if there is
-    one, relative to the table; `date` (UTC), `who` and `versions` are those of the last
-    improvement.
+    station 0, joined with hyphens (an empty route is a hyphen), of several chasers a route each,
+    joined with slashes; `plan` the plan file, if there is one, relative to the table; `date` (UTC),
+    `who` and `versions` are those of the last improvement.
     """
 
     instance: str
@@ -86,9 +87,11 @@ class Row:
     order: str = ""
 
     @property
-    def sequence(self) -> tuple[int, ...]:
-        """The bodies of the plan, the station 0."""
-        return tuple(int(body) for body in self.order.split("-") if body)
+    def routes(self) -> Routes:
+        """The bodies of the plan in order for each chaser, the station 0."""
+        return tuple(
+            tuple(int(body) for body in route.split("-") if body) for route in self.order.split("/")
+        )
 
 
 COLUMNS = [field.name for field in fields(Row)]
@@ -160,7 +163,9 @@ def write_table(folder: Path, rows: Mapping[str, Row]) -> None:
 def order_of(instance: Instance, plan: Plan) -> str:
     """The destinations of a plan as a row has them."""
     index = {name: number for number, name in enumerate(instance.names)}
-    return "-".join(str(index[name]) for name in plan.destinations) or "-"
+    flown = {route.chaser: route.legs for route in plan.routes}
+    routes = [flown.get(chaser.name, ()) for chaser in instance.chasers]
+    return "/".join("-".join(str(index[leg.destination]) for leg in legs) or "-" for legs in routes)
 
 
 def update(folder: Path, claim: Claim) -> str:
@@ -401,8 +406,8 @@ def write_plan(folder: Path, name: str, out: Path) -> None:
     if row is None or not row.order:
         raise InputError(f"instance {name!r}: the table has no plan of it; solve it first")
     instance = committed(folder, name, row.sha256)
-    mission = Mission(instance)
-    plan = certify(mission, row.planner_method, row.sequence, seed=0, runtime_s=0.0).plan
+    problem = problem_of(instance)
+    plan = certify_routes(problem, row.planner_method, row.routes, seed=0, runtime_s=0.0).plan
     assert plan is not None
     _with_bound(instance, plan, row).save(out)
 

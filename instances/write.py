@@ -32,6 +32,7 @@ SIZES = {
     "large": 20,
     "rocket-bodies": 20,
     "sso": 20,
+    "campaign": 20,
 }
 """Instances of each family: the seeds from 0."""
 

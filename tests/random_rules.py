@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 import adr_opt
-from adr_opt.bodies import Station
-from adr_opt.chasers import AtStation, InOrbit
+from adr_opt.bodies import Station, Target
+from adr_opt.chasers import AtStation, Chaser, InOrbit
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import EARTH_RADIUS_M
 from adr_opt.orbit import Orbit
@@ -181,3 +181,62 @@ def random_campaign(seed: int, draw: Callable[[int], Instance] = random_mission)
             changes["end"] = "anywhere"
         chasers.append(chaser.replace(**changes))
     return instance.replace(name=f"campaign-{seed}", chasers=tuple(chasers))
+
+
+def mixed_campaign(seed: int, draw: Callable[[int], Instance] = random_mission) -> Instance:
+    """The same where nearly all chasers differ: in where they start and end, when, and their tanks.
+
+    By turns with prizes that have no common step.
+    """
+    rng = np.random.default_rng([5, seed])
+    instance = draw(seed)
+    duration = instance.mission.duration_s
+    targets, stations = list(instance.targets), list(instance.stations)
+    if rng.random() < 0.4:
+        targets = [target.replace(prize=float(rng.uniform(0.1, 2.0))) for target in targets]
+    if rng.random() < 0.3:
+        number = int(rng.integers(len(targets)))
+        targets[number] = targets[number].replace(required=True)
+    if rng.random() < 0.4:
+        for number in np.flatnonzero(rng.random(len(targets)) < 0.5):
+            opens = float(rng.uniform(0.0, 0.5)) * duration
+            closes = float(rng.uniform(opens, duration)) if rng.random() < 0.7 else None
+            targets[number] = targets[number].replace(window_s=(opens, closes))
+    if len(stations) == 1 and rng.random() < 0.6:
+        there = targets[-1].orbit.replace(true_anomaly_deg=50.0)
+        stations.append(Station(name="station of its own", orbit=there))
+    chasers = [_chaser(instance.chaser, stations, targets, duration, rng)]
+    for number in range(2, int(rng.choice([2, 3, 3])) + 1):
+        if rng.random() < 0.25:
+            made = chasers[int(rng.integers(len(chasers)))]
+        else:
+            made = _chaser(instance.chaser, stations, targets, duration, rng)
+        chasers.append(made.replace(name=f"chaser-{number}"))
+    return instance.replace(
+        name=f"mixed-{seed}", targets=tuple(targets), stations=tuple(stations),
+        chasers=tuple(chasers),
+    )  # fmt: skip
+
+
+def _chaser(
+    usual: Chaser, stations: list[Station], targets: list[Target], duration_s: float,
+    rng: np.random.Generator,
+) -> Chaser:  # fmt: skip
+    """One with a start, an end, a tank, a time and a number of targets of its own."""
+    changes: dict[str, object] = {"end": "anywhere", "max_targets": None}
+    if stations and rng.random() < 0.5:
+        changes["start"] = AtStation(station=stations[int(rng.integers(len(stations)))].name)
+    elif not stations or rng.random() < 0.6:
+        orbit = targets[int(rng.integers(len(targets)))].orbit
+        changes["start"] = InOrbit(orbit=orbit.replace(true_anomaly_deg=rng.uniform(0.0, 360.0)))
+    if stations and rng.random() < 0.2:
+        changes["end"] = AtStation(station=stations[int(rng.integers(len(stations)))].name)
+    if rng.random() < 0.5:
+        changes["max_targets"] = int(rng.integers(0, 4))
+    if rng.random() < 0.5:
+        begin = float(rng.uniform(0.0, 0.4)) * duration_s
+        end = float(rng.uniform(0.5, 1.1)) * duration_s if rng.random() < 0.6 else None
+        changes["available_s"] = (begin, end)
+    share = float(rng.uniform(0.4, 1.6))
+    changes["tank"] = usual.tank.replace(delta_v_m_s=share * usual.tank.delta_v_m_s)
+    return usual.replace(**changes)

@@ -19,6 +19,7 @@ from plans import with_legs
 
 import adr_opt
 from adr_opt import planner
+from adr_opt.campaign import Campaign, Routes
 from adr_opt.connections import Connecting
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import SLACK_M_S
@@ -26,7 +27,7 @@ from adr_opt.kernels.schedule import follow
 from adr_opt.library import Entry, Library
 from adr_opt.limits import limits_of
 from adr_opt.mission import Mission
-from adr_opt.result import Result, certify
+from adr_opt.result import Result, certify, certify_routes
 from adr_opt.stop import Stop
 
 ROOT = Path(__file__).parents[1]
@@ -84,24 +85,29 @@ def bound_file(folder: Path, mission: Mission, upper_bound: float | None, **more
     return path
 
 
-def flown(instance: Instance, order: tuple[int, ...]) -> tuple[float, float]:
-    """Objective and least ΔV [m/s] of an order by the mission rules, without a timetable.
+def flown(instance: Instance, routes: Routes) -> tuple[float, float]:
+    """Objective and least ΔV [m/s] of routes by the mission rules, without a timetable.
 
     Followed here once more, because hundreds of timetables would take minutes.
     """
     connecting, limits = Connecting(instance), limits_of(instance)
-    budget = instance.chaser.tank.delta_v_m_s + SLACK_M_S
-    assert len([j for j in order if j]) == len({j for j in order if j})
-    ready, left, spent = np.zeros(1), np.array([budget]), np.zeros(1)
-    for i, j in itertools.pairwise((0, *order)):
-        assert j != i
-        pair = connecting.of_pair(i, j, connecting.planning_resolution_m_s)
-        ready, left, spent, _, _ = follow(
-            ready, left, spent, (pair.departure, pair.arrival, pair.delta_v), limits.service[j],
-            limits.opens[j], limits.closes[j], -1.0 if j else budget,
-        )  # fmt: skip
-        assert ready.size
-    return float(sum(instance.targets[j - 1].prize for j in order if j)), float(spent.min())
+    done = [j for route in routes for j in route if j]
+    assert len(done) == len(set(done))
+    total = 0.0
+    for chaser, route in zip(instance.chasers, routes, strict=True):
+        assert (chaser.available_s, chaser.end) == ((0.0, None), "anywhere")
+        budget = chaser.tank.delta_v_m_s + SLACK_M_S
+        ready, left, spent = np.zeros(1), np.array([budget]), np.zeros(1)
+        for i, j in itertools.pairwise((0, *route)):
+            assert j != i
+            pair = connecting.of_pair(i, j, connecting.planning_resolution_m_s)
+            ready, left, spent, _, _ = follow(
+                ready, left, spent, (pair.departure, pair.arrival, pair.delta_v), limits.service[j],
+                limits.opens[j], limits.closes[j], -1.0 if j else budget,
+            )  # fmt: skip
+            assert ready.size
+        total += float(spent.min())
+    return float(sum(instance.targets[j - 1].prize for j in done)), total
 
 
 def consistent(script: ModuleType, folder: Path) -> dict[str, Any]:
@@ -120,7 +126,7 @@ def consistent(script: ModuleType, folder: Path) -> dict[str, Any]:
             assert not row.plan
             assert math.isfinite(row.upper_bound)
             continue
-        objective, delta_v = flown(instance, row.sequence)
+        objective, delta_v = flown(instance, row.routes)
         assert objective == row.objective <= row.upper_bound
         assert delta_v == pytest.approx(row.delta_v_m_s, rel=1e-9)
         # The plan files of committed instances are kept as well.
@@ -329,6 +335,36 @@ def test_instances_of_the_library_are_solved_by_name(
     # A plan file for an instance of the library is a claim too.
     assert script.main(["--folder", str(folder), str(out)]) == 0
     assert "not better" in capsys.readouterr().out
+
+
+def test_campaigns_are_solved(
+    script: ModuleType, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A row of several chasers holds a route each, also an empty one, and gives the plan again."""
+    made = adr_opt.generate("tiny", 1, chasers=3)
+    library = Library(version="1.0", instances=(Entry(name=made.name, sha256=made.sha256),))
+    (folder / "library.json").write_text(library.to_json())
+    name, out = made.name, folder / "again.json"
+    assert name == "tiny-001-c3"
+    arguments = ["--folder", str(folder), "--time-limit", "20"]
+    assert script.main([*arguments, name]) == 2
+    assert "'lagrangian' is for one chaser" in capsys.readouterr().err
+    alone = certify_routes(
+        Campaign(made), "hand", [(), (1,), ()], seed=0, runtime_s=0.0, upper_bound=8.0
+    ).plan
+    assert alone is not None
+    # Whatever order a plan has its routes in, and if it leaves out those that are empty.
+    (route,) = (route for route in alone.routes if route.legs)
+    assert script.main([*arguments, str(saved(folder, alone.replace(routes=(route,))))]) == 0
+    assert consistent(script, folder)[name].order == "-/1/-"
+    assert script.main([*arguments, "--bound", "none", name]) == 0
+    row = consistent(script, folder)[name]
+    assert (row.planner_method, row.bound_method) == ("auto", "hand")
+    assert row.objective == row.upper_bound == 8.0
+    assert script.main([*arguments, "--plan", name, "--out", str(out)]) == 0
+    plan = adr_opt.load_plan(out)
+    assert adr_opt.check(made, plan) == ()
+    assert (len(plan.routes), plan.objective, plan.status) == (3, row.objective, "optimal")
 
 
 def test_wrong_calls_are_one_sentence(

@@ -1,12 +1,15 @@
-"""Several chasers: planners, bounds and `check` against plain enumeration."""
+"""Several chasers: planners, bounds and `check` against plain enumeration, and one another."""
 
 from __future__ import annotations
 
 import math
+from itertools import permutations
 
+import numpy as np
 import pytest
 from brute_force import brute_force_campaign
-from random_rules import drifting_mission, random_campaign, random_mission
+from random_rules import drifting_mission, mixed_campaign, random_campaign, random_mission
+from test_proofs_hold import RARE, resonant
 
 import adr_opt
 from adr_opt.campaign import Campaign
@@ -52,3 +55,64 @@ def test_plans_pass_and_bounds_hold(method, draw, seeds):
             proven += 1
     if method != "greedy-guarded":
         assert proven == planned > 0.6 * len(seeds)
+
+
+@every_part
+@pytest.mark.parametrize("method", ["auto", "exact"])
+def test_chasers_of_many_kinds(method, draw, seeds):
+    """What differs between chasers is each one's own, a margin is kept by all, proofs hold."""
+    proven = planned = several = 0
+    for seed in seeds:
+        instance, margin = mixed_campaign(seed, draw), 0.1 * (seed % 3 == 0)
+        campaign = Campaign(instance, margin=margin)
+        several += len(campaign.kinds) > 1
+        prizes, cost = brute_force_campaign(campaign)
+        result = adr_opt.solve(instance, method, time_limit=30.0, iterations=8, margin=margin)
+        assert result.upper_bound >= prizes - 1e-9, seed
+        if result.plan is None:
+            assert math.isfinite(prizes) <= (result.status != "infeasible"), seed
+            continue
+        planned += 1
+        assert adr_opt.check(instance, result.plan) == (), seed
+        assert result.objective <= prizes + 1e-9, seed
+        for mission, route in zip(campaign.missions, result.routes, strict=True):
+            assert mission.time(route).made == len(route), seed  # also with the margin
+        if result.objective == pytest.approx(prizes):
+            assert result.plan.cost >= cost - 1e-6, seed
+        if result.status == "optimal":
+            assert result.objective == pytest.approx(prizes), seed
+            proven += 1
+    assert several > 0.7 * len(seeds)
+    assert proven >= 0.7 * planned > 0.2 * len(seeds)
+
+
+@pytest.mark.parametrize("seed", [*RARE, *range(30)])
+def test_proofs_hold_on_knife_edges(seed):
+    """Where rounding decides, what is proven of several chasers is what enumeration finds."""
+    rng = np.random.default_rng([6, seed])
+    instance = resonant(seed)
+    first = instance.chaser
+    second = first.replace(name="second", max_targets=1 if rng.random() < 0.3 else None)
+    chasers = [first, second] if rng.random() < 0.5 else [first, second, first.replace(name="c")]
+    campaign = Campaign(instance.replace(chasers=tuple(chasers)))
+    prizes, _ = brute_force_campaign(campaign)
+    for method in ("auto", "exact"):
+        result = adr_opt.solve(campaign, method, time_limit=30.0, iterations=8)
+        assert adr_opt.check(campaign.instance, result.plan) == ()
+        assert result.status == "optimal"
+        assert result.objective == pytest.approx(prizes)
+
+
+@pytest.mark.parametrize("seed", range(1, 40, 3))
+def test_the_order_of_chasers_decides_nothing(seed):
+    """In whatever order chasers are listed, as much is proven, and one more takes nothing away."""
+    instance = mixed_campaign(seed)
+    idle = instance.chasers[0].replace(name="one more", end="anywhere")
+    fleets = [*list(permutations(instance.chasers))[:3], (*instance.chasers, idle)]
+    *results, with_more = [
+        adr_opt.solve(instance.replace(chasers=chasers), time_limit=30.0, iterations=8)
+        for chasers in fleets
+    ]
+    for one in results:
+        assert one.status != "unknown"
+        assert all(one.objective <= other.upper_bound + 1e-9 for other in (*results, with_more))

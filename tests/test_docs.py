@@ -334,6 +334,43 @@ def test_the_first_example_of_each_page_runs(
     assert plan.load_plan("plan.json").legs
 
 
+def test_the_page_on_campaigns_runs(cli: Cli, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its commands, on fewer targets, plan a campaign that passes; its Python does as it stands.
+
+    The chasers that it shows as a file are an instance's, and it lists the methods that plan them.
+    """
+    page = read("docs/campaigns.md")
+    blocks = re.findall(r"(?m)^    python -m adr_opt .*$", page)
+    assert [shlex.split(line)[3] for line in blocks] == ["generate", "solve", "check", "generate"]
+    for line in blocks:
+        words = in_a_small_world(line.strip())
+        if words[0] == "generate":
+            words[1] = shlex.split(line)[4]
+            words += ["--targets", "12"]
+        outcome = cli(*words)
+        assert outcome.status == 0, (line, outcome.err)
+    drawn = instance.load("my.json")
+    assert (len(drawn.chasers), len(drawn.stations)) == (2, 2)
+    shown = re.search(r"```json\n(.*?)```", page, re.DOTALL)
+    assert shown is not None
+    content = json.loads(drawn.to_json()) | json.loads(f"{{{shown[1]}}}")
+    assert [each.name for each in instance.Instance.from_json(json.dumps(content)).chasers] == [
+        "first", "late",
+    ]  # fmt: skip
+    (code,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    capsys.readouterr()
+    exec(code, {})
+    first, second, last = capsys.readouterr().out.splitlines()
+    assert first.startswith("chaser-1 ['debris-")
+    assert second.startswith("late ['debris-")
+    assert last.endswith(" optimal ()")
+    listed = {cell.strip("`") for row in next(tables(page))[1][2:] for cell in row[:1]}
+    able = {
+        name for name in planner.names() if planner.campaign_form(planner.get(name)) is not None
+    }
+    assert listed == able
+
+
 def test_what_the_page_on_waiting_prints(capsys: pytest.CaptureFixture[str]) -> None:
     """Each block of Python on the page prints what the page says that it prints."""
     page = read("docs/waiting.md")
@@ -383,8 +420,8 @@ def test_the_readme_counts_the_library() -> None:
     entries = load_library(ROOT / "instances/library.json").instances
     families = list(dict.fromkeys(entry.family for entry in entries))
     text = " ".join(read("README.md").split())
-    assert f"{len(entries)} instances in eight families ({', '.join(families)})" in text
-    assert len(families) == 8
+    assert f"{len(entries)} instances in nine families ({', '.join(families)})" in text
+    assert len(families) == 9
 
 
 def test_formats_are_in_the_changelog_and_on_their_page() -> None:

@@ -53,6 +53,28 @@ def test_hand_made_file():
     assert path.read_bytes() == hand_made().to_json().encode()
 
 
+def test_more_chasers_and_stations_leave_the_field_as_it_is():
+    """Further chasers and stations have names of their own, start in turn, and change no target."""
+    plain = adr_opt.generate("nominal", 3)
+    made = adr_opt.generate("nominal", 3, chasers=3, stations=2)
+    assert made.targets == plain.targets
+    assert made.stations[0] == plain.stations[0]
+    assert [chaser.name for chaser in made.chasers] == ["chaser-1", "chaser-2", "chaser-3"]
+    assert [chaser.start.station for chaser in made.chasers] == ["station", "station-2", "station"]
+    assert len({chaser.tank for chaser in made.chasers}) == 1
+    alone = adr_opt.generate("rocket-bodies", 3)
+    several = adr_opt.generate("rocket-bodies", 3, chasers=3)
+    assert several.targets == alone.targets
+    assert several.stations == ()
+    orbits = [chaser.start.orbit for chaser in several.chasers]
+    assert orbits[0] == alone.chaser.start.orbit
+    assert len(set(orbits)) == 3
+    for changed in (made, several):
+        assert by_name(changed.name) == changed
+    with pytest.raises(adr_opt.InputError):
+        adr_opt.generate("rocket-bodies", 3, stations=2)
+
+
 def test_known_bytes():
     """The generator's stream is pinned: a change of any digit changes this checksum."""
     assert adr_opt.generate("nominal", 7, zones=6).sha256 == (
@@ -60,7 +82,7 @@ def test_known_bytes():
     )
 
 
-BELT = ["tiny", "nominal", "reduced-time", "reduced-fuel", "large"]
+BELT = ["tiny", "nominal", "reduced-time", "reduced-fuel", "campaign", "large"]
 
 
 @pytest.mark.parametrize("name", FAMILIES)
@@ -72,7 +94,8 @@ def test_families(name):
         made = adr_opt.generate(name, seed)
         sizes.add(len(made.targets))
         assert made.mission.duration_s == family.duration_s
-        assert made.chaser.tank.delta_v_m_s == family.delta_v_m_s
+        assert len(made.chasers) == family.chasers
+        assert {chaser.tank.delta_v_m_s for chaser in made.chasers} == {family.delta_v_m_s}
         assert [station.orbit for station in made.stations] == [family.station] * (
             family.station is not None
         )
@@ -94,9 +117,10 @@ def test_the_belt_is_within_the_calibrated_spread(name):
 
 
 def test_families_share_fields():
-    """nominal, reduced-time and reduced-fuel of one seed have the same debris; large begins so."""
+    """nominal, its two variants and campaign of one seed have the same debris; large begins so."""
     fields = {
-        adr_opt.generate(name, 5).targets for name in ("nominal", "reduced-time", "reduced-fuel")
+        adr_opt.generate(name, 5).targets
+        for name in ("nominal", "reduced-time", "reduced-fuel", "campaign")
     }
     assert fields == {adr_opt.generate("large", 5).targets[:50]}
 
@@ -188,7 +212,7 @@ def test_the_library_is_what_the_generator_gives():
     library = load_library(INSTANCES / "library.json")
     assert {name: len(library.of_family(name)) for name in FAMILIES} == {
         "tiny": 10, "nominal": 100, "reduced-time": 100, "reduced-fuel": 100, "cloud": 20,
-        "large": 20, "rocket-bodies": 20, "sso": 20,
+        "large": 20, "rocket-bodies": 20, "sso": 20, "campaign": 20,
     }  # fmt: skip
     for entry in library.instances:
         assert entry.generate().name == entry.name

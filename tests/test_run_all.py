@@ -120,6 +120,47 @@ def test_iterations_change_the_zones_and_nothing_else(load: Load) -> None:
     assert without.instance().sha256 == adr_opt.generate("nominal", 3).sha256
 
 
+def test_methods_for_one_chaser_leave_campaigns_out(load: Load, tmp_path: Path) -> None:
+    """A suite of several chasers lacks the rows of those methods and bounds that plan it, only."""
+    bound = load("harness.trials").BoundCall("lagrangian", 5.0)
+    asked = protocol(
+        load, "greedy", "beam", "auto", fields=1, iterations=1, zones=0, bound=bound,
+        suites=("tiny", "campaign"),
+    )  # fmt: skip
+    store = load("harness.store").Store(tmp_path)
+    lacking = {trial.suite: keys for trial, keys in store.missing(asked).items()}
+    assert lacking == {
+        "tiny": {"greedy@10", "beam@10", "auto@10"}, "campaign": {"greedy@10", "auto@10"},
+    }  # fmt: skip
+    run = store.begin_run("a", asked, 1)
+    one, several = asked.trials()
+    assert store.claim(one, asked, run).bound == bound
+    task = store.claim(several, asked, run)
+    assert ([method.name for method in task.methods], task.bound) == (["greedy", "auto"], None)
+    store.keep([row(load, several, key) for key in lacking["campaign"]], run)
+    assert several not in store.missing(asked)
+    with pytest.raises(InputError, match="several chasers, for which none of the methods plans"):
+        load("harness.options").parse(
+            ["--out", str(tmp_path), "--suite", "campaign", "--methods", "beam,mcts"], ""
+        )
+
+
+def test_a_campaign_is_planned_checked_and_told(load: Load, tmp_path: Path) -> None:
+    """A row of several chasers is legal and holds a route each; the duration is of the longest."""
+    asked = protocol(load, "greedy-guarded", fields=1, iterations=1, zones=0, suites=("campaign",))
+    store = load("harness.store").Store(tmp_path)
+    run, told = store.begin_run("a", asked, 1), []
+    task = store.claim(asked.trials()[0], asked, run)
+    load("harness.work").work(task, lambda kind, facts: told.append((kind, facts)))
+    (facts,) = [facts for kind, facts in told if kind == "row"]
+    assert facts["outcome"] == "legal", facts["message"]
+    routes = [[int(body) for body in route.split()] for route in facts["sequence"].split(" / ")]
+    assert len(routes) == 3
+    assert sum(body > 0 for route in routes for body in route) == facts["visits"]
+    plan = adr_opt.solve(adr_opt.generate("campaign", 0), "greedy-guarded").plan
+    assert facts["duration_used_s"] == max(leg.end_s for leg in plan.legs)
+
+
 # --- the store ------------------------------------------------------------------------------------
 
 

@@ -17,6 +17,11 @@ GUESS_S = 1.0
 """Of the time limit at most, for a method that nothing is known of yet, and for a timetable."""
 
 
+def _bounds(protocol: Protocol, missing: Mapping[Trial, set[str]]) -> int:
+    """How many bounds are to be proven at most."""
+    return sum(protocol.bound_for(trial.suite) is not None for trial in missing)
+
+
 class Forecast:
     """Seconds of work that are left, from the means of what has been seen.
 
@@ -43,7 +48,7 @@ class Forecast:
                 self._left[trial.suite, key] = self._left.get((trial.suite, key), 0) + 1
         self._trials, self._rows = len(missing), sum(self._left.values())
         self._build_s = GUESS_S
-        self._bounds = len(missing) if protocol.bound is not None else 0
+        self._bounds = _bounds(protocol, missing)
         self._bound_s = protocol.bound.limit_s if protocol.bound is not None else 0.0
 
     def hear(self, suite: str, method: str, seconds: float, build_s: float) -> None:
@@ -91,7 +96,7 @@ class Display:
     ) -> None:
         self._forecast = Forecast(protocol, missing, seconds)
         self._total = sum(len(keys) for keys in missing.values())
-        self._total += len(missing) if protocol.bound is not None else 0
+        self._total += _bounds(protocol, missing)
         self._kept, self._wrong = 0, 0
         self._quiet = quiet
         self._said = time.monotonic()

@@ -11,7 +11,7 @@ from typing import Any
 from adr_opt.errors import InputError
 from adr_opt.front import method_of
 from adr_opt.options import parsed, read
-from adr_opt.planner import options_of, takes_jobs
+from adr_opt.planner import campaign_form, options_of, takes_jobs
 
 DEFAULT_METHODS = "greedy,greedy-guarded,mcts,beam,auto,ortools,ppo"
 """The planners of the published study and those of this project that answer it."""
@@ -30,6 +30,11 @@ class Method:
         """The one way to write the method: what rows are stored under."""
         options = ",".join(f"{name}={text}" for name, text in self.options)
         return f"{self.name}{':' if options else ''}{options}@{self.limit_s:g}"
+
+    @property
+    def plans_campaigns(self) -> bool:
+        """Whether it plans for several chasers."""
+        return campaign_form(method_of(self.name)) is not None
 
     def values(self) -> dict[str, Any]:
         """The options as :func:`adr_opt.solve` takes them, on one core unless typed otherwise.

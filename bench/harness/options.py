@@ -147,7 +147,7 @@ def _protocol(typed: argparse.Namespace) -> Protocol:
         except InputError as error:
             raise InputError(f"--bound: {error}") from None
         bound = BoundCall(typed.bound, typed.bound_time_limit)
-    return Protocol(
+    protocol = Protocol(
         suites=parse_suites(chosen["suite"]),
         fields=fields,
         iterations=iterations,
@@ -156,6 +156,13 @@ def _protocol(typed: argparse.Namespace) -> Protocol:
         seed=typed.seed,
         bound=bound,
     )
+    for suite in protocol.suites:
+        if not protocol.methods_for(suite):
+            raise InputError(
+                f"--suite: {suite!r} has several chasers, for which none of the methods plans; "
+                "give for example --methods greedy-guarded,auto"
+            )
+    return protocol
 
 
 def say(sentence: str) -> None:

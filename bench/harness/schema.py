@@ -58,7 +58,7 @@ CREATE TABLE row (
     build_s REAL,                      -- of the timetable, shared by the methods of a trial
     upper_bound REAL,                  -- proven by the planner itself
     sha256 TEXT,                       -- of the instance file
-    sequence TEXT,                     -- bodies in order, 0 is the station
+    sequence TEXT,                     -- bodies in order, 0 is the station; / between chasers
     environment INTEGER NOT NULL REFERENCES environment,
     run INTEGER NOT NULL REFERENCES run,
     finished TEXT NOT NULL,            -- UTC

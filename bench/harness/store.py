@@ -159,7 +159,6 @@ class Store:
 
     def missing(self, protocol: Protocol) -> dict[Trial, set[str]]:
         """The trials that lack something, with the methods that they lack; bounds count too."""
-        wanted = {method.key for method in protocol.methods}
         done: dict[Trial, set[str]] = {}
         for row in self._base.execute(
             "SELECT suite, field, iteration, zones, method FROM row WHERE seed = ?",
@@ -175,8 +174,10 @@ class Store:
             bounded = {Trial(*row) for row in rows}
         lacking = {}
         for trial in protocol.trials():
+            wanted = {method.key for method in protocol.methods_for(trial.suite)}
             lacks = wanted - done.get(trial, set())
-            if lacks or (protocol.bound is not None and trial not in bounded):
+            bound = protocol.bound_for(trial.suite)
+            if lacks or (bound is not None and trial not in bounded):
                 lacking[trial] = lacks
         return lacking
 
@@ -209,7 +210,7 @@ class Store:
         ).fetchall()
         done = {row["method"] for row in rows if row["seed"] == protocol.seed}
         legal = [row["objective"] for row in rows if row["outcome"] == "legal"]
-        bound = protocol.bound
+        bound = protocol.bound_for(trial.suite)
         if bound is not None:
             found = self._base.execute(
                 f"SELECT 1 FROM bound WHERE {TRIAL} AND method = ? AND limit_s = ?",
@@ -218,7 +219,7 @@ class Store:
             bound = None if found else bound
         return Task(
             trial,
-            tuple(method for method in protocol.methods if method.key not in done),
+            tuple(method for method in protocol.methods_for(trial.suite) if method.key not in done),
             protocol.seed,
             bound,
             max(legal, default=-math.inf),

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 import adr_opt
 from adr_opt.errors import InputError
+from adr_opt.front import method_of
 from adr_opt.generator import FAMILIES, draw_zones
 from adr_opt.instance import Instance
+from adr_opt.planner import BOUNDS, campaign_form
 
 from .methods import Method
 
@@ -61,6 +63,11 @@ class BoundCall:
     name: str
     limit_s: float
 
+    @property
+    def bounds_campaigns(self) -> bool:
+        """Whether it is one for several chasers too."""
+        return campaign_form(method_of(self.name, BOUNDS)) is not None
+
 
 @dataclass(frozen=True)
 class Task:
@@ -86,7 +93,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Protocol:
-    """All that a run is to bring about: every method on every trial."""
+    """All that a run is to bring about: every method on every trial that it can plan."""
 
     suites: tuple[str, ...]
     fields: int
@@ -95,6 +102,17 @@ class Protocol:
     methods: tuple[Method, ...]
     seed: int
     bound: BoundCall | None
+
+    def methods_for(self, suite: str) -> tuple[Method, ...]:
+        """The methods that plan a suite: of several chasers not those that are for one."""
+        several = FAMILIES[suite].chasers > 1
+        return tuple(each for each in self.methods if each.plans_campaigns or not several)
+
+    def bound_for(self, suite: str) -> BoundCall | None:
+        """The bound, if it is one of a suite."""
+        if self.bound is None or FAMILIES[suite].chasers == 1 or self.bound.bounds_campaigns:
+            return self.bound
+        return None
 
     def trials(self) -> list[Trial]:
         """Iteration by iteration, so that a run cut short has seen every field."""

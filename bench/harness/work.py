@@ -17,11 +17,11 @@ from typing import Any
 
 import adr_opt
 from adr_opt import front
+from adr_opt.campaign import Campaign, Problem, problem_of
 from adr_opt.errors import InputError
 from adr_opt.instance import Instance
-from adr_opt.mission import Mission
 from adr_opt.planner import BOUNDS, takes_jobs
-from adr_opt.practice import practice_mission
+from adr_opt.practice import practice_campaign, practice_mission
 from adr_opt.result import Result
 from adr_opt.tolerance import meets, rounded_down
 
@@ -63,8 +63,9 @@ def work(task: Task, tell: Tell) -> None:
     spent = Spent()
     began = time.perf_counter()
     try:
-        mission = Mission(task.trial.instance(), threads=1)
-        mission.rules  # noqa: B018  builds the timetable
+        problem = problem_of(task.trial.instance(), threads=1)
+        for mission in problem.missions:
+            mission.rules  # noqa: B018  builds the timetable
     except Exception as error:
         for method in task.methods:
             tell("row", _row(task, method, outcome="raised", message=_sentence(error)))
@@ -72,17 +73,17 @@ def work(task: Task, tell: Tell) -> None:
             tell("bound", {**_bound_row(task.trial, task.bound), "message": _sentence(error)})
         return
     spent.build = time.perf_counter() - began
-    best, drifts = task.best, mission.connecting.drifts
+    best, kind = task.best, (problem.connecting.drifts, isinstance(problem, Campaign))
     for method in task.methods:
-        spent.warm += warm_up(method, drifts)
-        row = _plan(task, method, mission, spent)
+        spent.warm += warm_up(method, *kind)
+        row = _plan(task, method, problem, spent)
         row["build_s"] = spent.build
         if row["outcome"] == "legal":
             best = max(best, row["objective"])
         tell("row", row)
     if task.bound is not None:
-        spent.warm += warm_up(task.bound, drifts)
-        tell("bound", _bound(task.trial, task.seed, task.bound, mission, best, spent))
+        spent.warm += warm_up(task.bound, *kind)
+        tell("bound", _bound(task.trial, task.seed, task.bound, problem, best, spent))
     tell("spent", spent.to_dict())
 
 
@@ -102,33 +103,35 @@ def preflight(methods: tuple[Method | BoundCall, ...]) -> str | None:
                 "what becomes of it",
                 file=sys.stderr,
             )
-        _warm.add((method, False))
+        _warm.add((method, False, False))
     return None
 
 
-def warm_up(method: Method | BoundCall, drifts: bool = False) -> float:
+def warm_up(method: Method | BoundCall, drifts: bool = False, campaign: bool = False) -> float:
     """See that nothing of a method is compiled while its clock runs; seconds that it took.
 
-    Where nodes drift, there is more to compile.
+    Where nodes drift, or there are several chasers, there is more to compile.
     """
-    if (method, drifts) in _warm:
+    if (method, drifts, campaign) in _warm:
         return 0.0
     began = time.perf_counter()
     with contextlib.suppress(Exception):  # its row will say so, with the clock running
-        _solve_small(method, drifts)
-    _warm.add((method, drifts))
+        _solve_small(method, drifts, campaign)
+    _warm.add((method, drifts, campaign))
     return time.perf_counter() - began
 
 
 @cache
-def _small(drifts: bool) -> Mission:
+def _small(drifts: bool, campaign: bool) -> Problem:
+    if campaign:
+        return practice_campaign(drifts)
     if drifts:
         return practice_mission(True)
-    return Mission(adr_opt.generate("tiny", 0, zones=2), threads=1)
+    return problem_of(adr_opt.generate("tiny", 0, zones=2), threads=1)
 
 
-def _solve_small(method: Method | BoundCall, drifts: bool = False) -> None:
-    mission = _small(drifts)
+def _solve_small(method: Method | BoundCall, drifts: bool = False, campaign: bool = False) -> None:
+    mission = _small(drifts, campaign)
     if isinstance(method, BoundCall):
         options = {"jobs": 1} if takes_jobs(front.method_of(method.name, BOUNDS)) else {}
         front.bound(mission, method.name, time_limit=WARM_LIMIT_S, iterations=3, **options)
@@ -146,7 +149,7 @@ def _no_result(given: Any) -> str:
     return f"returned {type(given).__name__}, not a Result"
 
 
-def _plan(task: Task, method: Method, mission: Mission, spent: Spent) -> dict[str, Any]:
+def _plan(task: Task, method: Method, mission: Problem, spent: Spent) -> dict[str, Any]:
     began = time.perf_counter()
     try:
         result = front.solve(
@@ -188,11 +191,14 @@ def _judged(instance: Instance, result: Any) -> dict[str, Any]:
         "refuellings": sum(to_station),
         "objective": plan.objective,
         "delta_v_m_s": plan.delta_v_m_s,
-        "duration_used_s": plan.legs[-1].end_s if plan.legs else 0.0,
+        "duration_used_s": max((leg.end_s for leg in plan.legs), default=0.0),
         "runtime_s": plan.runtime_s,
         "upper_bound": plan.upper_bound,
         "sha256": plan.instance.sha256,
-        "sequence": " ".join(str(number.get(leg.destination, -1)) for leg in plan.legs),
+        "sequence": " / ".join(
+            " ".join(str(number.get(leg.destination, -1)) for leg in route.legs)
+            for route in plan.routes
+        ),
     }
 
 
@@ -225,7 +231,7 @@ class _Met:
 
 
 def _bound(
-    trial: Trial, seed: int, call: BoundCall, mission: Mission, best: float, spent: Spent
+    trial: Trial, seed: int, call: BoundCall, mission: Problem, best: float, spent: Spent
 ) -> dict[str, Any]:
     row = _bound_row(trial, call)
     options = {"jobs": 1} if takes_jobs(front.method_of(call.name, BOUNDS)) else {}

@@ -1,0 +1,213 @@
+"""Several chasers: how methods are called, what they begin from, and that they repeat it."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from conftest import Cli, refused
+
+import adr_opt
+from adr_opt import planner
+from adr_opt.campaign import Campaign
+from adr_opt.chasers import AtStation, InOrbit
+from adr_opt.instance import Instance
+from adr_opt.plan import Plan
+
+DAY_S = 86400.0
+ABLE = {"auto", "exact", "greedy", "greedy-guarded"}
+
+
+@pytest.fixture(scope="module")
+def instance() -> Instance:
+    """Two chasers that have to leave targets out."""
+    drawn = adr_opt.generate("tiny", 3, chasers=2)
+    return drawn.with_limits(duration_s=0.6 * DAY_S, delta_v_m_s=600.0)
+
+
+@pytest.fixture(scope="module")
+def plan(instance: Instance) -> Plan:
+    made = adr_opt.solve(instance, "greedy-guarded").plan
+    assert made is not None
+    assert all(len(route.legs) for route in made.routes)
+    assert max(len(route.legs) for route in made.routes) > 1
+    return made
+
+
+def test_methods_for_one_chaser_say_so(instance: Instance) -> None:
+    """Each planner and bound plans a campaign or refuses it in a sentence that names others."""
+    for group, call in ((planner.PLANNERS, adr_opt.solve), (planner.BOUNDS, adr_opt.bound)):
+        for name in planner.names(group):
+            if name in ABLE:
+                assert call(instance, name, iterations=2).status in ("optimal", "feasible")
+                continue
+            with pytest.raises(adr_opt.InputError, match=r"is for one chaser.* has 2; use one of"):
+                call(instance, name)
+    with pytest.raises(adr_opt.InputError, match="'lagrangian' is for one chaser"):
+        adr_opt.solve(instance, "auto", bound="lagrangian")
+    with pytest.raises(adr_opt.InputError, match="for one chaser only"):
+        adr_opt.solve(instance, "exact", cost=True)
+
+
+def test_the_command_line_says_so_too(cli: Cli, instance: Instance) -> None:
+    """`solve` and `bound` with such a method are one sentence and exit 2."""
+    with open("two.json", "w", encoding="utf-8") as file:
+        file.write(instance.to_json())
+    sentence = ("is for one chaser", "auto, exact, greedy, greedy-guarded")
+    refused(cli("solve", "two.json", "--method", "beam"), "'beam'", *sentence)
+    refused(cli("bound", "two.json", "--method", "lagrangian"), "'lagrangian'", *sentence)
+    refused(cli("solve", "two.json", "--bound", "lagrangian"), "'lagrangian'", *sentence)
+
+
+@pytest.mark.parametrize("method", ["auto", "exact"])
+def test_the_same_rounds_give_the_same_plan(method: str) -> None:
+    """Same seed and rounds, same routes, bound and counts, on one core or two."""
+    instance = adr_opt.generate("campaign", 1, targets=24, stations=2)
+    instance = instance.with_limits(duration_s=3.0 * DAY_S)
+    runs = [
+        adr_opt.solve(instance, method, time_limit=120.0, iterations=2, seed=5, jobs=jobs)
+        for jobs in (1, 2, 2)
+    ]
+    assert runs[0].counters["rounds"] == 2
+    assert runs[0].counters["searches"] > 0
+    for run in runs[1:]:
+        assert run.routes == runs[0].routes
+        assert run.upper_bound == runs[0].upper_bound
+        assert run.counters == runs[0].counters
+        assert run.plan.routes == runs[0].plan.routes
+    other = adr_opt.solve(instance, method, time_limit=120.0, iterations=2, seed=6, jobs=1)
+    assert (other.counters, other.routes) != (runs[0].counters, runs[0].routes)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_campaign_of_one_is_the_mission(seed: int) -> None:
+    """One chaser, planned as a campaign, collects as much, proven as well, with the same routes."""
+    instance = adr_opt.generate("tiny", seed)
+    alone = adr_opt.solve(instance, "exact", time_limit=30.0)
+    for method in ("auto", "exact", "greedy", "greedy-guarded"):
+        mission = adr_opt.solve(instance, method, time_limit=30.0)
+        campaign = adr_opt.solve(Campaign(instance), method, time_limit=30.0)
+        assert adr_opt.check(instance, campaign.plan) == ()
+        assert (campaign.objective, campaign.status) == (mission.objective, mission.status)
+        assert mission.routes == (mission.sequence,)
+        assert campaign.routes == (campaign.sequence,)
+        if method.startswith("greedy"):
+            assert campaign.plan.routes == mission.plan.routes
+        else:
+            assert campaign.upper_bound == alone.upper_bound
+
+
+def test_planning_begins_from_a_plan(instance: Instance, plan: Plan) -> None:
+    """A plan, its routes by name or number, or some of them, are begun from; nothing is lost."""
+    names = [[leg.destination for leg in route.legs] for route in plan.routes]
+    numbers = [[instance.names.index(name) for name in route] for route in names]
+    for start in (plan, names, numbers, [tuple(numbers[0])], [[], numbers[1]]):
+        result = adr_opt.solve(instance, "auto", start=start, iterations=1)
+        assert adr_opt.check(instance, result.plan) == ()
+        assert result.objective >= plan.objective
+    best = adr_opt.solve(instance, "exact", time_limit=30.0).plan
+    # Nothing is left to be found, so the plan that comes back is the one that was given.
+    again = adr_opt.solve(instance, "exact", start=best, time_limit=30.0)
+    assert again.objective == best.objective
+
+
+def test_the_routes_of_a_start_belong_to_chasers_by_name(instance: Instance, plan: Plan) -> None:
+    """A plan with its routes in another order, or without an empty one, is the same start."""
+    backwards = plan.replace(routes=plan.routes[::-1])
+    some = plan.replace(routes=plan.routes[1:], objective=float(len(plan.routes[1].legs)))
+    for start in (plan, backwards):
+        result = adr_opt.solve(instance, "auto", start=start, iterations=1, repair=True)
+        assert not any("could be kept" in note for note in result.notes)
+        assert result.objective >= plan.objective
+    result = adr_opt.solve(instance, "auto", start=some, iterations=1, repair=True)
+    assert not any("could be kept" in note for note in result.notes)
+
+
+@pytest.mark.parametrize(
+    ("start", "named"),
+    [
+        ([[1, 2], [2]], "'debris-002' is visited by two chasers"),
+        ([1, 2], "a sequence of bodies for each of 2 chasers"),
+        ([[1], [2], [3]], "a sequence of bodies for each of 2 chasers"),
+        ([[99]], "may only name the bodies 0 to 8"),
+        ([["nobody"], []], "'nobody' is not a body"),
+        ([[], [1, 1]], "leg 2 goes from 'debris-001' to itself"),
+        ([[0], []], "leg 1 refuels, but no target was visited"),
+    ],
+)
+def test_wrong_starts_are_refused(instance: Instance, start: list, named: str) -> None:
+    """What is wrong with the routes of a start is said in one sentence."""
+    with pytest.raises(adr_opt.InputError, match=named):
+        adr_opt.solve(instance, "auto", start=start, iterations=1)
+
+
+def test_the_plan_of_another_campaign_is_repaired(cli: Cli, instance: Instance, plan: Plan) -> None:
+    """--start of a longer campaign is refused, and --repair keeps a beginning of each route."""
+    shorter = instance.with_limits(duration_s=0.35 * DAY_S)
+    for name, what in (("short.json", shorter), ("plan.json", plan)):
+        with open(name, "w", encoding="utf-8") as file:
+            file.write(what.to_json())
+    call = ("solve", "short.json", "--start", "plan.json", "--out", "new.json", "--time-limit", "9")
+    refused(cli(*call), "start plan: the plan belongs to the instance", "repair")
+    outcome = cli(*call, "--repair")
+    assert outcome.status == 0, outcome.err
+    longest = max(plan.routes, key=lambda route: len(route.legs))
+    legs = len(longest.legs)
+    assert f"of the start plan's {legs} legs of '{longest.chaser}' could be kept" in outcome.err
+    made = adr_opt.load_plan("new.json")
+    assert adr_opt.check(shorter, made) == ()
+    assert [route["chaser"] for route in json.loads(made.to_json())["routes"]] == [
+        chaser.name for chaser in instance.chasers
+    ]
+
+
+def test_a_target_is_done_once_by_one_chaser(instance: Instance, plan: Plan) -> None:
+    """`check` reports a target on two routes, and a chaser that ends where it must not.
+
+    Also one that flies nothing has to be where it has to end.
+    """
+    first, second = plan.routes
+    twice = plan.replace(routes=(first, second.replace(legs=first.legs)))
+    said = [v for v in adr_opt.check(instance, twice) if v.rule == "order"]
+    assert [v.leg for v in said] == list(range(len(first.legs) + 1, 2 * len(first.legs) + 1))
+    assert "was visited before" in said[0].message
+
+    away = InOrbit(orbit=instance.targets[0].orbit.replace(true_anomaly_deg=10.0))
+    bound = instance.chasers[1].replace(start=away, end=AtStation(station="station"))
+    ends = instance.replace(chasers=(instance.chasers[0], bound))
+    result = adr_opt.solve(ends, "auto", time_limit=20.0)
+    assert adr_opt.check(ends, result.plan) == ()
+    assert ends.names[result.routes[1][-1]] == "station"
+    home = result.plan.replace(routes=(result.plan.routes[0],))
+    assert "end" in {violation.rule for violation in adr_opt.check(ends, home)}
+    # There is no plan where that chaser cannot fly, whatever the others do.
+    stays = ends.replace(chasers=(ends.chasers[0], bound.replace(max_targets=0)))
+    assert adr_opt.solve(stays, "exact", time_limit=20.0).plan is None
+
+
+def test_most_targets_add_up(instance: Instance) -> None:
+    """What chasers may service at most is each one's own, and their sum bounds the campaign."""
+    chasers = [
+        chaser.replace(max_targets=most)
+        for chaser, most in zip(instance.chasers, (1, 0), strict=True)
+    ]
+    limited = instance.replace(chasers=tuple(chasers))
+    result = adr_opt.solve(limited, "auto", time_limit=20.0)
+    assert (result.objective, result.status) == (1.0, "optimal")
+    assert result.routes[1] == ()
+    assert Campaign(limited).most_targets == 1
+    assert Campaign(instance).most_targets is None
+
+
+def test_a_margin_is_kept_of_every_tank(instance: Instance) -> None:
+    """No route of a plan with a margin spends the reserve, and the notes name what is kept back."""
+    other = instance.chasers[1]
+    tank = other.tank.replace(delta_v_m_s=500.0)
+    several = instance.replace(chasers=(instance.chasers[0], other.replace(tank=tank)))
+    result = adr_opt.solve(several, "auto", time_limit=20.0, margin=0.2)
+    assert adr_opt.check(several, result.plan) == ()
+    for chaser, route in zip(several.chasers, result.plan.routes, strict=True):
+        least = min((leg.delta_v_left_m_s for leg in route.legs), default=chaser.tank.delta_v_m_s)
+        assert least >= 0.2 * chaser.tank.delta_v_m_s - 1e-6
+    assert result.plan.upper_bound is None
+    assert any("20 % of each tank (100 or 120 m/s)" in note for note in result.notes)
