@@ -25,6 +25,9 @@ from .pool import packing
 MOST_ROUTES = 100_000
 """More are not packed."""
 
+SCALE, PACKING_OFF = 1e4, 1e-4
+"""The largest prize as the packing has it, whose tolerance is 10⁻⁶, and what it may be off by."""
+
 LEAST_OFF = 1e-6
 """Routes are asked for from so much below, as a share of the largest prize; for rounding."""
 
@@ -106,14 +109,15 @@ class Finish:
             return Answer.NONE, None
         campaign, first = self._campaign, self._campaign.instance.first_target
         sets = [(kind, frozenset(j for j in route if j >= first)) for kind, route in routes]
-        worths = np.array([campaign.collected(targets) for _, targets in sets])
+        scale = SCALE / self._largest
+        worths = scale * np.array([campaign.collected(targets) for _, targets in sets])
         found = milp(
             -worths,
             integrality=np.ones(len(sets)),
             bounds=Bounds(0.0, 1.0),
             constraints=[
                 packing(campaign, sets),
-                LinearConstraint(worths[None, :], goal - LEAST_OFF * self._largest, np.inf),
+                LinearConstraint(worths[None, :], scale * goal - PACKING_OFF, np.inf),
             ],
             options={"time_limit": max(time_limit_s, 0.1)},
         )

@@ -170,6 +170,8 @@ class CampaignProof:
         finish = Finish(self._campaign, self._fine)
         while not certificate.proven and not enough():
             goal = certificate.goal
+            if not self._campaign.prize_step:  # what is asked for has to be within the tolerance
+                goal = 0.5 * (certificate.incumbent + goal)
             answer, routes = finish.ask(
                 goal, multipliers, most_worth, self._options.most_labels, enough,
                 self._stop.remaining_s(),
