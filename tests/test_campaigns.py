@@ -83,7 +83,7 @@ def test_chasers_of_many_kinds(method, draw, seeds):
             assert result.objective == pytest.approx(prizes), seed
             proven += 1
     assert several > 0.7 * len(seeds)
-    assert proven >= 0.7 * planned > 0.2 * len(seeds)
+    assert proven >= 0.6 * planned > 0.2 * len(seeds)
 
 
 @pytest.mark.parametrize("seed", [*RARE, *range(30)])

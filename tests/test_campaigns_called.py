@@ -13,6 +13,7 @@ from adr_opt.campaign import Campaign
 from adr_opt.chasers import AtStation, InOrbit
 from adr_opt.instance import Instance
 from adr_opt.plan import Plan
+from adr_opt.result import certify_routes
 
 DAY_S = 86400.0
 ABLE = {"auto", "exact", "greedy", "greedy-guarded"}
@@ -159,6 +160,23 @@ def test_the_plan_of_another_campaign_is_repaired(cli: Cli, instance: Instance, 
     assert [route["chaser"] for route in json.loads(made.to_json())["routes"]] == [
         chaser.name for chaser in instance.chasers
     ]
+
+
+def test_no_route_of_a_repaired_start_repeats_another(instance: Instance, plan: Plan) -> None:
+    """Of a plan with a target on two routes, --repair keeps it on one, and nothing counts twice."""
+    best = adr_opt.solve(instance, "exact", time_limit=30.0)
+    longest = max(plan.routes, key=lambda route: len(route.legs))
+    twice = plan.replace(
+        routes=tuple(longest.replace(chaser=chaser.name) for chaser in instance.chasers)
+    )
+    for method in ("auto", "exact"):
+        result = adr_opt.solve(instance, method, start=twice, repair=True, time_limit=30.0)
+        assert adr_opt.check(instance, result.plan) == ()
+        assert result.objective == best.objective
+    legs = len(longest.legs)
+    assert f"none of the start plan's {legs} legs of 'chaser-2' could be kept" in result.notes
+    with pytest.raises(adr_opt.InputError, match="is visited twice"):
+        certify_routes(Campaign(instance), "hand", [(2,), (2,)], seed=0, runtime_s=0.0)
 
 
 def test_a_target_is_done_once_by_one_chaser(instance: Instance, plan: Plan) -> None:
