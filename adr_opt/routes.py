@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
@@ -86,6 +86,40 @@ def refused_chaser(instance: Instance, name: str, otherwise: str) -> str:
     if name in names:
         return otherwise
     return f"not a chaser of the instance; its chasers are {', '.join(map(repr, names))}"
+
+
+def chaser_wanted(
+    instance: Instance, whose: Mapping[int, str], chaser: str | None, leg: int | None
+) -> str | None:
+    """Whose flight is meant by who may name a chaser or a leg; None where there is one chaser.
+
+    Parameters
+    ----------
+    instance : Instance
+    whose : mapping of int to str
+        The chaser of each leg, by its number; nothing is asked of it where there is one.
+    chaser : str, optional
+    leg : int, optional
+        Says whose it is where no chaser is named.
+
+    Raises
+    ------
+    InputError
+        No chaser has the name, the leg is another one's, or there are several and nothing says
+        which.
+    """
+    names = ", ".join(repr(each.name) for each in instance.chasers)
+    if chaser is not None and all(each.name != chaser for each in instance.chasers):
+        raise InputError(f"chaser = {chaser!r}: the instance has none of that name, but {names}")
+    if not several(instance):
+        return None
+    if leg is not None and leg in whose:
+        if chaser not in (None, whose[leg]):
+            raise InputError(f"leg = {leg}: it is one of {whose[leg]!r}, not of {chaser!r}")
+        return whose[leg]
+    if chaser is None and leg is None:
+        raise InputError(f"there are several chasers; name one (--chaser): {names}")
+    return chaser
 
 
 def owners(instance: Instance, plan: Plan) -> dict[int, str]:
