@@ -255,8 +255,8 @@ def test_from_a_field_to_its_files(cli: Cli) -> None:
             for kind in ("npz", "vrp", "oplib")
         ),
         *(("matrix", "my.json", "--out", f"m.{kind}") for kind in ("lp", "parquet")),
-        ("solve", "my.json", "--method", "beam"),
-        ("bound", "my.json", "--method", "lagrangian"),
+        ("solve", "my.json", "--method", "beam", "--quiet"),
+        ("bound", "my.json", "--method", "lagrangian", "--quiet"),
     ],
 )
 def test_what_is_for_one_chaser_says_so(cli: Cli, call: tuple[object, ...]) -> None:
