@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .connections import Connecting
+from .corrections import Corrections
 from .instance import Instance
 from .mission import Mission
 from .prizes import Prizes
@@ -110,6 +111,13 @@ class Campaign(Prizes):
         return Campaign(
             self.instance, threads=self._threads, margin=margin, connecting=self.connecting
         )
+
+    def corrected(self, corrections: Corrections) -> Campaign:
+        """The same campaign over connections that cost more than the model says."""
+        return Campaign(
+            self.instance, threads=self._threads, margin=self.margin,
+            connecting=self.connecting.corrected(corrections),
+        )  # fmt: skip
 
     def closed(self, routes: Iterable[Iterable[int]]) -> Routes:
         """Routes as missions end, see :meth:`Mission.closed`."""

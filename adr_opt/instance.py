@@ -242,7 +242,8 @@ class Instance(Record):
         """
         if len(self.chasers) > 1:
             raise InputError(
-                f"{self.name!r} has {len(self.chasers)} chasers, and this works with one"
+                f"{self.name!r} has {len(self.chasers)} chasers, and this works with one; leave "
+                "one in its field chasers"
             )
         return self.chasers[0]
 

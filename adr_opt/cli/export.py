@@ -43,6 +43,9 @@ from .parameters import check_out, instance_argument, json_option, plan_argument
 @click.option(
     "--body", metavar="NAME", help="Of a refined plan: this visited body instead of the chaser."
 )
+@click.option(
+    "--chaser", metavar="NAME", help="Whose flight; needed where there are several, but for .czml."
+)
 @json_option
 @quiet_option
 def command(
@@ -54,12 +57,14 @@ def command(
     step_s: float | None,
     leg: int | None,
     body: str | None,
+    chaser: str | None,
     as_json: bool,
     quiet: bool,
 ) -> int:
     """Fly PLAN in the dynamics of INSTANCE and write the flight for other programs.
 
-    Of a refined plan, an OEM file of its numerically integrated states is written.
+    Of a refined plan, an OEM file of its numerically integrated states is written. Where there are
+    several chasers, a file holds the flight of one of them, but that a CZML file may hold all.
     """
     if step_s is not None and not (step_s > 0.0 and math.isfinite(step_s)):
         raise InputError(f"--step = {step_s:g}: must be a positive number of seconds")
@@ -67,19 +72,19 @@ def command(
     from ..instance import load
     from ..plan import load_plan
     from ..refining.plan import is_refined
-    from ..trajectory.write import flown, format_of, write_trajectory
+    from ..trajectory.write import TOGETHER, flown, format_of, write_trajectory
 
     format_ = format_of(out, format_)
     check_out(out, instance_path, plan_path)
     if is_refined(plan_path):
         return _refined(
-            instance_path, plan_path, out, format_, frame, step_s, leg, body, as_json, quiet
+            instance_path, plan_path, out, format_, frame, step_s, leg, body, chaser, as_json, quiet
         )
     if body is not None:
         raise InputError(f"--body {body}: only of a refined plan bodies are exported")
     instance, plan = load(instance_path), load_plan(plan_path)
     try:
-        written = flown(instance, plan, step_s, leg)
+        written = flown(instance, plan, step_s, leg, chaser, together=format_ in TOGETHER)
     except InputError as error:
         raise InputError(f"{plan_path}: {error}") from None
     write_trajectory(written, out, format=format_, frame=frame)
@@ -91,6 +96,7 @@ def command(
                 "path": out,
                 "format": format_,
                 "frame": frame,
+                **({} if written.chaser is None else {"chaser": written.chaser}),
                 "legs": len(written.legs),
                 "dynamics": instance.dynamics,
                 "arcs": len(arcs),
@@ -115,6 +121,7 @@ def _refined(
     step_s: float | None,
     leg: int | None,
     body: str | None,
+    chaser: str | None,
     as_json: bool,
     quiet: bool,
 ) -> int:
@@ -122,17 +129,19 @@ def _refined(
     from ..instance import load
     from ..refining import load_refined
     from ..refining.oem import write_refined
+    from ..routes import several
 
     if format_ != "oem":
         raise InputError(f"{out}: a refined plan is written as .oem only; name such a file")
     instance, refined = load(instance_path), load_refined(refined_path)
     try:
         written = write_refined(
-            instance, refined, out, frame=frame, body=body, step_s=step_s, leg=leg
+            instance, refined, out, frame=frame, body=body, step_s=step_s, leg=leg, chaser=chaser
         )
     except InputError as error:
         raise InputError(f"{refined_path}: {error}") from None
-    legs = [one for one in refined.legs if leg is None or one.leg == leg]
+    whose = chaser if several(instance) else None
+    legs = [one for one in refined.legs if leg in (None, one.leg) and whose in (None, one.chaser)]
     if as_json:
         emit_json(
             {
@@ -141,6 +150,7 @@ def _refined(
                 "format": format_,
                 "frame": frame,
                 "body": body,
+                **({"chaser": legs[0].chaser} if several(instance) and body is None else {}),
                 "legs": len(legs),
                 "dynamics": refined.gravity,
                 "arcs": len(written),

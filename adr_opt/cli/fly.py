@@ -85,7 +85,7 @@ def command(
         emit_json(flight.to_dict())
     else:
         width = terminal_width()
-        emit_rich(_misses(flight, width))
+        emit_rich(*_misses(flight, width))
         emit(
             f"worst miss {flight.worst_miss_m:.2g} m over {counted(len(flight.legs), 'leg')} in "
             f"{MOTIONS[flight.dynamics]}"
@@ -95,8 +95,10 @@ def command(
         if flight.between_circles:
             emit(BETWEEN_CIRCLES)
         if flight.eccentric:
-            emit_rich(_eccentric(flight, width))
+            emit_rich(*_eccentric(flight, width))
             emit("on the true orbits: " + _truth(flight))
+        for chaser in flight.chasers:
+            emit(str(chaser))
         emit(_tanks(flight))
     return 1 if flight.broken_tanks else 0
 
@@ -142,8 +144,8 @@ def _tanks(flight: Flight) -> str:
     return f"every tank holds: {worst}"
 
 
-def _misses(flight: Flight, width: int | None) -> Table:
-    from .tables import Row, leg_table
+def _misses(flight: Flight, width: int | None) -> list[Table]:
+    from .tables import Row, leg_tables, whose
 
     rows, headings = [], ["miss\nm", "relative\nm/s", "arrival\nmiss m"]
     if flight.dynamics == "j2":
@@ -154,11 +156,11 @@ def _misses(flight: Flight, width: int | None) -> Table:
             planned, burned = leg.planned_delta_v_m_s, leg.burns_delta_v_m_s
             texts += [leg.kind, f"{planned:.1f}", f"{burned:.1f}"]
         rows.append(Row(leg.leg, leg.origin, leg.destination, texts))
-    return leg_table(headings, rows, width)
+    return leg_tables(headings, rows, width, whose(flight.tanks))
 
 
-def _eccentric(flight: Flight, width: int | None) -> Table:
-    from .tables import Row, leg_table
+def _eccentric(flight: Flight, width: int | None) -> list[Table]:
+    from .tables import Row, leg_tables, whose
 
     rows = []
     for leg in flight.legs:
@@ -173,7 +175,7 @@ def _eccentric(flight: Flight, width: int | None) -> Table:
             )
             rows.append(Row(leg.leg, leg.origin, leg.destination, texts))
     headings = ("true\nmiss m", "aside\nm/s", "corrected\nm/s", "last arc\nm/s", "Lambert\nm/s")
-    return leg_table(headings, rows, width)
+    return leg_tables(headings, rows, width, whose(flight.tanks))
 
 
 def _or_unknown(value: float | None, form: str) -> str:

@@ -87,13 +87,15 @@ def error_options(function: Function) -> Function:
 
 def tell(dispersion: Dispersion) -> None:
     """Print what flights with errors came to."""
-    emit_rich(_table(dispersion, terminal_width()))
+    emit_rich(*_tables(dispersion, terminal_width()))
     for sentence in said(dispersion):
         emit(sentence)
 
 
 def said(dispersion: Dispersion) -> list[str]:
     """What came of them, in sentences."""
+    from ..flight.result import tank_name
+
     asked = f"{100.0 * dispersion.delta_v_m_s.share:g} %"
     errors = dispersion.errors
     sentences = [
@@ -106,9 +108,10 @@ def said(dispersion: Dispersion) -> list[str]:
     for tank in dispersion.tanks:
         verdict = "holds" if tank.holds else "is not enough"
         sentences.append(
-            f"tank {tank.tank}, legs {tank.first_leg} to {tank.last_leg}: {asked} of the flights "
-            f"take no more than {_with_interval(tank.delta_v_m_s, '.1f')} of "
-            f"{tank.budget_m_s:g} m/s: {verdict}; it breaks in {100.0 * tank.breaks_share:.3g} %"
+            f"{tank_name(tank.tank, tank.chaser)}, legs {tank.first_leg} to {tank.last_leg}: "
+            f"{asked} of the flights take no more than "
+            f"{_with_interval(tank.delta_v_m_s, '.1f')} of {tank.budget_m_s:g} m/s: {verdict}; "
+            f"it breaks in {100.0 * tank.breaks_share:.3g} %"
         )
     sentences.append(
         f"times are kept; {asked} of the flights wait no more than "
@@ -130,8 +133,8 @@ def _with_interval(quantile: Quantile, form: str) -> str:
     return f"{quantile.value:{form}} ({low} to {high})"
 
 
-def _table(dispersion: Dispersion, width: int | None) -> Table:
-    from .tables import Row, leg_table
+def _tables(dispersion: Dispersion, width: int | None) -> list[Table]:
+    from .tables import Row, leg_tables, whose
 
     asked = f"{100.0 * dispersion.delta_v_m_s.share:g} %"
     headings = ["refined\nm/s", "mean\nm/s", f"{asked}\nm/s", "stand-off\nm", "\nm/s", "waits\n%"]
@@ -152,4 +155,4 @@ def _table(dispersion: Dispersion, width: int | None) -> Table:
         for leg in dispersion.legs
     ]
     title = f"with errors; {asked} of the flights take, and miss the stand-off by, no more than"
-    return leg_table(headings, rows, width, title)
+    return leg_tables(headings, rows, width, whose(dispersion.tanks), title)

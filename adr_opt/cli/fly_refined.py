@@ -56,7 +56,9 @@ def fly_and_tell(
         emit_json(flight.to_dict() | errors)
     else:
         if flight.legs:
-            emit_rich(_table(flight, terminal_width()))
+            emit_rich(*_tables(flight, terminal_width()))
+        for chaser in flight.chasers:
+            emit(str(chaser))
         emit(said(flight))
         if dispersion is not None:
             tell(dispersion)
@@ -86,8 +88,8 @@ def said(flight: RefinedFlight) -> str:
     return "; ".join(parts)
 
 
-def _table(flight: RefinedFlight, width: int | None) -> Table:
-    from .tables import Row, leg_table
+def _tables(flight: RefinedFlight, width: int | None) -> list[Table]:
+    from .tables import Row, leg_tables, whose
 
     headings = ["stand-off\nm", "\nm/s", "arrival\nm", "\nm/s", "planned\nm/s", "flown\nm/s"]
     rows = [
@@ -107,4 +109,4 @@ def _table(flight: RefinedFlight, width: int | None) -> Table:
         )
         for leg in flight.legs
     ]
-    return leg_table(headings, rows, width)
+    return leg_tables(headings, rows, width, whose(flight.tanks))

@@ -87,7 +87,9 @@ def command(
         emit_json(_told(refined, out))
     else:
         if refined.legs:
-            emit_rich(_table(refined, terminal_width()))
+            emit_rich(*_tables(refined, terminal_width()))
+        for sentence in _by_chaser(refined):
+            emit(sentence)
         emit(_summary(refined))
         for missing in refined.missing:
             emit(f"leg {missing.leg} is missing: {missing.reason}")
@@ -131,8 +133,19 @@ def _is_free(refined: RefinedPlan) -> bool:
     return refined.freedom == "free"
 
 
-def _table(refined: RefinedPlan, width: int | None) -> Table:
-    from .tables import Row, leg_table
+def _by_chaser(refined: RefinedPlan) -> Iterator[str]:
+    """What the legs of each of several chasers take."""
+    for chaser in dict.fromkeys(leg.chaser for leg in refined.legs if leg.chaser is not None):
+        legs = [leg for leg in refined.legs if leg.chaser == chaser]
+        yield (
+            f"{chaser}: {counted(len(legs), 'leg')}, planned with "
+            f"{sum(leg.planned_delta_v_m_s for leg in legs):.1f} m/s, flown with "
+            f"{sum(leg.flown_delta_v_m_s for leg in legs):.1f} m/s"
+        )
+
+
+def _tables(refined: RefinedPlan, width: int | None) -> list[Table]:
+    from .tables import Row, leg_tables
 
     headings = ["kind", "planned\nm/s", "own burns\nm/s", "flown\nm/s", "burns", "lowest\nkm"]
     rows = [
@@ -151,7 +164,8 @@ def _table(refined: RefinedPlan, width: int | None) -> Table:
         )
         for leg in refined.legs
     ]
-    return leg_table(headings, rows, width)
+    whose = {leg.leg: leg.chaser for leg in refined.legs if leg.chaser is not None}
+    return leg_tables(headings, rows, width, whose)
 
 
 def _told(refined: RefinedPlan, out: str) -> dict[str, object]:

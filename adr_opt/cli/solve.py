@@ -134,9 +134,12 @@ def command(
         except InputError as error:
             not_written = not_written or error
     if not as_json:
-        from .timeline import summary, timeline
+        from .timeline import by_chaser, summary, timelines
 
-        emit_rich(timeline(instance, result.plan, terminal_width()))
+        for table in timelines(instance, result.plan, terminal_width()):
+            emit_rich(table)
+        for sentence in by_chaser(instance, result.plan):
+            emit(sentence)
         emit(summary(instance, result.plan))
     if looped is not None:
         tell_refined(looped, as_json)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple, Protocol
 
 from rich.cells import cell_len
 from rich.table import Table
@@ -70,6 +70,54 @@ def leg_table(
         style = "bold" if row.bold else None
         table.add_row(str(row.number), Text(route), *row.texts, style=style)
     return table
+
+
+def leg_tables(
+    headings: Sequence[str],
+    rows: Iterable[Row],
+    width: int | None,
+    whose: Mapping[int, str],
+    title: str | None = None,
+) -> list[Table]:
+    """The same as a table for each chaser, where there are several.
+
+    Parameters
+    ----------
+    headings, rows, width, title
+        As :func:`leg_table` takes them.
+    whose : mapping of int to str
+        The chaser of each leg, by its number; empty where there is one.
+    """
+    if not whose:
+        return [leg_table(headings, rows, width, title)]
+    found: dict[str, list[Row]] = {}
+    for row in rows:
+        found.setdefault(whose[row.number], []).append(row)
+    return [
+        leg_table(headings, its, width, chaser if title is None else f"{chaser}, {title}")
+        for chaser, its in found.items()
+    ]
+
+
+class _Part(Protocol):
+    """Legs in a row that one chaser flies."""
+
+    @property
+    def chaser(self) -> str | None: ...
+    @property
+    def first_leg(self) -> int: ...
+    @property
+    def last_leg(self) -> int: ...
+
+
+def whose(parts: Iterable[_Part]) -> dict[int, str]:
+    """The chaser of each leg of some parts of a plan, by its number; empty where there is one."""
+    return {
+        number: part.chaser
+        for part in parts
+        if part.chaser is not None
+        for number in range(part.first_leg, part.last_leg + 1)
+    }
 
 
 def _fitted(rows: Sequence[Row], room: int) -> list[str]:

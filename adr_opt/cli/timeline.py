@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from ..kernels.constants import DAY_S
-from ..wording import status_words
+from ..routes import Flown, by_tank, routes_of, several
+from ..wording import counted, status_words
 from .tables import Row, leg_table
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from ..instance import Instance
-    from ..plan import Plan
+    from ..plan import Leg, Plan
 
 LONG_S = 2.0 * DAY_S
 """Longer spans are told in days."""
@@ -32,10 +34,23 @@ def span(duration_s: float) -> str:
     return f"{minutes // 60}:{minutes % 60:02d}"
 
 
-def timeline(instance: Instance, plan: Plan, width: int | None = None) -> Table:
-    """The legs of a plan as a table of at most ``width`` columns, if names can be cut to that."""
+def timelines(instance: Instance, plan: Plan, width: int | None = None) -> list[Table]:
+    """The legs of each chaser that flies as a table of at most ``width`` columns, names cut."""
+    title = f"{instance.name}: {plan.method}, {status_words(plan.status)}"
+    if not several(instance):
+        return [_timeline(instance, enumerate(plan.legs, start=1), width, title)]
+    return [
+        _timeline(instance, flown.legs, width, f"{title}: {flown.chaser.name}")
+        for flown in routes_of(instance, plan)
+        if flown.legs
+    ]
+
+
+def _timeline(
+    instance: Instance, legs: Iterable[tuple[int, Leg]], width: int | None, title: str
+) -> Table:
     rows = []
-    for number, leg in enumerate(plan.legs, start=1):
+    for number, leg in legs:
         refuels = leg.destination in instance.station_names
         texts = (
             clock(leg.departure_s),
@@ -48,18 +63,56 @@ def timeline(instance: Instance, plan: Plan, width: int | None = None) -> Table:
         destination = f"{leg.destination} (refuels)" if refuels else leg.destination
         rows.append(Row(number, leg.origin, destination, texts, bold=refuels))
     headings = ("departs", "wait", "ΔV\nm/s", "left\nm/s", "k", "arrives")
-    title = f"{instance.name}: {plan.method}, {status_words(plan.status)}"
     return leg_table(headings, rows, width, title)
+
+
+def by_chaser(instance: Instance, plan: Plan) -> Iterator[str]:
+    """Where there are several chasers: what each comes to, and why targets are left out."""
+    if not several(instance):
+        return
+    for flown in routes_of(instance, plan):
+        yield f"{flown.chaser.name}: {_comes_to(instance, flown)}"
+    yield from left_out(plan)
+
+
+def _comes_to(instance: Instance, flown: Flown) -> str:
+    """The targets of a chaser, its time, and each of its tanks."""
+    if not flown.legs:
+        return "does not fly"
+    visits = len(flown.legs) - flown.refuellings(instance)
+    tank = flown.chaser.tank.delta_v_m_s
+    parts = [f"visits {visits}", f"ΔV {flown.delta_v_m_s:.1f} m/s", f"done {clock(flown.end_s)}"]
+    legs = by_tank([leg for _, leg in flown.legs], instance.station_names)
+    for number, of_tank in enumerate(legs, start=1):
+        used = sum(leg.delta_v_m_s for leg in of_tank)
+        days = (of_tank[-1].end_s - of_tank[0].ready_s) / DAY_S
+        parts.append(f"tank {number} {used:.1f} of {tank:g} m/s in {days:.2f} d")
+    return ", ".join(parts)
+
+
+def left_out(plan: Plan) -> Iterator[str]:
+    """The targets that a plan leaves out, by reason."""
+    from ..plot.palette import REASONS
+
+    for reason, meaning in REASONS.items():
+        names = [entry.target for entry in plan.unvisited if entry.reason == reason]
+        if names:
+            yield (
+                f"left out, {reason} ({meaning}): {counted(len(names), 'target')}: "
+                f"{', '.join(names)}"
+            )
 
 
 def summary(instance: Instance, plan: Plan) -> str:
     """What a plan comes to, in one line; of bound and gap only where there is a bound."""
     refuellings = sum(name in instance.station_names for name in plan.destinations)
-    used = plan.legs[-1].end_s if plan.legs else 0.0
+    used = max(flown.end_s for flown in routes_of(instance, plan))
     proven: tuple[str, ...] = ()
     if plan.upper_bound is not None and plan.gap is not None:
         proven = (f"bound {plan.upper_bound:.6g}", f"gap {plan.gap:.1%}")
+    crew = (counted(len(instance.chasers), "chaser"),) if several(instance) else ()
     parts = (
+        *crew,
         f"visits {len(plan.legs) - refuellings} of {len(instance.targets)}",
         f"prize {plan.objective:g}",
         f"ΔV {plan.delta_v_m_s:.1f} m/s",

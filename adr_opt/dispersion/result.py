@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..flight.result import of_chaser
 from ..refining.short_periods import Array
 from .errors import FlightErrors
 
@@ -112,6 +113,8 @@ class TankDispersion:
         What they take with errors.
     breaks_share : float
         Of the flights that it is not enough for.
+    chaser : str or None
+        Whose tank it is; None where there is one chaser.
     """
 
     tank: int
@@ -121,6 +124,7 @@ class TankDispersion:
     refined_delta_v_m_s: float
     delta_v_m_s: Quantile
     breaks_share: float
+    chaser: str | None = None
 
     @property
     def holds(self) -> bool:
@@ -128,8 +132,8 @@ class TankDispersion:
         return self.delta_v_m_s.value <= self.budget_m_s
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
-        return asdict(self) | {"holds": self.holds}
+        """As plain data; with the chaser where there are several."""
+        return of_chaser(asdict(self) | {"holds": self.holds})
 
 
 @dataclass(frozen=True)

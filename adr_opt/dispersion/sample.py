@@ -12,12 +12,13 @@ import numpy as np
 
 from ..errors import InputError
 from ..flight.refined import refuse_strangers
-from ..flight.tanks import legs_by_tank
+from ..flight.tanks import legs_by_tank, refined_routes
 from ..instance import Instance
 from ..kernels.constants import MU_M3_S2
 from ..refining.bodies import Gravity
 from ..refining.plan import RefinedLeg, RefinedPlan
 from ..refining.short_periods import Array
+from ..routes import several
 from .errors import FlightErrors
 from .exact import fly_exactly
 from .feedback import Part, fly, parts_of
@@ -179,10 +180,8 @@ def _told(
     missed = np.array([np.linalg.norm(leg.standoff[:3], axis=0) for leg in flown])
     waiting = missed > WAITING_SHARE * instance.transfer.standoff_m
     revolutions = np.array([leg.revolution_s for leg in flown])
-    departures = [*(leg.states[0].time_s for leg in refined.legs), instance.mission.duration_s]
-    spare = np.array(
-        [next_s - leg.end_s for leg, next_s in zip(refined.legs, departures[1:], strict=True)]
-    )
+    next_s = _next_departures(instance, refined)
+    spare = np.array([next_s[leg.leg] - leg.end_s for leg in refined.legs])
     late = (waiting & (revolutions > spare)[:, None]).any(axis=0)
     apart = [np.linalg.norm(leg.standoff[3:], axis=0) for leg in flown]
     legs = tuple(
@@ -221,19 +220,29 @@ def _told(
     )
 
 
+def _next_departures(instance: Instance, refined: RefinedPlan) -> dict[int, float]:
+    """When, after each leg, its chaser leaves again, or the mission ends [s]."""
+    found: dict[int, float] = {}
+    for _, legs in refined_routes(instance, refined):
+        departures = [*(leg.states[0].time_s for leg in legs), instance.mission.duration_s]
+        found |= {leg.leg: next_s for leg, next_s in zip(legs, departures[1:], strict=True)}
+    return found
+
+
 def _tanks(
     instance: Instance, refined: RefinedPlan, spent: Array, share: float
 ) -> Iterator[TankDispersion]:
-    budget, at = instance.chaser.tank.delta_v_m_s, 0
-    for number, legs in enumerate(legs_by_tank(instance, refined), start=1):
-        taken = spent[at : at + len(legs)].sum(axis=0)
-        at += len(legs)
+    row = {leg.leg: at for at, leg in enumerate(refined.legs)}
+    for one in legs_by_tank(instance, refined):
+        legs, budget = one.legs, one.chaser.tank.delta_v_m_s
+        taken = spent[[row[leg.leg] for leg in legs]].sum(axis=0)
         yield TankDispersion(
-            tank=number,
+            tank=one.tank,
             first_leg=legs[0].leg,
             last_leg=legs[-1].leg,
             budget_m_s=budget,
             refined_delta_v_m_s=math.fsum(leg.flown_delta_v_m_s for leg in legs),
             delta_v_m_s=Quantile.of(taken, share),
             breaks_share=float((taken > budget).mean()),
+            chaser=one.chaser.name if several(instance) else None,
         )

@@ -11,6 +11,7 @@ from ..errors import InputError
 from ..instance import Instance
 from ..orbit import Orbit
 from ..plan import Leg, Plan
+from ..routes import Flown, routes_of, several
 from .corrected import fly_eccentric
 from .flyable import refuse_what_cannot_be_flown
 from .mean import MeanDynamics
@@ -57,16 +58,20 @@ def fly(instance: Instance, plan: Plan) -> Flight:
     return Flight(
         worst,
         tuple(flown),
-        tuple(_tanks(instance, plan, flown)),
+        tuple(
+            tank for route in routes_of(instance, plan) for tank in _tanks(instance, route, flown)
+        ),
         instance.dynamics,
         instance.dynamics == "j2" and instance.is_approximate,
     )
 
 
-def _tanks(instance: Instance, plan: Plan, flown: list[LegFlight]) -> Iterator[TankFlight]:
-    """The legs of a plan tank by tank; a tank ends with the leg to the station."""
-    tank, first, planned, extra, known = 1, 1, 0.0, 0.0, True
-    for leg, flight in zip(plan.legs, flown, strict=True):
+def _tanks(instance: Instance, route: Flown, flown: list[LegFlight]) -> Iterator[TankFlight]:
+    """The legs of a chaser tank by tank; a tank ends with the leg to a station."""
+    chaser = route.chaser
+    tank, first, planned, extra, known = 1, 0, 0.0, 0.0, True
+    for number, leg in route.legs:
+        first, flight = first or number, flown[number - 1]
         planned += leg.delta_v_m_s
         if leg.kind == "drift":
             # The closed form is near the burns, and the burns are what empties the tank.
@@ -75,16 +80,17 @@ def _tanks(instance: Instance, plan: Plan, flown: list[LegFlight]) -> Iterator[T
             correction = flight.eccentric.correction_delta_v_m_s
             known = known and correction is not None
             extra += (correction or 0.0) - leg.eccentricity_delta_v_m_s
-        if leg.destination in instance.station_names or flight.leg == len(flown):
+        if leg.destination in instance.station_names or number == route.legs[-1][0]:
             yield TankFlight(
                 tank=tank,
                 first_leg=first,
-                last_leg=flight.leg,
-                budget_m_s=instance.chaser.tank.delta_v_m_s,
+                last_leg=number,
+                budget_m_s=chaser.tank.delta_v_m_s,
                 planned_delta_v_m_s=planned,
                 flown_delta_v_m_s=planned + extra if known else None,
+                chaser=chaser.name if several(instance) else None,
             )
-            tank, first, planned, extra, known = tank + 1, flight.leg + 1, 0.0, 0.0, True
+            tank, first, planned, extra, known = tank + 1, 0, 0.0, 0.0, True
 
 
 def _fly_leg(

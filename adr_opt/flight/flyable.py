@@ -8,6 +8,7 @@ from ..errors import InputError
 from ..formats_1 import is_of
 from ..instance import Instance
 from ..plan import Leg, Plan
+from ..routes import Flown, routes_of, several
 
 if TYPE_CHECKING:
     from ..refining.plan import RefinedPlan
@@ -19,10 +20,11 @@ TIME_TOLERANCE_S = 1e-3
 def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
     """Raise :class:`InputError` for a plan that cannot be flown over an instance.
 
-    It belongs to another instance, names an unknown body, or has burns out of time order, after
-    the arrival or without an approach.
+    It belongs to another instance, names an unknown body or chaser, or has burns out of time order,
+    after the arrival or without an approach.
     """
     refuse_foreign(instance, plan)
+    routes_of(instance, plan)
     bodies = set(instance.names)
     for number, leg in enumerate(plan.legs, start=1):
         _refuse_leg(number, leg, bodies)
@@ -42,19 +44,24 @@ def refuse_broken_chain(instance: Instance, plan: Plan) -> None:
     """Raise :class:`InputError` for legs that cannot be flown one after the other.
 
     Each may be flown alone; a flight of all of them needs that each begins where and not before the
-    one before it ends.
+    one before it, of the same chaser, ends.
     """
-    where, free_s = instance.chaser.start_name, 0.0
-    for number, leg in enumerate(plan.legs, start=1):
+    for flown in routes_of(instance, plan):
+        _refuse_broken_route(flown, f"{flown.chaser.name!r}" if several(instance) else "the chaser")
+
+
+def _refuse_broken_route(flown: Flown, who: str) -> None:
+    where, free_s = flown.chaser.start_name, 0.0
+    for number, leg in flown.legs:
         if leg.origin != where:
             raise InputError(
-                f"leg {number} begins at {leg.origin!r}, but the chaser is at {where!r}; put the "
+                f"leg {number} begins at {leg.origin!r}, but {who} is at {where!r}; put the "
                 "legs in order"
             )
         begins_s = min(leg.ready_s, leg.departure_s, leg.burns[0].time_s)
         if begins_s < free_s - TIME_TOLERANCE_S:
             raise InputError(
-                f"leg {number} begins at {begins_s!r} s, but the chaser is free at {free_s!r} s "
+                f"leg {number} begins at {begins_s!r} s, but {who} is free at {free_s!r} s "
                 "only; correct its times"
             )
         where, free_s = leg.destination, leg.end_s

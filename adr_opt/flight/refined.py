@@ -22,7 +22,7 @@ from ..kernels.gravity import J3, J4
 from ..refining.plan import RefinedLeg, RefinedPlan
 from .flyable import refuse_foreign
 from .refined_result import RefinedFlight, RefinedLegFlight
-from .tanks import tanks_of
+from .tanks import refined_routes, tanks_of
 
 Array = npt.NDArray[np.float64]
 
@@ -79,8 +79,9 @@ def fly_refined(
 
 
 def refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
-    """Raise :class:`InputError` for a refined plan of another instance or of unknown bodies."""
+    """Raise :class:`InputError` for a refined plan of another instance, or of unknown names."""
     refuse_foreign(instance, refined)
+    refined_routes(instance, refined)
     for leg in refined.legs:
         for name in (leg.origin, leg.destination):
             if name not in instance.names:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from .result import TankFlight
+from .result import ChaserFlight, TankFlight, chasers_of
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
 """What an arrival may miss its stand-off and its target by, in position [m] and velocity [m/s]."""
@@ -98,6 +98,11 @@ class RefinedFlight:
         return tuple(tank for tank in self.tanks if not tank.holds)
 
     @property
+    def chasers(self) -> tuple[ChaserFlight, ...]:
+        """What the legs of each chaser come to; none where there is one."""
+        return chasers_of(self.tanks)
+
+    @property
     def holds(self) -> bool:
         """Whether every leg is there and arrives, and every tank is enough."""
         return not (self.missing or self.strayed or self.broken_tanks)
@@ -115,6 +120,7 @@ class RefinedFlight:
     def to_dict(self) -> dict[str, Any]:
         """As plain data: what ``fly --json`` prints."""
         return {
+            **({"chasers": [chaser.to_dict() for chaser in self.chasers]} if self.chasers else {}),
             "gravity": self.gravity,
             "worst_miss_m": self.worst_miss_m,
             "worst_miss_m_s": self.worst_miss_m_s,

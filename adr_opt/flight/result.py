@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
@@ -104,7 +106,7 @@ class TankFlight:
     Attributes
     ----------
     tank : int
-        Number of the tank, from 1.
+        Number of the tank, from 1, of its chaser.
     first_leg, last_leg : int
         Numbers of its legs, from 1.
     budget_m_s : float
@@ -115,6 +117,8 @@ class TankFlight:
         What they cost when flown: the burns of legs that drift and what the plan sets aside for
         their eccentricity; on true orbits the corrections, which take the place of what is set
         aside; None if a correction is unknown [m/s].
+    chaser : str or None
+        Whose tank it is; None where there is one chaser.
     """
 
     tank: int
@@ -123,6 +127,7 @@ class TankFlight:
     budget_m_s: float
     planned_delta_v_m_s: float
     flown_delta_v_m_s: float | None
+    chaser: str | None = None
 
     @property
     def over_m_s(self) -> float | None:
@@ -136,19 +141,95 @@ class TankFlight:
         return self.over_m_s is not None and self.over_m_s <= DELTA_V_TOLERANCE_M_S
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
-        return asdict(self) | {"over_m_s": self.over_m_s, "holds": self.holds}
+        """As plain data; with the chaser where there are several."""
+        told = asdict(self) | {"over_m_s": self.over_m_s, "holds": self.holds}
+        return of_chaser(told)
 
     def __str__(self) -> str:
-        legs = f"leg {self.first_leg}"
-        if self.last_leg > self.first_leg:
-            legs = f"legs {self.first_leg} to {self.last_leg}"
+        legs = legs_named(self.first_leg, self.last_leg)
+        tank = tank_name(self.tank, self.chaser)
         if self.over_m_s is None:
-            return f"tank {self.tank} ({legs}) has a leg that no correction was found for"
+            return f"{tank} ({legs}) has a leg that no correction was found for"
         budget = f"{self.budget_m_s:g} m/s"
         if self.holds:
-            return f"tank {self.tank} ({legs}) is left with {-self.over_m_s:.1f} of {budget}"
-        return f"tank {self.tank} ({legs}) of {budget} is over by {self.over_m_s:.1f} m/s"
+            return f"{tank} ({legs}) is left with {-self.over_m_s:.1f} of {budget}"
+        return f"{tank} ({legs}) of {budget} is over by {self.over_m_s:.1f} m/s"
+
+
+def legs_named(first: int, last: int) -> str:
+    """What legs in a row are called."""
+    return f"legs {first} to {last}" if last > first else f"leg {first}"
+
+
+def tank_name(number: int, chaser: str | None) -> str:
+    """What a tank is called."""
+    return f"tank {number}" if chaser is None else f"tank {number} of {chaser!r}"
+
+
+def of_chaser(told: dict[str, Any]) -> dict[str, Any]:
+    """What is told as plain data, its chaser first where there are several, else without one."""
+    chaser = told.pop("chaser")
+    return told if chaser is None else {"chaser": chaser, **told}
+
+
+@dataclass(frozen=True)
+class ChaserFlight:
+    """What the legs of one of several chasers come to.
+
+    Attributes
+    ----------
+    chaser : str
+    first_leg, last_leg : int
+        Numbers of its legs.
+    planned_delta_v_m_s : float
+        As the plan states it [m/s].
+    flown_delta_v_m_s : float or None
+        What its tanks gave; None if that is unknown of one [m/s].
+    holds : bool
+        Whether all its tanks do.
+    """
+
+    chaser: str
+    first_leg: int
+    last_leg: int
+    planned_delta_v_m_s: float
+    flown_delta_v_m_s: float | None
+    holds: bool
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        legs = legs_named(self.first_leg, self.last_leg)
+        flown = self.flown_delta_v_m_s
+        told = "unknown" if flown is None else f"{flown:.1f}"
+        return (
+            f"{self.chaser} ({legs}): planned with {self.planned_delta_v_m_s:.1f} m/s, flown with "
+            f"{told} m/s: {'every tank holds' if self.holds else 'a tank is not enough'}"
+        )
+
+
+def chasers_of(tanks: Iterable[TankFlight]) -> tuple[ChaserFlight, ...]:
+    """The chasers whose tanks these are, those of no legs left out; none where there is one."""
+    found: dict[str, list[TankFlight]] = {}
+    for tank in tanks:
+        if tank.chaser is not None:
+            found.setdefault(tank.chaser, []).append(tank)
+    told = []
+    for chaser, its in found.items():
+        known = [tank.flown_delta_v_m_s for tank in its if tank.flown_delta_v_m_s is not None]
+        told.append(
+            ChaserFlight(
+                chaser,
+                its[0].first_leg,
+                its[-1].last_leg,
+                math.fsum(tank.planned_delta_v_m_s for tank in its),
+                math.fsum(known) if len(known) == len(its) else None,
+                all(tank.holds for tank in its),
+            )
+        )
+    return tuple(told)
 
 
 @dataclass(frozen=True)
@@ -183,6 +264,11 @@ class Flight:
     def broken_tanks(self) -> tuple[TankFlight, ...]:
         """The tanks that do not hold; none means that the plan does."""
         return tuple(tank for tank in self.tanks if not tank.holds)
+
+    @property
+    def chasers(self) -> tuple[ChaserFlight, ...]:
+        """What the legs of each chaser come to; none where there is one."""
+        return chasers_of(self.tanks)
 
     @property
     def eccentric(self) -> tuple[EccentricFlight, ...]:
@@ -221,6 +307,8 @@ class Flight:
                 "eccentricity_delta_v_m_s": self.eccentricity_delta_v_m_s,
                 "correction_delta_v_m_s": self.correction_delta_v_m_s,
             }
+        if self.chasers:
+            told["chasers"] = [chaser.to_dict() for chaser in self.chasers]
         return told | {
             "holds": not self.broken_tanks,
             "tanks": [tank.to_dict() for tank in self.tanks],

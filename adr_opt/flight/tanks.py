@@ -3,32 +3,82 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
+from ..chasers import Chaser
+from ..errors import InputError
 from ..instance import Instance
 from ..refining.plan import RefinedLeg, RefinedPlan
+from ..routes import by_tank, refused_chaser, several
 from .result import TankFlight
 
 
-def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[list[RefinedLeg]]:
-    """The legs tank by tank; a tank ends with the leg to a station."""
-    tanks: list[list[RefinedLeg]] = [[]]
+@dataclass(frozen=True)
+class TankLegs:
+    """The refined legs that are flown from one tank.
+
+    Attributes
+    ----------
+    chaser : Chaser
+    tank : int
+        Number of the tank, from 1, of its chaser.
+    legs : list of RefinedLeg
+    """
+
+    chaser: Chaser
+    tank: int
+    legs: list[RefinedLeg]
+
+
+def refined_routes(
+    instance: Instance, refined: RefinedPlan
+) -> list[tuple[Chaser, list[RefinedLeg]]]:
+    """The legs by chaser, in order; those of chasers that fly none are left out.
+
+    Raises
+    ------
+    InputError
+        There are several chasers, and a leg does not say whose it is, or is nobody's.
+    """
+    if not several(instance):
+        return [(instance.chasers[0], list(refined.legs))] if refined.legs else []
+    chasers = {chaser.name: chaser for chaser in instance.chasers}
+    found: dict[str, list[RefinedLeg]] = {}
     for leg in refined.legs:
-        tanks[-1].append(leg)
-        if leg.destination in instance.station_names:
-            tanks.append([])
-    return [legs for legs in tanks if legs]
+        if leg.chaser is None:
+            raise InputError(
+                f"leg {leg.leg} names no chaser, and {instance.name!r} has {len(chasers)}; refine "
+                "the plan again"
+            )
+        if leg.chaser not in chasers:
+            raise InputError(
+                f"leg {leg.leg}: chaser = {leg.chaser!r}: "
+                + refused_chaser(instance, leg.chaser, "")
+            )
+        found.setdefault(leg.chaser, []).append(leg)
+    return [(chasers[name], legs) for name, legs in found.items()]
+
+
+def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[TankLegs]:
+    """The legs tank by tank, chaser after chaser; a tank ends with the leg to a station."""
+    return [
+        TankLegs(chaser, number, of_tank)
+        for chaser, legs in refined_routes(instance, refined)
+        for number, of_tank in enumerate(by_tank(legs, instance.station_names), start=1)
+    ]
 
 
 def tanks_of(instance: Instance, refined: RefinedPlan) -> tuple[TankFlight, ...]:
     """The tanks of a refined plan, with what is planned and flown of each."""
     return tuple(
         TankFlight(
-            tank=number,
-            first_leg=of_tank[0].leg,
-            last_leg=of_tank[-1].leg,
-            budget_m_s=instance.chaser.tank.delta_v_m_s,
-            planned_delta_v_m_s=math.fsum(leg.planned_delta_v_m_s for leg in of_tank),
-            flown_delta_v_m_s=math.fsum(burn.size_m_s for leg in of_tank for burn in leg.burns),
+            tank=one.tank,
+            first_leg=one.legs[0].leg,
+            last_leg=one.legs[-1].leg,
+            budget_m_s=one.chaser.tank.delta_v_m_s,
+            planned_delta_v_m_s=math.fsum(leg.planned_delta_v_m_s for leg in one.legs),
+            flown_delta_v_m_s=math.fsum(burn.size_m_s for leg in one.legs for burn in leg.burns),
+            chaser=one.chaser.name if several(instance) else None,
         )
-        for number, of_tank in enumerate(legs_by_tank(instance, refined), start=1)
+        for one in legs_by_tank(instance, refined)
     )

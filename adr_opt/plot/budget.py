@@ -9,8 +9,9 @@ from ..flight.flyable import refuse_foreign
 from ..instance import Instance
 from ..kernels.constants import DAY_S
 from ..plan import Plan
-from .axes import label
-from .palette import COLOURS, STATION
+from ..routes import Flown, routes_of, several
+from .axes import chaser_colours, label, plain
+from .palette import STATION
 
 
 @dataclass(frozen=True)
@@ -35,16 +36,25 @@ class Budget:
     refuelled: tuple[bool, ...]
 
 
-def budget(instance: Instance, plan: Plan) -> Budget:
-    """ΔV left after every burn of a plan.
+def budgets(instance: Instance, plan: Plan) -> dict[str, Budget]:
+    """ΔV left after every burn of a plan, for each chaser by its name.
 
     The cost of matching eccentricity vectors has no burn; it is taken with the last one of a leg.
     A drift costs what its closed form says, and its burns take their shares of that.
     """
     refuse_foreign(instance, plan)
-    left = instance.chaser.tank.delta_v_m_s
+    return {flown.chaser.name: _of_chaser(instance, flown) for flown in routes_of(instance, plan)}
+
+
+def budget(instance: Instance, plan: Plan) -> Budget:
+    """The same where there is one chaser."""
+    return budgets(instance, plan)[instance.chaser.name]
+
+
+def _of_chaser(instance: Instance, flown: Flown) -> Budget:
+    left = flown.chaser.tank.delta_v_m_s
     rows = [(0.0, left, 0, False)]
-    for number, leg in enumerate(plan.legs, start=1):
+    for number, leg in flown.legs:
         after_leg = left - leg.delta_v_m_s
         share, burned = 1.0, leg.burns_delta_v_m_s
         if leg.kind == "drift" and burned > 0.0:
@@ -61,7 +71,7 @@ def budget(instance: Instance, plan: Plan) -> Budget:
 
 
 def delta_v_left(ax: Any, instance: Instance, plan: Plan) -> Any:
-    """Add the ΔV left [m/s] against time [days], refuellings marked.
+    """Add the ΔV left [m/s] against time [days], refuellings marked; a line for each chaser.
 
     Parameters
     ----------
@@ -73,13 +83,19 @@ def delta_v_left(ax: Any, instance: Instance, plan: Plan) -> Any:
     -------
     matplotlib.axes.Axes
     """
-    course = budget(instance, plan)
-    days = [time / DAY_S for time in course.times_s]
-    ax.step(days, course.left_m_s, where="post", color=COLOURS["phasing"], label="ΔV left")
-    refuelled = [index for index, was in enumerate(course.refuelled) if was]
+    colours = chaser_colours(instance)
+    refuelled = []
+    for name, course in budgets(instance, plan).items():
+        days = [time / DAY_S for time in course.times_s]
+        said = f"ΔV left, {plain(name)}" if several(instance) else "ΔV left"
+        ax.step(days, course.left_m_s, where="post", color=colours[name], label=said)
+        refuelled += [
+            (day, left)
+            for day, left, was in zip(days, course.left_m_s, course.refuelled, strict=True)
+            if was
+        ]
     ax.plot(
-        [days[index] for index in refuelled],
-        [course.left_m_s[index] for index in refuelled],
+        [day for day, _ in refuelled], [left for _, left in refuelled],
         linestyle="none", marker="^", color=STATION, label="refuelling",
     )  # fmt: skip
     label(ax, "days since the epoch", "ΔV left [m/s]")

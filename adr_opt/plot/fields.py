@@ -11,9 +11,10 @@ from ..flight.flyable import refuse_foreign
 from ..instance import Instance
 from ..kernels.constants import HOUR_S
 from ..plan import Plan
+from ..routes import routes_of, several
 from ..timetable import Matrices
-from .axes import label
-from .palette import COLOURS, STATION, UNVISITED, VISITED
+from .axes import chaser_colours, label, plain
+from .palette import STATION, UNVISITED, VISITED
 
 
 def raan_deg(instance: Instance) -> np.ndarray[Any, np.dtype[np.float64]]:
@@ -30,7 +31,7 @@ def raan_deg(instance: Instance) -> np.ndarray[Any, np.dtype[np.float64]]:
 def planes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
     """Add the orbital planes as points, RAAN across and inclination up [deg].
 
-    With a plan, targets that it visits differ from the others, and a line follows the chaser from
+    With a plan, targets that it visits differ from the others, and a line follows each chaser from
     plane to plane.
 
     Parameters
@@ -46,16 +47,20 @@ def planes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
     raan = raan_deg(instance)
     inclination = np.array([orbit.inclination_deg for orbit in instance.body_orbits])
     index = {name: number for number, name in enumerate(instance.names)}
-    route, stations = [instance.start], slice(len(instance.stations))
+    stations = slice(len(instance.stations))
+    visited = np.zeros(raan.size, dtype=bool)
     if plan is not None:
         refuse_foreign(instance, plan)
-        route += [index[leg.destination] for leg in plan.legs if leg.destination in index]
-        ax.plot(
-            raan[route], inclination[route], color=COLOURS["phasing"], linewidth=0.8, zorder=1,
-            label="chaser",
-        )  # fmt: skip
-    visited = np.zeros(raan.size, dtype=bool)
-    visited[route] = True
+        colours = chaser_colours(instance)
+        for flown in routes_of(instance, plan):
+            name = flown.chaser.name
+            route = [index[flown.chaser.start_name]]
+            route += [index[leg.destination] for _, leg in flown.legs if leg.destination in index]
+            visited[route] = True
+            ax.plot(
+                raan[route], inclination[route], color=colours[name], linewidth=0.8, zorder=1,
+                label=plain(name) if several(instance) else "chaser",
+            )  # fmt: skip
     others = ~visited
     others[: instance.first_target] = False
     visited[: instance.first_target] = False

@@ -7,13 +7,16 @@ from typing import Any
 from ..instance import Instance
 from ..kernels.constants import DAY_S
 from ..plan import Plan
-from .axes import label
+from ..routes import routes_of, several
+from .axes import label, plain
 from .palette import COLOURS, LABELS, PHASES
 from .segments import segments
 
 
 def gantt(ax: Any, instance: Instance, plan: Plan) -> Any:
     """Add one row per leg, its phases as bars against time [days]; the first leg is on top.
+
+    Where there are several chasers, the first leg of each has its name beside the destination.
 
     Parameters
     ----------
@@ -41,8 +44,10 @@ def gantt(ax: Any, instance: Instance, plan: Plan) -> Any:
                 color=COLOURS[phase], label=LABELS[phase],
             )  # fmt: skip
     if plan.legs:
-        # `$` would begin mathematics
-        names = [leg.destination.replace("$", r"\$") for leg in plan.legs]
+        names = [plain(leg.destination) for leg in plan.legs]
+        for flown in routes_of(instance, plan) if several(instance) else ():
+            for number, leg in flown.legs[:1]:
+                names[number - 1] = plain(f"{flown.chaser.name}: {leg.destination}")
         ax.set_yticks(range(1, len(names) + 1), labels=names)
         ax.set_ylim(len(names) + 0.5, 0.5)
     label(ax, "days since the epoch", "destination")

@@ -34,6 +34,10 @@ COLOURS = {
     "refuelling": "#d2508f",
 }
 
+CHASERS = ("#6d5fe0", "#d9681d", "#1791b5", "#8a8f1e", "#c542c0", "#2f9a5d", "#d4486a", "#5f7d95")
+"""Where there are several chasers, each has one of these, in the order of the instance; none is
+that of a phase."""
+
 ZONE = "#d4553f"
 STATION = COLOURS["refuelling"]
 VISITED = COLOURS["service"]

@@ -14,6 +14,7 @@ from ..flight.flyable import refuse_broken_chain, refuse_what_cannot_be_flown
 from ..instance import Instance
 from ..plan import InstanceReference, Plan
 from ..result import versions
+from ..routes import owners
 from .bodies import TrueBodies
 from .one_leg import refine_leg
 from .plan import (
@@ -94,6 +95,7 @@ def refine(
     refuse_broken_chain(instance, plan)
     began = time.monotonic()
     legs = tuple(enumerate(plan.legs, start=1))
+    whose = owners(instance, plan)
     names = dict.fromkeys(name for _, leg in legs for name in (leg.origin, leg.destination))
     bodies = TrueBodies(instance, gravity, names)
     done: dict[int, RefinedLeg] = {}
@@ -112,7 +114,8 @@ def refine(
                     missing[running[future]] = INTERRUPTED
                     continue
                 try:
-                    done[running[future]] = future.result()
+                    number = running[future]
+                    done[number] = future.result().replace(chaser=whose.get(number))
                 except ArithmeticError as error:
                     missing[running[future]] = str(error)
             if ended:

@@ -29,6 +29,7 @@ def tracks(
     body: str | None = None,
     step_s: float | None = None,
     leg: int | None = None,
+    chaser: str | None = None,
 ) -> tuple[Track, ...]:
     """The flight of a refined plan, arc by arc.
 
@@ -41,6 +42,8 @@ def tracks(
         Largest time between two states [s]; a minute by default.
     leg : int, optional
         Only this leg, by its number in the plan.
+    chaser : str, optional
+        Only the legs of this one of several chasers.
 
     Raises
     ------
@@ -50,14 +53,16 @@ def tracks(
     step = STEP_S if step_s is None else step_s
     if not (step > 0.0 and math.isfinite(step)):
         raise InputError(f"step_s = {step:g}: must be a positive number of seconds")
-    legs = [one for one in refined.legs if leg is None or one.leg == leg]
+    legs = [one for one in refined.legs if leg in (None, one.leg) and chaser in (None, one.chaser)]
+    if not legs and leg is None and refined.legs:
+        raise InputError(f"{chaser!r} has no refined legs: there is nothing to export")
     if not legs:
         raise InputError(
             "the refined plan has no legs: there is nothing to export"
             if leg is None
             else f"leg = {leg}: the refined plan has no such leg"
         )
-    start, end = legs[0].ready_s, legs[-1].end_s
+    start, end = min(one.ready_s for one in legs), max(one.end_s for one in legs)
     if not (end - start) / step <= MOST_SAMPLES:
         raise InputError(
             f"{end - start:.3g} s, a state every {step:g} s, would be more than {MOST_SAMPLES:,} "

@@ -5,99 +5,126 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from ..campaign import Problem
 from ..chasers import AtStation
 from ..checking.violation import DELTA_V_TOLERANCE_M_S
+from ..flight.result import tank_name
 from ..flight.tanks import tanks_of
 from ..instance import Instance
-from ..mission import Mission
-from ..plan import Leg, Plan, Route, Unvisited, cost_of
+from ..plan import Plan, Route, Unvisited, cost_of
 from ..result import status_of
-from .plan import Missing, RefinedLeg, RefinedPlan, reference
+from ..routes import Flown, routes_of
+from .plan import RefinedLeg, RefinedPlan, reference
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
 """What a leg may miss by, as `fly` judges it."""
 
 
-def troubles(mission: Mission, refined: RefinedPlan) -> tuple[str, ...]:
+def troubles(problem: Problem, refined: RefinedPlan) -> tuple[str, ...]:
     """Why a refined plan does not hold; nothing if it does.
 
     Every leg must be there and arrive, and every tank must be enough, less the margin that is kept
     back. Times need no look: refined legs arrive when the plan says, or not at all.
     """
-    return tuple(_troubles(mission, refined))
+    return tuple(_troubles(problem, refined))
 
 
-def _troubles(mission: Mission, refined: RefinedPlan) -> Iterator[str]:
+def _troubles(problem: Problem, refined: RefinedPlan) -> Iterator[str]:
     for missing in refined.missing:
         yield f"leg {missing.leg} is missing: {missing.reason}"
     for leg in refined.legs:
         if leg.residual_m > MOST_MISS_M or leg.residual_m_s > MOST_MISS_M_S:
             yield f"leg {leg.leg} misses by {leg.residual_m:.3g} m"
-    for tank in tanks_of(mission.instance, refined):
-        over = (tank.over_m_s or 0.0) + mission.reserve_m_s
+    for tank in tanks_of(problem.instance, refined):
+        over = (tank.over_m_s or 0.0) + problem.margin * tank.budget_m_s
         if over > DELTA_V_TOLERANCE_M_S:
             legs = f"legs {tank.first_leg} to {tank.last_leg}"
-            yield f"tank {tank.tank} ({legs}) is over by {over:.1f} m/s"
+            yield f"{tank_name(tank.tank, tank.chaser)} ({legs}) is over by {over:.1f} m/s"
 
 
 def beginning(
-    mission: Mission, plan: Plan, refined: RefinedPlan
+    problem: Problem, plan: Plan, refined: RefinedPlan
 ) -> tuple[Plan, RefinedPlan] | None:
-    """The longest beginning of a plan that holds and may end there; None if there is none.
+    """The longest beginning of each chaser's legs that holds, if the mission may end there.
 
     Parameters
     ----------
-    mission : Mission
+    problem : Mission or Campaign
     plan : Plan
     refined : RefinedPlan
         Of that plan.
+
+    Returns
+    -------
+    (Plan, RefinedPlan) or None
+        None if there is no such beginning with a leg.
     """
-    for count in range(len(plan.legs) - 1, 0, -1):
-        legs = plan.legs[:count]
-        if not _may_end(mission.instance, legs):
-            continue
-        kept = [leg for leg in refined.legs if leg.leg <= count]
-        lost = [missing for missing in refined.missing if missing.leg <= count]
-        if troubles(mission, _with(refined, refined.plan.sha256, kept, lost)):
-            continue
-        objective = mission.prizes(mission.numbers(leg.destination for leg in legs))
-        dropped = tuple(
-            Unvisited(target=leg.destination, reason="delta-v")
-            for leg in plan.legs[count:]
-            if leg.destination not in mission.instance.station_names
-        )
-        shorter = plan.replace(
-            objective=objective, status=status_of(mission, objective, math.inf),
-            upper_bound=None, gap=None, cost_bound=None, cost_gap=None, cost_status=None,
-            cost=cost_of(mission.instance.objective, legs),
-            routes=(Route(chaser=plan.routes[0].chaser, legs=legs),),
-            unvisited=(*plan.unvisited, *dropped),
-            notes=(*plan.notes, f"of {len(plan.legs)} legs the first {count} hold when refined"),
-        )  # fmt: skip
-        return shorter, _with(refined, reference(shorter).sha256, kept, lost)
-    return None
-
-
-def _may_end(instance: Instance, legs: tuple[Leg, ...]) -> bool:
-    """Whether a mission may end after these legs, and services all required targets."""
-    last, end = legs[-1].destination, instance.chaser.end
+    instance = problem.instance
+    routes = [(flown, _held(problem, flown, refined)) for flown in routes_of(instance, plan)]
+    legs = [leg for flown, held in routes for _, leg in flown.legs[:held]]
     done = {leg.destination for leg in legs}
-    if any(target.required and target.name not in done for target in instance.targets):
-        return False
+    if not legs or any(target.required and target.name not in done for target in instance.targets):
+        return None
+    kept = [number for flown, held in routes for number, _ in flown.legs[:held]]
+    objective = problem.prizes(problem.missions[0].numbers(leg.destination for leg in legs))
+    dropped = tuple(
+        Unvisited(target=leg.destination, reason="delta-v")
+        for flown, held in routes
+        for _, leg in flown.legs[held:]
+        if leg.destination not in instance.station_names
+    )
+    said = f"the first {len(kept)}" if len(routes) == 1 else f"{len(kept)}"
+    shorter = plan.replace(
+        objective=objective, status=status_of(problem, objective, math.inf),
+        upper_bound=None, gap=None, cost_bound=None, cost_gap=None, cost_status=None,
+        cost=cost_of(instance.objective, legs),
+        routes=tuple(
+            Route(chaser=_route_name(plan, flown), legs=tuple(leg for _, leg in flown.legs[:held]))
+            for flown, held in routes
+        ),
+        unvisited=(*plan.unvisited, *dropped),
+        notes=(*plan.notes, f"of {len(plan.legs)} legs {said} hold when refined"),
+    )  # fmt: skip
+    renumbered = [
+        leg.replace(leg=kept.index(leg.leg) + 1) for leg in refined.legs if leg.leg in kept
+    ]
+    return shorter, _with(refined, reference(shorter).sha256, renumbered)
+
+
+def _route_name(plan: Plan, flown: Flown) -> str:
+    """The chaser of a route as the plan names it."""
+    return plan.routes[0].chaser if len(plan.routes) == 1 else flown.chaser.name
+
+
+def _held(problem: Problem, flown: Flown, refined: RefinedPlan) -> int:
+    """How many of a chaser's legs, at most, hold, so that it may end after them."""
+    numbers = [number for number, _ in flown.legs]
+    for count in range(len(numbers), 0, -1):
+        first = numbers[:count]
+        lost = any(missing.leg in first for missing in refined.missing)
+        if lost or not _may_end(problem.instance, flown, count):
+            continue
+        kept = [leg for leg in refined.legs if leg.leg in first]
+        if not troubles(problem, _with(refined, refined.plan.sha256, kept)):
+            return count
+    return 0
+
+
+def _may_end(instance: Instance, flown: Flown, count: int) -> bool:
+    """Whether a chaser may end after so many legs."""
+    last, end = flown.legs[count - 1][1].destination, flown.chaser.end
     if isinstance(end, AtStation):
         return last == end.station
     return last not in instance.station_names
 
 
-def _with(
-    refined: RefinedPlan, sha256: str, legs: list[RefinedLeg], missing: list[Missing]
-) -> RefinedPlan:
-    """A refined plan with fewer legs."""
+def _with(refined: RefinedPlan, sha256: str, legs: list[RefinedLeg]) -> RefinedPlan:
+    """A refined plan with some of its legs, and none missing."""
     known = {name for leg in legs for name in (leg.origin, leg.destination)}
     return refined.replace(
         plan=refined.plan.replace(sha256=sha256),
-        status="incomplete" if missing else "complete",
+        status="complete",
         bodies=tuple(body for body in refined.bodies if body.name in known),
         legs=tuple(legs),
-        missing=tuple(missing),
+        missing=(),
     )

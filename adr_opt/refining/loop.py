@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any
 
+from ..campaign import Problem, problem_of
 from ..checking.violation import DELTA_V_TOLERANCE_M_S
 from ..corrections import Corrections
 from ..errors import InputError
@@ -14,10 +16,10 @@ from ..flight.result import TankFlight
 from ..flight.tanks import tanks_of
 from ..front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, method_of, run
 from ..instance import Instance
-from ..mission import Mission
 from ..plan import Plan
 from ..planner import BOUNDS, PLANNERS, Progress, silent, takes_jobs
 from ..result import Result
+from ..routes import routes_of
 from ..stop import Stop
 from .all_legs import refine
 from .holding import beginning, troubles
@@ -141,7 +143,7 @@ def _rank(plan: Plan, refined: RefinedPlan) -> tuple[float, float]:
 
 
 def solve_refined(
-    instance: Instance | Mission,
+    instance: Instance | Problem,
     method: str = DEFAULT_METHOD,
     *,
     gravity: Gravity | None = None,
@@ -204,7 +206,7 @@ def solve_refined(
     """
     if rounds < 1:
         raise InputError(f"rounds = {rounds}: must be at least 1")
-    mission = instance if isinstance(instance, Mission) else Mission(instance)
+    mission = problem_of(instance)
     lessons, best, held = Lessons(spend_savings), _Best(), list[Round]()
 
     able = [method_of(method), *([method_of(bound, BOUNDS)] if bound else [])]
@@ -246,8 +248,17 @@ def solve_refined(
         lessons.learn(plan, refined)
 
 
+def sequences(problem: Problem, plan: Plan) -> tuple[tuple[int, ...], ...]:
+    """The bodies of a plan in order, by number, for each chaser of the instance."""
+    flown = {route.chaser.name: route.legs for route in routes_of(problem.instance, plan)}
+    return tuple(
+        tuple(mission.numbers(leg.destination for _, leg in flown[mission.chaser.name]).tolist())
+        for mission in problem.missions
+    )
+
+
 def _ended(
-    mission: Mission,
+    mission: Problem,
     result: Result,
     best: _Best,
     rounds: tuple[Round, ...],
@@ -260,15 +271,19 @@ def _ended(
     plan, kept = best.kept
     if plan is not result.plan:
         # It may be none of the connections of the last round: their bound is for the notes.
+        routes = sequences(mission, plan)
         result = replace(
             result, objective=plan.objective, upper_bound=math.inf, status=plan.status,
-            sequence=tuple(mission.numbers(plan.destinations).tolist()),
+            sequence=tuple(chain.from_iterable(routes)), routes=routes,
             notes=tuple(dict.fromkeys((*result.notes, *plan.notes))),
         )  # fmt: skip
     over = [tank for tank in tanks_of(mission.instance, kept) if _overdrawn(tank)]
     if over:
-        most = max(tank.planned_delta_v_m_s for tank in over)
-        said = f"by the model a tank needs {most:.1f} m/s, and has {over[0].budget_m_s:g}"
+        worst = max(over, key=lambda tank: tank.planned_delta_v_m_s - tank.budget_m_s)
+        said = (
+            f"by the model a tank needs {worst.planned_delta_v_m_s:.1f} m/s, and has "
+            f"{worst.budget_m_s:g}"
+        )
         plan = plan.replace(notes=(*plan.notes, f"{said}; refined, the plan holds"))
         kept = kept.replace(plan=reference(plan))
     return RefinedResult(replace(result, plan=plan), kept, rounds, "")

@@ -8,11 +8,13 @@ from datetime import UTC, datetime
 
 from ..files import check_writable, write_text
 from ..flight.flyable import refuse_foreign
+from ..flight.tanks import refined_routes
 from ..instance import Instance
 from ..kernels.constants import EARTH_RADIUS_M, J2
 from ..kernels.gravity import J3, J4
+from ..routes import chaser_wanted
 from ..trajectory.clock import Clock
-from ..trajectory.kvn import OBJECT_NAME, ORIGINATOR, comment, metadata, plain
+from ..trajectory.kvn import ORIGINATOR, comment, metadata, object_name, plain, who
 from ..trajectory.oem import segment
 from ..trajectory.write import check_frame
 from .ephemeris import Track, tracks
@@ -28,6 +30,7 @@ def write_refined(
     body: str | None = None,
     step_s: float | None = None,
     leg: int | None = None,
+    chaser: str | None = None,
 ) -> tuple[Track, ...]:
     """Write the flight of the chaser, or of a visited body, whole or not at all.
 
@@ -40,6 +43,8 @@ def write_refined(
         The name of the frame that the elements are meant in; nothing is transformed.
     body, step_s, leg
         As :func:`.ephemeris.tracks` takes them.
+    chaser : str, optional
+        Whose flight; needed where there are several chasers, unless a leg or a body is named.
 
     Returns
     -------
@@ -55,22 +60,35 @@ def write_refined(
     refuse_foreign(instance, refined)
     check_frame(frame)
     check_writable(path)
-    written = tracks(refined, body=body, step_s=step_s, leg=leg)
-    write_text(path, "\n".join(_lines(instance, refined, body, written, frame)) + "\n")
+    name = _whose(instance, refined, chaser, leg, body)
+    written = tracks(refined, body=body, step_s=step_s, leg=leg, chaser=name)
+    called = object_name(name) if body is None else plain(body)
+    write_text(path, "\n".join(_lines(instance, refined, called, name, written, frame)) + "\n")
     return written
+
+
+def _whose(
+    instance: Instance, refined: RefinedPlan, chaser: str | None, leg: int | None, body: str | None
+) -> str | None:
+    """Whose flight is to be written; None for the only chaser's, or for a body's."""
+    if body is not None and chaser is None and leg is None:
+        return None
+    routes = refined_routes(instance, refined)
+    whose = {leg.leg: its.name for its, legs in routes for leg in legs}
+    return chaser_wanted(instance, whose, chaser, leg)
 
 
 def _lines(
     instance: Instance,
     refined: RefinedPlan,
-    body: str | None,
+    name: str,
+    chaser: str | None,
     written: tuple[Track, ...],
     frame: str,
 ) -> Iterator[str]:
     clock = Clock(instance)
-    name = OBJECT_NAME if body is None else plain(body)
     yield "CCSDS_OEM_VERS = 2.0"
-    for sentence in _origin(instance, refined):
+    for sentence in (*_origin(instance, refined), *who(instance, chaser)):
         yield from comment(sentence)
     yield f"CREATION_DATE = {datetime.now(UTC):%Y-%m-%dT%H:%M:%S}"
     yield f"ORIGINATOR = {ORIGINATOR}"

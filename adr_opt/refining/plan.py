@@ -8,7 +8,12 @@ import math
 import os
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 
 from ..files import read_model, read_text, to_text, write_text
 from ..plan import InstanceReference, Plan, Vector
@@ -82,10 +87,12 @@ class RefinedLeg(Record):
     wants it behind the destination, at rest relative to that point; at ``arrival_s`` it has docked.
     The residuals are the larger ones of those two. ``planned_delta_v_m_s`` is that of the plan,
     ``retargeted_delta_v_m_s`` that of the plan's own burns, kept near what they were, and
-    ``flown_delta_v_m_s`` the sum of ``burns``.
+    ``flown_delta_v_m_s`` the sum of ``burns``. ``chaser`` is who flies it, where there are several;
+    where there is one, files say nothing of it.
     """
 
     leg: Annotated[int, Field(ge=1)]
+    chaser: Name | None = None
     kind: Literal["short", "drift"]
     origin: Name
     destination: Name
@@ -101,6 +108,13 @@ class RefinedLeg(Record):
     residual_m_s: NonNegative
     burns: Annotated[tuple[RefinedBurn, ...], Field(strict=False, min_length=1)]
     states: Annotated[tuple[RefinedState, ...], Field(strict=False, min_length=1)]
+
+    @model_serializer(mode="wrap")
+    def _without_none(self, plainly: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        content: dict[str, Any] = plainly(self)
+        if self.chaser is None:
+            content.pop("chaser", None)
+        return content
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

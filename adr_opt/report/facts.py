@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ..instance import Instance
 from ..plan import Plan
+from ..routes import Flown, routes_of
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,10 @@ class Facts:
     delta_v_m_s : float
         Of all legs [m/s].
     budgets_m_s : float
-        The full budget, once at the start and once for every refuelling that a leg follows [m/s].
+        The full budget of each chaser that flies, once at the start and once for every refuelling
+        that a leg follows [m/s].
+    chasers, flying : int
+        All of them, and those that have a leg.
     refuellings, stations : int
     used_s, duration_s : float
         End of the last service, and of the mission [s].
@@ -37,6 +41,8 @@ class Facts:
     gap: float | None
     delta_v_m_s: float
     budgets_m_s: float
+    chasers: int
+    flying: int
     refuellings: int
     stations: int
     used_s: float
@@ -51,7 +57,8 @@ class Facts:
 def facts(instance: Instance, plan: Plan) -> Facts:
     """Read the headline figures off a plan."""
     refuellings = sum(name in instance.station_names for name in plan.destinations)
-    followed = sum(name in instance.station_names for name in plan.destinations[:-1])
+    routes = routes_of(instance, plan)
+    flying = [flown for flown in routes if flown.legs]
     names = {target.name for target in instance.targets}
     return Facts(
         visits=len(names & set(plan.destinations)),
@@ -61,9 +68,17 @@ def facts(instance: Instance, plan: Plan) -> Facts:
         upper_bound=plan.upper_bound,
         gap=plan.gap,
         delta_v_m_s=plan.delta_v_m_s,
-        budgets_m_s=instance.chaser.tank.delta_v_m_s * (1 + followed),
+        budgets_m_s=sum(_budgets_m_s(instance, flown) for flown in flying or routes),
+        chasers=len(routes),
+        flying=len(flying),
         refuellings=refuellings,
         stations=len(instance.stations),
-        used_s=plan.legs[-1].end_s if plan.legs else 0.0,
+        used_s=max(flown.end_s for flown in routes),
         duration_s=instance.mission.duration_s,
     )
+
+
+def _budgets_m_s(instance: Instance, flown: Flown) -> float:
+    """The tanks that a chaser has until its last leg [m/s]."""
+    followed = sum(leg.destination in instance.station_names for _, leg in flown.legs[:-1])
+    return flown.chaser.tank.delta_v_m_s * (1 + followed)

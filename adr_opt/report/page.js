@@ -2,7 +2,7 @@
 (() => {
   const mission = JSON.parse(document.getElementById("mission").textContent);
   const { figures, titles, windows } = mission;
-  const timed = ["altitude", "budget", "nodes", "gantt"].filter((name) => name in figures);
+  const timed = ["lanes", "altitude", "budget", "nodes", "gantt"].filter((name) => name in figures);
   const quick = [...timed, "costs", "planes"]; // the first share their time axis
   const box = (name) => document.getElementById(name);
   const narrow = matchMedia("(max-width: 640px)");
@@ -208,13 +208,13 @@
         if (off) hidden.add(phase);
         else hidden.delete(phase);
         button.setAttribute("aria-pressed", String(!off));
-        drawAgain(["altitude", "nodes", "gantt", "orbits"]);
+        drawAgain(["lanes", "altitude", "nodes", "gantt", "orbits"]);
       });
     }
     for (const name of timed) {
       box(name).on("plotly_relayout", (event) => follow(name, event));
     }
-    for (const name of ["gantt", "costs"]) {
+    for (const name of ["lanes", "gantt", "costs"].filter((name) => name in figures)) {
       box(name).on("plotly_click", (event) => choose(event.points[0].customdata));
     }
     for (const query of [dark, narrow]) query.addEventListener("change", () => drawAgain());

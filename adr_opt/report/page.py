@@ -23,6 +23,7 @@ from ..plot.palette import PHASES
 from ..plot.segments import segments
 from ..plot.tracks import Track, tracks
 from ..refining.plan import RefinedPlan, reference
+from ..routes import several
 from ..wording import counted, status_words
 from . import figures, sections, tables
 from .facts import facts
@@ -151,6 +152,7 @@ def _page(
             f"{'zones' if zones > 1 else 'zone'}, closed to flight while open in time. "
             + altitude_note
         )
+    path = "the chasers’ paths" if several(instance) else "the chaser’s path"
     epoch = instance.epoch.astimezone(UTC)
     subtitle = (
         f"{epoch.day} {epoch:%B %Y, %H:%M} UTC · "
@@ -172,13 +174,15 @@ def _page(
         subtitle=subtitle,
         verdict=sections.verdict(instance, violations, flight),
         headline=sections.headline(found),
+        crew=sections.crew(instance, plan, refined),
+        path=path,
+        flies="the chasers fly" if several(instance) else "the chaser flies",
+        gantt_note=sections.gantt_note(instance),
         leg_options=sections.leg_options(plan),
         phases=sections.phases([phase for phase in PHASES if phase in done]),
-        trouble=""
-        if trouble is None
-        else f'<p class="verdict bad">The chaser’s path cannot be drawn: {escape(trouble)}.</p>',
+        trouble="" if trouble is None else sections.not_drawn(path, trouble),
         altitude_note=altitude_note,
-        nodes=sections.nodes() if instance.dynamics == "j2" else "",
+        nodes=sections.nodes(instance) if instance.dynamics == "j2" else "",
         costs_note=sections.costs_note(plan),
         planes_note=sections.planes_note(instance),
         legs=tables.legs(instance, plan, refined),
@@ -202,6 +206,8 @@ def _data(instance: Instance, plan: Plan, drawn: tuple[Track, ...]) -> dict[str,
         "planes": figures.planes(instance, plan),
         "orbits": figures.orbits(instance, plan, drawn),
     }
+    if several(instance):
+        charts["lanes"] = figures.lanes(instance, plan)
     if instance.dynamics == "j2":
         charts["nodes"] = figures.nodes(instance, plan, drawn)
     return {

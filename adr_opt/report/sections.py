@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from datetime import UTC
 
-from ..chasers import AtStation, InOrbit
+from ..chasers import AtStation, Chaser, InOrbit
 from ..checking import Violation
 from ..flight import Flight
 from ..instance import Instance
 from ..kernels.constants import DAY_S
 from ..plan import Plan
 from ..plot.palette import COLOURS, LABELS
+from ..refining.plan import RefinedPlan
+from ..routes import several
 from ..settings import TransferSettings
 from ..wording import counted, status_words
+from . import tables
 from .facts import Facts
 from .text import NOTHING, clock, escape, in_days, length, number
 
@@ -93,14 +96,34 @@ def _drifting(instance: Instance, flown: Flight | str | None) -> str:
     return f'<p class="verdict good"><span aria-hidden="true">✓</span> {checked}. {arrives}</p>'
 
 
-def nodes() -> str:
+def nodes(instance: Instance) -> str:
     """The section with the chart of nodes."""
+    who = (
+        "thick ones are the chasers, which cross"
+        if several(instance)
+        else "the thick one is the chaser, which crosses"
+    )
     return (
-        "<section><h2>Nodes</h2><p>How the planes drift: thin lines are bodies, the thick one is "
-        "the chaser, which crosses from one to the next on a drift orbit. The drift that bodies "
+        f"<section><h2>Nodes</h2><p>How the planes drift: thin lines are bodies, {who} "
+        "from one to the next on a drift orbit. The drift that bodies "
         "have in common is taken away, so that what differs shows; double-click to see all of "
         "them.</p>"
         '<div class="chart" id="nodes"></div></section>'
+    )
+
+
+def crew(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
+    """The section on chasers and stations, where there are several chasers."""
+    if not several(instance):
+        return ""
+    return (
+        "<section><h2>Chasers and stations</h2><p>A lane for each chaser, coloured by phase, and "
+        "one for each station, coloured by the chaser that is there. In other charts a chaser has "
+        'the colour that it has at stations.</p><div class="chart own" id="lanes"></div>'
+        + tables.chasers(instance, plan, refined)
+        + "<h3>Station traffic</h3>"
+        + tables.traffic(instance, plan)
+        + "</section>"
     )
 
 
@@ -112,6 +135,20 @@ def costs_note(plan: Plan) -> str:
     if any(leg.eccentricity_delta_v_m_s > 0.0 for leg in plan.legs):
         said += "; matching eccentricities is counted and has no burn"
     return said + "."
+
+
+def not_drawn(path: str, trouble: str) -> str:
+    """What is said in place of a path that leads nowhere."""
+    said = f"{path[:1].upper()}{path[1:]} cannot be drawn: {escape(trouble)}."
+    return f'<p class="verdict bad">{said}</p>'
+
+
+def gantt_note(instance: Instance) -> str:
+    """What the rows of the timeline are."""
+    said = "One row per leg, named by its destination"
+    if several(instance):
+        said += ", below the name of its chaser"
+    return f"{said}. Select a bar to see its leg in all charts."
 
 
 def planes_note(instance: Instance) -> str:
@@ -150,9 +187,12 @@ def headline(found: Facts) -> str:
             f"of {in_days(found.duration_s)}",
         ),
     ]
+    if found.chasers > 1:
+        cards.insert(0, ("chasers that fly", str(found.flying), f"of {found.chasers}"))
     if not found.counts_visits:
         cards.insert(
-            1, ("prize collected", number(found.prize, 2), f"of {number(found.total_prize, 2)}")
+            1 + (found.chasers > 1),
+            ("prize collected", number(found.prize, 2), f"of {number(found.total_prize, 2)}"),
         )
     return "".join(
         f"<div><dt>{title}</dt><dd><b>{value}</b> <span>{note}</span></dd></div>"
@@ -226,9 +266,8 @@ def origin(instance: Instance, plan: Plan) -> str:
         ("epoch", f"{instance.epoch.astimezone(UTC):%Y-%m-%d %H:%M:%S} UTC"),
         (
             "limits",
-            f"{in_days(limits.duration_s)}, {number(instance.chaser.tank.delta_v_m_s, 1)} m/s "
-            "from one refuelling to the next, "
-            + counted(len(instance.keep_out_zones), "keep-out zone"),
+            f"{in_days(limits.duration_s)}, {_tanks(instance)} m/s from one refuelling to the "
+            "next, " + counted(len(instance.keep_out_zones), "keep-out zone"),
         ),
         ("transfers", _transfers(settings)),
         ("motion", MOTION[instance.dynamics]),
@@ -256,6 +295,12 @@ MOTION = {
 """How bodies move."""
 
 
+def _tanks(instance: Instance) -> str:
+    """The tanks of the chasers, each size once [m/s]."""
+    sizes = dict.fromkeys(chaser.tank.delta_v_m_s for chaser in instance.chasers)
+    return " or ".join(number(size, 1) for size in sizes)
+
+
 def _transfers(settings: TransferSettings) -> str:
     """Which transfers are planned with."""
     said = (
@@ -273,27 +318,31 @@ def _transfers(settings: TransferSettings) -> str:
 
 def _asked(instance: Instance) -> list[str]:
     """What an instance asks for besides the usual: times, ends, numbers."""
-    chaser, mission = instance.chaser, instance.mission
     windows = sum(target.window_s != (0.0, None) for target in instance.targets)
     required = sum(target.required for target in instance.targets)
-    since, until = chaser.available_s
-    asked = []
-    if since > 0.0:
-        asked.append(f"the chaser may fly from {clock(since)} on")
-    if until is not None:
-        asked.append(f"the chaser may fly until {clock(until)}")
-    if isinstance(chaser.start, InOrbit):
-        asked.append("it starts in an orbit of its own")
-    if isinstance(chaser.end, AtStation):
-        asked.append(f"it has to end at {chaser.end.station}")
-    if chaser.max_targets is not None:
-        asked.append(f"it may service {counted(chaser.max_targets, 'target')}")
+    asked = [said for chaser in instance.chasers for said in _asked_of(instance, chaser)]
     if required:
         asked.append(f"{counted(required, 'target')} required")
     if windows:
         asked.append(f"{counted(windows, 'target')} with a window of time")
-    if mission.service_s is not None:
-        asked.append(f"service takes {number(mission.service_s, 1)} s")
+    if instance.mission.service_s is not None:
+        asked.append(f"service takes {number(instance.mission.service_s, 1)} s")
     if instance.objective.cost == "duration":
         asked.append("of plans that collect as much the one that ends first is best")
     return asked
+
+
+def _asked_of(instance: Instance, chaser: Chaser) -> Iterator[str]:
+    """The same of one chaser, by its name where there are several."""
+    who, it = (chaser.name, chaser.name) if several(instance) else ("the chaser", "it")
+    since, until = chaser.available_s
+    if since > 0.0:
+        yield f"{who} may fly from {clock(since)} on"
+    if until is not None:
+        yield f"{who} may fly until {clock(until)}"
+    if isinstance(chaser.start, InOrbit):
+        yield f"{it} starts in an orbit of its own"
+    if isinstance(chaser.end, AtStation):
+        yield f"{it} has to end at {chaser.end.station}"
+    if chaser.max_targets is not None:
+        yield f"{it} may service {counted(chaser.max_targets, 'target')}"

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ..chasers import AtStation, Chaser
 from ..instance import Instance
 from ..kernels.constants import DAY_S, EARTH_RADIUS_M
 from ..plan import Plan
+from ..plot.axes import chaser_colours
 from ..plot.palette import REASONS
+from ..plot.traffic import also_there, stays
 from ..refining.plan import RefinedPlan
+from ..routes import by_tank, owners, routes_of
 from ..wording import counted
 from .text import LONG_S, NOTHING, clock, escape, fixed, number, span
 
@@ -49,6 +53,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
     With the plan refined, what legs take then stands beside what they were planned with.
     """
     flown = {} if refined is None else {leg.leg: leg.flown_delta_v_m_s for leg in refined.legs}
+    whose = owners(instance, plan)
     prizes = {target.name: target.prize for target in instance.targets}
     drifts = instance.dynamics == "j2"
     lengths = [(leg.departure_s - leg.ready_s, leg.arrival_s - leg.departure_s)
@@ -63,6 +68,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
         refuels = leg.destination in instance.station_names
         cells = (
             ("n", f'<button type="button" class="leg">{at}</button>'),
+            *([("", escape(whose[at]))] if whose else []),
             ("", f"{escape(leg.origin)} → <b>{escape(leg.destination)}</b>"),
             ("n", clock(leg.ready_s)),
             *([("", leg.kind)] if drifts else []),
@@ -82,7 +88,8 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
         rows.append(f'<tr data-leg="{at}"{" class=refuels" if refuels else ""}>{inside}</tr>')
     unit = "d" if in_days else "h"
     headings = (
-        ("leg", "n"), ("from → to", ""), ("ready", "n"), *([("kind", "")] if drifts else []),
+        ("leg", "n"), *([("chaser", "")] if whose else []), ("from → to", ""), ("ready", "n"),
+        *([("kind", "")] if drifts else []),
         (f"wait {unit}", "n"), ("departure", "n"), ("laps", "n"), ("ΔV m/s", "n"),
         *([("burns m/s", "n")] if drifts else []), *([("refined m/s", "n")] if refined else []),
         (f"flight {unit}", "n"), ("arrival", "n"),
@@ -98,6 +105,76 @@ def _refined(refined: RefinedPlan) -> str:
         f"with {fixed(refined.planned_delta_v_m_s, 1)} m/s, flown with "
         f"{fixed(refined.flown_delta_v_m_s, 1)} m/s.</p>"
     )
+
+
+def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> str:
+    """One row per chaser: what it visits, its tanks, and when."""
+    burned: dict[str | None, float] = {}
+    for leg in () if refined is None else refined.legs:
+        burned[leg.chaser] = burned.get(leg.chaser, 0.0) + leg.flown_delta_v_m_s
+    colours, rows = chaser_colours(instance), []
+    for flown in routes_of(instance, plan):
+        name, tank = flown.chaser.name, flown.chaser.tank.delta_v_m_s
+        refuellings = flown.refuellings(instance)
+        used = [
+            fixed(sum(leg.delta_v_m_s for leg in of_tank), 1)
+            for of_tank in by_tank([leg for _, leg in flown.legs], instance.station_names)
+        ]
+        cells = (
+            ("", f'<i class="dot" style="background:{colours[name]}"></i><b>{escape(name)}</b>'),
+            ("", escape(_where(flown.chaser))),
+            ("n", str(len(flown.legs) - refuellings)),
+            ("n", str(refuellings)),
+            ("n", fixed(flown.delta_v_m_s, 1)),
+            *([("n", fixed(burned.get(name, 0.0), 1))] if refined else []),
+            ("n", number(tank, 1)),
+            ("n", " + ".join(used) or NOTHING),
+            ("n", clock(flown.legs[0][1].departure_s) if flown.legs else NOTHING),
+            ("n", clock(flown.end_s) if flown.legs else NOTHING),
+        )
+        rows.append(_row(cells))
+    headings = (
+        ("chaser", ""), ("starts", ""), ("targets", "n"), ("refuellings", "n"), ("ΔV m/s", "n"),
+        *([("refined m/s", "n")] if refined else []), ("tank m/s", "n"), ("tank by tank m/s", "n"),
+        ("leaves", "n"), ("done", "n"),
+    )  # fmt: skip
+    return table("Chasers", headings, rows)
+
+
+def traffic(instance: Instance, plan: Plan) -> str:
+    """One row per stay of a chaser at a station, by station and time."""
+    every = stays(instance, plan)
+    rows = [
+        _row(
+            (
+                ("", f"<b>{escape(stay.station)}</b>"),
+                ("", escape(stay.chaser)),
+                ("n", "starts here" if stay.refuelled_s is None else clock(stay.since_s)),
+                ("n", NOTHING if stay.refuelled_s is None else clock(stay.refuelled_s)),
+                ("n", clock(stay.until_s)),
+                ("", escape(", ".join(also_there(stay, every))) or NOTHING),
+            )
+        )
+        for stay in every
+        if stay.leg
+    ]
+    headings = (
+        ("station", ""), ("chaser", ""), ("docks", "n"), ("refuelled", "n"), ("leaves", "n"),
+        ("also there", ""),
+    )  # fmt: skip
+    return table("Station traffic", headings, rows) if rows else "<p>No chaser is at a station.</p>"
+
+
+def _row(cells: Iterable[tuple[str, str]]) -> str:
+    inside = "".join(f"<td{' class=n' if kind else ''}>{text}</td>" for kind, text in cells)
+    return f"<tr>{inside}</tr>"
+
+
+def _where(chaser: Chaser) -> str:
+    """Where a chaser starts, and from when on."""
+    place = chaser.start_name if isinstance(chaser.start, AtStation) else "an orbit of its own"
+    since = chaser.available_s[0]
+    return f"{place}, {clock(since)}" if since > 0.0 else place
 
 
 def unvisited(instance: Instance, plan: Plan) -> str:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..kernels.constants import DAY_S
+from ..routes import owners, several
 from .bodies import body_states
 from .clock import Clock
 from .kepler import Array, revolution
@@ -41,6 +43,7 @@ def to_czml(trajectory: Trajectory) -> str:
 
     Positions are in Cesium's INERTIAL frame. Each arc is a packet with its own path, shown while
     its leg is flown, in the colour of its phase; the chaser itself is one packet over all of them.
+    Where there are several chasers, each is such a packet, and arcs are in the colour of theirs.
     """
     clock = Clock(trajectory.instance)
     shown = _when_shown(trajectory)
@@ -48,9 +51,13 @@ def to_czml(trajectory: Trajectory) -> str:
     visited = set(trajectory.plan.destinations)
     for name, intervals in shown.items():
         packets.append(_body(trajectory, clock, name, name in visited, intervals))
-    packets.append(_chaser(trajectory, clock))
-    for path in trajectory.legs:
-        packets += [_arc(trajectory, clock, path, number) for number in range(len(path.arcs))]
+    crew = _crew(trajectory)
+    for chaser in crew:
+        packets.append(_chaser(trajectory, clock, chaser))
+    for chaser in crew:
+        for path in chaser.legs:
+            arcs = range(len(path.arcs))
+            packets += [_arc(trajectory, clock, chaser, path, number) for number in arcs]
     return json.dumps(packets, ensure_ascii=False, separators=(",", ":"), allow_nan=False) + "\n"
 
 
@@ -61,12 +68,16 @@ def _when_shown(trajectory: Trajectory) -> dict[str, list[Span]]:
     if len(names) * (end - start) <= MOST_BODY_STATES * BODY_STEP_S:
         return {name: [(start, end)] for name in names}
     shown: dict[str, list[Span]] = {name: [] for name in names}
-    for path in trajectory.legs:
+    for path in sorted(trajectory.legs, key=lambda path: path.arcs[0].start_s):
         begin, until = path.arcs[0].start_s, path.arcs[-1].end_s
         for name in {path.leg.origin, path.leg.destination}:
             spans = shown[name]
             goes_on = bool(spans) and spans[-1][1] >= begin - SHORTEST_ARC_S
-            spans.append((spans.pop()[0] if goes_on else begin, until))
+            if goes_on:
+                begun, ended = spans.pop()
+                spans.append((begun, max(ended, until)))
+            else:
+                spans.append((begin, until))
     return {name: spans for name, spans in shown.items() if spans}
 
 
@@ -127,18 +138,61 @@ def _body(
     return packet
 
 
-def _chaser(trajectory: Trajectory, clock: Clock) -> dict[str, Any]:
+class _Chaser(NamedTuple):
+    """One that flies.
+
+    Attributes
+    ----------
+    id, name : str
+        Of its packet. The first is a number where there are several: what a reference may say is
+        less than what a name may be.
+    colour : str or None
+        Its own, where there are several.
+    legs : tuple of LegPath
+    """
+
+    id: str
+    name: str
+    colour: str | None
+    legs: tuple[LegPath, ...]
+
+    def arcs(self) -> Iterator[tuple[LegPath, Arc]]:
+        """Its arcs in time order, each with its leg."""
+        for path in self.legs:
+            for arc in path.arcs:
+                yield path, arc
+
+
+def _crew(trajectory: Trajectory) -> list[_Chaser]:
+    """The chasers whose legs these are."""
+    from ..plot.axes import chaser_colours
+
+    instance = trajectory.instance
+    if not several(instance):
+        return [_Chaser("chaser", "chaser", None, trajectory.legs)]
+    whose, colours = owners(instance, trajectory.plan), chaser_colours(instance)
+    found = []
+    for number, chaser in enumerate(instance.chasers, start=1):
+        legs = tuple(path for path in trajectory.legs if whose[path.number] == chaser.name)
+        if legs:
+            found.append(_Chaser(f"chaser/{number}", chaser.name, colours[chaser.name], legs))
+    return found
+
+
+def _chaser(trajectory: Trajectory, clock: Clock, chaser: _Chaser) -> dict[str, Any]:
     return {
-        "id": "chaser",
-        "name": "chaser",
-        "availability": _interval(clock, trajectory.start_s, trajectory.end_s),
+        "id": chaser.id,
+        "name": chaser.name,
+        "availability": _interval(
+            clock, chaser.legs[0].arcs[0].start_s, chaser.legs[-1].arcs[-1].end_s
+        ),
         # One interval for each arc: interpolation must not run across a burn.
         "position": [
             {
                 "interval": _interval(clock, arc.start_s, arc.end_s),
                 **_position(clock, arc.times_s, arc.positions_m, ARC_DEGREE, 3),
             }
-            for _, arc in trajectory.arcs()
+            for _, arc in chaser.arcs()
         ],
         "point": {
             "pixelSize": 10,
@@ -147,20 +201,24 @@ def _chaser(trajectory: Trajectory, clock: Clock) -> dict[str, Any]:
                     "interval": _interval(clock, arc.start_s, arc.end_s),
                     **_rgba(_colour(trajectory, path, arc)),
                 }
-                for path, arc in trajectory.arcs()
+                for path, arc in chaser.arcs()
             ],
-            "outlineColor": _rgba("#ffffff"),
+            "outlineColor": _rgba(chaser.colour or "#ffffff"),
             "outlineWidth": 2,
         },
-        "label": _label("chaser", "#ffffff"),
+        "label": _label(chaser.name, chaser.colour or "#ffffff"),
     }
 
 
-def _arc(trajectory: Trajectory, clock: Clock, path: LegPath, number: int) -> dict[str, Any]:
+def _arc(
+    trajectory: Trajectory, clock: Clock, chaser: _Chaser, path: LegPath, number: int
+) -> dict[str, Any]:
     arc = path.arcs[number]
     drawn_s = path.arcs[-1].end_s - path.arcs[0].start_s
     shown = path.arcs[0].start_s, path.arcs[-1].end_s
-    position: dict[str, Any] = {"reference": "chaser#position"}
+    colour = chaser.colour or _colour(trajectory, path, arc)
+    title = f"leg {path.number}: {path.leg.origin} → {path.leg.destination}, {arc.phase}"
+    position: dict[str, Any] = {"reference": f"{chaser.id}#position"}
     if arc.end_s - arc.start_s > LONG_ARC_S:
         drawn_s = 0.5 * revolution(arc.positions_m[0], arc.velocities_m_s[0])
         shown = arc.start_s, arc.end_s
@@ -168,7 +226,7 @@ def _arc(trajectory: Trajectory, clock: Clock, path: LegPath, number: int) -> di
         position = _position(clock, arc.times_s, arc.positions_m, ARC_DEGREE, 0)
     return {
         "id": f"leg {path.number}/{number + 1}",
-        "name": f"leg {path.number}: {path.leg.origin} → {path.leg.destination}, {arc.phase}",
+        "name": title if chaser.colour is None else f"{chaser.name}, {title}",
         "availability": _interval(clock, *shown),
         "position": position,
         "path": {
@@ -176,7 +234,7 @@ def _arc(trajectory: Trajectory, clock: Clock, path: LegPath, number: int) -> di
             "trailTime": drawn_s,
             "width": 2 if arc.phase in ("wait", "service") else 3,
             "resolution": min(trajectory.step_s, STEP_S),
-            "material": {"solidColor": {"color": _rgba(_colour(trajectory, path, arc))}},
+            "material": {"solidColor": {"color": _rgba(colour)}},
         },
     }
 

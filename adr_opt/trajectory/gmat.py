@@ -24,7 +24,7 @@ from ..kernels import orbits
 from ..kernels.constants import EARTH_RADIUS_M, MU_M3_S2
 from .bodies import body_states
 from .clock import Clock
-from .kvn import WIDTH, origin, plain
+from .kvn import WIDTH, origin, plain, who
 from .sampling import LegPath, Trajectory
 
 AXES = {"EME2000": "EarthMJ2000Eq", "GCRF": "EarthICRF", "ICRF": "EarthICRF"}
@@ -86,7 +86,7 @@ def _lines(trajectory: Trajectory, system: str) -> Iterator[str]:
     ends = {name for path in trajectory.legs for name in (path.leg.origin, path.leg.destination)}
     names = {body: _name(instance, body) for body in instance.names if body in ends}
     start = _whole_millisecond(instance, trajectory.start_s)
-    said = origin(instance, trajectory.plan)
+    said = [*origin(instance, trajectory.plan), *who(instance, trajectory.chaser)]
     if instance.dynamics == "j2":
         said.append(WARNING)
     for sentence in said:

@@ -71,6 +71,18 @@ def _motion(instance: Instance) -> str:
     )
 
 
+def who(instance: Instance, chaser: str | None) -> list[str]:
+    """A sentence on whose flight it is, where there are several chasers."""
+    if chaser is None:
+        return []
+    return [f"The chaser is {chaser}, one of {len(instance.chasers)} of the instance."]
+
+
+def object_name(chaser: str | None) -> str:
+    """What the chaser is called."""
+    return OBJECT_NAME if chaser is None else plain(chaser)
+
+
 def header(keyword: str, instance: Instance, plan: Plan, said: Iterable[str] = ()) -> Iterator[str]:
     """The header of a message of version 2.0, with more sentences that it says."""
     yield f"{keyword} = 2.0"

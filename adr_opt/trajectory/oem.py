@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from .clock import Clock, states_at_labels
-from .kvn import comment, header, metadata
+from .kvn import comment, header, metadata, object_name, who
 from .sampling import Arc, Trajectory
 
 DEGREE = 7
@@ -28,14 +28,14 @@ def to_oem(trajectory: Trajectory, frame: str) -> str:
 
 def _lines(trajectory: Trajectory, frame: str) -> Iterator[str]:
     clock = Clock(trajectory.instance)
-    said = []
+    said = who(trajectory.instance, trajectory.chaser)
     if trajectory.instance.dynamics == "j2":
-        said = ["Velocities are the rates of the positions, the drift of the planes included."]
+        said += ["Velocities are the rates of the positions, the drift of the planes included."]
     yield from header("CCSDS_OEM_VERS", trajectory.instance, trajectory.plan, said)
     for path, arc in trajectory.arcs():
         yield ""
         which = f"leg {path.number}, {path.leg.origin} to {path.leg.destination}: {arc.phase}"
-        yield from segment(clock, which, arc, metadata(frame))
+        yield from segment(clock, which, arc, metadata(frame, object_name(trajectory.chaser)))
 
 
 def segment(clock: Clock, said: str, arc: Arc, about: Iterable[str]) -> Iterator[str]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from .clock import Clock, states_at_labels
-from .kvn import comment, header, metadata
+from .kvn import comment, header, metadata, object_name, who
 from .sampling import Trajectory
 
 MASS_KG = 1000.0
@@ -30,12 +30,13 @@ def _lines(trajectory: Trajectory, frame: str) -> Iterator[str]:
     clock = Clock(trajectory.instance)
     first = trajectory.legs[0].arcs[0]
     positions, _ = states_at_labels(first)
-    yield from header("CCSDS_OPM_VERS", trajectory.instance, trajectory.plan)
+    instance, chaser = trajectory.instance, trajectory.chaser
+    yield from header("CCSDS_OPM_VERS", instance, trajectory.plan, who(instance, chaser))
     yield ""
-    yield from metadata(frame)
+    yield from metadata(frame, object_name(chaser))
     yield ""
     yield from comment(f"State at the beginning of leg {trajectory.legs[0].number}")
-    if trajectory.instance.dynamics == "j2":
+    if instance.dynamics == "j2":
         yield from comment(
             "It is a mean state: its velocity is that within the plane, to which the burns add. "
             "Propagated as an osculating state it leads elsewhere"

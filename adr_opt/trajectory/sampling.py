@@ -116,15 +116,18 @@ class Trajectory:
     step_s : float
         Largest time between two samples [s].
     legs : tuple of LegPath
+    chaser : str or None
+        Whose legs they are; None where there is one chaser, or they are those of all.
     """
 
     instance: Instance
     plan: Plan
     step_s: float
     legs: tuple[LegPath, ...]
+    chaser: str | None = None
 
     def arcs(self) -> Iterator[tuple[LegPath, Arc]]:
-        """All arcs in time order, each with its leg."""
+        """All arcs, each with its leg; those of a chaser in time order."""
         for path in self.legs:
             for arc in path.arcs:
                 yield path, arc
@@ -132,12 +135,12 @@ class Trajectory:
     @property
     def start_s(self) -> float:
         """When the first arc begins; 0 for a plan without legs [s]."""
-        return self.legs[0].arcs[0].start_s if self.legs else 0.0
+        return min((path.arcs[0].start_s for path in self.legs), default=0.0)
 
     @property
     def end_s(self) -> float:
         """When the last arc ends; 0 for a plan without legs [s]."""
-        return self.legs[-1].arcs[-1].end_s if self.legs else 0.0
+        return max((path.arcs[-1].end_s for path in self.legs), default=0.0)
 
 
 def sample(instance: Instance, plan: Plan, step_s: float | None = None) -> Trajectory:

@@ -11,6 +11,7 @@ from ..files import check_writable, write_text
 from ..flight.flyable import refuse_broken_chain
 from ..instance import Instance
 from ..plan import Plan
+from ..routes import chaser_wanted, owners
 from .czml import to_czml
 from .gmat import to_gmat
 from .oem import to_oem
@@ -19,6 +20,9 @@ from .sampling import Trajectory, sample
 
 FORMATS = ("oem", "opm", "czml", "script")
 """Also the suffixes, with a point before them."""
+
+TOGETHER = ("czml",)
+"""Formats that may hold the flights of several chasers."""
 
 FRAMES = ("EME2000", "GCRF", "ICRF", "TEME")
 """Inertial frames that the elements of an instance may be meant in."""
@@ -33,6 +37,7 @@ def write_plan(
     frame: str = "EME2000",
     step_s: float | None = None,
     leg: int | None = None,
+    chaser: str | None = None,
 ) -> Trajectory:
     """Fly a plan and write the flight, whole or not at all.
 
@@ -51,6 +56,9 @@ def write_plan(
         :func:`.sampling.sample` [s].
     leg : int, optional
         Only this leg, counted from 1.
+    chaser : str, optional
+        Only the legs of this chaser. Where there are several, all formats but ``czml`` need it, or
+        a leg.
 
     Returns
     -------
@@ -60,31 +68,46 @@ def write_plan(
     Raises
     ------
     InputError
-        Unknown format or frame, a plan of another instance, without legs or that cannot be flown,
-        legs that do not follow each other, no such leg, a step that is not positive, or a file that
-        cannot be written.
+        Unknown format, frame or chaser, several chasers and none is named, a plan of another
+        instance, without legs or that cannot be flown, legs that do not follow each other, no such
+        leg, a step that is not positive, or a file that cannot be written.
     """
-    format_of(path, format)
+    kind = format_of(path, format)
     check_frame(frame)
     check_writable(path)
-    trajectory = flown(instance, plan, step_s, leg)
+    trajectory = flown(instance, plan, step_s, leg, chaser, together=kind in TOGETHER)
     write_trajectory(trajectory, path, format=format, frame=frame)
     return trajectory
 
 
 def flown(
-    instance: Instance, plan: Plan, step_s: float | None = None, leg: int | None = None
+    instance: Instance,
+    plan: Plan,
+    step_s: float | None = None,
+    leg: int | None = None,
+    chaser: str | None = None,
+    *,
+    together: bool = False,
 ) -> Trajectory:
-    """The flight of a plan, or of one leg of it, that there is something to write of."""
+    """The flight of a plan, of a chaser or of one leg, that there is something to write of.
+
+    With ``together`` it may be that of several chasers.
+    """
     trajectory = sample(instance, plan, step_s)
     if not trajectory.legs:
         raise InputError("the plan has no legs: there is nothing to fly and so nothing to export")
+    whose = owners(instance, plan)
+    everyone = together and chaser is None and leg is None
+    name = None if everyone else chaser_wanted(instance, whose, chaser, leg)
     if leg is None:
         refuse_broken_chain(instance, plan)
-        return trajectory
+        legs = tuple(path for path in trajectory.legs if name is None or whose[path.number] == name)
+        if not legs:
+            raise InputError(f"{name!r} has no legs: there is nothing to fly and so to export")
+        return replace(trajectory, legs=legs, chaser=name)
     if not 1 <= leg <= len(trajectory.legs):
         raise InputError(f"leg = {leg}: the plan has the legs 1 to {len(trajectory.legs)}")
-    return replace(trajectory, legs=(trajectory.legs[leg - 1],))
+    return replace(trajectory, legs=(trajectory.legs[leg - 1],), chaser=name)
 
 
 def write_trajectory(

@@ -12,8 +12,9 @@ from .altitude import altitude
 from .budget import budget
 from .costs import costs
 from .gantt import gantt
+from .lanes import lanes
 from .nodes import nodes
 from .orbits import orbits
 from .planes import planes
 
-__all__ = ["altitude", "budget", "costs", "gantt", "nodes", "orbits", "planes"]
+__all__ = ["altitude", "budget", "costs", "gantt", "lanes", "nodes", "orbits", "planes"]

@@ -6,28 +6,27 @@ from ...instance import Instance
 from ...kernels.constants import DAY_S
 from ...plan import Plan
 from ...plot.axes import KM_M
-from ...plot.palette import COLOURS, LABELS, PHASES, ZONE
+from ...plot.palette import LABELS, ZONE
 from ...plot.tracks import Track, joined
 from ..text import number
-from .parts import Figure, column, days, period, repeated, time_axis
+from .parts import Figure, column, days, legend, named, period, repeated, strands, time_axis
 
 
 def altitude(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
-    """The chaser's altitude in km against days, one trace per phase; zones as boxes beneath."""
-    traces = []
-    for phase in PHASES:
-        found = [track for track in tracks if track.phase == phase]
-        if not found:
-            continue
+    """The chaser's altitude in km against days, one trace per phase; zones as boxes beneath.
+
+    Where there are several chasers, each has traces and a colour of its own.
+    """
+    traces = legend(instance)
+    for phase, found, colour, about in strands(instance, plan, tracks):
         lengths = [len(track.times_s) for track in found]
         traces.append(
             {
-                "type": "scatter", "mode": "lines", "name": LABELS[phase],
-                "meta": {"phase": phase, "titled": True},
+                "type": "scatter", "mode": "lines", **about,
                 "x": days(joined([track.times_s for track in found])),
                 "y": column(joined([track.altitudes_m for track in found]) / KM_M, 2),
                 "customdata": repeated([track.leg for track in found], lengths),
-                "line": {"color": COLOURS[phase], "width": 1.8},
+                "line": {"color": colour, "width": 1.8},
                 "hovertemplate": f"{LABELS[phase]}, %{{text}}<br>%{{y:.1f}} km at day %{{x:.3f}}"
                 "<extra></extra>",
             }
@@ -45,7 +44,7 @@ def altitude(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figur
         traces.append(
             {
                 "type": "scatter", "mode": "markers", "name": "keep-out zone",
-                "meta": {"phase": "zone"},
+                "meta": {"phase": "zone"}, **named(instance, False),
                 "x": [sum(x) / 2.0], "y": [sum(y) / 2.0],
                 "marker": {"color": ZONE, "size": 7, "symbol": "x-thin", "line": {"width": 1.5,
                            "color": ZONE}},
@@ -57,5 +56,6 @@ def altitude(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figur
         "xaxis": time_axis(instance, plan),
         "yaxis": {"title": {"text": "altitude [km]"}},
         "shapes": shapes,
+        **named(instance, True),
     }
     return {"data": traces, "layout": layout}

@@ -6,6 +6,7 @@ from ...instance import Instance
 from ...plan import Plan
 from ...plot.palette import COLOURS, LABELS, PHASES
 from ...plot.segments import segments
+from ...routes import routes_of, several
 from ...wording import shortened
 from ..text import in_chart, lasting
 from .parts import Figure, days, leg_title, period, time_axis
@@ -17,7 +18,11 @@ LONGEST_TICK = 16
 
 
 def gantt(instance: Instance, plan: Plan) -> Figure:
-    """One row per leg, the first on top, with a bar for each of its phases."""
+    """One row per leg, the first on top, with a bar for each of its phases.
+
+    Where there are several chasers, the legs of each come below a row with its name.
+    """
+    row_of, ticks = _rows(instance, plan)
     traces = []
     found = segments(instance, plan)
     for phase in PHASES:
@@ -29,7 +34,7 @@ def gantt(instance: Instance, plan: Plan) -> Figure:
                     "meta": {"phase": phase},
                     "base": days([bar.start_s for bar in bars]),
                     "x": days([bar.duration_s for bar in bars]),
-                    "y": [bar.leg for bar in bars],
+                    "y": [row_of[bar.leg] for bar in bars],
                     "customdata": [bar.leg for bar in bars],
                     "text": [
                         f"{LABELS[phase]}, {lasting(bar.duration_s)}<br>"
@@ -40,8 +45,7 @@ def gantt(instance: Instance, plan: Plan) -> Figure:
                     "marker": {"color": COLOURS[phase], "line": {"width": 0}}, "width": 0.72,
                 }
             )  # fmt: skip
-    rows = len(plan.legs)
-    ticks = shortened(plan.destinations, LONGEST_TICK)
+    rows = len(ticks)
     layout = {
         "barmode": "overlay",
         "height": FRAME_PX + ROW_PX * max(rows, 4),
@@ -50,8 +54,23 @@ def gantt(instance: Instance, plan: Plan) -> Figure:
             "range": [rows + 0.6, 0.4],
             "fixedrange": True,
             "tickvals": list(range(1, rows + 1)),
-            "ticktext": [in_chart(ticks[name]) for name in plan.destinations],
+            "ticktext": ticks,
             "showgrid": False,
         },
     }
     return {"data": traces, "layout": layout}
+
+
+def _rows(instance: Instance, plan: Plan) -> tuple[dict[int, int], list[str]]:
+    """The row of each leg, by its number, and what stands beside each row, from the first on."""
+    names = [flown.chaser.name for flown in routes_of(instance, plan)]
+    short = shortened([*plan.destinations, *names], LONGEST_TICK)
+    row_of: dict[int, int] = {}
+    ticks: list[str] = []
+    for flown in routes_of(instance, plan):
+        if several(instance):
+            ticks.append(f"<b>{in_chart(short[flown.chaser.name])}</b>")
+        for number, leg in flown.legs:
+            ticks.append(in_chart(short[leg.destination]))
+            row_of[number] = len(ticks)
+    return row_of, ticks

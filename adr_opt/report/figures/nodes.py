@@ -9,10 +9,10 @@ import numpy as np
 from ...instance import Instance
 from ...plan import Plan
 from ...plot.nodes import Nodes, axis_title, nodes_of, of_body, of_track
-from ...plot.palette import COLOURS, LABELS, PHASES, STATION, UNVISITED, VISITED
+from ...plot.palette import LABELS, STATION, UNVISITED, VISITED
 from ...plot.tracks import Track, joined
 from ..text import in_chart
-from .parts import Figure, column, days, repeated, time_axis
+from .parts import Figure, column, days, legend, named, repeated, strands, time_axis
 
 LEAST_ROOM_DEG = 0.05
 
@@ -33,21 +33,18 @@ def nodes(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
         for title, bodies in kinds.items()
         if bodies
     ]
-    for phase in PHASES:
-        found = [track for track in tracks if track.phase == phase]
-        if not found:
-            continue
+    traces += legend(instance)
+    for phase, found, colour, about in strands(instance, plan, tracks):
         lines = [of_track(shown, track) for track in found]
         traces.append(
             {
-                "type": "scatter", "mode": "lines", "name": LABELS[phase],
-                "meta": {"phase": phase, "titled": True},
+                "type": "scatter", "mode": "lines", **about,
                 "x": days(joined([times for times, _ in lines])),
                 "y": column(joined([angles for _, angles in lines]), 4),
                 "customdata": repeated(
                     [track.leg for track in found], [times.size for times, _ in lines]
                 ),
-                "line": {"color": COLOURS[phase], "width": 4},
+                "line": {"color": colour, "width": 4},
                 "hovertemplate": f"{LABELS[phase]}, %{{text}}<br>%{{y:.2f}}° at day %{{x:.2f}}"
                 "<extra></extra>",
             }
@@ -55,6 +52,7 @@ def nodes(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
     layout = {
         "xaxis": time_axis(instance, plan),
         "yaxis": {"title": {"text": axis_title(shown, "°")}, **_range(traces)},
+        **named(instance, True),
     }
     return {"data": traces, "layout": layout}
 

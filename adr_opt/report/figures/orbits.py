@@ -9,12 +9,13 @@ import numpy as np
 from ...instance import Instance
 from ...kernels.constants import EARTH_RADIUS_M
 from ...plan import Plan
-from ...plot.axes import KM_M
-from ...plot.palette import COLOURS, LABELS, PHASES, STATION, UNVISITED, VISITED
+from ...plot.axes import KM_M, chaser_colours
+from ...plot.palette import COLOURS, LABELS, STATION, UNVISITED, VISITED
 from ...plot.tracks import POINTS_OF_A_RING, Track, joined, ring
+from ...routes import owners
 from ...trajectory.sampling import SHORTEST_ARC_S
 from ..text import clock, in_chart
-from .parts import Figure, column, leg_title, repeated
+from .parts import Figure, column, leg_title, legend, named, repeated, strands
 
 MOST_RINGS = 200
 """More orbits than this are one another's shade; the first of those that are not visited go."""
@@ -40,19 +41,18 @@ def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
         _rings(instance, "orbits visited", [n for n in names if n in visited], VISITED, 1.0, 0.55),
         _rings(instance, "station's orbit", [*instance.station_names], STATION, 4.0, 1.0),
     ]
-    for phase in PHASES:
-        found = [track for track in tracks if track.phase == phase]
-        if found:
-            lengths = [len(track.around_m) for track in found]
-            traces.append(
-                {
-                    **_line(joined([track.around_m for track in found]), COLOURS[phase], 3.0),
-                    "name": LABELS[phase],
-                    "meta": {"phase": phase, "titled": True},
-                    "customdata": repeated([track.leg for track in found], lengths),
-                    "hovertemplate": f"{LABELS[phase]}, %{{text}}<extra></extra>",
-                }
-            )
+    traces += legend(instance, "scatter3d")
+    for phase, found, colour, about in strands(instance, plan, tracks):
+        lengths = [len(track.around_m) for track in found]
+        traces.append(
+            {
+                **_line(joined([track.around_m for track in found]), colour, 3.0),
+                **about,
+                "customdata": repeated([track.leg for track in found], lengths),
+                "hovertemplate": f"{LABELS[phase]}, %{{text}}<extra></extra>",
+            }
+        )
+    whose, colours = owners(instance, plan), chaser_colours(instance)
     stays: dict[int, Track] = {}
     for track in tracks:
         if track.times_s[0] >= plan.legs[track.leg - 1].burns[-1].time_s - SHORTEST_ARC_S:
@@ -62,7 +62,7 @@ def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
     }
     traces.append(
         {
-            "type": "scatter3d", "mode": "markers", "name": "arrivals",
+            "type": "scatter3d", "mode": "markers", "name": "arrivals", **named(instance, False),
             **_columns(np.array([track.around_m[0] for track in stays.values()])),
             "customdata": list(stays),
             "text": [
@@ -71,12 +71,18 @@ def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
             ],
             "marker": {
                 "size": 4,
-                "color": [COLOURS["refuelling" if leg in refuels else "service"] for leg in stays],
+                "color": [
+                    colours[whose[leg]]
+                    if leg in whose
+                    else COLOURS["refuelling" if leg in refuels else "service"]
+                    for leg in stays
+                ],
             },
             "hovertemplate": "%{text}<extra></extra>",
         }
     )  # fmt: skip
-    return {"data": traces, "layout": {"scene": _scene(instance, tracks)}}
+    layout = {"scene": _scene(instance, tracks), **named(instance, True)}
+    return {"data": traces, "layout": layout}
 
 
 def _columns(points_m: np.ndarray[Any, Any]) -> dict[str, Any]:
@@ -135,6 +141,7 @@ def _earth() -> dict[str, Any]:
         "color": "#8ba6bd",
         "hoverinfo": "skip",
         "meta": {"role": "earth"},
+        "showlegend": False,
         "lighting": {"ambient": 0.72, "diffuse": 0.45, "specular": 0.05, "roughness": 0.9},
     }
 
@@ -158,15 +165,16 @@ def _graticule() -> dict[str, Any]:
     return {
         **_line(joined(lines), "#b4c7d6", 1.5),
         "name": "graticule", "hoverinfo": "skip", "meta": {"role": "earth"},
+        "showlegend": False,
     }  # fmt: skip
 
 
 def _scene(instance: Instance, tracks: tuple[Track, ...]) -> dict[str, Any]:
-    """Seen at 55° to the normal of the plane where the chaser starts, a little from the north.
+    """Seen at 55° to the normal of the plane where the first chaser starts, from a bit north.
 
     Without perspective, or a low orbit's near half hides behind the Earth's rim.
     """
-    orbit = instance.body_orbits[instance.start]
+    orbit = instance.body_orbits[instance.starts[0]]
     i, o = np.radians(orbit.inclination_deg), np.radians(orbit.raan_deg)
     normal = np.array([np.sin(i) * np.sin(o), -np.sin(i) * np.cos(o), np.cos(i)])
     side = np.array([np.cos(o), np.sin(o), 0.0])

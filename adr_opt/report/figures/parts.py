@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +11,10 @@ import numpy.typing as npt
 from ...instance import Instance
 from ...kernels.constants import DAY_S
 from ...plan import Plan
-from ...plot.axes import since
+from ...plot.axes import chaser_colours, since
+from ...plot.palette import COLOURS, LABELS, PHASES
+from ...plot.tracks import Track
+from ...routes import owners, several
 from ..text import clock, in_chart
 
 Figure = dict[str, Any]
@@ -37,14 +40,72 @@ def repeated(legs: Iterable[int], lengths: Iterable[int]) -> list[int]:
 
 def time_axis(instance: Instance, plan: Plan) -> dict[str, Any]:
     """The common time axis of the charts, from the epoch to the end of the mission."""
-    end = max([instance.mission.duration_s, *(leg.end_s for leg in plan.legs[-1:])])
+    last = [route.legs[-1].end_s for route in plan.routes if route.legs]
+    end = max([instance.mission.duration_s, *last])
     return {"title": {"text": since(instance)}, "range": [0.0, end / DAY_S or 1.0]}
 
 
 def leg_title(plan: Plan, number: int) -> str:
     """What hover texts call a leg."""
     leg = plan.legs[number - 1]
-    return f"leg {number}: {in_chart(leg.origin)} → {in_chart(leg.destination)}"
+    title = f"leg {number}: {in_chart(leg.origin)} → {in_chart(leg.destination)}"
+    if len(plan.routes) == 1:
+        return title
+    before = 0
+    for route in plan.routes:
+        before += len(route.legs)
+        if number <= before:
+            return f"{in_chart(route.chaser)}, {title}"
+    return title
+
+
+def named(instance: Instance, are_shown: bool) -> dict[str, Any]:
+    """For a layout or a trace: whether there is a legend, or it is in it, for several chasers."""
+    return {"showlegend": are_shown} if several(instance) else {}
+
+
+def legend(instance: Instance, kind: str = "scatter") -> list[dict[str, Any]]:
+    """An entry for each of several chasers, which stays when phases are switched off."""
+    if not several(instance):
+        return []
+    nowhere = {axis: [None] for axis in ("xyz" if kind == "scatter3d" else "xy")}
+    return [
+        {
+            "type": kind, "mode": "lines", "name": in_chart(name), **nowhere,
+            "line": {"color": colour, "width": 3}, "showlegend": True, "hoverinfo": "skip",
+        }
+        for name, colour in chaser_colours(instance).items()
+    ]  # fmt: skip
+
+
+class Strand(NamedTuple):
+    """What is drawn as one trace: of one phase, and of one chaser where there are several."""
+
+    phase: str
+    tracks: list[Track]
+    colour: str
+    about: dict[str, Any]
+
+
+def strands(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Iterator[Strand]:
+    """The flown arcs as traces: coloured by phase, or by chaser where there are several."""
+    whose, colours = owners(instance, plan), chaser_colours(instance)
+    for chaser in [each.name for each in instance.chasers]:
+        for phase in PHASES:
+            found = [
+                track
+                for track in tracks
+                if track.phase == phase and whose.get(track.leg, chaser) == chaser
+            ]
+            if not found:
+                continue
+            about: dict[str, Any] = {
+                "name": LABELS[phase], "meta": {"phase": phase, "titled": True}
+            }  # fmt: skip
+            if several(instance):
+                about |= {"name": in_chart(chaser), "showlegend": False}
+            colour = colours[chaser] if several(instance) else COLOURS[phase]
+            yield Strand(phase, found, colour, about)
 
 
 def period(start_s: float, end_s: float) -> str:

@@ -9,22 +9,23 @@ import numpy as np
 from ...instance import Instance
 from ...kernels.constants import EARTH_RADIUS_M
 from ...plan import Plan
-from ...plot.axes import KM_M
+from ...plot.axes import KM_M, chaser_colours
 from ...plot.fields import raan_deg
-from ...plot.palette import COLOURS, REASONS, STATION, UNVISITED, VISITED
+from ...plot.palette import REASONS, STATION, UNVISITED, VISITED
+from ...routes import Flown, routes_of, several
 from ..text import in_chart
 from .parts import Figure, column
 
 
 def planes(instance: Instance, plan: Plan) -> Figure:
-    """RAAN across and inclination up, in degrees; the line follows the chaser."""
+    """RAAN across and inclination up, in degrees; a line follows each chaser."""
     raan = raan_deg(instance)
     inclination = np.array([orbit.inclination_deg for orbit in instance.body_orbits])
     index = {name: number for number, name in enumerate(instance.names)}
     legs = [(n, leg) for n, leg in enumerate(plan.legs, start=1) if leg.destination in index]
-    route = [instance.start, *(index[leg.destination] for _, leg in legs)]
     first, stations = instance.first_target, list(range(len(instance.stations)))
     visits = [(n, index[leg.destination]) for n, leg in legs if index[leg.destination] >= first]
+    colours = chaser_colours(instance)
     reasons = {entry.target: entry.reason for entry in plan.unvisited}
     seen = {body for _, body in visits}
     missed = [body for body in range(first, raan.size) if body not in seen]
@@ -37,18 +38,25 @@ def planes(instance: Instance, plan: Plan) -> Figure:
             **more,
         }  # fmt: skip
 
+    def line(flown: Flown) -> dict[str, Any]:
+        flies = [(n, index[leg.destination]) for n, leg in flown.legs if leg.destination in index]
+        route = [index[flown.chaser.start_name], *(body for _, body in flies)]
+        name = flown.chaser.name
+        return {
+            "type": "scatter", "mode": "lines",
+            "name": in_chart(name) if several(instance) else "chaser",
+            "x": column(raan[route], 4), "y": column(inclination[route], 4),
+            "customdata": [0, *(n for n, _ in flies)],
+            "line": {"color": colours[name], "width": 1}, "opacity": 0.6,
+            "hoverinfo": "skip",
+        }  # fmt: skip
+
     def body_text(body: int) -> str:
         altitude = (instance.body_orbits[body].semi_major_axis_m - EARTH_RADIUS_M) / KM_M
         return f"<b>{in_chart(instance.names[body])}</b>, {altitude:.1f} km"
 
     traces = [
-        {
-            "type": "scatter", "mode": "lines", "name": "chaser",
-            "x": column(raan[route], 4), "y": column(inclination[route], 4),
-            "customdata": [0, *(n for n, _ in legs)],
-            "line": {"color": COLOURS["phasing"], "width": 1}, "opacity": 0.6,
-            "hoverinfo": "skip",
-        },
+        *(line(flown) for flown in routes_of(instance, plan)),
         points(
             "not visited", missed,
             [
