@@ -45,23 +45,45 @@ class LabelPricing:
     Attributes
     ----------
     most_worth : float
-        Valid after a search: no route is worth more, less the multipliers.
+        After :meth:`search`: no route is worth more, less the multipliers.
     """
 
     def __init__(self, bound: WalkBound) -> None:
-        self._bound = bound
         self._routes = Routes(bound)
+        # Remembers all, and lets a label dominate another one whatever that remembers.
+        self._quick = Routes(bound)
+        self._quick.neighbourhood[:], self._quick.compared[:] = -1, 0
         self.most_worth = math.inf
 
     @property
     def labels_made(self) -> int:
         """Labels of all searches."""
-        return self._routes.labels_made
+        return self._routes.labels_made + self._quick.labels_made
 
     @property
     def searches(self) -> int:
         """How many there were."""
-        return self._routes.searches
+        return self._routes.searches + self._quick.searches
+
+    def quickly(
+        self,
+        multipliers: np.ndarray,
+        least: float,
+        most_labels: int,
+        enough: Callable[[], bool],
+        is_new: Callable[[tuple[int, ...]], bool],
+    ) -> list[tuple[int, ...]]:
+        """Some of the routes that :meth:`search` looks for, by few labels that prove nothing.
+
+        Of walks to a body only the best are gone on with, not one for each memory: what is found
+        are routes, and where none is found there may be some all the same.
+        """
+        routes = self._quick
+        routes.use(multipliers)
+        finished, _, _, _ = routes.search(routes.total + least, most_labels, enough)
+        if not finished:
+            return []
+        return [route for route in routes.plans(MOST_PLANS) if is_new(route)]
 
     def search(
         self,

@@ -47,6 +47,9 @@ CENTRED = 0.6
 ATTRACTIVE = 1e-4
 """A route of use is worth so much more than it costs, as a share of the largest prize."""
 
+MOST_GIVEN_UP = 4
+"""So many searches with the most labels that end without an answer end the proof."""
+
 ITERATIONS = 6
 """Of column generation in a round."""
 
@@ -102,7 +105,7 @@ class CampaignProof:
         self._columns = 0
         # Multipliers, the most that routes are worth less them, and the bound of both.
         self._priced: tuple[np.ndarray, np.ndarray, float] | None = None
-        self._finishing_labels = 0
+        self._finishing_labels = self._given_up = 0
         self.done = certificate.proven
 
     def begin(self) -> None:
@@ -141,7 +144,7 @@ class CampaignProof:
         self._mix()
         duals = self._master.solve()
         multipliers = self._centred * self._centre + (1.0 - self._centred) * duals.targets
-        if self._by_beams(duals, multipliers):
+        if self._by_beams(duals, multipliers) or self._by_few_labels(duals, multipliers, enough):
             return
         new, bound = self._by_labels(duals, multipliers, enough)
         if bound < self._least:
@@ -154,7 +157,9 @@ class CampaignProof:
         if new or self.done:
             self._centred = CENTRED
         elif not math.isfinite(bound):
-            self.done = self._labels == self._options.most_labels
+            # There may be more routes to mix by the next time.
+            self._given_up += self._labels == self._options.most_labels
+            self.done = self._given_up == MOST_GIVEN_UP
             self._labels = min(GROWTH * self._labels, self._options.most_labels)
         elif self._centred > 0.0:
             self._centred = 0.0 if self._centred < 0.1 else 0.5 * self._centred
@@ -213,6 +218,18 @@ class CampaignProof:
                     break
                 route = by_beam(kind.mission, multipliers, self._rng, self._stop)
                 found += self._keep(duals, number, route)
+        self._columns += found
+        return found > 0
+
+    def _by_few_labels(
+        self, duals: Duals, multipliers: np.ndarray, enough: Callable[[], bool]
+    ) -> bool:
+        """Whether labels that prove nothing find routes that the master would take."""
+        found = 0
+        for number, pricing in enumerate(self._pricing):
+            least = float(duals.kinds[number]) + ATTRACTIVE * self._largest
+            keep = partial(self._keep, duals, number)
+            found += len(pricing.quickly(multipliers, least, FIRST_LABELS, enough, keep))
         self._columns += found
         return found > 0
 
