@@ -105,7 +105,7 @@ def revolution_s(orbit: Orbit, dynamics: str) -> float:
     return 2.0 * math.pi / (perigee + anomaly)
 
 
-def _labels(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
+def labels_of(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
     """All ways worth having to have done a set of targets and be at a body, see _enumerate."""
     instance = mission.instance
     chaser, first = mission.chaser, instance.first_target
@@ -161,7 +161,7 @@ def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
     Prizes are −inf where no plan keeps to all rules.
     """
     instance, chaser = mission.instance, mission.chaser
-    where, what = _labels(mission)
+    where, what = labels_of(mission)
     best: tuple[float, float, int] = (-math.inf, -math.inf, -1)
     needed = sum(1 << n for n, target in enumerate(instance.targets) if target.required)
     for label, ((done, body, _), (time, _, spent)) in enumerate(zip(where, what, strict=True)):
@@ -196,7 +196,7 @@ def brute_force_campaign(campaign: Campaign) -> tuple[float, float]:
         )
         least: dict[int, float] = {}
         for label, ((done, body, _), (time, _, spent)) in enumerate(
-            zip(*_labels(mission), strict=True)
+            zip(*labels_of(mission), strict=True)
         ):
             if end in ("anywhere", instance.names[body]):
                 cost = spent if not by_time else (time if label else 0.0)

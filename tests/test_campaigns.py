@@ -7,12 +7,15 @@ from itertools import permutations
 
 import numpy as np
 import pytest
-from brute_force import brute_force_campaign
+from brute_force import brute_force_campaign, labels_of
 from random_rules import drifting_mission, mixed_campaign, random_campaign, random_mission
 from test_proofs_hold import RARE, resonant
 
 import adr_opt
 from adr_opt.campaign import Campaign
+from adr_opt.mission import Mission
+from solvers.relaxation.routes import Routes
+from solvers.relaxation.walks import WalkBound
 
 CAMPAIGNS = 100
 DRIFTING = 30
@@ -20,16 +23,17 @@ DRIFTING = 30
 every_part = pytest.mark.parametrize(
     ("draw", "seeds"),
     [
-        *(
-            pytest.param(random_mission, range(part, CAMPAIGNS, 4), id=f"two-body-{part}")
-            for part in range(4)
-        ),
-        *(
-            pytest.param(drifting_mission, range(part, DRIFTING, 2), id=f"j2-{part}")
-            for part in range(2)
-        ),
+        pytest.param(
+            draw, range(part, most, parts), id=f"{name}-{part}",
+            marks=[pytest.mark.slow] if part else [],
+        )
+        for name, draw, most, parts in (
+            ("two-body", random_mission, CAMPAIGNS, 4), ("j2", drifting_mission, DRIFTING, 3),
+        )
+        for part in range(parts)
     ],
-)
+)  # fmt: skip
+"""Random campaigns; a part of each kind in every run of the tests."""
 
 
 @every_part
@@ -101,6 +105,45 @@ def test_proofs_hold_on_knife_edges(seed):
         assert adr_opt.check(campaign.instance, result.plan) == ()
         assert result.status == "optimal"
         assert result.objective == pytest.approx(prizes)
+
+
+@pytest.mark.parametrize("draw", [random_mission, drifting_mission])
+def test_every_set_of_targets_that_is_worth_enough_is_listed(draw):
+    """What ends proofs has a route for each set that enumeration finds, and for no other."""
+    listed = several = 0
+    for seed in range(120):
+        mission = Mission(draw(seed))
+        rng = np.random.default_rng([7, seed])
+        multipliers = rng.uniform(0.0, 1.0, len(mission.names)) * mission.worths
+        first, end = mission.instance.first_target, mission.chaser.end
+        possible = {
+            int(done) for done, body, _ in labels_of(mission)[0]
+            if end == "anywhere" or end.station == mission.names[body]
+        }  # fmt: skip
+        worth = {
+            done: math.fsum(
+                mission.worths[j] - multipliers[j]
+                for j in range(first, len(mission.names)) if done >> (j - first) & 1
+            )
+            for done in possible - {0}
+        }  # fmt: skip
+        if not worth:
+            continue
+        least = float(rng.choice([-5.0, 0.0, 0.5, 1.0])) * mission.worths.max()
+        search = Routes(WalkBound(mission, 20.0), all_sets=True)
+        search.use(multipliers)
+        finished, _, _, _ = search.search(search.total + least, 10**6, lambda: False)
+        found = {
+            sum(1 << (j - first) for j in route if j >= first) for route in search.plans(10**6)
+        } - {0}
+        assert finished
+        off = 1e-6 * mission.worths.max()
+        assert found >= {done for done in worth if worth[done] > least + off}, seed
+        assert found <= {done for done in worth if worth[done] > least - 1e-3}, seed
+        listed += len(found)
+        several += any(one & other == one for one in found for other in found - {one})
+    assert listed > 100
+    assert several > 10
 
 
 @pytest.mark.parametrize("seed", range(1, 40, 3))
