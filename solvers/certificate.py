@@ -107,12 +107,8 @@ class CertificateOf(Generic[Found]):
 
     @property
     def _tolerance(self) -> float:
-        """What an incumbent may lack of the bound: a share of prizes, of which proofs are told.
-
-        What is required is worth more to a planner than all of them.
-        """
-        shown = self._mission.shown(self.bound)
-        return tolerance(shown if math.isfinite(shown) else self.bound)
+        """What an incumbent may lack of the bound."""
+        return tolerance(self.bound)
 
     @property
     def stated(self) -> float:

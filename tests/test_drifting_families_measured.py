@@ -59,8 +59,8 @@ def test_the_table_takes_their_plans_and_gives_them_back(
     options = ["--folder", str(tmp_path), "--method", "beam", "--bound", "none"]
     assert script.main([*options, "--time-limit", "10", "--family", "rocket-bodies"]) == 0
     row = script.read_table(tmp_path)[NAME]
-    assert row.objective == len(row.sequence) >= 5
-    assert min(row.sequence) >= 1
+    assert row.objective == len(row.routes[0]) >= 5
+    assert min(row.routes[0]) >= 1
     out = tmp_path / "plan.json"
     assert script.main([*options, "--plan", NAME, "--out", str(out)]) == 0
     plan = adr_opt.load_plan(out)

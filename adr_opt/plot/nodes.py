@@ -53,6 +53,7 @@ class Nodes:
         laps = np.floor((np.array([first, last]) - self.low_deg) / TURN_DEG)
         edges = self.low_deg + TURN_DEG * np.arange(laps.min() + 1, laps.max() + 1)
         cuts = np.sort(begin + (edges - first) / (last - first or 1.0) * (end - begin))
+        cuts = np.clip(cuts, begin, end)  # what is off by rounding alone is no other time
         ends = np.array([begin, *cuts, end])
         angles = np.interp(ends, [begin, end], [first, last]) if end > begin else np.full(2, first)
         pieces = []
