@@ -108,6 +108,8 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         self._fixed = instance
         self._name = observation
         targets = fields.most_targets if instance is None else len(instance.targets)
+        if instance is not None:
+            _ = instance.chaser  # an episode is that of one; several are refused
         if targets == 0:
             raise InputError("the instance has no targets; there is nothing to decide")
         self.observation_space = space(observation, targets)

@@ -20,7 +20,7 @@ from adr_opt.campaign import Campaign, Routes
 
 from ..relaxation.routes import Routes as Search
 from ..relaxation.walks import WalkBound
-from .pool import packing
+from .pool import dealt, packing
 
 MOST_ROUTES = 100_000
 """More are not packed."""
@@ -125,9 +125,5 @@ class Finish:
             return Answer.NONE, None
         if found.x is None:
             return Answer.UNKNOWN, None
-        taken: list[tuple[int, ...]] = [()] * len(campaign.missions)
-        free = [list(kind.chasers) for kind in campaign.kinds]
-        for at in np.flatnonzero(found.x > 0.5).tolist():
-            kind, route = routes[at]
-            taken[free[kind].pop(0)] = route
-        return Answer.FOUND, tuple(taken)
+        taken = [routes[at] for at in np.flatnonzero(found.x > 0.5).tolist()]
+        return Answer.FOUND, dealt(campaign, taken)

@@ -24,14 +24,11 @@ class Duals(NamedTuple):
         What is paid for one more of each target.
     kinds : (kinds,) float64
         And for one more chaser of each kind.
-    share : (columns,) float64
-        Of each column in the mixture.
     """
 
     value: float
     targets: np.ndarray
     kinds: np.ndarray
-    share: np.ndarray
 
 
 class Master:
@@ -43,7 +40,7 @@ class Master:
     """
 
     def __init__(self, campaign: Campaign) -> None:
-        self._bodies, kinds = len(campaign.names), len(campaign.kinds)
+        self._bodies = len(campaign.names)
         self._highs = highspy.Highs()
         self._highs.setOptionValue("output_flag", False)
         self._highs.setOptionValue("threads", 1)
@@ -54,8 +51,6 @@ class Master:
         for kind in campaign.kinds:
             most = float(len(kind.chasers))
             self._highs.addRow(-highspy.kHighsInf, most, 0, none.astype(np.int32), none)
-        self._kinds = kinds
-        self.columns = 0
 
     def add(self, columns: Sequence[Column]) -> None:
         """More routes to mix."""
@@ -64,7 +59,6 @@ class Master:
             self._highs.addCol(
                 column.worth, 0.0, highspy.kHighsInf, rows.size, rows, np.ones(rows.size)
             )
-        self.columns += len(columns)
 
     def solve(self) -> Duals:
         """The best mixture."""
@@ -75,5 +69,4 @@ class Master:
             float(self._highs.getInfo().objective_function_value),
             np.maximum(duals[: self._bodies], 0.0),
             np.maximum(duals[self._bodies :], 0.0),
-            np.array(solution.col_value),
         )

@@ -30,7 +30,7 @@ def targets_of(campaign: Campaign, routes: Iterable[Iterable[int]]) -> set[int]:
     return {j for route in routes for j in route if j >= first}
 
 
-def one_after_another(campaign: Campaign, route_of: RouteOf, order: Iterable[int]) -> Routes:
+def one_after_another(campaign: Campaign, route_of: RouteOf) -> Routes:
     """Routes made chaser after chaser, each over what those before have left.
 
     Parameters
@@ -38,13 +38,9 @@ def one_after_another(campaign: Campaign, route_of: RouteOf, order: Iterable[int
     campaign : Campaign
     route_of : callable
         From the mission of a chaser that offers what is left to its route.
-    order : iterable of int
-        All chasers.
     """
-    routes: list[tuple[int, ...]] = [()] * len(campaign.missions)
-    done: set[int] = set()
-    for chaser in order:
-        offered = campaign.missions[chaser].offering(left(campaign, done))
-        routes[chaser] = tuple(int(j) for j in route_of(offered))
-        done |= targets_of(campaign, [routes[chaser]])
+    routes: list[tuple[int, ...]] = []
+    for mission in campaign.missions:
+        offered = mission.offering(left(campaign, targets_of(campaign, routes)))
+        routes.append(tuple(int(j) for j in route_of(offered)))
     return tuple(routes)

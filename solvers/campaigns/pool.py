@@ -57,6 +57,15 @@ def packing(campaign: Campaign, columns: Sequence[tuple[int, frozenset[int]]]) -
     return LinearConstraint(matrix, -np.inf, most)
 
 
+def dealt(campaign: Campaign, flown: Iterable[tuple[int, tuple[int, ...]]]) -> Routes:
+    """Routes of kinds given to chasers of these kinds; nothing to the others."""
+    routes: list[tuple[int, ...]] = [()] * len(campaign.missions)
+    free = [list(kind.chasers) for kind in campaign.kinds]
+    for kind, route in flown:
+        routes[free[kind].pop(0)] = route
+    return tuple(routes)
+
+
 class Pool:
     """The cheapest route met for each set of targets and kind of chaser.
 
@@ -69,9 +78,6 @@ class Pool:
         self._campaign = campaign
         self._first = campaign.instance.first_target
         self._columns: dict[tuple[int, frozenset[int]], Column] = {}
-
-    def __len__(self) -> int:
-        return len(self._columns)
 
     def columns(self) -> list[Column]:
         """All of them, in the order in which their sets were met."""
@@ -127,12 +133,5 @@ class Pool:
         )
         if found.x is None:
             return None
-        return self.dealt([columns[at] for at in np.flatnonzero(found.x > 0.5).tolist()])
-
-    def dealt(self, columns: Iterable[Column]) -> Routes:
-        """Columns given to chasers of their kinds."""
-        routes: list[tuple[int, ...]] = [()] * len(self._campaign.missions)
-        free = [list(kind.chasers) for kind in self._campaign.kinds]
-        for column in columns:
-            routes[free[column.kind].pop(0)] = column.route
-        return tuple(routes)
+        taken = [columns[at] for at in np.flatnonzero(found.x > 0.5).tolist()]
+        return dealt(self._campaign, [(column.kind, column.route) for column in taken])

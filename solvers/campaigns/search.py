@@ -10,12 +10,12 @@ from adr_opt.campaign import Campaign, Routes
 from adr_opt.mission import Mission
 from adr_opt.stop import Stop
 
-from ..search.beams import beam_search, hurried, usual_settings
+from ..search.beams import BeamSettings, beam_search, hurried, usual_settings
 from ..search.greedy_order import guarded_sequence
 from ..search.varied_beams import varied
 from .incumbent import CampaignCertificate
 from .orders import left, one_after_another, targets_of
-from .pool import Column, Pool
+from .pool import Column, Pool, dealt
 
 FIRST_WIDTH = 200
 """Of the beams of the first plans."""
@@ -77,16 +77,13 @@ class RouteSearch:
 
     def begin(self, start: Routes | None = None) -> None:
         """The guarded greedy plan, one by beams, chaser after chaser, and one that is given."""
-        self._meet(one_after_another(self._campaign, guarded_sequence, self._chasers()))
-        self._meet(one_after_another(self._campaign, self._usual, self._chasers()))
+        self._meet(one_after_another(self._campaign, guarded_sequence))
+        self._meet(one_after_another(self._campaign, self._usual))
         if start is not None:
             self._meet(start)
         best = self._certificate.sequence
         if best is not None:
             self._meet(best)
-
-    def _chasers(self) -> range:
-        return range(len(self._campaign.missions))
 
     def _usual(self, mission: Mission) -> tuple[int, ...]:
         if self._stop.remaining_s() <= 0.0:
@@ -95,7 +92,7 @@ class RouteSearch:
         self.counters["beams"] += 1
         return self._beam(layer, usual_settings(layer, FIRST_WIDTH), 0)
 
-    def _beam(self, mission: Mission, settings, seed: int) -> tuple[int, ...]:
+    def _beam(self, mission: Mission, settings: BeamSettings, seed: int) -> tuple[int, ...]:
         found = beam_search(mission, settings, seed=seed, stop=self._stop)[0]
         return tuple(int(j) for j in found)
 
@@ -105,10 +102,8 @@ class RouteSearch:
             if route:
                 self._pool.add(self._kind_of[chaser], route)
         self._certificate.offer(routes)
-        self._routes, self._worth = (
-            routes,
-            self._campaign.collected(targets_of(self._campaign, routes)),
-        )
+        self._routes = routes
+        self._worth = self._campaign.collected(targets_of(self._campaign, routes))
 
     def move(self, width: int) -> None:
         """Give up the routes of some chasers, and fly anew over what the others leave."""
@@ -175,7 +170,8 @@ class RouteSearch:
         added = self._pool.add(self._kind_of[last], self._beam(layer, settings, seed))
         self.counters["completions"] += 1
         if added is not None:
-            self._certificate.offer(self._pool.dealt([*taken, added]))
+            flown = [(column.kind, column.route) for column in (*taken, added)]
+            self._certificate.offer(dealt(campaign, flown))
 
     def _less_multipliers(self, column: Column) -> float:
         return column.worth - math.fsum(self.multipliers[j] for j in column.targets)

@@ -61,8 +61,7 @@ def _plan(
 ) -> Result:
     start = time.perf_counter()
     if isinstance(problem, Campaign):
-        chasers = range(len(problem.missions))
-        routes = one_after_another(problem, lambda each: _order(name, each, options), chasers)
+        routes = one_after_another(problem, lambda each: _order(name, each, options))
     else:
         routes = (tuple(_order(name, problem, options).tolist()),)
     runtime = time.perf_counter() - start

@@ -97,19 +97,31 @@ class Convex(Protocol):
     prize: np.ndarray
 
     @property
-    def dimensions(self) -> int: ...  # noqa: D102
+    def dimensions(self) -> int:
+        """Number of multipliers."""
+        ...
 
     @property
-    def total(self) -> float: ...  # noqa: D102
+    def total(self) -> float:
+        """The sum of all prizes."""
+        ...
 
     @property
-    def radius(self) -> float: ...  # noqa: D102
+    def radius(self) -> float:
+        """How far from the best multipliers the next ones are looked for."""
+        ...
 
-    def first_point(self) -> np.ndarray: ...  # noqa: D102
+    def first_point(self) -> np.ndarray:
+        """Multipliers to begin with."""
+        ...
 
-    def allowed(self, point: np.ndarray) -> np.ndarray: ...  # noqa: D102
+    def allowed(self, point: np.ndarray) -> np.ndarray:
+        """The nearest multipliers at which the bound can be evaluated."""
+        ...
 
-    def at(self, point: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]: ...  # noqa: D102
+    def at(self, point: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        """The bound near a point, the multipliers for which it holds, and its slope there."""
+        ...
 
 
 class Descent:
