@@ -222,8 +222,7 @@ class Instance(Record):
             changes["mission"] = self.mission.replace(duration_s=duration_s)
         if delta_v_m_s is not None:
             changes["chasers"] = tuple(
-                chaser.replace(tank=chaser.tank.replace(delta_v_m_s=delta_v_m_s))
-                for chaser in self.chasers
+                chaser.replace(tank={"delta_v_m_s": delta_v_m_s}) for chaser in self.chasers
             )
         return self.replace(**changes)
 

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from .cargo import most_targets
 from .instance import Instance
 from .tolerance import RELATIVE, ROUNDING, common_step
 
@@ -81,7 +82,7 @@ class Prizes:
     @property
     def most_targets(self) -> int | None:
         """So many targets may be serviced; None for all of them."""
-        most = [chaser.max_targets for chaser in self.instance.chasers]
+        most = [most_targets(self.instance, chaser) for chaser in self.instance.chasers]
         return None if None in most else sum(filter(None, most))
 
     @property

@@ -114,7 +114,7 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
         burned[leg.chaser] = burned.get(leg.chaser, 0.0) + leg.flown_delta_v_m_s
     colours, rows = chaser_colours(instance), []
     for flown in routes_of(instance, plan):
-        name, tank = flown.chaser.name, flown.chaser.tank.delta_v_m_s
+        name, tank = flown.chaser.name, flown.aboard(instance)[0].left_m_s
         refuellings = flown.refuellings(instance)
         used = [
             fixed(sum(leg.delta_v_m_s for leg in of_tank), 1)

@@ -26,21 +26,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.timetable import earliest_taken
 from adr_opt.mission import Mission
 
 from . import simd
 from .buckets import SLACK, assign
 from .buckets import build as fill
+from .layers import layers_of
 from .network import Network, build
-
-NEVER = -(2**30)
-"""Value of what is not possible; far enough from −2³¹ that adding to it cannot wrap around."""
+from .sweeps import Values, begin, sweep_until, trace
 
 LARGEST = 2**29
 """No sum of values exceeds it in size, code included."""
@@ -53,135 +50,15 @@ ROOM_BYTES = 0.6e9
 """Memory that the values of all states may take."""
 
 
-class Values(NamedTuple):
-    """Values of all states.
+def affordable(buckets: int, budget: float, slot: float, arrays: int = 2) -> float:
+    """The slot asked for, widened until the values of all states fit into memory [m/s].
 
-    A value is packed with the next body of the walk, ``value << bits | next``, so that comparing
-    compares values and the better next body comes along. A walk that stops has itself as next.
-
-    Attributes
+    Parameters
     ----------
-    best : (slots before + buckets·width,) int32
-        Best walk of (bucket, ΔV slots left); ``width`` numbers before the first one keep reads in
-        bounds.
-    second : the same shape
-        Best walk with another next body: what a chaser that just left the best's next may take.
+    arrays : int
+        So many integers for each bucket and slot.
     """
-
-    best: np.ndarray
-    second: np.ndarray
-
-
-@kernel
-def _sweep_buckets(buckets, best, second, code, toll, bits, width, top, i, high, low):
-    """Values of the buckets ``low`` to ``high`` − 1 (counted within body i), backwards."""
-    mask = (1 << bits) - 1
-    keep_value = simd.spread(~mask)
-    keep_next = simd.spread(mask)
-    never = simd.spread(NEVER)
-    # From a station nothing is forbidden; no code has all bits set.
-    came_from = simd.spread(mask if buckets.is_station[i] else i)
-    base = buckets.start[i]
-    priced = toll.size > 0
-    for bucket in range(base + high - 1, base + low - 1, -1):
-        begin, end = buckets.first[bucket], buckets.first[bucket + 1]
-        for c in range(0, width, simd.LANES):
-            # to wait
-            found = simd.load(best, (bucket + 2) * width + c)
-            other = simd.load(second, (bucket + 2) * width + c)
-            left = simd.plus(simd.count_up(), simd.spread(c))
-            for leg in range(begin, end):
-                cost = buckets.cost[leg]
-                if c + simd.LANES <= cost:
-                    continue
-                j = buckets.destination[leg]
-                landing = (buckets.landing[leg] + 1) * width
-                if buckets.is_station[j]:
-                    full = best[landing + top]
-                    if full & mask == i:
-                        full = second[landing + top]
-                    value = simd.both(simd.spread(full), keep_value)
-                else:
-                    value = simd.load(best, landing + c - cost)
-                    instead = simd.load(second, landing + c - cost)
-                    value = simd.where_equal(simd.both(value, keep_next), came_from, instead, value)
-                    value = simd.both(value, keep_value)
-                gain = code[j]
-                if priced:
-                    gain -= toll[leg] << bits
-                value = simd.plus(value, simd.spread(gain))
-                value = simd.where_less(left, simd.spread(cost), never, value)
-                loser = simd.smaller(found, value)
-                found = simd.larger(found, value)
-                loser = simd.where_same(found, loser, keep_next, never)
-                other = simd.larger(other, loser)
-            simd.store(best, (bucket + 1) * width + c, found)
-            simd.store(second, (bucket + 1) * width + c, other)
-
-
-@kernel
-def _begin(buckets, best, second, width, begun):
-    """In closing buckets a walk can only stop, where it may; what lies before all is NEVER."""
-    best[:width] = NEVER
-    second[:width] = NEVER
-    for i in range(buckets.start.size - 1):
-        closing = buckets.start[i + 1] * width
-        best[closing : closing + width] = i if buckets.may_end[i] else NEVER
-        second[closing : closing + width] = NEVER
-        begun[i] = buckets.start[i + 1] - 1 - buckets.start[i]
-
-
-@kernel
-def _sweep_until(
-    buckets, best, second, code, toll, bits, width, top, begun, begin, step, time
-):  # fmt: skip
-    """Values of all buckets that open at a time or after, of every step-th body from ``begin``."""
-    earliest = earliest_taken(time)
-    for i in range(begin, buckets.start.size - 1, step):
-        high = begun[i]
-        low = high
-        while low > 0 and buckets.opens[buckets.start[i] + low - 1] >= earliest:
-            low -= 1
-        _sweep_buckets(buckets, best, second, code, toll, bits, width, top, i, high, low)
-        begun[i] = low
-
-
-@kernel
-def _trace(buckets, best, second, code, toll, bits, width, top, bucket, body, left, walk):
-    """Follow the best walk from a state; returns its length."""
-    mask = (1 << bits) - 1
-    came_from = mask
-    length = 0
-    while True:
-        packed = best[(bucket + 1) * width + left]
-        if packed & mask == came_from:
-            packed = second[(bucket + 1) * width + left]
-        j = packed & mask
-        if j == body:
-            return length
-        # The first leg that yields this value: waiting for it costs nothing.
-        onward, leg = -1, buckets.first[bucket]
-        while onward < 0:
-            if buckets.destination[leg] == j and buckets.cost[leg] <= left:
-                rest = top if buckets.is_station[j] else left - buckets.cost[leg]
-                landing = buckets.landing[leg]
-                ahead = best[(landing + 1) * width + rest]
-                if not buckets.is_station[body] and ahead & mask == body:
-                    ahead = second[(landing + 1) * width + rest]
-                paid = toll[leg] if toll.size > 0 else 0
-                if (ahead >> bits) + (code[j] >> bits) - paid == packed >> bits:
-                    onward = landing
-            leg += 1
-        walk[length] = j
-        length += 1
-        left = rest
-        came_from = mask if buckets.is_station[body] else body
-        bucket, body = onward, j
-
-
-def affordable(buckets: int, budget: float, slot: float) -> float:
-    """The slot asked for, widened until the values of all states fit into memory [m/s]."""
-    while slot < budget and 8.0 * buckets * (budget / slot + simd.LANES) > ROOM_BYTES:
+    while slot < budget and 4.0 * arrays * buckets * (budget / slot + simd.LANES) > ROOM_BYTES:
         slot *= 2.0
     return slot
 
@@ -217,6 +94,10 @@ class WalkBound:
     values : Values
     slot : float
         Slot in use [m/s].
+    loads : Loads or None
+        As of the rules of the mission.
+    layers : Layers or None
+        As walks have them.
     most_legs : int
         No walk has more.
     unit : float
@@ -250,15 +131,23 @@ class WalkBound:
         bodies = self.prize.size
         self.network = network or build(mission, jobs=jobs)
         assignment = assign(self.network, bucket_share)
-        self.slot = affordable(int(assignment.start[-1]), rules.budget, delta_v_slot_m_s)
+        self.loads = rules.loads
+        layers = 1 if self.loads is None else self.loads.full.size
+        arrays = 2 if self.loads is None else 4 * layers
+        self.slot = affordable(int(assignment.start[-1]), rules.budget, delta_v_slot_m_s, arrays)
         self.top = math.floor(rules.budget / self.slot + SLACK)
         self.width = (self.top // simd.LANES + 1) * simd.LANES
         self._jobs = jobs
         self.buckets = fill(
             self.network, assignment, rules.budget, self.slot, parts=parts, jobs=jobs
         )
-        size = (int(self.buckets.start[-1]) + 1) * self.width
-        self.values = Values(np.empty(size, dtype=np.int32), np.empty(size, dtype=np.int32))
+        self.layers = layers_of(self.loads, self.slot, self.top, self.width)
+        size = layers, (int(self.buckets.start[-1]) + 1) * self.width
+        best, second = np.empty(size, dtype=np.int32), np.empty(size, dtype=np.int32)
+        landed = best, second
+        if self.layers is not None:
+            landed = np.empty_like(best), np.empty_like(second)
+        self.values = Values(best, second, *landed)
         # Buckets of one stage do not land in it, so their bodies are independent.
         self._stage = earliest_taken(self.buckets.shortest) * (1.0 - 1e-9)
         self._stages = int(rules.duration / self._stage) + 1 if self._stage > 0.0 else 1
@@ -374,14 +263,17 @@ class WalkBound:
 
         None if there is no walk: the mission cannot end where it must.
         """
-        buckets, (best, second) = self.buckets, self.values
-        _begin(buckets, best, second, self.width, self._begun)
-        common = (buckets, best, second, code, self.toll, self.bits, self.width, self.top)
-        self._sweep(_sweep_until, *common, self._begun)
-        value = int(best[(buckets.root + 1) * self.width + self.top]) >> self.bits
+        buckets, values, layers = self.buckets, self.values, self.layers
+        begin(buckets, values, layers, self.width, self._begun)
+        common = (buckets, values, layers, code, self.toll, self.bits, self.width, self.top)
+        self._sweep(sweep_until, *common, self._begun)
+        tops = np.array([self.top]) if layers is None else layers.tops
+        roots = values.best[np.arange(tops.size), (buckets.root + 1) * self.width + tops]
+        kits = int(np.argmax(roots >> self.bits))
+        value = int(roots[kits]) >> self.bits
         if value < -LARGEST >> self.bits:
             self.walk = self._walk[:0]
             return None
-        length = _trace(*common, buckets.root, self.start, self.top, self._walk)
+        length = trace(*common, buckets.root, self.start, kits, int(tops[kits]), self._walk)
         self.walk = self._walk[:length].copy()
         return value
