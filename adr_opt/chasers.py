@@ -17,7 +17,6 @@ from .records import (
     Record,
     Window,
     check_window,
-    not_yet,
 )
 
 TANK_BY_MASS = {"dry_mass_kg", "propellant_kg", "isp_s"}
@@ -46,13 +45,14 @@ def _kind(value: Any) -> str | None:
 
 
 Start = Annotated[
-    Annotated[AtStation, Tag("(station)")] | Annotated[InOrbit, Tag("(orbit)")],
+    Annotated[Literal["anywhere"], Tag("(word)")]
+    | Annotated[AtStation, Tag("(station)")]
+    | Annotated[InOrbit, Tag("(orbit)")],
     Discriminator(
         _kind,
         custom_error_type="start",
-        custom_error_message='must be {"station": NAME} or {"orbit": ORBIT}',
+        custom_error_message='must be {"station": NAME}, {"orbit": ORBIT} or "anywhere"',
     ),
-    not_yet(lambda place: place == "anywhere", 'write {"station": NAME} or {"orbit": ORBIT}'),
 ]
 
 End = Annotated[
@@ -153,8 +153,16 @@ class Chaser(Record):
 
     @property
     def start_name(self) -> str:
-        """Name of the body where it starts: a station, or its own for an orbit of its own."""
+        """Name of the body where it starts: a station, or its own for an orbit of its own.
+
+        And its own for a chaser that is launched onto its first target, and is nowhere before.
+        """
         return self.start.station if isinstance(self.start, AtStation) else self.name
+
+    @property
+    def is_launched(self) -> bool:
+        """Whether it is launched onto its first target."""
+        return self.start == "anywhere"
 
 
 def free_name(taken: Collection[str]) -> str:

@@ -51,12 +51,13 @@ class Leg(Record):
     ``eccentricity_delta_v_m_s`` is the part of ``delta_v_m_s`` that matches eccentricity vectors;
     it has no burn, because the burns fly between circles (MODEL section 1). ``kind`` is that of the
     transfer: ``short`` is the co-elliptic sequence, ``drift`` waits on an orbit whose node moves
-    otherwise; its ``delta_v_m_s`` is that of the closed form, near the sum of its burns.
+    otherwise; its ``delta_v_m_s`` is that of the closed form, near the sum of its burns; ``launch``
+    puts a chaser that starts anywhere onto its first target, at once and for nothing.
     ``mass_kg``, that of the chaser at ``end_s`` with propellant and kits, is there for tanks by
     mass only.
     """
 
-    kind: Literal["short", "drift"] = "short"
+    kind: Literal["short", "drift", "launch"] = "short"
     origin: Name
     destination: Name
     ready_s: Time
@@ -76,6 +77,16 @@ class Leg(Record):
         if self.mass_kg is None:
             del content["mass_kg"]
         return content
+
+    @property
+    def leaves_s(self) -> float:
+        """When the chaser leaves its origin: at the first burn, where there is one [s]."""
+        return self.burns[0].time_s if self.burns else self.departure_s
+
+    @property
+    def docked_s(self) -> float:
+        """When it has docked: at the last burn, where there is one [s]."""
+        return self.burns[-1].time_s if self.burns else self.arrival_s
 
     @property
     def burns_delta_v_m_s(self) -> float:

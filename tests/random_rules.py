@@ -243,7 +243,7 @@ def _chaser(
 
 
 def carrying(instance: Instance, seed: int) -> Instance:
-    """The same with kits to leave at some targets or all, and tanks by mass or not."""
+    """The same with kits to leave at some targets or all, tanks by mass or not, and launches."""
     rng = np.random.default_rng([8, seed])
     share = float(rng.choice([0.5, 1.0]))
     targets = tuple(
@@ -263,6 +263,8 @@ def carrying(instance: Instance, seed: int) -> Instance:
                 "propellant_kg": dry * float(ratio * rng.uniform(0.9, 1.5)),
             }  # fmt: skip
             changes["kit_mass_kg"] = dry * float(rng.choice([0.0, 0.05, 0.2, 0.5]))
+        if rng.random() < 0.25:
+            changes["start"] = "anywhere"
         chasers.append(chaser.replace(**changes))
     if len(chasers) > 1 and rng.random() < 0.4:
         chasers[1] = chasers[0].replace(name=chasers[1].name)

@@ -57,7 +57,7 @@ def _timeline(
             span(leg.departure_s - leg.ready_s),
             f"{leg.delta_v_m_s:.1f}",
             f"{leg.delta_v_left_m_s:.1f}",
-            "drift" if leg.kind == "drift" else str(leg.phasing_revolutions),
+            str(leg.phasing_revolutions) if leg.kind == "short" else leg.kind,
             clock(leg.arrival_s),
         )
         destination = f"{leg.destination} (refuels)" if refuels else leg.destination

@@ -49,6 +49,8 @@ def fly(instance: Instance, plan: Plan) -> Flight:
     for number, leg in enumerate(plan.legs, start=1):
         ends = [orbits[leg.origin], orbits[leg.destination]]
         eccentric = None
+        if leg.kind == "launch":
+            ends = []
         if instance.dynamics == "two-body" and any(orbit.eccentricity > 0.0 for orbit in ends):
             origin, destination = (motion.true_at_epoch(orbit) for orbit in ends)
             eccentric = fly_eccentric(
@@ -116,6 +118,12 @@ def _fly_leg(
     leg: Leg,
     eccentric: EccentricFlight | None,
 ) -> LegFlight:
+    if leg.kind == "launch":
+        return LegFlight(
+            leg=number, origin=leg.origin, destination=leg.destination, kind=leg.kind,
+            planned_delta_v_m_s=0.0, burns_delta_v_m_s=0.0, miss_m=0.0, relative_speed_m_s=0.0,
+            arrival_miss_m=0.0, eccentric=None,
+        )  # fmt: skip
     target = orbits[leg.destination]
     standoff = None
     try:

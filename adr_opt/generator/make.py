@@ -93,7 +93,12 @@ def generate(
         dynamics="j2" if kind.drifts else "two-body",
         stations=there,
         targets=tuple(
-            Target(name=f"debris-{number:0{width}d}", prize=1.0, orbit=kind.draw_target(uniform))
+            Target(
+                name=f"debris-{number:0{width}d}",
+                prize=1.0,
+                orbit=kind.draw_target(uniform),
+                removal=kind.removal,
+            )
             for number in range(1, count + 1)
         ),
         chasers=chasers_of(kind, seed, chasers or kind.chasers, start, there),

@@ -52,7 +52,7 @@ class Network(NamedTuple):
     root : int
         Row at which the mission begins.
     shortest : float
-        Least time from departure to the end of service of any leg [s].
+        Least time from departure to the end of service of any leg but launches [s].
     """
 
     start: np.ndarray
@@ -144,7 +144,12 @@ def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
 
 @inlined
 def _reachable(i, j, rules):
-    """Nobody goes to where he is, back to an orbit that is no body's, or to refuel unearned."""
+    """Nobody goes to where he is, back to an orbit that is no body's, or to refuel unearned.
+
+    Nor does he leave from where others start.
+    """
+    if i < rules.first_target and not rules.is_station[i] and i != rules.start:
+        return False
     if rules.is_station[j]:
         return i >= rules.first_target and i != j
     return j != i and j >= rules.first_target
@@ -273,10 +278,14 @@ def build(mission: Mission, *, jobs: int) -> Network:
     """
     inputs, rules = mission.transfer_inputs, mission.rules
     bodies = rules.service.size
+    launched = rules.start in mission.instance.launches
     with ThreadPoolExecutor(jobs) as pool:
         found = list(
             pool.map(lambda i: _from_body(i, *inputs, _listed(mission, i), rules), range(bodies))
         )
+        if launched:
+            # It takes no time, so it stands before all that it leads to.
+            found[rules.start].departure[:] = min(0.0, rules.ready) - 1.0
         start = np.zeros(bodies + 1, dtype=np.int64)
         start[1:] = np.cumsum([outgoing.departure.size + 1 for outgoing in found])
         departure = np.full(int(start[-1]), math.inf)
@@ -299,8 +308,10 @@ def build(mission: Mission, *, jobs: int) -> Network:
             )
 
         list(pool.map(land, range(bodies)))
-    shortest = min(rules.duration, *(outgoing.shortest for outgoing in found))
+    flown = [each.shortest for i, each in enumerate(found) if not (launched and i == rules.start)]
+    shortest = min(rules.duration, *flown)
     ahead = found[rules.start].departure
+    ready = -math.inf if launched else earliest_taken(rules.ready)
     return Network(
         start,
         departure,
@@ -312,7 +323,7 @@ def build(mission: Mission, *, jobs: int) -> Network:
         fresh,
         rules.is_station,
         rules.may_end,
-        int(start[rules.start] + np.searchsorted(ahead, earliest_taken(rules.ready))),
+        int(start[rules.start] + np.searchsorted(ahead, ready)),
         shortest,
     )
 

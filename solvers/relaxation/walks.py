@@ -152,7 +152,7 @@ class WalkBound:
         self._stage = earliest_taken(self.buckets.shortest) * (1.0 - 1e-9)
         self._stages = int(rules.duration / self._stage) + 1 if self._stage > 0.0 else 1
         self.bits = int(bodies).bit_length()
-        self.most_legs = self._stages + 1
+        self.most_legs = self._stages + 2
         self.budget = rules.budget
         self.greatest_prize = float(self.prize.max(initial=0.0)) or 1.0
         room = LARGEST / (1 << self.bits) / self.most_legs / self.greatest_prize
@@ -199,10 +199,11 @@ class WalkBound:
 
     def _sweep(self, sweep_until: Callable[..., None], *common: object) -> None:
         """Go backwards in time stage by stage, the bodies shared among the threads."""
-        for number in range(self._stages - 1, -1, -1):
+        for number in range(self._stages - 1, -2, -1):
             if self._over():
                 raise TimeIsOver
-            time = number * self._stage
+            # Launches stand before the beginning.
+            time = number * self._stage if number >= 0 else -math.inf
             if self._pool is None:
                 sweep_until(*common, 0, 1, time)
                 continue

@@ -241,9 +241,11 @@ def _ways_to_fly(
     ready, left, spent : (ways,) float64
         [s], [m/s], [m/s].
     """
-    ways = []
-    for kits, front in mission.schedules.ways(prefix):
-        aboard = np.full(front.ready.size, kits, dtype=np.int64)
-        ways.append((aboard, front.ready, front.left, front.cost))
-    kits, ready, left, spent = (np.concatenate(column) for column in zip(*ways, strict=True))
-    return kits, ready, left, spent
+    ways = list(mission.schedules.ways(prefix))
+    fronts = [front for _, front in ways]
+    return (
+        np.concatenate([np.full(front.ready.size, kits, dtype=np.int64) for kits, front in ways]),
+        np.concatenate([front.ready for front in fronts]),
+        np.concatenate([front.left for front in fronts]),
+        np.concatenate([front.cost for front in fronts]),
+    )

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.loads import most_kits
 from adr_opt.kernels.memory import borrowed, write
 from adr_opt.mission import Mission
 
@@ -52,7 +53,7 @@ def greedy_sequence(
     moves = np.array(tuple(beginning), dtype=np.int64)
     rules = mission.rules
     # What is taken along weighs: with every number of kits it is another mission.
-    most = rule_kernels.most_kits(rules.loads)
+    most = most_kits(rules.loads)
     heavy = rules.loads is not None and rules.loads.heavy
     found: list[npt.NDArray[np.int64]] = [
         _greedy(rules, mission.is_required, moves, alpha, beta, guarded, kits)
