@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from .cargo import loads_of
@@ -82,6 +83,24 @@ class Campaign(Prizes):
             alike.setdefault(can, []).append(number)
         self.kinds = tuple(
             Kind(self.missions[numbers[0]], tuple(numbers)) for numbers in alike.values()
+        )
+
+    @cached_property
+    def networks(self) -> tuple[tuple[int, ...], ...]:
+        """Numbers of kinds that move on one network, the earliest first.
+
+        They differ in nothing but where they start, and since when.
+        """
+        alike: dict[Any, list[int]] = {}
+        for number, kind in enumerate(self.kinds):
+            chaser = kind.mission.chaser
+            can = chaser.replace(
+                name=self.instance.chasers[0].name, start="anywhere", available_s=(0.0, None)
+            )
+            alike.setdefault((can, chaser.available_s[1]), []).append(number)
+        return tuple(
+            tuple(sorted(numbers, key=lambda n: self.kinds[n].mission.chaser.available_s[0]))
+            for numbers in alike.values()
         )
 
     @property

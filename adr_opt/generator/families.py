@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 from ..chasers import Chaser
 from ..errors import InputError
@@ -42,6 +43,8 @@ class Family:
         From a number, counted from 0, to the chaser, where they are not alike.
     removal : {"visit", "kit"}
         Of all targets.
+    mass_kg : callable, optional
+        From the orbit of a target to its mass; its prize is that in tonnes then.
     """
 
     name: str
@@ -57,7 +60,8 @@ class Family:
     service_s: float | None = None
     chasers: int = 1
     draw_chaser: Callable[[int], Chaser] | None = None
-    removal: str = "visit"
+    removal: Literal["visit", "kit"] = "visit"
+    mass_kg: Callable[[Orbit], float] | None = None
 
 
 FAMILIES = {
@@ -92,7 +96,7 @@ FAMILIES = {
             (removal.TARGETS, removal.TARGETS), removal.DURATION_S,
             removal.TANK.delta_v_m_s, None, removal.draw_target, purpose=5, drifts=True,
             service_s=10.0 * DAY_S, chasers=removal.CHASERS, draw_chaser=removal.chaser,
-            removal="kit",
+            removal="kit", mass_kg=removal.mass_kg,
         ),
     )
 }  # fmt: skip

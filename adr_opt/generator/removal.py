@@ -25,6 +25,9 @@ LIGHTER_ALTITUDE_KM = (930.0, 990.0)
 LIGHTER_INCLINATION_DEG = (82.9, 83.0)
 LIGHTER_ECCENTRICITY = (0.0, 0.004)
 
+HEAVY_KG, LIGHT_KG = 9000.0, 1400.0
+"""Masses of the two kinds; what a target is worth is its mass in tonnes."""
+
 TANK = TankByMass(dry_mass_kg=500.0, propellant_kg=450.0, isp_s=300.0)
 KITS, KIT_MASS_KG = 8, 40.0
 
@@ -36,6 +39,11 @@ def draw_target(uniform: Uniform) -> Orbit:
     return draw_ellipse(
         uniform, LIGHTER_ALTITUDE_KM, LIGHTER_INCLINATION_DEG, LIGHTER_ECCENTRICITY, RAAN_DEG
     )
+
+
+def mass_kg(orbit: Orbit) -> float:
+    """Mass of the target on an orbit."""
+    return LIGHT_KG if orbit.inclination_deg > 77.0 else HEAVY_KG
 
 
 def chaser(number: int) -> Chaser:

@@ -336,9 +336,9 @@ def set_up_s(mission: Problem) -> float:
 def _entries(problem: Problem) -> float:
     """Timetable entries; where connections are listed, and counted, as many as have so many.
 
-    Of each kind of chasers: each has a network of its own.
+    Of each kind of chasers that has a network of its own.
     """
-    kinds = len(problem.kinds) if isinstance(problem, Campaign) else 1
+    kinds = len(problem.networks) if isinstance(problem, Campaign) else 1
     entries, connecting = problem.missions[0].timetable.entries, problem.connecting
     if not connecting.drifts:
         return kinds * entries

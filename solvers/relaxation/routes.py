@@ -49,6 +49,8 @@ class Routes:
     ----------
     bound : WalkBound
         Its network and values are used, and its values overwritten.
+    start : int
+        Number of the mission of the bound whose walks are looked for.
     all_sets : bool
         Tell labels of different sets of targets apart, so that of every set one is found that can
         be visited for what is asked: walks remember all, and none dominates another one but of the
@@ -66,8 +68,8 @@ class Routes:
     labels_made, searches : int
     """
 
-    def __init__(self, bound: WalkBound, *, all_sets: bool = False) -> None:
-        self._bound = bound
+    def __init__(self, bound: WalkBound, *, start: int = 0, all_sets: bool = False) -> None:
+        self._bound, self._start = bound, start
         self.greatest_prize = bound.greatest_prize
         network = bound.network
         bodies = bound.prize.size
@@ -96,10 +98,12 @@ class Routes:
         bound = self._bound
         # What is left of rounding to units would count for every target that is left out.
         kept = np.where((multipliers < bound.unit) | ~bound.is_target, 0.0, multipliers)
-        value, _ = bound.evaluate(kept, keep=True)
+        if not bound.holds(kept):
+            bound.evaluate(kept, keep=True)
+        value, _ = bound.best_from(self._start)
         self._gain = np.ceil((bound.prize - kept) / self._unit).astype(np.int64)
         self.total = float(kept.sum())
-        return value
+        return value + self.total
 
     def pay(self, values: Table, prices: np.ndarray, reach: WalkBound, least_worth: float) -> None:
         """Let walks pay for ΔV from now on: without multipliers.
@@ -125,7 +129,7 @@ class Routes:
     def _begin(self) -> None:
         """The labels at the start: one for each number of kits that may be taken along."""
         bound, labels, roots = self._bound, self._labels, slice(self._roots)
-        labels.row[roots], labels.parent[roots] = bound.network.root, -1
+        labels.row[roots], labels.parent[roots] = bound.network.roots[self._start], -1
         labels.value[roots], labels.memory[roots] = 0, 0
         labels.left[roots] = bound.budget if bound.loads is None else bound.loads.full
         labels.kits[roots] = np.arange(self._roots)
@@ -147,7 +151,7 @@ class Routes:
         waiting = room(bound.prize.size, words, FIRST_WAITING)
         pending = pending_room(self._body.size, words, FIRST_BLOCKS)
         for label in range(self._roots):
-            send(pending, bound.network.root, self._labels, label)
+            send(pending, bound.network.roots[self._start], self._labels, label)
 
         def extend_labels(labels: Labels, cursor: np.ndarray) -> int:
             nonlocal waiting, pending

@@ -24,8 +24,9 @@ What is exact and what is relaxed:
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 
@@ -82,9 +83,11 @@ class WalkBound:
     over : callable
         Asked now and then whether the time is over.
     network : Network, optional
-        That of the mission, where it is known.
+        That of the missions, where it is known.
     parts : int
         Steps of ΔV in a slot that legs are told apart by, for walks that pay for it.
+    others : sequence of Mission
+        That move on the same network, see :func:`.network.build`.
 
     Attributes
     ----------
@@ -121,15 +124,16 @@ class WalkBound:
         over: Callable[[], bool] = lambda: False,
         network: Network | None = None,
         parts: int = 1,
+        others: Sequence[Mission] = (),
     ) -> None:
         rules = mission.rules
         self._over = over
         self.prize = np.array(rules.prize)
         self.is_target = np.arange(self.prize.size) >= rules.first_target
-        self.start = rules.start
+        self._starts = [each.rules.start for each in (mission, *others)]
         self.most_targets = rules.most_targets
         bodies = self.prize.size
-        self.network = network or build(mission, jobs=jobs)
+        self.network = network or build(mission, others=others, jobs=jobs)
         assignment = assign(self.network, bucket_share)
         self.loads = rules.loads
         layers = 1 if self.loads is None else self.loads.full.size
@@ -161,6 +165,8 @@ class WalkBound:
         self.toll = np.empty(0, dtype=np.int32)
         self.price, self.worths = 0.0, self.prize
         self._begun = np.empty(bodies, dtype=np.int64)
+        self._common: tuple[Any, ...] = ()
+        self._kept: np.ndarray | None = None
         self._walk = np.empty(self.most_legs + 1, dtype=np.int64)
         self.walk = self._walk[:0]
         self._pool = ThreadPoolExecutor(jobs) if jobs > 1 else None
@@ -254,27 +260,35 @@ class WalkBound:
         gain[~self.is_target], rounded[~self.is_target] = 0.0, 0.0
         code = (gain.astype(np.int64) << self.bits) + np.arange(gain.size)
         code = code.astype(np.int32)
-        value = self._longest(code)
-        if value is None:
-            return -math.inf, rounded
-        return value * self.unit + float(rounded.sum()), rounded
+        self._kept = None
+        self._sweep_all(code)
+        self._kept = rounded if keep else None
+        value, self.walk = self.best_from(0)
+        return value + float(rounded.sum()), rounded
 
-    def _longest(self, code: np.ndarray) -> int | None:
-        """Value of the best walk in units; ``code`` holds what each service is worth, packed.
+    def _sweep_all(self, code: np.ndarray) -> None:
+        """The values of all states; ``code`` holds what each service is worth, packed."""
+        self._common = (
+            self.buckets, self.values, self.layers, code, self.toll, self.bits, self.width,
+            self.top,
+        )  # fmt: skip
+        begin(self.buckets, self.values, self.layers, self.width, self._begun)
+        self._sweep(sweep_until, *self._common, self._begun)
 
-        None if there is no walk: the mission cannot end where it must.
+    def holds(self, multipliers: np.ndarray) -> bool:
+        """Whether the last evaluation was that of these multipliers, as they are."""
+        return self._kept is not None and np.array_equal(self._kept, multipliers)
+
+    def best_from(self, number: int) -> tuple[float, np.ndarray]:
+        """Value and bodies of the best walk of a mission, by its number, in the last evaluation.
+
+        −inf if there is no walk: the mission cannot end where it must.
         """
-        buckets, values, layers = self.buckets, self.values, self.layers
-        begin(buckets, values, layers, self.width, self._begun)
-        common = (buckets, values, layers, code, self.toll, self.bits, self.width, self.top)
-        self._sweep(sweep_until, *common, self._begun)
-        tops = np.array([self.top]) if layers is None else layers.tops
-        roots = values.best[np.arange(tops.size), (buckets.root + 1) * self.width + tops]
-        kits = int(np.argmax(roots >> self.bits))
-        value = int(roots[kits]) >> self.bits
-        if value < -LARGEST >> self.bits:
-            self.walk = self._walk[:0]
-            return None
-        length = trace(*common, buckets.root, self.start, kits, int(tops[kits]), self._walk)
-        self.walk = self._walk[:length].copy()
-        return value
+        tops = np.array([self.top]) if self.layers is None else self.layers.tops
+        root, start = int(self.buckets.roots[number]), self._starts[number]
+        found = self.values.best[np.arange(tops.size), (root + 1) * self.width + tops] >> self.bits
+        kits = int(np.argmax(found))
+        if found[kits] < -LARGEST >> self.bits:
+            return -math.inf, self._walk[:0]
+        length = trace(*self._common, root, start, kits, int(tops[kits]), self._walk)
+        return float(found[kits]) * self.unit, self._walk[:length].copy()
