@@ -95,6 +95,16 @@ class Prizes:
         """The same of what targets are worth to a planner."""
         return self._largest(self.worths.tolist())
 
+    @property
+    def all_prize(self) -> float:
+        """Sum of all prizes."""
+        return math.fsum(target.prize for target in self.instance.targets)
+
+    @property
+    def all_worth(self) -> float:
+        """Sum of what all targets are worth to a planner."""
+        return math.fsum(self.worths)
+
     def _largest(self, prizes: list[float]) -> float:
         return math.fsum(sorted(prizes, reverse=True)[: self.most_targets])
 

@@ -44,7 +44,7 @@ class Family:
     removal : {"visit", "kit"}
         Of all targets.
     mass_kg : callable, optional
-        From the orbit of a target to its mass; its prize is that in tonnes then.
+        From the orbit of a target to its mass [kg].
     """
 
     name: str

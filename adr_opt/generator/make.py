@@ -106,8 +106,7 @@ def generate(
 
 def _target(kind: Family, name: str, orbit: Orbit) -> Target:
     mass_kg = None if kind.mass_kg is None else kind.mass_kg(orbit)
-    prize = 1.0 if mass_kg is None else mass_kg / 1000.0
-    return Target(name=name, orbit=orbit, prize=prize, mass_kg=mass_kg, removal=kind.removal)
+    return Target(name=name, orbit=orbit, prize=1.0, mass_kg=mass_kg, removal=kind.removal)
 
 
 def _mission(kind: Family) -> MissionSettings:

@@ -26,9 +26,9 @@ LIGHTER_INCLINATION_DEG = (82.9, 83.0)
 LIGHTER_ECCENTRICITY = (0.0, 0.004)
 
 HEAVY_KG, LIGHT_KG = 9000.0, 1400.0
-"""Masses of the two kinds; what a target is worth is its mass in tonnes."""
+"""Masses of the two kinds."""
 
-TANK = TankByMass(dry_mass_kg=500.0, propellant_kg=450.0, isp_s=300.0)
+TANK = TankByMass(dry_mass_kg=500.0, propellant_kg=100.0, isp_s=300.0)
 KITS, KIT_MASS_KG = 8, 40.0
 
 
