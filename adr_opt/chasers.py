@@ -36,7 +36,7 @@ class InOrbit(Record):
 
 def _kind(value: Any) -> str | None:
     """Which of the kinds of a place a value is; those in brackets are for the reader alone."""
-    if isinstance(value, str):
+    if value == "anywhere":
         return "(word)"
     for kind, model in (("station", AtStation), ("orbit", InOrbit)):
         if isinstance(value, model) or (isinstance(value, dict) and kind in value):
@@ -113,11 +113,11 @@ def _kind_of_tank(value: Any) -> str:
     by_mass = isinstance(value, TankByMass) or (
         isinstance(value, dict) and not TANK_BY_MASS.isdisjoint(value)
     )
-    return "(by mass)" if by_mass else "(ΔV)"
+    return "(mass)" if by_mass else "(delta-v)"
 
 
 AnyTank = Annotated[
-    Annotated[Tank, Tag("(ΔV)")] | Annotated[TankByMass, Tag("(by mass)")],
+    Annotated[Tank, Tag("(delta-v)")] | Annotated[TankByMass, Tag("(mass)")],
     Discriminator(_kind_of_tank),
 ]
 

@@ -125,7 +125,7 @@ VERBS_OF_PLANS = {
         (put(*CHASER, "start", {"place": 3}), 'field chasers[0].start: must be {"station": NAME}'),
         (put(*CHASER, "start", "home"), 'field chasers[0].start = "home": must be {"station": N'),
         (put(*CHASER, "start", {"orbit": {}}), "field chasers[0].start.orbit.semi_major_axis_m: m"),
-        (put(*CHASER, "end", "home"), "field chasers[0].end = \"home\": must be 'anywhere'"),
+        (put(*CHASER, "end", "home"), 'field chasers[0].end = "home": must be "anywhere" or {'),
         (put(*CHASER, "end", 3), 'field chasers[0].end = 3: must be "anywhere" or {"station": N'),
         (put(*CHASER, "max_targets", -1), "field chasers[0].max_targets = -1: must be greater"),
         (put(*CHASER, "available_s", [5.0, 4.0]), "field chasers[0]: available_s = [5.0, 4.0] m"),
