@@ -30,7 +30,9 @@ Prize = Annotated[
     AfterValidator(_is_nothing_or_enough),
 ]
 
-Removal = Annotated[Literal["visit"], not_yet(lambda word: word in ("kit", "tow"), 'write "visit"')]
+Removal = Annotated[
+    Literal["visit", "kit"], not_yet(lambda word: word == "tow", 'write "visit" or "kit"')
+]
 
 
 class Station(Record):
@@ -44,7 +46,8 @@ class Target(Record):
     """A debris object that may be visited, and what servicing it is worth.
 
     Its service begins not before ``window_s`` opens and ends before it closes. ``required``: a plan
-    has to service it. ``mass_kg`` is for what carries it.
+    has to service it. ``removal`` "kit": the chaser leaves a kit with it, and goes on without.
+    ``mass_kg`` is for what carries it.
     """
 
     name: Name

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
+from .cargo import loads_of
 from .connections import Connecting
 from .corrections import Corrections
 from .instance import Instance
@@ -77,10 +79,28 @@ class Campaign(Prizes):
         self.missions = tuple(missions)
         alike: dict[Any, list[int]] = {}
         for number, chaser in enumerate(instance.chasers):
-            can = (chaser.start, chaser.available_s, chaser.end, chaser.max_targets, chaser.tank)
+            can = chaser.replace(name=instance.chasers[0].name)
             alike.setdefault(can, []).append(number)
         self.kinds = tuple(
             Kind(self.missions[numbers[0]], tuple(numbers)) for numbers in alike.values()
+        )
+
+    @cached_property
+    def networks(self) -> tuple[tuple[int, ...], ...]:
+        """Numbers of kinds that move on one network, the earliest first.
+
+        They differ in nothing but where they start, and since when.
+        """
+        alike: dict[Any, list[int]] = {}
+        for number, kind in enumerate(self.kinds):
+            chaser = kind.mission.chaser
+            can = chaser.replace(
+                name=self.instance.chasers[0].name, start="anywhere", available_s=(0.0, None)
+            )
+            alike.setdefault((can, chaser.available_s[1]), []).append(number)
+        return tuple(
+            tuple(sorted(numbers, key=lambda n: self.kinds[n].mission.chaser.available_s[0]))
+            for numbers in alike.values()
         )
 
     @property
@@ -130,10 +150,17 @@ Problem = Mission | Campaign
 """What is planned: with one chaser or with several."""
 
 
+def is_campaign(instance: Instance) -> bool:
+    """Whether an instance is planned as a campaign: several chasers, or one whose load counts."""
+    if len(instance.chasers) > 1:
+        return True
+    return loads_of(instance, instance.chasers[0], 0.0) is not None
+
+
 def problem_of(instance: Instance | Problem, threads: int | None = None) -> Problem:
-    """An instance ready for planning: a mission where there is one chaser."""
+    """An instance ready for planning, see :func:`is_campaign`."""
     if not isinstance(instance, Instance):
         return instance
-    if len(instance.chasers) == 1:
-        return Mission(instance, threads=threads)
-    return Campaign(instance, threads=threads)
+    if is_campaign(instance):
+        return Campaign(instance, threads=threads)
+    return Mission(instance, threads=threads)

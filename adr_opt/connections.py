@@ -85,6 +85,7 @@ class Connecting:
         self._names = instance.names
         self.inputs = instance.orbits(), instance.eccentricity_delta_v(), instance.transfer_rule()
         self.times = _times(instance)
+        self._launches = instance.launches
         self.kept = Kept()
         self.counts: dict[Pair, int] = {}
         self._chosen: dict[Pair, kernels.Found] = {}
@@ -94,8 +95,11 @@ class Connecting:
 
     @property
     def drifts(self) -> bool:
-        """Whether connections are listed: departure events are not regular, or costs corrected."""
-        return self.times is not None or bool(self.corrections)
+        """Whether connections are listed: not all leave at regular events, or costs are corrected.
+
+        A launch is a connection, too.
+        """
+        return self.times is not None or bool(self.corrections) or bool(self._launches)
 
     @property
     def planning_resolution_m_s(self) -> float:
@@ -111,6 +115,8 @@ class Connecting:
         return self.corrections.applied(self._names[i], self._names[j], found)
 
     def _of_model(self, i: int, j: int, resolution_m_s: float) -> kernels.Found:
+        if i in self._launches or j in self._launches:
+            return self._launch(i, j)
         orbits, extra, rule = self.inputs
         pair = orbits[i], orbits[j], extra[i, j], rule
         found: kernels.Found
@@ -119,6 +125,13 @@ class Connecting:
         else:
             found = drifting_connections.of_pair(*pair, self.times, self._end, resolution_m_s)
         return found
+
+    def _launch(self, i: int, j: int) -> kernels.Found:
+        """Onto a target, for nothing, as soon as the chaser is there: to be early is no loss."""
+        leads_on = i in self._launches and j >= self.instance.first_target
+        when = np.full(int(leads_on), self._launches.get(i, 0.0))
+        nothing = np.zeros_like(when)
+        return kernels.Found(when, when, nothing, nothing.astype(np.int8), nothing.astype(np.int32))
 
     def found(self, i: int, j: int) -> kernels.Found:
         """What planning needs of a pair: kept, or worked out."""

@@ -33,7 +33,7 @@ Model = TypeVar("Model", bound=Readable)
 LEFT_OVER_S = 86400.0
 """A temporary file that is older was left by a writer that was killed [s]."""
 
-KINDS = {"(station)", "(orbit)", "(word)"}
+KINDS = {"(station)", "(orbit)", "(word)", "(delta-v)", "(mass)"}
 """Which of several kinds a value was taken for: part of where an error is, but no key of a file."""
 
 LONGEST_VALUE = 60

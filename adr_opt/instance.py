@@ -45,6 +45,12 @@ from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings
 
 FORMAT: Literal["adr-opt-instance/2"] = "adr-opt-instance/2"
 
+LEO = Orbit(
+    semi_major_axis_m=EARTH_RADIUS_M + 700e3, eccentricity=0.0, inclination_deg=98.0,
+    raan_deg=0.0, argument_of_perigee_deg=0.0, true_anomaly_deg=0.0,
+)  # fmt: skip
+"""Some orbit."""
+
 SPENT_BY_DRIFTING, REFUELLED = 0.8, 3.0
 """What an hour is worth where planes drift, as a multiple of a tank over the mission; and so many
 times as much where there are stations."""
@@ -222,8 +228,7 @@ class Instance(Record):
             changes["mission"] = self.mission.replace(duration_s=duration_s)
         if delta_v_m_s is not None:
             changes["chasers"] = tuple(
-                chaser.replace(tank=chaser.tank.replace(delta_v_m_s=delta_v_m_s))
-                for chaser in self.chasers
+                chaser.replace(tank={"delta_v_m_s": delta_v_m_s}) for chaser in self.chasers
             )
         return self.replace(**changes)
 
@@ -259,11 +264,25 @@ class Instance(Record):
 
     @property
     def start_bodies(self) -> dict[str, Orbit]:
-        """Orbits of their own where chasers start, by the name of the chaser."""
+        """Orbits of their own where chasers start, by the name of the chaser.
+
+        A chaser that is launched anywhere has none: an orbit stands there so that each body has
+        one, and no transfer leads to it or from it (:attr:`launches`).
+        """
+        some = self.targets[0].orbit if self.targets else LEO
         return {
-            chaser.name: chaser.start.orbit
+            chaser.name: chaser.start.orbit if isinstance(chaser.start, InOrbit) else some
             for chaser in self.chasers
-            if isinstance(chaser.start, InOrbit)
+            if not isinstance(chaser.start, AtStation)
+        }
+
+    @property
+    def launches(self) -> dict[int, float]:
+        """When each chaser may be launched that starts anywhere, by the body of its start [s]."""
+        return {
+            self.names.index(chaser.name): chaser.available_s[0]
+            for chaser in self.chasers
+            if chaser.is_launched
         }
 
     @property

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .cargo import loads_of, most_targets
 from .chasers import AtStation
 from .connections import Connecting
 from .corrections import Corrections
@@ -158,11 +159,12 @@ class Mission(Prizes):
             instance.first_target,
             instance.starts[self._number],
             limits.ready,
-            bodies if chaser.max_targets is None else chaser.max_targets,
+            bodies if self.most_targets is None else self.most_targets,
             not may_end.all(),
             budget,
             limits.duration,
             kernels.shortest_sortie(table, limits.service, budget, stations, instance.first_target),
+            loads_of(instance, chaser, self.margin),
         )
 
     @property
@@ -173,7 +175,7 @@ class Mission(Prizes):
     @property
     def most_targets(self) -> int | None:
         """So many targets may be serviced; None for all of them."""
-        return self.chaser.max_targets
+        return most_targets(self.instance, self.chaser)
 
     def _like(self, **changes: Any) -> Mission:
         """The same mission but for some arguments."""

@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterable
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from .files import read_model, to_text, write_text
 from .records import DeltaV, Name, Record, Time
@@ -51,10 +51,13 @@ class Leg(Record):
     ``eccentricity_delta_v_m_s`` is the part of ``delta_v_m_s`` that matches eccentricity vectors;
     it has no burn, because the burns fly between circles (MODEL section 1). ``kind`` is that of the
     transfer: ``short`` is the co-elliptic sequence, ``drift`` waits on an orbit whose node moves
-    otherwise; its ``delta_v_m_s`` is that of the closed form, near the sum of its burns.
+    otherwise; its ``delta_v_m_s`` is that of the closed form, near the sum of its burns; ``launch``
+    puts a chaser that starts anywhere onto its first target, at once and for nothing.
+    ``mass_kg``, that of the chaser at ``end_s`` with propellant and kits, is there for tanks by
+    mass only.
     """
 
-    kind: Literal["short", "drift"] = "short"
+    kind: Literal["short", "drift", "launch"] = "short"
     origin: Name
     destination: Name
     ready_s: Time
@@ -63,9 +66,27 @@ class Leg(Record):
     end_s: Time
     delta_v_m_s: DeltaV
     delta_v_left_m_s: float
+    mass_kg: float | None = None
     phasing_revolutions: int
     eccentricity_delta_v_m_s: DeltaV = 0.0
     burns: Annotated[tuple[Burn, ...], Field(strict=False)]
+
+    @model_serializer(mode="wrap")
+    def _without_no_mass(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        content: dict[str, Any] = write(self)
+        if self.mass_kg is None:
+            del content["mass_kg"]
+        return content
+
+    @property
+    def leaves_s(self) -> float:
+        """When the chaser leaves its origin: at the first burn, where there is one [s]."""
+        return self.burns[0].time_s if self.burns else self.departure_s
+
+    @property
+    def docked_s(self) -> float:
+        """When it has docked: at the last burn, where there is one [s]."""
+        return self.burns[-1].time_s if self.burns else self.arrival_s
 
     @property
     def burns_delta_v_m_s(self) -> float:

@@ -229,9 +229,14 @@ def form_for(problem: Problem, name: str, function: Planner) -> Planner:
             for other in names(group)
             if _plans_campaigns(other, group)
         ]
+        instance = problem.instance
+        chasers = len(instance.chasers)
         raise InputError(
-            f"method {name!r} is for one chaser, and {problem.instance.name!r} has "
-            f"{len(problem.instance.chasers)}; use one of: {', '.join(able)}"
+            f"method {name!r} is for one chaser, and {instance.name!r} has {chasers}; "
+            f"use one of: {', '.join(able)}"
+            if chasers > 1
+            else f"method {name!r} knows no kits, and those of {instance.name!r} count; "
+            f"use one of: {', '.join(able)}"
         )
     return found
 

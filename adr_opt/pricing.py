@@ -9,6 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import drift_burns
+from .cargo import followed
+from .chasers import TankByMass
 from .errors import InputError
 from .kernels import burns as burn_kernels
 from .kernels.constants import SLACK_M_S
@@ -39,7 +41,7 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
             f"move {timing.made + 1} of the sequence, to {mission.names[moves[timing.made]]!r}, "
             "breaks the mission rules"
         )
-    priced = []
+    priced: list[Leg] = []
     i, ready = mission.rules.start, mission.rules.ready
     spared = 0.0  # of the tank by the model, other than by corrected connections
     for at, j in enumerate(moves):
@@ -74,6 +76,13 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
             )
         )
         i, ready = j, timing.ends[at]
+    if isinstance(mission.chaser.tank, TankByMass):
+        flown = [(leg.destination, leg.delta_v_m_s) for leg in priced]
+        stages = followed(mission.instance, mission.chaser, flown)[1:]
+        return tuple(
+            leg.replace(delta_v_left_m_s=stage.left_m_s, mass_kg=stage.mass_kg)
+            for leg, stage in zip(priced, stages, strict=True)
+        )
     return tuple(priced)
 
 
@@ -82,7 +91,7 @@ class _Transfer(NamedTuple):
 
     Attributes
     ----------
-    kind : {"short", "drift"}
+    kind : {"short", "drift", "launch"}
     departure : float
         [s].
     shape : float
@@ -91,7 +100,7 @@ class _Transfer(NamedTuple):
         As of :func:`adr_opt.kernels.burns.burns`.
     """
 
-    kind: Literal["short", "drift"]
+    kind: Literal["short", "drift", "launch"]
     departure: float
     shape: float
     burns: tuple[FloatArray, FloatArray, Iterable[int]]
@@ -100,6 +109,9 @@ class _Transfer(NamedTuple):
 def _transfer(
     mission: Mission, i: int, j: int, departure: float, arrival: float, revolutions: int
 ) -> _Transfer:
+    if i in mission.instance.launches:
+        nothing = np.empty(0)
+        return _Transfer("launch", float(departure), 0.0, (nothing, nothing, ()))
     orbits, extra, rule = mission.transfer_inputs
     if revolutions < 0:
         flight = drift_burns.flown(orbits[i], orbits[j], rule, departure, arrival)

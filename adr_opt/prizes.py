@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from .cargo import most_targets
 from .instance import Instance
 from .tolerance import RELATIVE, ROUNDING, common_step
 
@@ -81,7 +82,7 @@ class Prizes:
     @property
     def most_targets(self) -> int | None:
         """So many targets may be serviced; None for all of them."""
-        most = [chaser.max_targets for chaser in self.instance.chasers]
+        most = [most_targets(self.instance, chaser) for chaser in self.instance.chasers]
         return None if None in most else sum(filter(None, most))
 
     @property
@@ -93,6 +94,16 @@ class Prizes:
     def total_worth(self) -> float:
         """The same of what targets are worth to a planner."""
         return self._largest(self.worths.tolist())
+
+    @property
+    def all_prize(self) -> float:
+        """Sum of all prizes."""
+        return math.fsum(target.prize for target in self.instance.targets)
+
+    @property
+    def all_worth(self) -> float:
+        """Sum of what all targets are worth to a planner."""
+        return math.fsum(self.worths)
 
     def _largest(self, prizes: list[float]) -> float:
         return math.fsum(sorted(prizes, reverse=True)[: self.most_targets])

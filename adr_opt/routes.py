@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
+from .cargo import Aboard, followed, tank_worths
 from .chasers import Chaser
 from .errors import InputError
 from .instance import Instance
@@ -43,6 +44,19 @@ class Flown:
     def delta_v_m_s(self) -> float:
         """Of all its legs [m/s]."""
         return sum(leg.delta_v_m_s for _, leg in self.legs)
+
+    @property
+    def spent(self) -> list[tuple[str, float]]:
+        """Destination and ΔV [m/s] of each leg."""
+        return [(leg.destination, leg.delta_v_m_s) for _, leg in self.legs]
+
+    def aboard(self, instance: Instance) -> tuple[Aboard, ...]:
+        """What it has aboard at the start, and after each leg."""
+        return followed(instance, self.chaser, self.spent)
+
+    def tank_worths(self, instance: Instance) -> tuple[float, ...]:
+        """What each of its tanks is worth over the legs that are flown from it [m/s]."""
+        return tank_worths(instance, self.chaser, self.spent)
 
     def refuellings(self, instance: Instance) -> int:
         """How often it refuels."""

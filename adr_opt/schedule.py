@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
@@ -103,52 +103,80 @@ class Scheduler:
 
         self.connections = lru_cache(PAIRS_KEPT)(of_pair)
         self._least = lru_cache(None)(least)
-        # The order of the last call and its fronts. One object, so that threads may share it.
-        self._last: tuple[tuple[int, ...], tuple[Front, ...]] = ((), ())
+        # The order of the last call, the kits at its start, and its fronts. One object, so that
+        # threads may share it.
+        self._last: tuple[tuple[int, ...], int, tuple[Front, ...]] = ((), 0, ())
 
     def under(self, rules: Rules) -> Scheduler:
         """The same under other rules; what is known of connections is shared."""
         made = copy(self)
         made._rules = lambda: rules
-        made._last = ((), ())
+        made._last = ((), 0, ())
         return made
 
-    def fronts(self, order: tuple[int, ...]) -> tuple[Front, ...]:
+    def kits_for(self, order: tuple[int, ...]) -> int:
+        """How many kits the services of an order take: so many are taken along."""
+        loads = self._rules().loads
+        return 0 if loads is None else int(loads.takes[list(order)].sum())
+
+    def ways(self, order: tuple[int, ...]) -> Iterator[tuple[int, Front]]:
+        """The labels after an order, for every number of kits that may be left then."""
+        loads = self._rules().loads
+        taken = self.kits_for(order)
+        for kits in range(taken, taken + 1 if loads is None else loads.full.size):
+            fronts = self.fronts(order, kits)
+            if len(fronts) > len(order):
+                yield kits - taken, fronts[-1]
+
+    def fronts(self, order: tuple[int, ...], kits: int | None = None) -> tuple[Front, ...]:
         """The labels at the start and after each move, as far as the order can be flown.
 
         Parameters
         ----------
         order : tuple of int
             Bodies; its moves keep to the rules of the order.
+        kits : int, optional
+            That are taken along; as many as are needed by default.
         """
         rules = self._rules()
-        before, known = self._last
+        loads = rules.loads
+        if kits is None:
+            kits = self.kits_for(order)
+            if loads is not None:
+                kits = min(kits, loads.full.size - 1)
+        before, with_kits, known = self._last
         common = 0
         while common < min(len(order), len(known) - 1) and order[common] == before[common]:
             common += 1
-        fronts = list(known[: common + 1])
+        fronts = list(known[: common + 1]) if kits == with_kits else []
         if not fronts:
+            common = 0
             nothing = np.zeros(1, dtype=np.int64)
             ready = np.array([rules.ready])
-            fronts.append(Front(ready, np.array([rules.budget]), np.zeros(1), nothing, nothing))
+            full = rules.budget if loads is None else float(loads.full[kits])
+            fronts.append(Front(ready, np.array([full]), np.zeros(1), nothing, nothing))
+        aboard = kits - self.kits_for(order[:common])
         for at in range(common, len(order)):
             i = order[at - 1] if at else rules.start
             j = order[at]
             found = self.connections(i, j)
-            refill = rules.budget if rules.is_station[j] else -1.0
+            refill = -1.0
+            if rules.is_station[j]:
+                refill = rules.budget if loads is None else float(loads.full[aboard])
             here = fronts[-1]
             front = Front(
                 *kernels.follow(
                     here.ready, here.left, here.cost,
                     (found.departure, found.arrival, found.delta_v),
-                    rules.service[j], rules.opens[j], rules.closes[j], refill,
+                    rules.service[j], rules.opens[j], rules.closes[j], refill, loads, j, aboard,
                 )
             )  # fmt: skip
             if not front.ready.size:
                 break
+            aboard -= self.kits_for((j,))
             fronts.append(front)
-        self._last = order, tuple(fronts)
-        return self._last[1]
+        self._last = order, kits, tuple(fronts)
+        return self._last[2]
 
     def least_cost(self, order: tuple[int, ...]) -> float:
         """No schedule of an order costs less: each leg at its least ΔV [m/s]; or 0 s."""

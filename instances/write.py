@@ -33,6 +33,7 @@ SIZES = {
     "rocket-bodies": 20,
     "sso": 20,
     "campaign": 20,
+    "removal": 20,
 }
 """Instances of each family: the seeds from 0."""
 

@@ -112,10 +112,14 @@ class CertificateOf(Generic[Found]):
 
     @property
     def stated(self) -> float:
-        """The bound if it says more than that nothing beyond all prizes is collected, else +inf."""
+        """The bound if it says more than that nothing beyond all prizes is collected, else +inf.
+
+        No more is collected than the largest prizes of as many targets as may be serviced.
+        """
         problem = self._mission
-        says = self.bound < problem.total_worth or problem.shown(self.bound) < problem.total_prize
-        return self.bound if says else math.inf
+        bound = min(self.bound, problem.total_worth)
+        says = bound < problem.all_worth or problem.shown(bound) < problem.all_prize
+        return bound if says else math.inf
 
     @property
     def goal(self) -> float:

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from adr_opt.campaign import Campaign
+from adr_opt.chasers import TankByMass
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import SLACK_M_S, SLACK_S
 from adr_opt.mission import Mission
@@ -20,9 +21,13 @@ from adr_opt.orbit import Orbit
 @kernel
 def _enumerate(
     first_leg, departure, arrival, delta_v, service, opens, closes, first_target, stations, start,
-    begin, budget, most,
+    begin, full, most, takes, kits, kit, dry, exhaust,
 ):  # fmt: skip
-    """All labels (set, body, time, left, cost, parent); lists of a set and a body are chained."""
+    """All labels (set, body, time, left, cost, parent); lists of a set and a body are chained.
+
+    What is left is a ΔV, or the mass of a chaser that has ``exhaust`` m/s; ``full`` is that with
+    the kits still aboard.
+    """
     bodies = service.size
     sets = 1 << (bodies - first_target)
     room = 1024
@@ -31,14 +36,17 @@ def _enumerate(
     chain = np.empty(room, np.int64)
     head = np.full((sets, bodies), -1)
     where[0, 0], where[0, 1], where[0, 2] = 0, start, -1
-    what[0, 0], what[0, 1], what[0, 2] = begin, budget, 0.0
+    what[0, 0], what[0, 1], what[0, 2] = begin, full[kits], 0.0
     chain[0] = -1
     head[0, start] = 0
     count = 1
     for done in range(sets):
-        size = 0
+        size, aboard = 0, kits
         for j in range(bodies - first_target):
             size += done >> j & 1
+            aboard -= (done >> j & 1) * takes[first_target + j]
+        if aboard < 0:
+            continue
         # Those at targets first: from there others of the same set come to be at stations.
         for turn in range(2):
             for i in range(bodies):
@@ -58,13 +66,21 @@ def _enumerate(
                             if done & bit or size == most:
                                 continue
                             after = done | bit
+                            if takes[j] > aboard:
+                                continue
                         for c in range(first_leg[i, j], first_leg[i, j + 1]):
                             if departure[c] < what[label, 0] - SLACK_S:
                                 continue
                             end = max(arrival[c], opens[j]) + service[j]
-                            if end > closes[j] or delta_v[c] > what[label, 1]:
+                            if end > closes[j]:
                                 continue
-                            left = budget if j < stations else what[label, 1] - delta_v[c]
+                            left, least = what[label, 1] - delta_v[c], 0.0
+                            if exhaust > 0.0:
+                                left = what[label, 1] * math.exp(-delta_v[c] / exhaust)
+                                least = (dry + aboard * kit) * math.exp(-SLACK_M_S / exhaust)
+                            if left < least:
+                                continue
+                            left = full[aboard] if j < stations else left - kit * takes[j]
                             cost = what[label, 2] + delta_v[c]
                             other = head[after, j]
                             while other >= 0 and not (
@@ -143,16 +159,38 @@ def labels_of(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
     first_leg = np.empty((bodies, bodies + 1), dtype=np.int64)
     first_leg[:, 1:] = ends
     first_leg[:, 0] = ends[:, 0] - sizes.reshape(bodies, bodies)[:, 0]
-    budget = chaser.tank.delta_v_m_s * (1.0 - mission.margin) + SLACK_M_S
-    return _enumerate(
-        first_leg,
-        np.concatenate([pair.departure for pair in pairs]),
-        np.concatenate([pair.arrival for pair in pairs]),
-        np.concatenate([pair.delta_v for pair in pairs]),
-        service, opens, closes + SLACK_S, first, stations, instance.names.index(chaser.start_name),
-        chaser.available_s[0], budget,
-        bodies if chaser.max_targets is None else chaser.max_targets,
-    )  # fmt: skip
+    takes = np.zeros(bodies, dtype=np.int64)
+    takes[first:] = [target.removal == "kit" for target in instance.targets]
+    most_kits = int(takes.sum()) if chaser.kits is None else min(chaser.kits, int(takes.sum()))
+    tank, kit = chaser.tank, chaser.kit_mass_kg
+    dry, exhaust = 0.0, 0.0
+    if isinstance(tank, TankByMass):
+        dry, exhaust = tank.dry_mass_kg, 9.80665 * tank.isp_s
+        full = []
+        for kits in range(most_kits + 1):
+            empty = dry + kits * kit
+            delta_v = exhaust * math.log((empty + tank.propellant_kg) / empty)
+            full.append(empty * math.exp(delta_v * (1.0 - mission.margin) / exhaust))
+    else:
+        full = [tank.delta_v_m_s * (1.0 - mission.margin) + SLACK_M_S] * (most_kits + 1)
+    wheres, whats, before = [], [], 0
+    for kits in range(most_kits + 1):
+        where, what = _enumerate(
+            first_leg,
+            np.concatenate([pair.departure for pair in pairs]),
+            np.concatenate([pair.arrival for pair in pairs]),
+            np.concatenate([pair.delta_v for pair in pairs]),
+            service, opens, closes + SLACK_S, first, stations,
+            instance.names.index(chaser.start_name), chaser.available_s[0], np.array(full),
+            bodies if chaser.max_targets is None else chaser.max_targets, takes, kits, kit, dry,
+            exhaust,
+        )  # fmt: skip
+        where[1:, 2] += before
+        wheres.append(where)
+        whats.append(what)
+        before += len(where)
+    # A chaser that brings kits back could have left them at home.
+    return np.concatenate(wheres), np.concatenate(whats)
 
 
 def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
@@ -169,11 +207,11 @@ def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
         if (done & needed) != needed or end not in ("anywhere", instance.names[body]):
             continue
         prizes = math.fsum(t.prize for n, t in enumerate(instance.targets) if done >> n & 1)
-        cost = spent if instance.objective.cost == "delta-v" else (time if label else 0.0)
+        cost = spent if instance.objective.cost == "delta-v" else (time if done else 0.0)
         best = max(best, (prizes, -cost, label), key=lambda one: one[:2])
     sequence = []
     label = best[2]
-    while label > 0:
+    while where[label, 2] >= 0:
         sequence.append(int(where[label, 1]))
         label = int(where[label, 2])
     return best[0], -best[1], tuple(reversed(sequence))
@@ -195,11 +233,9 @@ def brute_force_campaign(campaign: Campaign) -> tuple[float, float]:
             else mission.chaser.end.station
         )
         least: dict[int, float] = {}
-        for label, ((done, body, _), (time, _, spent)) in enumerate(
-            zip(*labels_of(mission), strict=True)
-        ):
+        for (done, body, _), (time, _, spent) in zip(*labels_of(mission), strict=True):
             if end in ("anywhere", instance.names[body]):
-                cost = spent if not by_time else (time if label else 0.0)
+                cost = spent if not by_time else (time if done else 0.0)
                 least[int(done)] = min(least.get(int(done), math.inf), cost)
         after: dict[int, float] = {}
         for done, cost in together.items():

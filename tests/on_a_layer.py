@@ -21,10 +21,10 @@ def _best(rules, most):
     visited = np.zeros(bodies, np.bool_)
     tried = np.zeros(most + 1, np.int64)
     body = np.zeros(most + 1, np.int64)
-    since, serviced = np.zeros_like(body), np.zeros_like(body)
+    since, serviced, kits = np.zeros_like(body), np.zeros_like(body), np.zeros_like(body)
     time, left, worth = np.empty(most + 1), np.empty(most + 1), np.zeros(most + 1)
     start = rule_kernels.beginning(rules)
-    body[0], time[0], left[0] = start.body, start.time, start.left
+    body[0], time[0], left[0], kits[0] = start.body, start.time, start.left, start.kits
     depth, best = 0, -np.inf
     while depth >= 0:
         if tried[depth] == 0 and rules.may_end[body[depth]]:
@@ -35,7 +35,9 @@ def _best(rules, most):
             visited[body[depth]] = False
             depth -= 1
             continue
-        state = State(body[depth], time[depth], left[depth], since[depth], serviced[depth])
+        state = State(
+            body[depth], time[depth], left[depth], since[depth], serviced[depth], kits[depth]
+        )
         if not rule_kernels.may_go(rules, state, visited, j):
             continue
         legal, _, after = rule_kernels.step(rules, state, j)
@@ -45,7 +47,7 @@ def _best(rules, most):
             depth += 1
             tried[depth] = 0
             body[depth], time[depth], left[depth] = after.body, after.time, after.left
-            since[depth], serviced[depth] = after.since, after.serviced
+            since[depth], serviced[depth], kits[depth] = after.since, after.serviced, after.kits
     return best
 
 

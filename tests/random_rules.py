@@ -240,3 +240,34 @@ def _chaser(
     share = float(rng.uniform(0.4, 1.6))
     changes["tank"] = usual.tank.replace(delta_v_m_s=share * usual.tank.delta_v_m_s)
     return usual.replace(**changes)
+
+
+def carrying(instance: Instance, seed: int) -> Instance:
+    """The same with kits to leave at some targets or all, tanks by mass or not, and launches."""
+    rng = np.random.default_rng([8, seed])
+    share = float(rng.choice([0.5, 1.0]))
+    targets = tuple(
+        target.replace(removal="kit" if rng.random() < share else "visit")
+        for target in instance.targets
+    )
+    chasers = []
+    for chaser in instance.chasers:
+        changes: dict[str, object] = {}
+        if rng.random() < 0.7:
+            changes["kits"] = int(rng.integers(0, 5))
+        if rng.random() < 0.75:
+            dry, isp = float(rng.uniform(100.0, 600.0)), float(rng.uniform(60.0, 320.0))
+            ratio = np.expm1(chaser.tank.delta_v_m_s / (isp * 9.80665))
+            changes["tank"] = {
+                "dry_mass_kg": dry, "isp_s": isp,
+                "propellant_kg": dry * float(ratio * rng.uniform(0.9, 1.5)),
+            }  # fmt: skip
+            changes["kit_mass_kg"] = dry * float(rng.choice([0.0, 0.05, 0.2, 0.5]))
+        if rng.random() < 0.25:
+            changes["start"] = "anywhere"
+        chasers.append(chaser.replace(**changes))
+    if len(chasers) > 1 and rng.random() < 0.4:
+        chasers[1] = chasers[0].replace(name=chasers[1].name)
+    return instance.replace(
+        name=f"{instance.name}-with-kits", targets=targets, chasers=tuple(chasers)
+    )

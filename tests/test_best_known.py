@@ -103,7 +103,7 @@ def flown(instance: Instance, routes: Routes) -> tuple[float, float]:
             pair = connecting.of_pair(i, j, connecting.planning_resolution_m_s)
             ready, left, spent, _, _ = follow(
                 ready, left, spent, (pair.departure, pair.arrival, pair.delta_v), limits.service[j],
-                limits.opens[j], limits.closes[j], -1.0 if j else budget,
+                limits.opens[j], limits.closes[j], -1.0 if j else budget, None, j, 0,
             )  # fmt: skip
             assert ready.size
         total += float(spent.min())

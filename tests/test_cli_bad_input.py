@@ -125,7 +125,7 @@ VERBS_OF_PLANS = {
         (put(*CHASER, "start", {"place": 3}), 'field chasers[0].start: must be {"station": NAME}'),
         (put(*CHASER, "start", "home"), 'field chasers[0].start = "home": must be {"station": N'),
         (put(*CHASER, "start", {"orbit": {}}), "field chasers[0].start.orbit.semi_major_axis_m: m"),
-        (put(*CHASER, "end", "home"), "field chasers[0].end = \"home\": must be 'anywhere'"),
+        (put(*CHASER, "end", "home"), 'field chasers[0].end = "home": must be "anywhere" or {'),
         (put(*CHASER, "end", 3), 'field chasers[0].end = 3: must be "anywhere" or {"station": N'),
         (put(*CHASER, "max_targets", -1), "field chasers[0].max_targets = -1: must be greater"),
         (put(*CHASER, "available_s", [5.0, 4.0]), "field chasers[0]: available_s = [5.0, 4.0] m"),
@@ -155,10 +155,6 @@ def test_broken_instance_field(cli: Cli, tiny_file: Path, change: Change, named:
     ("change", "named"),
     [
         (put(*TARGET, "removal", "tow"), 'targets[0].removal = "tow": this is not supported yet'),
-        (put(*CHASER, "start", "anywhere"), 'chasers[0].start = "anywhere": this is not supported'),
-        (put(*CHASER, "tank", {"dry_mass_kg": 1.0}), "tank: a tank by mass is not supported yet;"),
-        (put(*CHASER, "kits", 5), "chasers[0].kits = 5: carrying kits is not supported yet; write"),
-        (put(*CHASER, "kit_mass_kg", 5.0), "kit_mass_kg = 5.0: carrying kits is not supported yet"),
         (put("objective", "cost", "expense"), 'cost = "expense": this is not supported yet; write'),
     ],
 )

@@ -52,7 +52,7 @@ def test_rules_steps_masks_and_check_agree() -> None:
         for _ in range(30):
             episodes = new_episodes(1, size)
             start(pool, episodes, 0, 0, budget, duration)
-            state = State(rules.start, rules.ready, rules.budget, 0, 0)
+            state = State(rules.start, rules.ready, rules.budget, 0, 0, 0)
             visited = np.zeros(size, dtype=np.bool_)
             sequence: list[int] = []
             while True:

@@ -244,7 +244,7 @@ def test_the_rest_is_flown_by_the_rules(nominal):
     )
     ends, lefts = np.empty((2, sequence.size))
     visited = np.zeros(rules.service.size, dtype=np.bool_)
-    begin = State(rules.start, rules.ready, rules.budget, 0, 0)
+    begin = State(rules.start, rules.ready, rules.budget, 0, 0, 0)
     made, _, _ = replay(rules, sequence, begin, visited, ends, lefts)
     assert made == sequence.size
     worth = Worth(1e-5, 1e-4)

@@ -23,7 +23,7 @@ def legal(mission, body, time, left, since_refuel, visited=()) -> set[int]:
     done = np.zeros(len(mission.names), dtype=bool)
     done[list(visited)] = True
     mask = np.empty_like(done)
-    state = kernels.State(body, time, left, since_refuel, len(visited))
+    state = kernels.State(body, time, left, since_refuel, len(visited), 0)
     count = kernels.legal_moves(rules, state, done, mask)
     assert count == mask.sum()
     return set(np.flatnonzero(mask))
@@ -180,17 +180,19 @@ def test_guard_asks_every_station():
     for others, expected in (((), False), ((near,), True), ((remote,), False)):
         mission = adr_opt.Mission(instance.replace(stations=(station, *others)))
         body = mission.names.index("beyond")
-        assert kernels.has_way_back(mission.rules, kernels.State(body, 2e4, 40.0, 1, 1)) == expected
+        assert (
+            kernels.has_way_back(mission.rules, kernels.State(body, 2e4, 40.0, 1, 1, 0)) == expected
+        )
     adrift = instance.chaser.replace(start=InOrbit(orbit=station.orbit))
     mission = adr_opt.Mission(instance.replace(stations=(), chasers=(adrift,)))
-    assert kernels.has_way_back(mission.rules, kernels.State(BEYOND, 2e4, 40.0, 1, 1))
+    assert kernels.has_way_back(mission.rules, kernels.State(BEYOND, 2e4, 40.0, 1, 1, 0))
 
 
 def test_guard_lets_go_at_the_end(mission):
     """When no service fits after a refuelling any more, no way back is asked for."""
     last = mission.rules.duration - mission.rules.shortest_sortie
     for time, expected in ((last - 5.0 * PERIOD_S, False), (last - 2.0 * PERIOD_S, True)):
-        state = kernels.State(BEYOND, time, 40.0, 1, 1)
+        state = kernels.State(BEYOND, time, 40.0, 1, 1, 0)
         assert kernels.has_way_back(mission.rules, state) == expected
 
 

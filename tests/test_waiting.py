@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from adr_opt.kernels.loads import Loads
 from solvers.relaxation.pending import is_preceded, more_room, next_of, pending_room, send, take
 from solvers.relaxation.waiting import Labels, Waiting, arrive, is_dominated, keep, larger, room
 
@@ -18,14 +19,26 @@ def random_labels(rng: np.random.Generator, words: int) -> Labels:
     return Labels(
         none, none, rng.integers(-2, 3, LABELS) << 16, rng.integers(0, 300, LABELS) * 10.0,
         rng.integers(0, 2, LABELS).astype(np.int16), none.astype(np.int16),
-        rng.integers(0, 2, LABELS) * 1.0, memory,
+        rng.integers(0, 2, LABELS).astype(np.int16), rng.integers(0, 2, LABELS) * 1.0, memory,
     )  # fmt: skip
 
 
-def dominates(labels: Labels, one: int, other: int, compared: np.ndarray) -> bool:
+def carrying(what: str) -> Loads | None:
+    """Loads that tell labels apart by their kits, or by having fewer of them, or not at all."""
+    if what == "nothing":
+        return None
+    nothing = np.zeros((2, 2))
+    return Loads(3000.0, np.ones(2, np.int64), np.zeros(2), nothing, nothing, what == "weights")
+
+
+def dominates(
+    labels: Labels, one: int, other: int, compared: np.ndarray, what: str = "nothing"
+) -> bool:
     """Whether one label dominates another, written once more."""
+    more = int(labels.kits[one]) - int(labels.kits[other])
     return bool(
-        labels.value[one] >= labels.value[other]
+        (what == "nothing" or more == 0 or (what == "counts" and more > 0))
+        and labels.value[one] >= labels.value[other]
         and labels.left[one] >= labels.left[other]
         and labels.visits[one] <= labels.visits[other]
         and labels.worth[one] >= labels.worth[other]
@@ -38,29 +51,31 @@ def waits(waiting: Waiting, body: int) -> set[int]:
     return {int(label) for label in waiting.label[body, : waiting.size[body]] if label >= 0}
 
 
+@pytest.mark.parametrize("what", ["nothing", "counts", "weights"])
 @pytest.mark.parametrize("whole", [True, False])
 @pytest.mark.parametrize("words", [1, 2])
-def test_exactly_those_wait_that_none_dominates(words, whole):
+def test_exactly_those_wait_that_none_dominates(words, whole, what):
     """A list holds the labels that no other one dominates by the memory compared, as it grows."""
     rng = np.random.default_rng(words)
     labels = random_labels(rng, words)
+    loads = carrying(what)
     compared = np.full(words, -1) if whole else rng.integers(0, 2**62, words)
     waiting = room(2, words, 16)
     alive: set[int] = set()
     refused = 0
     for label in range(LABELS):
         value, left, memory = labels.value[label], labels.left[label], labels.memory[label]
-        dominated = any(dominates(labels, other, label, compared) for other in alive)
+        dominated = any(dominates(labels, other, label, compared, what) for other in alive)
         assert dominated == is_dominated(
-            waiting, labels, 1, value, left, labels.visits[label], labels.worth[label], memory,
-            compared,
+            waiting, labels, 1, value, left, labels.kits[label], labels.visits[label],
+            labels.worth[label], memory, compared, loads,
         )  # fmt: skip
-        if not arrive(waiting, labels, 1, label, compared):
+        if not arrive(waiting, labels, 1, label, compared, loads):
             waiting = larger(waiting, words)
-            assert arrive(waiting, labels, 1, label, compared)
+            assert arrive(waiting, labels, 1, label, compared, loads)
         refused += dominated
         if not dominated:
-            beaten = {other for other in alive if dominates(labels, label, other, compared)}
+            beaten = {n for n in alive if dominates(labels, label, n, compared, what)}
             alive = alive - beaten | {label}
         assert waits(waiting, 1) == alive
         if label % 37 == 0:
@@ -83,8 +98,8 @@ def test_all_that_are_sent_arrive_and_precede_others_until_then(words):
         row = int(rng.integers(rows))
         preceded = any(dominates(labels, other, label, compared) for other in under_way[row])
         assert preceded == is_preceded(
-            pending, row, labels, labels.value[label], labels.left[label], labels.visits[label],
-            labels.worth[label], labels.memory[label], compared,
+            pending, row, labels, labels.value[label], labels.left[label], labels.kits[label],
+            labels.visits[label], labels.worth[label], labels.memory[label], compared, None,
         )  # fmt: skip
         while not send(pending, row, labels, label):
             pending, grown = more_room(pending, words), grown + 1

@@ -42,6 +42,8 @@ def check_transfer(
     Returns when the chaser arrives and the ΔV, to go on from: recomputed, but as stated where the
     plan is wrong about them, so that one mistake is reported once.
     """
+    if leg.kind == "launch" or i in instance.launches:
+        return (yield from _check_launch(number, leg, i in instance.launches, free))
     if leg.kind == "drift":
         return (yield from check_drift(instance, physics, number, leg, i, j, free))
     elements, rule = physics.elements, physics.rule
@@ -79,6 +81,26 @@ def check_transfer(
         sequence.arrival if arrives_as_stated else leg.arrival_s,
         delta_v if costs_as_stated else leg.delta_v_m_s,
     )
+
+
+def _check_launch(
+    number: int, leg: Leg, is_first: bool, free: float
+) -> Generator[Violation, None, tuple[float, float]]:
+    """A chaser that starts anywhere is put onto its first target, and no other one ever is."""
+    if not is_first:
+        yield Violation(number, "launch", f"launched at {leg.origin!r}, where no chaser starts so")
+    elif leg.kind != "launch":
+        yield Violation(number, "launch", f"{leg.kind!r}, but {leg.origin!r} has no orbit yet")
+    if leg.departure_s < free - SLACK_S:
+        yield Violation(number, "departure", "leaves before the chaser is ready")
+    for name, stated, true in (
+        ("arrival_s", leg.arrival_s, leg.departure_s), ("delta_v_m_s", leg.delta_v_m_s, 0.0),
+        ("burns", len(leg.burns), 0), ("phasing_revolutions", leg.phasing_revolutions, 0),
+        ("eccentricity_delta_v_m_s", leg.eccentricity_delta_v_m_s, 0.0),
+    ):  # fmt: skip
+        if stated != true:
+            yield Violation(number, "launch", f"{name}: {stated!r}, but a launch has {true!r}")
+    return leg.departure_s, 0.0
 
 
 def check_drift(

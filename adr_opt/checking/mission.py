@@ -16,7 +16,11 @@ from ..kernels import orbits
 from ..kernels.constants import SLACK_M_S, SLACK_S
 from ..plan import Leg, Plan
 from .flight import Physics, check_transfer
+from .tank import Tank
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
+
+MASS_TOLERANCE = 1e-9
+"""What a stated mass may differ by from the true one, as a share of it."""
 
 
 class _Bodies:
@@ -26,6 +30,7 @@ class _Bodies:
         self.number = {name: number for number, name in enumerate(instance.names)}
         self.stations = {station.name for station in instance.stations}
         self.windows = {target.name: target.window_s for target in instance.targets}
+        self.kits = {target.name for target in instance.targets if target.removal == "kit"}
 
 
 @dataclass
@@ -37,8 +42,7 @@ class _Followed:
     where : str
     free : float
         Since when it is [s].
-    left : float
-        ΔV left [m/s].
+    tank : Tank
     chaser : Chaser
     since_refuelling : int
         Targets serviced since then.
@@ -48,7 +52,7 @@ class _Followed:
 
     where: str
     free: float
-    left: float
+    tank: Tank
     chaser: Chaser
     since_refuelling: int = 0
     targets: int = 0
@@ -76,7 +80,13 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
         first, number = number, number + len(route)
         if chaser is None:  # unknown, or a second route: said by check_routes
             continue
-        now = _Followed(chaser.start_name, chaser.available_s[0], chaser.tank.delta_v_m_s, chaser)
+        kits = len({leg.destination for leg in route} & bodies.kits)
+        tank = Tank(chaser, kits)
+        now = _Followed(chaser.start_name, chaser.available_s[0], tank, chaser)
+        if chaser.kits is not None and kits > chaser.kits:
+            yield Violation(
+                None, "kits", f"{chaser.name!r} leaves {kits} kits, and may carry {chaser.kits}"
+            )
         leads_on = yield from _check_route(instance, bodies, physics, now, visited, first, route)
         if leads_on:
             yield from _check_end(plan, now)
@@ -114,7 +124,7 @@ def _check_route(
         end = yield from _check_service(
             instance, bodies, now, number, leg, arrival, physics.elements[j]
         )
-        now.left = yield from _check_tank(bodies, now, number, leg, delta_v)
+        yield from _check_tank(bodies, now, visited, number, leg, delta_v)
         if leg.destination in bodies.stations:
             now.since_refuelling = 0
         else:
@@ -202,21 +212,33 @@ def _service_s(instance: Instance, elements: npt.NDArray[np.float64], at_station
 
 
 def _check_tank(
-    bodies: _Bodies, now: _Followed, number: int, leg: Leg, delta_v: float
-) -> Generator[Violation, None, float]:
-    """The ΔV suffices; returns what is left, after refuelling at a station [m/s]."""
-    if delta_v > now.left + SLACK_M_S:
-        yield Violation(number, "delta-v", f"needs {delta_v!r} m/s, but only {now.left!r} are left")
-    left = now.left - delta_v
+    bodies: _Bodies, now: _Followed, visited: set[str], number: int, leg: Leg, delta_v: float
+) -> Iterator[Violation]:
+    """The ΔV suffices, and what is left then is as stated."""
+    tank = now.tank
+    if delta_v > tank.left_m_s + SLACK_M_S:
+        yield Violation(
+            number, "delta-v", f"needs {delta_v!r} m/s, but only {tank.left_m_s!r} are left"
+        )
+    tank.burn(delta_v)
     if leg.destination in bodies.stations:
-        left = now.chaser.tank.delta_v_m_s
+        tank.fill()
+    elif leg.destination in bodies.kits - visited:
+        tank.leave_kit()
+    left = tank.left_m_s
     if abs(leg.delta_v_left_m_s - left) > DELTA_V_TOLERANCE_M_S:
         yield Violation(
             number,
             "delta-v-left",
             f"delta_v_left_m_s = {leg.delta_v_left_m_s!r}, but {left!r} are left",
         )
-    return left
+    mass = tank.mass_kg
+    wrong = leg.mass_kg is not None
+    if mass is not None:
+        wrong = leg.mass_kg is None or abs(leg.mass_kg - mass) > MASS_TOLERANCE * mass
+    if wrong:
+        truth = "the tank is not one by mass" if mass is None else f"it is {mass!r}"
+        yield Violation(number, "mass", f"mass_kg = {leg.mass_kg!r}, but {truth}")
 
 
 def _check_end(plan: Plan, now: _Followed) -> Iterator[Violation]:

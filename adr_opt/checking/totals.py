@@ -25,8 +25,12 @@ def check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
             "objective",
             f"objective = {plan.objective!r}, but the prizes sum to {objective!r}",
         )
-    most = [chaser.max_targets for chaser in instance.chasers]
-    together = None if None in most else sum(filter(None, most))
+    together = 0
+    for chaser in instance.chasers:
+        limits = {chaser.max_targets, len(prize)}
+        if all(target.removal == "kit" for target in instance.targets):
+            limits.add(chaser.kits)
+        together += min(limit for limit in limits if limit is not None)
     least = sum(sorted(prize.values(), reverse=True)[:together])
     if plan.upper_bound is not None:
         least = min(least, plan.upper_bound)

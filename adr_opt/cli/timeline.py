@@ -57,7 +57,7 @@ def _timeline(
             span(leg.departure_s - leg.ready_s),
             f"{leg.delta_v_m_s:.1f}",
             f"{leg.delta_v_left_m_s:.1f}",
-            "drift" if leg.kind == "drift" else str(leg.phasing_revolutions),
+            str(leg.phasing_revolutions) if leg.kind == "short" else leg.kind,
             clock(leg.arrival_s),
         )
         destination = f"{leg.destination} (refuels)" if refuels else leg.destination
@@ -80,13 +80,13 @@ def _comes_to(instance: Instance, flown: Flown) -> str:
     if not flown.legs:
         return "does not fly"
     visits = len(flown.legs) - flown.refuellings(instance)
-    tank = flown.chaser.tank.delta_v_m_s
+    worths = flown.tank_worths(instance)
     parts = [f"visits {visits}", f"ΔV {flown.delta_v_m_s:.1f} m/s", f"done {clock(flown.end_s)}"]
     legs = by_tank([leg for _, leg in flown.legs], instance.station_names)
-    for number, of_tank in enumerate(legs, start=1):
+    for number, (of_tank, tank) in enumerate(zip(legs, worths, strict=False), start=1):
         used = sum(leg.delta_v_m_s for leg in of_tank)
         days = (of_tank[-1].end_s - of_tank[0].ready_s) / DAY_S
-        parts.append(f"tank {number} {used:.1f} of {tank:g} m/s in {days:.2f} d")
+        parts.append(f"tank {number} {used:.1f} of {tank:.6g} m/s in {days:.2f} d")
     return ", ".join(parts)
 
 

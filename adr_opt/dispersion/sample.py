@@ -234,7 +234,7 @@ def _tanks(
 ) -> Iterator[TankDispersion]:
     row = {leg.leg: at for at, leg in enumerate(refined.legs)}
     for one in legs_by_tank(instance, refined):
-        legs, budget = one.legs, one.chaser.tank.delta_v_m_s
+        legs, budget = one.legs, one.budget_m_s
         taken = spent[[row[leg.leg] for leg in legs]].sum(axis=0)
         yield TankDispersion(
             tank=one.tank,

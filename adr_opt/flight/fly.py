@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..cargo import tank_worths
 from ..errors import InputError
 from ..instance import Instance
 from ..orbit import Orbit
@@ -48,6 +49,8 @@ def fly(instance: Instance, plan: Plan) -> Flight:
     for number, leg in enumerate(plan.legs, start=1):
         ends = [orbits[leg.origin], orbits[leg.destination]]
         eccentric = None
+        if leg.kind == "launch":
+            ends = []
         if instance.dynamics == "two-body" and any(orbit.eccentricity > 0.0 for orbit in ends):
             origin, destination = (motion.true_at_epoch(orbit) for orbit in ends)
             eccentric = fly_eccentric(
@@ -69,28 +72,42 @@ def fly(instance: Instance, plan: Plan) -> Flight:
 def _tanks(instance: Instance, route: Flown, flown: list[LegFlight]) -> Iterator[TankFlight]:
     """The legs of a chaser tank by tank; a tank ends with the leg to a station."""
     chaser = route.chaser
+    extras = [_extra_m_s(leg, flown[number - 1]) for number, leg in route.legs]
+    spent = [
+        (leg.destination, leg.delta_v_m_s + (extra or 0.0))
+        for (_, leg), extra in zip(route.legs, extras, strict=True)
+    ]
+    worths = iter(tank_worths(instance, chaser, spent))
     tank, first, planned, extra, known = 1, 0, 0.0, 0.0, True
-    for number, leg in route.legs:
-        first, flight = first or number, flown[number - 1]
+    for (number, leg), more in zip(route.legs, extras, strict=True):
+        first = first or number
         planned += leg.delta_v_m_s
-        if leg.kind == "drift":
-            # The closed form is near the burns, and the burns are what empties the tank.
-            extra += leg.burns_delta_v_m_s + leg.eccentricity_delta_v_m_s - leg.delta_v_m_s
-        if flight.eccentric is not None:
-            correction = flight.eccentric.correction_delta_v_m_s
-            known = known and correction is not None
-            extra += (correction or 0.0) - leg.eccentricity_delta_v_m_s
+        known, extra = known and more is not None, extra + (more or 0.0)
         if leg.destination in instance.station_names or number == route.legs[-1][0]:
             yield TankFlight(
                 tank=tank,
                 first_leg=first,
                 last_leg=number,
-                budget_m_s=chaser.tank.delta_v_m_s,
+                budget_m_s=next(worths),
                 planned_delta_v_m_s=planned,
                 flown_delta_v_m_s=planned + extra if known else None,
                 chaser=chaser.name if several(instance) else None,
             )
             tank, first, planned, extra, known = tank + 1, 0, 0.0, 0.0, True
+
+
+def _extra_m_s(leg: Leg, flight: LegFlight) -> float | None:
+    """What a leg takes beyond its plan when it is flown; None if nobody knows [m/s]."""
+    extra = 0.0
+    if leg.kind == "drift":
+        # The closed form is near the burns, and the burns are what empties the tank.
+        extra += leg.burns_delta_v_m_s + leg.eccentricity_delta_v_m_s - leg.delta_v_m_s
+    if flight.eccentric is not None:
+        correction = flight.eccentric.correction_delta_v_m_s
+        if correction is None:
+            return None
+        extra += correction - leg.eccentricity_delta_v_m_s
+    return extra
 
 
 def _fly_leg(
@@ -101,6 +118,12 @@ def _fly_leg(
     leg: Leg,
     eccentric: EccentricFlight | None,
 ) -> LegFlight:
+    if leg.kind == "launch":
+        return LegFlight(
+            leg=number, origin=leg.origin, destination=leg.destination, kind=leg.kind,
+            planned_delta_v_m_s=0.0, burns_delta_v_m_s=0.0, miss_m=0.0, relative_speed_m_s=0.0,
+            arrival_miss_m=0.0, eccentric=None,
+        )  # fmt: skip
     target = orbits[leg.destination]
     standoff = None
     try:

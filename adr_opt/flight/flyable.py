@@ -58,7 +58,7 @@ def _refuse_broken_route(flown: Flown, who: str) -> None:
                 f"leg {number} begins at {leg.origin!r}, but {who} is at {where!r}; put the "
                 "legs in order"
             )
-        begins_s = min(leg.ready_s, leg.departure_s, leg.burns[0].time_s)
+        begins_s = min(leg.ready_s, leg.departure_s, *(burn.time_s for burn in leg.burns[:1]))
         if begins_s < free_s - TIME_TOLERANCE_S:
             raise InputError(
                 f"leg {number} begins at {begins_s!r} s, but {who} is free at {free_s!r} s "
@@ -71,6 +71,10 @@ def _refuse_leg(number: int, leg: Leg, bodies: set[str]) -> None:
     for name in (leg.origin, leg.destination):
         if name not in bodies:
             raise InputError(f"leg {number}: {name!r} is not a body of the instance")
+    if leg.kind == "launch":
+        if leg.burns:
+            raise InputError(f"leg {number}: a launch has no burns; take them out")
+        return
     times = [burn.time_s for burn in leg.burns]
     if times != sorted(times):
         raise InputError(f"leg {number}: the burns are not in time order; sort them by time_s")

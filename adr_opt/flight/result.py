@@ -62,7 +62,7 @@ class LegFlight:
     leg : int
         Number of the leg, from 1.
     origin, destination : str
-    kind : {"short", "drift"}
+    kind : {"short", "drift", "launch"}
         Of the transfer, as the plan states it.
     planned_delta_v_m_s : float
         As the plan states it; of a drift that of its closed form [m/s].
@@ -85,7 +85,7 @@ class LegFlight:
     leg: int
     origin: str
     destination: str
-    kind: Literal["short", "drift"]
+    kind: Literal["short", "drift", "launch"]
     planned_delta_v_m_s: float
     burns_delta_v_m_s: float
     miss_m: float

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ..cargo import tank_worths
 from ..chasers import Chaser
 from ..errors import InputError
 from ..instance import Instance
@@ -23,11 +24,14 @@ class TankLegs:
     tank : int
         Number of the tank, from 1, of its chaser.
     legs : list of RefinedLeg
+    budget_m_s : float
+        What it is worth over these legs as they are flown.
     """
 
     chaser: Chaser
     tank: int
     legs: list[RefinedLeg]
+    budget_m_s: float
 
 
 def refined_routes(
@@ -61,11 +65,13 @@ def refined_routes(
 
 def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[TankLegs]:
     """The legs tank by tank, chaser after chaser; a tank ends with the leg to a station."""
-    return [
-        TankLegs(chaser, number, of_tank)
-        for chaser, legs in refined_routes(instance, refined)
-        for number, of_tank in enumerate(by_tank(legs, instance.station_names), start=1)
-    ]
+    found = []
+    for chaser, legs in refined_routes(instance, refined):
+        flown = [(leg.destination, leg.flown_delta_v_m_s) for leg in legs]
+        worths = tank_worths(instance, chaser, flown)
+        for number, of_tank in enumerate(by_tank(legs, instance.station_names)):
+            found.append(TankLegs(chaser, number + 1, of_tank, worths[number]))
+    return found
 
 
 def tanks_of(instance: Instance, refined: RefinedPlan) -> tuple[TankFlight, ...]:
@@ -75,7 +81,7 @@ def tanks_of(instance: Instance, refined: RefinedPlan) -> tuple[TankFlight, ...]
             tank=one.tank,
             first_leg=one.legs[0].leg,
             last_leg=one.legs[-1].leg,
-            budget_m_s=one.chaser.tank.delta_v_m_s,
+            budget_m_s=one.budget_m_s,
             planned_delta_v_m_s=math.fsum(leg.planned_delta_v_m_s for leg in one.legs),
             flown_delta_v_m_s=math.fsum(burn.size_m_s for leg in one.legs for burn in leg.burns),
             chaser=one.chaser.name if several(instance) else None,

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
+from ..chasers import Chaser
 from ..errors import InputError
 from ..kernels.constants import DAY_S, HOUR_S
 from ..orbit import Orbit
-from . import belt, cloud, rocket_bodies, sso
+from . import belt, cloud, removal, rocket_bodies, sso
 from .stream import Uniform
 
 
@@ -37,6 +39,12 @@ class Family:
         Time spent at a target, instead of a revolution [s].
     chasers : int
         How many; all alike.
+    draw_chaser : callable, optional
+        From a number, counted from 0, to the chaser, where they are not alike.
+    removal : {"visit", "kit"}
+        Of all targets.
+    mass_kg : callable, optional
+        From the orbit of a target to its mass [kg].
     """
 
     name: str
@@ -51,6 +59,9 @@ class Family:
     drifts: bool = False
     service_s: float | None = None
     chasers: int = 1
+    draw_chaser: Callable[[int], Chaser] | None = None
+    removal: Literal["visit", "kit"] = "visit"
+    mass_kg: Callable[[Orbit], float] | None = None
 
 
 FAMILIES = {
@@ -79,6 +90,13 @@ FAMILIES = {
             "sso", "60 targets, 365 days, 3 km/s", (sso.TARGETS, sso.TARGETS),
             365.0 * DAY_S, 3000.0, sso.STATION, sso.draw_debris, purpose=4,
             drifts=True, service_s=DAY_S,
+        ),
+        Family(
+            "removal", "60 rocket bodies, 4 launches, 1,826 days, kits",
+            (removal.TARGETS, removal.TARGETS), removal.DURATION_S,
+            removal.TANK.delta_v_m_s, None, removal.draw_target, purpose=5, drifts=True,
+            service_s=10.0 * DAY_S, chasers=removal.CHASERS, draw_chaser=removal.chaser,
+            removal="kit", mass_kg=removal.mass_kg,
         ),
     )
 }  # fmt: skip

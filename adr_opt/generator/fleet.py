@@ -27,7 +27,12 @@ def stations_of(kind: Family, seed: int, count: int) -> tuple[Station, ...]:
 def chasers_of(
     kind: Family, seed: int, count: int, first: Orbit | None, stations: tuple[Station, ...]
 ) -> tuple[Chaser, ...]:
-    """Equal chasers: at the stations in turn, or in orbits of their own, of which one is given."""
+    """Equal chasers: at the stations in turn, or in orbits of their own, of which one is given.
+
+    Or those that the family draws.
+    """
+    if kind.draw_chaser is not None:
+        return tuple(kind.draw_chaser(number) for number in range(count))
     uniform = stream(seed, 2 * PURPOSE + kind.purpose)
     tank = Tank(delta_v_m_s=kind.delta_v_m_s)
     return tuple(

@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 from ..bodies import Target
 from ..errors import InputError
 from ..instance import Instance
+from ..orbit import Orbit
 from ..settings import MissionSettings, TransferSettings
 from ..sizes import transfers_for
 from .families import FAMILIES, Family, family
@@ -93,7 +94,7 @@ def generate(
         dynamics="j2" if kind.drifts else "two-body",
         stations=there,
         targets=tuple(
-            Target(name=f"debris-{number:0{width}d}", prize=1.0, orbit=kind.draw_target(uniform))
+            _target(kind, f"debris-{number:0{width}d}", kind.draw_target(uniform))
             for number in range(1, count + 1)
         ),
         chasers=chasers_of(kind, seed, chasers or kind.chasers, start, there),
@@ -101,6 +102,11 @@ def generate(
         transfer=transfers_for(kind.duration_s) if kind.drifts else TransferSettings(),
         keep_out_zones=draw_zones(seed, zones, kind.duration_s),
     )
+
+
+def _target(kind: Family, name: str, orbit: Orbit) -> Target:
+    mass_kg = None if kind.mass_kg is None else kind.mass_kg(orbit)
+    return Target(name=name, orbit=orbit, prize=1.0, mass_kg=mass_kg, removal=kind.removal)
 
 
 def _mission(kind: Family) -> MissionSettings:

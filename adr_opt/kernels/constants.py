@@ -15,6 +15,9 @@ J2 = 1.08262668e-3
 OBLATENESS_M2 = J2 * EARTH_RADIUS_M**2
 """What secular rates are proportional to [m²]."""
 
+STANDARD_GRAVITY_M_S2 = 9.80665
+"""What a specific impulse in seconds is multiplied by."""
+
 STATION = 0
 """Index of the refuelling station among the bodies."""
 

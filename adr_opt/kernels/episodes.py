@@ -119,6 +119,7 @@ def rules_of(pool, episodes, e):
         episodes.budget[e] + SLACK_M_S,
         episodes.duration[e] + SLACK_S,
         0.0,
+        None,
     )
 
 

@@ -20,6 +20,7 @@ import numpy as np
 
 from . import timetable
 from .compile import inlined, kernel
+from .loads import Loads, after_service, full_tank, most_kits
 from .memory import borrowed
 
 
@@ -52,11 +53,14 @@ class Rules(NamedTuple):
     returns : bool
         Whether there are bodies where the mission may not end.
     budget : float
-        Full ΔV budget with the slack of the model, which is no limit to be met exactly [m/s].
+        Full ΔV budget with the slack of the model, which is no limit to be met exactly; where loads
+        count, that with no kit aboard, the largest [m/s].
     duration : float
         End of the mission, with the slack [s].
     shortest_sortie : float
         Least time from the departure from a station to the end of a service [s].
+    loads : Loads or None
+        What the chaser carries; None where that makes no difference.
     """
 
     table: timetable.Table
@@ -75,6 +79,7 @@ class Rules(NamedTuple):
     budget: float
     duration: float
     shortest_sortie: float
+    loads: Loads | None = None
 
 
 class State(NamedTuple):
@@ -91,6 +96,8 @@ class State(NamedTuple):
         Targets serviced since the last refuelling.
     serviced : int
         Targets serviced.
+    kits : int
+        Kits aboard.
     """
 
     body: int | np.int64
@@ -98,12 +105,20 @@ class State(NamedTuple):
     left: float
     since: int | np.int64
     serviced: int | np.int64
+    kits: int | np.int64
 
 
 @inlined
 def beginning(rules):
-    """The state in which a mission begins."""
-    return State(np.int64(rules.start), rules.ready, rules.budget, np.int64(0), np.int64(0))
+    """The state in which a mission begins, with all kits that may be taken along."""
+    return beginning_with(rules, most_kits(rules.loads))
+
+
+@inlined
+def beginning_with(rules, kits):
+    """The state in which a mission begins with so many kits."""
+    full = full_tank(rules.loads, rules.budget, kits)
+    return State(np.int64(rules.start), rules.ready, full, np.int64(0), np.int64(0), np.int64(kits))
 
 
 @inlined
@@ -115,6 +130,7 @@ def state_at(states, place):
         states.left[place],
         np.int64(states.since[place]),
         np.int64(states.serviced[place]),
+        np.int64(0),
     )
 
 
@@ -168,14 +184,17 @@ def step(rules, state, destination):
     """
     legal, delta_v, end = fits(rules, state.body, state.time, state.left, destination)
     left, since, serviced = state.left - delta_v, state.since + 1, state.serviced + 1
+    kits = state.kits
     if rules.is_station[destination]:
         legal = legal and state.since > 0
-        left, since, serviced = rules.budget, state.since - state.since, state.serviced
+        left = full_tank(rules.loads, rules.budget, kits)
+        since, serviced = state.since - state.since, state.serviced
     else:
-        legal = legal and state.serviced < rules.most_targets
+        left, kits = after_service(rules.loads, destination, kits, left)
+        legal = legal and state.serviced < rules.most_targets and left >= 0.0
     if rules.returns and legal and not rules.may_end[destination]:
         legal = _reaches_an_end(rules, destination, end, left)
-    return legal, delta_v, State(np.int64(destination), end, left, since, serviced)
+    return legal, delta_v, State(np.int64(destination), end, left, since, serviced, kits)
 
 
 @kernel

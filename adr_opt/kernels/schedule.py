@@ -11,6 +11,7 @@ import numpy as np
 
 from .compile import kernel
 from .lists import chosen, rising, wider
+from .loads import after_service
 from .timetable import earliest_taken
 
 
@@ -53,7 +54,7 @@ def _into(staircase_left, staircase_cost, names, size, left, cost, name):
 
 
 @kernel
-def follow(ready, left, cost, connections, service, opens, closes, refill):
+def follow(ready, left, cost, connections, service, opens, closes, refill, loads, body, kits):
     """Labels at the next body of an order.
 
     Parameters
@@ -68,6 +69,9 @@ def follow(ready, left, cost, connections, service, opens, closes, refill):
         Service there begins no earlier and ends no later [s].
     refill : float
         What the tank holds after a stop at the next body, −1 for what is left [m/s].
+    loads : Loads or None
+    body, kits : int
+        The next body, and the kits aboard on the way there.
 
     Returns
     -------
@@ -103,12 +107,17 @@ def follow(ready, left, cost, connections, service, opens, closes, refill):
                 high = middle
         last = size if refill < 0.0 else min(low + 1, size)
         for stair in range(low, last):
+            rest = refill
+            if refill < 0.0:
+                rest, _ = after_service(loads, body, kits, front_left[stair] - delta_v[c])
+                if rest < 0.0:
+                    continue
             if count == room:
                 ends, lefts, costs = wider(ends, count), wider(lefts, count), wider(costs, count)
                 parents, takens = wider(parents, count), wider(takens, count)
                 room = ends.size
             ends[count] = end
-            lefts[count] = refill if refill >= 0.0 else front_left[stair] - delta_v[c]
+            lefts[count] = rest
             costs[count] = front_cost[stair] + delta_v[c]
             parents[count], takens[count] = front[stair], c
             count += 1

@@ -52,7 +52,7 @@ def budget(instance: Instance, plan: Plan) -> Budget:
 
 
 def _of_chaser(instance: Instance, flown: Flown) -> Budget:
-    left = flown.chaser.tank.delta_v_m_s
+    left = flown.aboard(instance)[0].left_m_s
     rows = [(0.0, left, 0, False)]
     for number, leg in flown.legs:
         after_leg = left - leg.delta_v_m_s
@@ -64,9 +64,10 @@ def _of_chaser(instance: Instance, flown: Flown) -> Budget:
             rows.append((burn.time_s, left, number, False))
         rows.append((leg.arrival_s, after_leg, number, False))
         left = after_leg
-        if leg.destination in instance.station_names:
+        refuelled = leg.destination in instance.station_names
+        if refuelled or leg.mass_kg is not None:
             left = leg.delta_v_left_m_s
-            rows.append((leg.end_s, left, number, True))
+            rows.append((leg.end_s, left, number, refuelled))
     return Budget(*zip(*rows, strict=True))
 
 

@@ -54,7 +54,7 @@ def planes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
         colours = chaser_colours(instance)
         for flown in routes_of(instance, plan):
             name = flown.chaser.name
-            route = [index[flown.chaser.start_name]]
+            route = [] if flown.chaser.is_launched else [index[flown.chaser.start_name]]
             route += [index[leg.destination] for _, leg in flown.legs if leg.destination in index]
             visited[route] = True
             ax.plot(

@@ -61,10 +61,9 @@ def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
 def _of_leg(instance: Instance, number: int, leg: Leg) -> Iterator[Segment]:
     begins = service_begins(instance, leg)
     stay = "refuelling" if leg.destination in instance.station_names else "service"
-    leaves = leg.burns[0].time_s if leg.burns else leg.departure_s
-    docked = leg.burns[-1].time_s if leg.burns else leg.arrival_s
-    yield Segment(number, "wait", leg.ready_s, leaves)
+    if leg.kind != "launch":
+        yield Segment(number, "wait", leg.ready_s, leg.leaves_s)
     for burn, after in pairwise(leg.burns):
         yield Segment(number, burn.phase, burn.time_s, after.time_s)
-    yield Segment(number, "wait", docked, begins)
+    yield Segment(number, "wait", leg.docked_s, begins)
     yield Segment(number, stay, begins, leg.end_s)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ..chasers import AtStation
 from ..flight.flyable import refuse_foreign
 from ..instance import Instance
-from ..plan import Leg, Plan
+from ..plan import Plan
 from ..routes import routes_of
 
 
@@ -57,14 +57,14 @@ def stays(instance: Instance, plan: Plan) -> tuple[Stay, ...]:
         if isinstance(start, AtStation):
             since = flown.chaser.available_s[0]
             first, leaves = (
-                (flown.legs[0][0], _leaves(flown.legs[0][1])) if flown.legs else (0, since)
+                (flown.legs[0][0], flown.legs[0][1].leaves_s) if flown.legs else (0, since)
             )
             found.append(Stay(start.station, name, first, since, max(since, leaves), None))
         for at, (number, leg) in enumerate(flown.legs):
             if leg.destination in instance.station_names:
                 after = flown.legs[at + 1 : at + 2]
-                until = max([leg.end_s, *(_leaves(its) for _, its in after)])
-                docked = leg.burns[-1].time_s if leg.burns else leg.arrival_s
+                until = max([leg.end_s, *(its.leaves_s for _, its in after)])
+                docked = leg.docked_s
                 found.append(Stay(leg.destination, name, number, docked, until, leg.end_s))
     order = list(instance.station_names)
     return tuple(sorted(found, key=lambda stay: (order.index(stay.station), stay.since_s)))
@@ -82,7 +82,3 @@ def also_there(stay: Stay, every: tuple[Stay, ...]) -> tuple[str, ...]:
             and stay.since_s < other.until_s
         )
     )
-
-
-def _leaves(leg: Leg) -> float:
-    return leg.burns[0].time_s if leg.burns else leg.departure_s

@@ -94,7 +94,7 @@ def refine(
     refuse_what_cannot_be_flown(instance, plan)
     refuse_broken_chain(instance, plan)
     began = time.monotonic()
-    legs = tuple(enumerate(plan.legs, start=1))
+    legs = [(n, leg) for n, leg in enumerate(plan.legs, start=1) if leg.kind != "launch"]
     whose = owners(instance, plan)
     names = dict.fromkeys(name for _, leg in legs for name in (leg.origin, leg.destination))
     bodies = TrueBodies(instance, gravity, names)

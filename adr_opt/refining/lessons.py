@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from statistics import LinearRegression, linear_regression
 
 from ..corrections import ADJECTIVES, Corrections, Kind
-from ..plan import Plan
+from ..plan import Leg, Plan
 from .all_legs import INTERRUPTED
-from .plan import RefinedPlan
+from .plan import RefinedLeg, RefinedPlan
 
 Key = tuple[str, str, Kind]
 Cost = tuple[float, float]
@@ -44,17 +44,19 @@ class Lessons:
         self._savings = spend_savings
         self._legs: dict[Key, set[Cost]] = {}
 
+    @staticmethod
+    def _key(leg: Leg | RefinedLeg) -> Key:
+        return leg.origin, leg.destination, "drift" if leg.kind == "drift" else "short"
+
     def learn(self, plan: Plan, refined: RefinedPlan) -> None:
         """Hear what the legs of a plan cost as they were refined."""
         for leg in refined.legs:
-            key = leg.origin, leg.destination, leg.kind
             costs = leg.planned_delta_v_m_s, leg.flown_delta_v_m_s
-            self._legs.setdefault(key, set()).add(costs)
+            self._legs.setdefault(self._key(leg), set()).add(costs)
         for missing in refined.missing:
             if missing.reason != INTERRUPTED:
                 lost = plan.legs[missing.leg - 1]
-                key = lost.origin, lost.destination, lost.kind
-                self._legs.setdefault(key, set()).add((lost.delta_v_m_s, math.inf))
+                self._legs.setdefault(self._key(lost), set()).add((lost.delta_v_m_s, math.inf))
 
     @property
     def corrections(self) -> Corrections:

@@ -79,7 +79,7 @@ def refine_leg(
     misses = residual(course, flown), residual(last, docking)
     return RefinedLeg(
         leg=number,
-        kind=leg.kind,
+        kind="drift" if leg.kind == "drift" else "short",
         origin=leg.origin,
         destination=leg.destination,
         ready_s=min(leg.ready_s, start_s),

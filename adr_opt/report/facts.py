@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from ..instance import Instance
@@ -81,4 +82,4 @@ def facts(instance: Instance, plan: Plan) -> Facts:
 def _budgets_m_s(instance: Instance, flown: Flown) -> float:
     """The tanks that a chaser has until its last leg [m/s]."""
     followed = sum(leg.destination in instance.station_names for _, leg in flown.legs[:-1])
-    return flown.chaser.tank.delta_v_m_s * (1 + followed)
+    return math.fsum(flown.tank_worths(instance)[: 1 + followed])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from datetime import UTC
 
-from ..chasers import AtStation, Chaser, InOrbit
+from ..chasers import AtStation, Chaser, InOrbit, TankByMass
 from ..checking import Violation
 from ..flight import Flight
 from ..instance import Instance
@@ -342,6 +342,17 @@ def _asked_of(instance: Instance, chaser: Chaser) -> Iterator[str]:
         yield f"{who} may fly until {clock(until)}"
     if isinstance(chaser.start, InOrbit):
         yield f"{it} starts in an orbit of its own"
+    if chaser.is_launched:
+        yield f"{it} is launched onto its first target"
+    if chaser.kits is not None:
+        yield f"{it} may carry {counted(chaser.kits, 'kit')}"
+    if isinstance(chaser.tank, TankByMass):
+        tank = chaser.tank
+        yield (
+            f"{it} has {number(tank.propellant_kg, 1)} kg of propellant at most, "
+            f"{number(tank.isp_s, 1)} s of specific impulse and {number(tank.dry_mass_kg, 1)} kg "
+            "without both"
+        )
     if isinstance(chaser.end, AtStation):
         yield f"{it} has to end at {chaser.end.station}"
     if chaser.max_targets is not None:

@@ -74,7 +74,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
             *([("", leg.kind)] if drifts else []),
             ("n", told(leg.departure_s - leg.ready_s)),
             ("n", clock(leg.departure_s)),
-            ("n", NOTHING if leg.kind == "drift" else str(leg.phasing_revolutions)),
+            ("n", str(leg.phasing_revolutions) if leg.kind == "short" else NOTHING),
             ("n", fixed(leg.delta_v_m_s, 1)),
             *([("n", fixed(leg.burns_delta_v_m_s, 1))] if drifts else []),
             *([("n", fixed(flown[at], 1) if at in flown else NOTHING)] if refined else []),
@@ -114,7 +114,7 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
         burned[leg.chaser] = burned.get(leg.chaser, 0.0) + leg.flown_delta_v_m_s
     colours, rows = chaser_colours(instance), []
     for flown in routes_of(instance, plan):
-        name, tank = flown.chaser.name, flown.chaser.tank.delta_v_m_s
+        name, tank = flown.chaser.name, flown.aboard(instance)[0].left_m_s
         refuellings = flown.refuellings(instance)
         used = [
             fixed(sum(leg.delta_v_m_s for leg in of_tank), 1)
@@ -172,7 +172,9 @@ def _row(cells: Iterable[tuple[str, str]]) -> str:
 
 def _where(chaser: Chaser) -> str:
     """Where a chaser starts, and from when on."""
-    place = chaser.start_name if isinstance(chaser.start, AtStation) else "an orbit of its own"
+    place = "its first target" if chaser.is_launched else "an orbit of its own"
+    if isinstance(chaser.start, AtStation):
+        place = chaser.start_name
     since = chaser.available_s[0]
     return f"{place}, {clock(since)}" if since > 0.0 else place
 

@@ -177,10 +177,11 @@ def sample(instance: Instance, plan: Plan, step_s: float | None = None) -> Traje
             f"a flight of {total_s:.3g} s, a state every {longest_s:g} s, would have more than "
             f"{MOST_SAMPLES:,} states; take a longer step, or correct the times of the plan"
         )
-    legs = tuple(
+    paths = [
         LegPath(number, leg, _arcs(instance, number, leg, step_s))
         for number, leg in enumerate(plan.legs, start=1)
-    )
+    ]
+    legs = tuple(path for path in paths if path.arcs)
     if step_s is None:
         arcs = [arc for path in legs for arc in path.arcs]
         step_s = max((_step(arc.end_s - arc.start_s, None) for arc in arcs), default=STEP_S)
@@ -189,13 +190,16 @@ def sample(instance: Instance, plan: Plan, step_s: float | None = None) -> Traje
 
 def _span(leg: Leg) -> float:
     """From the first to the last of a leg's times, whatever their order in a spoiled plan [s]."""
-    times = [leg.ready_s, leg.burns[0].time_s, leg.arrival_s, leg.end_s]
+    times = [leg.ready_s, leg.leaves_s, leg.arrival_s, leg.end_s]
     return max(times) - min(times)
 
 
 def _arcs(instance: Instance, number: int, leg: Leg, step_s: float | None) -> tuple[Arc, ...]:
+    if leg.kind == "launch":
+        # Before it the chaser is nowhere.
+        return tuple(_stay(instance, leg, step_s))
     found = []
-    start = leg.burns[0].time_s
+    start = leg.leaves_s
     times = _times(leg.ready_s, start, step_s)
     if times is not None:
         found.append(_at_body("wait", times, instance, leg.origin))
@@ -218,14 +222,19 @@ def _arcs(instance: Instance, number: int, leg: Leg, step_s: float | None) -> tu
             position, velocity = positions[-1], velocities[-1]
     except ArithmeticError as error:
         raise InputError(f"leg {number}: cannot be flown: {error}; correct its burns") from None
-    docked, begins = leg.burns[-1].time_s, service_begins(instance, leg)
-    for phase, since, until in (("wait", docked, begins), ("service", begins, leg.end_s)):
-        times = _times(since, until, step_s)
-        if times is not None:
-            found.append(_at_body(phase, times, instance, leg.destination))
+    found += _stay(instance, leg, step_s)
     if not found:
         raise InputError(f"leg {number}: takes no time; correct its times")
     return tuple(found)
+
+
+def _stay(instance: Instance, leg: Leg, step_s: float | None) -> Iterator[Arc]:
+    """From the end of a transfer to the end of the service."""
+    begins = service_begins(instance, leg)
+    for phase, since, until in (("wait", leg.docked_s, begins), ("service", begins, leg.end_s)):
+        times = _times(since, until, step_s)
+        if times is not None:
+            yield _at_body(phase, times, instance, leg.destination)
 
 
 def _step(duration_s: float, step_s: float | None) -> float:

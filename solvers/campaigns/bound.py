@@ -10,7 +10,7 @@ and chasers of one kind have the same best walk.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
@@ -19,37 +19,54 @@ from adr_opt.campaign import Campaign
 from ..relaxation.walks import WalkBound
 
 
-def walk_bounds(
-    campaign: Campaign,
-    delta_v_slot_m_s: float,
-    *,
-    jobs: int,
-    over: Callable[[], bool],
-    networks: Sequence[WalkBound] | None = None,
-) -> tuple[WalkBound, ...]:
-    """A bound of walks for each kind of chasers, on the networks of others if they are known."""
-    known = [None] * len(campaign.kinds) if networks is None else [one.network for one in networks]
-    return tuple(
-        WalkBound(kind.mission, delta_v_slot_m_s, jobs=jobs, over=over, network=network)
-        for kind, network in zip(campaign.kinds, known, strict=True)
-    )
-
-
 class CampaignBound:
     """Best walks of all kinds of chasers for given multipliers, as a descent asks for them.
+
+    Kinds that move on one network share its walks.
 
     Parameters
     ----------
     campaign : Campaign
-    bounds : sequence of WalkBound
-        One of each kind.
+    delta_v_slot_m_s : float
+        Slot of the ΔV axis [m/s].
+    jobs : int
+        Threads.
+    over : callable
+        Asked now and then whether the time is over.
+    known : CampaignBound, optional
+        One whose networks are shared.
+
+    Attributes
+    ----------
+    of_kind : tuple of (WalkBound, int)
+        That each kind is in, and its number there.
     """
 
-    def __init__(self, campaign: Campaign, bounds: Sequence[WalkBound]) -> None:
-        self._bounds = bounds
+    def __init__(
+        self,
+        campaign: Campaign,
+        delta_v_slot_m_s: float,
+        *,
+        jobs: int,
+        over: Callable[[], bool],
+        known: CampaignBound | None = None,
+    ) -> None:
+        bounds: list[WalkBound] = []
+        places: dict[int, tuple[WalkBound, int]] = {}
+        for number, kinds in enumerate(campaign.networks):
+            earliest, *others = (campaign.kinds[kind].mission for kind in kinds)
+            network = None if known is None else known._bounds[number].network
+            bounds.append(
+                WalkBound(
+                    earliest, delta_v_slot_m_s, jobs=jobs, over=over, network=network, others=others
+                )
+            )
+            places |= {kind: (bounds[-1], start) for start, kind in enumerate(kinds)}
+        self._bounds: list[WalkBound] = bounds
+        self.of_kind = tuple(places[kind] for kind in range(len(campaign.kinds)))
         self._counts = [len(kind.chasers) for kind in campaign.kinds]
         # Multipliers that are exact in the coarsest unit are exact in all.
-        self._coarsest_first = sorted(range(len(bounds)), key=lambda number: -bounds[number].unit)
+        self._coarsest_first = sorted(bounds, key=lambda bound: -bound.unit)
         first = bounds[0]
         self.prize, self.is_target = first.prize, first.is_target
         self.dimensions, self.total, self.radius = first.dimensions, first.total, first.radius
@@ -57,13 +74,18 @@ class CampaignBound:
 
     def at(self, point: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
         """The bound near a point, the multipliers for which it holds, and its slope there."""
-        slope, values = np.ones(self.dimensions), np.zeros(len(self._bounds))
-        for number in self._coarsest_first:
-            bound = self._bounds[number]
-            value, point = bound.evaluate(point)
-            values[number] = value - math.fsum(point)
-            slope -= self._counts[number] * np.bincount(bound.walk, minlength=slope.size)
+        for bound in self._coarsest_first:
+            _, point = bound.evaluate(point)
+        slope, values = np.ones(self.dimensions), np.zeros(len(self.of_kind))
+        for kind, (bound, start) in enumerate(self.of_kind):
+            values[kind], walk = bound.best_from(start)
+            slope -= self._counts[kind] * np.bincount(walk, minlength=slope.size)
         slope[~self.is_target] = 0.0
         if np.isneginf(values).any():
             return -math.inf, point, slope
         return math.fsum([*point, *(self._counts * values)]), point, slope
+
+    def close(self) -> None:
+        """End the threads."""
+        for bound in self._bounds:
+            bound.close()

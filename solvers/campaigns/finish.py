@@ -10,7 +10,7 @@ and a set packing decides whether some of them make such a plan.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from enum import Enum
 
 import numpy as np
@@ -46,13 +46,13 @@ class Finish:
     Parameters
     ----------
     campaign : Campaign
-    bounds : sequence of WalkBound
-        Of each kind; their values are overwritten.
+    bounds : sequence of (WalkBound, int)
+        Of each kind, and its number there; their values are overwritten.
     """
 
-    def __init__(self, campaign: Campaign, bounds: tuple[WalkBound, ...]) -> None:
+    def __init__(self, campaign: Campaign, bounds: Sequence[tuple[WalkBound, int]]) -> None:
         self._campaign = campaign
-        self._searches = tuple(Search(bound, all_sets=True) for bound in bounds)
+        self._searches = tuple(Search(bound, start=start, all_sets=True) for bound, start in bounds)
         self._largest = float(campaign.worths.max(initial=0.0)) or 1.0
 
     @property

@@ -15,7 +15,7 @@ from adr_opt.planner import Progress
 from adr_opt.result import Result, certify_routes
 from adr_opt.stop import Stop
 
-from ..relaxation.proof import ProofOptions, bound_notes, fits_memory, set_up_s
+from ..relaxation.proof import ProofOptions, bound_notes, fits_memory, set_up_s, sweep_s
 from .incumbent import CampaignCertificate
 from .orders import FloatArray
 from .pool import Pool
@@ -23,7 +23,10 @@ from .proof import CampaignProof
 from .search import RouteSearch
 
 FIRST_MOVES, MOST_MOVES = 20, 160
-"""Moves of the search in a round: twice as many in each."""
+"""Moves of the search in a round: twice as many in each; more where proofs take their time."""
+
+USUAL_SWEEP_S = 0.017
+"""What a sweep of the walks takes where so many moves are made."""
 
 WIDTH = 100
 """Of the beams of a move."""
@@ -143,7 +146,8 @@ def plan(
         ended = until_done and (prover is None or prover.done)
         return ended or certificate.proven or stop(certificate.incumbent, certificate.bound)
 
-    rounds, moves = 0, FIRST_MOVES
+    rounds, most = 0, max(1, round(sweep_s(campaign) / USUAL_SWEEP_S))
+    moves = FIRST_MOVES * most
     with nullcontext() if prover is None else closing(prover), ThreadPoolExecutor(1) as threads:
         while not is_over():
             rounds += 1
@@ -166,7 +170,7 @@ def plan(
             if prover is not None:
                 prover.deliver()
                 search.multipliers = prover.multipliers
-            moves = min(2 * moves, MOST_MOVES)
+            moves = min(2 * moves, MOST_MOVES * most)
     counters: dict[str, float] = {"rounds": rounds, **search.counters}
     if prover is not None:
         counters |= prover.counters

@@ -41,6 +41,8 @@ class LabelPricing:
     ----------
     bound : WalkBound
         Of the kind; its values are overwritten.
+    start : int
+        Number of the kind there.
 
     Attributes
     ----------
@@ -48,10 +50,10 @@ class LabelPricing:
         After :meth:`search`: no route is worth more, less the multipliers.
     """
 
-    def __init__(self, bound: WalkBound) -> None:
-        self._routes = Routes(bound)
+    def __init__(self, bound: WalkBound, start: int) -> None:
+        self._routes = Routes(bound, start=start)
         # Remembers all, and lets a label dominate another one whatever that remembers.
-        self._quick = Routes(bound)
+        self._quick = Routes(bound, start=start)
         self._quick.neighbourhood[:], self._quick.compared[:] = -1, 0
         self.most_worth = math.inf
 

@@ -27,8 +27,8 @@ from adr_opt.stop import Stop
 
 from ..relaxation.multipliers import Descent
 from ..relaxation.proof import COARSER, FIRST_LABELS, GROWTH, ProofOptions
-from ..relaxation.walks import TimeIsOver, WalkBound
-from .bound import CampaignBound, walk_bounds
+from ..relaxation.walks import TimeIsOver
+from .bound import CampaignBound
 from .finish import Answer, Finish
 from .incumbent import CampaignCertificate
 from .master import Duals, Master
@@ -88,12 +88,12 @@ class CampaignProof:
         self._options, self._stop = options, stop
         self._rng = np.random.default_rng(seed)
         self._over = lambda: stop.remaining_s() <= 0.0
-        self._coarse = walk_bounds(
+        self._coarse = CampaignBound(
             campaign, COARSER * options.delta_v_slot_m_s, jobs=options.cores, over=self._over
         )
-        self._descent = Descent(CampaignBound(campaign, self._coarse))
+        self._descent = Descent(self._coarse)
         self._pricing: tuple[LabelPricing, ...] = ()
-        self._fine: tuple[WalkBound, ...] = ()
+        self._fine: CampaignBound | None = None
         self._master = Master(campaign)
         self._mixed: set[tuple[int, frozenset[int]]] = set()
         self._counts = [len(kind.chasers) for kind in campaign.kinds]
@@ -128,11 +128,11 @@ class CampaignProof:
             Asked now and then whether to leave it.
         """
         if not self._pricing:
-            self._fine = walk_bounds(
+            self._fine = CampaignBound(
                 self._campaign, self._options.delta_v_slot_m_s, jobs=self._options.cores,
-                over=self._over, networks=self._coarse,
+                over=self._over, known=self._coarse,
             )  # fmt: skip
-            self._pricing = tuple(map(LabelPricing, self._fine))
+            self._pricing = tuple(LabelPricing(*place) for place in self._fine.of_kind)
         with suppress(TimeIsOver):
             for _ in range(ITERATIONS):
                 if self.done or enough():
@@ -171,8 +171,9 @@ class CampaignProof:
         """Ask for a plan that is better than the incumbent, until there is none."""
         certificate = self._certificate
         assert self._priced is not None
+        assert self._fine is not None
         multipliers, most_worth, _ = self._priced
-        finish = Finish(self._campaign, self._fine)
+        finish = Finish(self._campaign, self._fine.of_kind)
         while not certificate.proven and not enough():
             goal = certificate.goal
             if not self._campaign.prize_step:  # what is asked for has to be within the tolerance
@@ -270,5 +271,6 @@ class CampaignProof:
 
     def close(self) -> None:
         """End the threads."""
-        for bound in (*self._coarse, *self._fine):
-            bound.close()
+        self._coarse.close()
+        if self._fine is not None:
+            self._fine.close()

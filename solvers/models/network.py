@@ -188,7 +188,7 @@ def all_of(rows: Rows, rules: Rules) -> Network:
     """
     order = np.argsort(rows.departure, kind="stable")
     # What comes before the start in time cannot be reached from it.
-    order = order[int(np.flatnonzero(order == rows.root)[0]) :]
+    order = order[int(np.flatnonzero(order == rows.roots[0])[0]) :]
     number = np.full(rows.departure.size, -1, dtype=np.int32)
     number[order] = np.arange(order.size)
     count = np.diff(rows.first)[order]

@@ -50,8 +50,8 @@ class Buckets(NamedTuple):
         Least ΔV of any leg between the same bodies in the same step of ΔV [m/s].
     is_station, may_end : (bodies,) bool
         As in :class:`adr_opt.kernels.rules.Rules`.
-    root : int
-        Bucket in which the mission begins.
+    roots : (starts,) int32
+        Bucket in which each of the missions begins that move on them.
     shortest : float
         No leg lands in a bucket that opens less than this after the one that it leaves [s].
     """
@@ -67,7 +67,7 @@ class Buckets(NamedTuple):
     least: np.ndarray
     is_station: np.ndarray
     may_end: np.ndarray
-    root: int
+    roots: np.ndarray
     shortest: float
 
 
@@ -231,6 +231,6 @@ def build(
         np.concatenate([each[4] for each in kept]),
         network.is_station,
         network.may_end,
-        int(of_row[network.root]),
+        of_row[network.roots],
         network.shortest - length,
     )

@@ -191,10 +191,11 @@ class CostProof:
         tables = []
         for price in prices:
             walks.cost_at(price, self._worth)
-            tables.append((walks.values.best.copy(), walks.values.second.copy()))
+            tables.append((walks.values.best[0].copy(), walks.values.second[0].copy()))
         values = Table(
             walks.buckets.of_row, np.stack([one for one, _ in tables]),
-            np.stack([one for _, one in tables]), walks.bits, walks.width, walks.top, walks.slot,
+            np.stack([one for _, one in tables]), tables[0][0].size, walks.bits, walks.width,
+            walks.top, walks.slot,
         )  # fmt: skip
         for routes in (self._proving, self._finding):
             routes.pay(values, prices, reach, self._worth)

@@ -24,6 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels.compile import inlined, kernel
+from adr_opt.kernels.loads import Loads, after_service, full_tank
 from adr_opt.kernels.memory import borrowed
 
 from .buckets import SLACK
@@ -40,9 +41,10 @@ class Table(NamedTuple):
     ----------
     bucket : (rows,) int32
         Where the values of a row lie.
-    best, second : (kinds, before + buckets·width) int32
-        The values of each kind, packed as :class:`.walks.Values` says.
-    bits, width, top : int
+    best, second : (kinds, layers·layer) int32
+        The values of each kind, packed as :class:`.sweeps.Values` says; a layer for each number of
+        kits aboard.
+    layer, bits, width, top : int
     slot : float
         As of the bound that they come from [m/s].
     """
@@ -50,6 +52,7 @@ class Table(NamedTuple):
     bucket: np.ndarray
     best: np.ndarray
     second: np.ndarray
+    layer: int
     bits: int
     width: int
     top: int
@@ -75,6 +78,8 @@ class Search(NamedTuple):
         What of it tells labels apart there. All of it in a proof.
     budget : float
         [m/s].
+    loads : Loads or None
+        As in :class:`adr_opt.kernels.rules.Rules`.
     most_visits : int
         Services that a walk may make.
     price : float
@@ -97,6 +102,7 @@ class Search(NamedTuple):
     neighbourhood: np.ndarray
     compared: np.ndarray
     budget: float
+    loads: Loads | None
     most_visits: int
     price: float
     worths: np.ndarray
@@ -106,10 +112,10 @@ class Search(NamedTuple):
 
 
 @inlined
-def _place(table, row, left):
-    """Where the completion values at a row with some ΔV left lie."""
+def _place(table, row, left, kits):
+    """Where the completion values at a row with some ΔV left, and some kits, lie."""
     slots = min(int(left / table.slot + SLACK), table.top)
-    return (table.bucket[row] + 1) * table.width + slots
+    return kits * table.layer + (table.bucket[row] + 1) * table.width + slots
 
 
 @inlined
@@ -122,17 +128,17 @@ def _completion(table, kind, at, came_from):
 
 
 @inlined
-def _promises(search, row, left, value, worth, came_from):
+def _promises(search, row, left, kits, value, worth, came_from):
     """Whether a walk that is ready by a row can still become one that is asked for."""
     values = search.values
-    at = _place(values, row, left)
+    at = _place(values, row, left, kits)
     for kind in range(search.need.size):
         most = value + (_completion(values, kind, at, came_from) << FINE)
         if most + np.int64(search.shift[kind] * worth) < search.need[kind]:
             return False
     if search.price == 0.0:
         return True
-    at = _place(search.reach, row, left)
+    at = _place(search.reach, row, left, kits)
     most_worth = _completion(search.reach, 0, at, came_from) * search.reach_unit
     return worth + most_worth >= search.least_worth
 
@@ -143,15 +149,23 @@ def _stay(search, labels, waiting, row, i, kept):
     for k in range(waiting.size[i]):
         label = waiting.label[i, k]
         kept[k] = label >= 0 and _promises(
-            search, row, labels.left[label], labels.value[label], labels.worth[label],
-            labels.came_from[label],
+            search, row, labels.left[label], labels.kits[label], labels.value[label],
+            labels.worth[label], labels.came_from[label],
         )  # fmt: skip
     keep(waiting, i, kept, 2 * search.neighbourhood.shape[1])
     waiting.bucket[i] = search.values.bucket[row]
 
 
 @inlined
-def _useful(network, search, row, value, left, worth, i, j):
+def _rest(search, to_station, j, left, kits, cost):
+    """What is left after a leg and the service there, and how many kits; less than 0 for no way."""
+    if to_station:
+        return full_tank(search.loads, search.budget, kits), kits
+    return after_service(search.loads, j, kits, left - cost)
+
+
+@inlined
+def _useful(network, search, row, value, left, kits, worth, i, j):
     """The legs of a row that may lead on: from the one number to before the other one.
 
     The later they land, the less they cost. So none is of use that lands too late even for the
@@ -161,14 +175,16 @@ def _useful(network, search, row, value, left, worth, i, j):
     least = network.delta_v[last]
     if least > left:
         return first, first
-    rest = search.budget if network.is_station[j] else left - least
+    rest, aboard = _rest(search, network.is_station[j], j, left, kits, least)
+    if rest < 0.0:
+        return first, first
     most = value + search.gain[j] - np.int64(search.price * least)
-    if not _promises(search, network.landing[first], rest, most, worth, i):
+    if not _promises(search, network.landing[first], rest, aboard, most, worth, i):
         return first, first
     begin, end = first + 1, last + 1
     while begin < end:
         middle = (begin + end) // 2
-        if _promises(search, network.landing[middle], rest, most, worth, i):
+        if _promises(search, network.landing[middle], rest, aboard, most, worth, i):
             begin = middle + 1
         else:
             end = middle
@@ -177,9 +193,14 @@ def _useful(network, search, row, value, left, worth, i, j):
     while begin < end:
         middle = (begin + end) // 2
         cost = network.delta_v[middle]
-        rest = search.budget if network.is_station[j] else left - cost
         most = value + search.gain[j] - np.int64(search.price * cost)
-        if cost <= left and _promises(search, network.landing[first], rest, most, worth, i):
+        enough = cost <= left
+        if enough:
+            rest, aboard = _rest(search, network.is_station[j], j, left, kits, cost)
+            enough = rest >= 0.0 and _promises(
+                search, network.landing[first], rest, aboard, most, worth, i
+            )
+        if enough:
             end = middle
         else:
             begin = middle + 1
@@ -227,7 +248,9 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
         row = order[cursor[0]]
         i = body[row]
         while next_of(pending, row) >= 0:
-            if not arrive(waiting, labels, i, next_of(pending, row), search.compared[i]):
+            if not arrive(
+                waiting, labels, i, next_of(pending, row), search.compared[i], search.loads
+            ):
                 return CROWDED
             take(pending, row, words)
         if waiting.bucket[i] != search.values.bucket[row]:
@@ -246,7 +269,8 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                     continue
             left, value, worth = labels.left[here], labels.value[here], labels.worth[here]
             collected = worth + search.worths[j]
-            begin, end = _useful(network, search, row, value, left, collected, behind, j)
+            kits = np.int64(labels.kits[here])
+            begin, end = _useful(network, search, row, value, left, kits, collected, behind, j)
             if begin >= end:
                 continue
             # What does not limit a walk is not counted, so that it tells no labels apart.
@@ -259,16 +283,18 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                 if labels.row[here] <= network.since[leg]:
                     continue
                 landing = network.landing[leg]
-                rest = search.budget if to_station else left - network.delta_v[leg]
+                rest, aboard = _rest(search, to_station, j, left, kits, network.delta_v[leg])
                 then = value + search.gain[j] - np.int64(search.price * network.delta_v[leg])
-                if not _promises(search, landing, rest, then, collected, behind):
+                if not _promises(search, landing, rest, aboard, then, collected, behind):
                     continue
                 cursor[2] += 1
                 if is_dominated(
-                    waiting, labels, j, then, rest, visits, collected, remembered, compared
+                    waiting, labels, j, then, rest, aboard, visits, collected, remembered,
+                    compared, search.loads,
                 ) or is_preceded(
-                    pending, landing, labels, then, rest, visits, collected, remembered, compared
-                ):
+                    pending, landing, labels, then, rest, aboard, visits, collected, remembered,
+                    compared, search.loads,
+                ):  # fmt: skip
                     continue
                 count = cursor[1]
                 if count == labels.row.size:
@@ -276,6 +302,7 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                 labels.row[count], labels.parent[count] = landing, here
                 labels.value[count], labels.left[count] = then, rest
                 labels.visits[count], labels.worth[count] = visits, collected
+                labels.kits[count] = aboard
                 labels.came_from[count] = behind
                 for w in range(words):
                     labels.memory[count, w] = remembered[w]

@@ -107,7 +107,7 @@ def latest_of(bound: WalkBound, mission: Mission, multipliers: np.ndarray, value
     steps = int(value / step + 1e-9) + 1
     time = np.full((multipliers.size, bound.top + 1, steps + 1), NO_TIME_S)
     _fill(
-        bound.buckets, bound.values.best, bound.bits, bound.width, bound.unit, step,
+        bound.buckets, bound.values.best[0], bound.bits, bound.width, bound.unit, step,
         mission.rules.duration, time,
     )  # fmt: skip
     if time.shape[1] == 1:

@@ -9,6 +9,7 @@ coarser one, see :mod:`.buckets`.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
@@ -49,10 +50,10 @@ class Network(NamedTuple):
         Who was ready by this row has no use for any leg of the row.
     is_station, may_end : (bodies,) bool
         As in :class:`adr_opt.kernels.rules.Rules`.
-    root : int
-        Row at which the mission begins.
+    roots : (starts,) int64
+        Row at which each of the missions begins that move on it.
     shortest : float
-        Least time from departure to the end of service of any leg [s].
+        Least time from departure to the end of service of any leg but launches [s].
     """
 
     start: np.ndarray
@@ -65,7 +66,7 @@ class Network(NamedTuple):
     fresh: np.ndarray
     is_station: np.ndarray
     may_end: np.ndarray
-    root: int
+    roots: np.ndarray
     shortest: float
 
 
@@ -143,8 +144,13 @@ def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
 
 
 @inlined
-def _reachable(i, j, rules):
-    """Nobody goes to where he is, back to an orbit that is no body's, or to refuel unearned."""
+def _reachable(i, j, rules, is_start):
+    """Nobody goes to where he is, back to an orbit that is no body's, or to refuel unearned.
+
+    Nor does he leave from where others start.
+    """
+    if i < rules.first_target and not rules.is_station[i] and not is_start[i]:
+        return False
     if rules.is_station[j]:
         return i >= rules.first_target and i != j
     return j != i and j >= rules.first_target
@@ -172,14 +178,14 @@ def _found(i, j, orbits, extra_delta_v, transfer_rule, listed, last):
 
 
 @kernel
-def _from_body(i, orbits, extra_delta_v, transfer_rule, listed, rules):
+def _from_body(i, orbits, extra_delta_v, transfer_rule, listed, rules, is_start):
     """All legs of a body that fit into the mission: an :class:`Outgoing`."""
     bodies = rules.service.size
     departures, costs, numbers = [np.empty(0)], [np.empty(0)], [np.empty(0, np.int32)]
     ends, counts = [np.empty(0)], np.empty(bodies, np.int64)
     rows, legs, services, shortest = 0, 0, 0, np.inf
     for j in range(bodies):
-        last = rules.duration if _reachable(i, j, rules) else -1.0
+        last = rules.duration if _reachable(i, j, rules, is_start) else -1.0
         departure, arrival, delta_v, _, crossing = _found(
             i, j, orbits, extra_delta_v, transfer_rule, listed, last
         )
@@ -262,21 +268,34 @@ def _land(departure, start, post, duration, outgoing, landing, delta_v):
         delta_v[leg] = outgoing.delta_v[leg]
 
 
-def build(mission: Mission, *, jobs: int) -> Network:
+def build(mission: Mission, *, others: Sequence[Mission] = (), jobs: int) -> Network:
     """The network of a mission.
 
     Parameters
     ----------
     mission : Mission
+    others : sequence of Mission
+        That move on it as well: they differ from the first in where and when they start alone, and
+        none of them begins before it.
     jobs : int
         Threads. The network does not depend on it.
     """
     inputs, rules = mission.transfer_inputs, mission.rules
     bodies = rules.service.size
+    starting = [each.rules for each in (mission, *others)]
+    launched = {each.start for each in starting}.intersection(mission.instance.launches)
+    is_start = np.zeros(bodies, dtype=np.bool_)
+    is_start[[each.start for each in starting]] = True
     with ThreadPoolExecutor(jobs) as pool:
         found = list(
-            pool.map(lambda i: _from_body(i, *inputs, _listed(mission, i), rules), range(bodies))
+            pool.map(
+                lambda i: _from_body(i, *inputs, _listed(mission, i), rules, is_start),
+                range(bodies),
+            )
         )
+        for i in launched:
+            # It takes no time, so it stands before all that it leads to.
+            found[i].departure[:] = min(0.0, rules.ready) - 1.0
         start = np.zeros(bodies + 1, dtype=np.int64)
         start[1:] = np.cumsum([outgoing.departure.size + 1 for outgoing in found])
         departure = np.full(int(start[-1]), math.inf)
@@ -299,8 +318,17 @@ def build(mission: Mission, *, jobs: int) -> Network:
             )
 
         list(pool.map(land, range(bodies)))
-    shortest = min(rules.duration, *(outgoing.shortest for outgoing in found))
-    ahead = found[rules.start].departure
+    flown = [each.shortest for i, each in enumerate(found) if i not in launched]
+    shortest = min(rules.duration, *flown)
+    roots = [
+        start[each.start]
+        + (
+            0
+            if each.start in launched
+            else np.searchsorted(found[each.start].departure, earliest_taken(each.ready))
+        )
+        for each in starting
+    ]
     return Network(
         start,
         departure,
@@ -312,7 +340,7 @@ def build(mission: Mission, *, jobs: int) -> Network:
         fresh,
         rules.is_station,
         rules.may_end,
-        int(start[rules.start] + np.searchsorted(ahead, earliest_taken(rules.ready))),
+        np.array(roots, dtype=np.int64),
         shortest,
     )
 

@@ -21,6 +21,7 @@ import numpy as np
 
 from adr_opt.available_memory import available_bytes
 from adr_opt.campaign import Campaign, Problem
+from adr_opt.kernels.loads import most_kits
 from adr_opt.mission import Mission
 from adr_opt.options import MOST_JOBS, Options, option
 from adr_opt.planner import Progress
@@ -49,6 +50,7 @@ GROWTH = 4
 """Each round of searches may make so many times the labels of the one before."""
 
 SET_UP_S_PER_EVENT = 3e-6
+SWEEP_S_PER_ENTRY = 3.3e-8
 """Time that setting up a proof takes, which cannot be broken off, for each timetable entry.
 
 By `bench/set_up.py` on one core 0.6 to 0.9 µs on fields of 50 and 100 targets over 3 to 10 days,
@@ -333,12 +335,18 @@ def set_up_s(mission: Problem) -> float:
     return SET_UP_S_PER_EVENT * _entries(mission)
 
 
+def sweep_s(problem: Problem) -> float:
+    """About how long the values of all walks take for one set of multipliers [s]."""
+    layers = max(1 + most_kits(mission.rules.loads) for mission in problem.missions)
+    return SWEEP_S_PER_ENTRY * layers * _entries(problem)
+
+
 def _entries(problem: Problem) -> float:
     """Timetable entries; where connections are listed, and counted, as many as have so many.
 
-    Of each kind of chasers: each has a network of its own.
+    Of each kind of chasers that has a network of its own.
     """
-    kinds = len(problem.kinds) if isinstance(problem, Campaign) else 1
+    kinds = len(problem.networks) if isinstance(problem, Campaign) else 1
     entries, connecting = problem.missions[0].timetable.entries, problem.connecting
     if not connecting.drifts:
         return kinds * entries

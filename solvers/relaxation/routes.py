@@ -35,10 +35,10 @@ WALKS = 1000
 
 def table_of(bound: WalkBound) -> Table:
     """The completion values of the last evaluation of a bound."""
-    best, second = bound.values
+    best, second = bound.values.best, bound.values.second
     return Table(
-        bound.buckets.of_row, best[None], second[None], bound.bits, bound.width, bound.top,
-        bound.slot,
+        bound.buckets.of_row, best.reshape(1, -1), second.reshape(1, -1), best.shape[1],
+        bound.bits, bound.width, bound.top, bound.slot,
     )  # fmt: skip
 
 
@@ -49,6 +49,8 @@ class Routes:
     ----------
     bound : WalkBound
         Its network and values are used, and its values overwritten.
+    start : int
+        Number of the mission of the bound whose walks are looked for.
     all_sets : bool
         Tell labels of different sets of targets apart, so that of every set one is found that can
         be visited for what is asked: walks remember all, and none dominates another one but of the
@@ -66,8 +68,8 @@ class Routes:
     labels_made, searches : int
     """
 
-    def __init__(self, bound: WalkBound, *, all_sets: bool = False) -> None:
-        self._bound = bound
+    def __init__(self, bound: WalkBound, *, start: int = 0, all_sets: bool = False) -> None:
+        self._bound, self._start = bound, start
         self.greatest_prize = bound.greatest_prize
         network = bound.network
         bodies = bound.prize.size
@@ -83,6 +85,7 @@ class Routes:
         self.labels_made = 0
         self.searches = 0
         self._last = 0, 0
+        self._roots = 1 if bound.loads is None else bound.loads.full.size
         self._body = np.repeat(np.arange(bodies, dtype=np.int32), np.diff(network.start))
         self._order = np.argsort(network.departure, kind="stable")
         self._labels = labels_room(1 << 16, self.neighbourhood.shape[1])
@@ -95,10 +98,12 @@ class Routes:
         bound = self._bound
         # What is left of rounding to units would count for every target that is left out.
         kept = np.where((multipliers < bound.unit) | ~bound.is_target, 0.0, multipliers)
-        value, _ = bound.evaluate(kept, keep=True)
+        if not bound.holds(kept):
+            bound.evaluate(kept, keep=True)
+        value, _ = bound.best_from(self._start)
         self._gain = np.ceil((bound.prize - kept) / self._unit).astype(np.int64)
         self.total = float(kept.sum())
-        return value
+        return value + self.total
 
     def pay(self, values: Table, prices: np.ndarray, reach: WalkBound, least_worth: float) -> None:
         """Let walks pay for ΔV from now on: without multipliers.
@@ -121,6 +126,15 @@ class Routes:
         self._gain = np.ceil(prices[0] * bound.worths / self._unit).astype(np.int64)
         self.total = 0.0
 
+    def _begin(self) -> None:
+        """The labels at the start: one for each number of kits that may be taken along."""
+        bound, labels, roots = self._bound, self._labels, slice(self._roots)
+        labels.row[roots], labels.parent[roots] = bound.network.roots[self._start], -1
+        labels.value[roots], labels.memory[roots] = 0, 0
+        labels.left[roots] = bound.budget if bound.loads is None else bound.loads.full
+        labels.kits[roots] = np.arange(self._roots)
+        labels.visits[roots], labels.came_from[roots], labels.worth[roots] = 0, -1, 0.0
+
     def _extension(self, need: int) -> Callable[[Labels, np.ndarray], int]:
         """What extends labels for a while, for one search: takes them and the cursor."""
         bound = self._bound
@@ -130,13 +144,14 @@ class Routes:
         needs[0] = need
         search = Search(
             self._values, shift, needs, self._gain, self.neighbourhood, self.compared,
-            bound.budget, bound.most_targets, bound.price / self._unit, self._worths,
+            bound.budget, bound.loads, bound.most_targets, bound.price / self._unit, self._worths,
             self.least_worth, self._reach, self._reach_unit,
         )  # fmt: skip
         words = self.neighbourhood.shape[1]
         waiting = room(bound.prize.size, words, FIRST_WAITING)
         pending = pending_room(self._body.size, words, FIRST_BLOCKS)
-        send(pending, bound.network.root, self._labels, 0)
+        for label in range(self._roots):
+            send(pending, bound.network.roots[self._start], self._labels, label)
 
         def extend_labels(labels: Labels, cursor: np.ndarray) -> int:
             nonlocal waiting, pending
@@ -212,12 +227,9 @@ class Routes:
         bound = self._bound
         # A little lower, so that no rounding of the sum of multipliers counts.
         need = math.ceil((threshold - self.total) / self._unit - 1e-3)
-        labels = self._labels
-        labels.row[0], labels.parent[0] = bound.network.root, -1
-        labels.value[0], labels.left[0], labels.memory[0] = 0, bound.budget, 0
-        labels.visits[0], labels.came_from[0], labels.worth[0] = 0, -1, 0.0
+        self._begin()
         extend_labels = self._extension(need)
-        cursor = np.array([0, 1, 0], dtype=np.int64)
+        cursor = np.array([0, self._roots, 0], dtype=np.int64)
         self.searches += 1
         while True:
             labels = self._labels

@@ -24,23 +24,21 @@ What is exact and what is relaxed:
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
-from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.timetable import earliest_taken
 from adr_opt.mission import Mission
 
 from . import simd
 from .buckets import SLACK, assign
 from .buckets import build as fill
+from .layers import layers_of
 from .network import Network, build
-
-NEVER = -(2**30)
-"""Value of what is not possible; far enough from −2³¹ that adding to it cannot wrap around."""
+from .sweeps import Values, begin, sweep_until, trace
 
 LARGEST = 2**29
 """No sum of values exceeds it in size, code included."""
@@ -53,135 +51,15 @@ ROOM_BYTES = 0.6e9
 """Memory that the values of all states may take."""
 
 
-class Values(NamedTuple):
-    """Values of all states.
+def affordable(buckets: int, budget: float, slot: float, arrays: int = 2) -> float:
+    """The slot asked for, widened until the values of all states fit into memory [m/s].
 
-    A value is packed with the next body of the walk, ``value << bits | next``, so that comparing
-    compares values and the better next body comes along. A walk that stops has itself as next.
-
-    Attributes
+    Parameters
     ----------
-    best : (slots before + buckets·width,) int32
-        Best walk of (bucket, ΔV slots left); ``width`` numbers before the first one keep reads in
-        bounds.
-    second : the same shape
-        Best walk with another next body: what a chaser that just left the best's next may take.
+    arrays : int
+        So many integers for each bucket and slot.
     """
-
-    best: np.ndarray
-    second: np.ndarray
-
-
-@kernel
-def _sweep_buckets(buckets, best, second, code, toll, bits, width, top, i, high, low):
-    """Values of the buckets ``low`` to ``high`` − 1 (counted within body i), backwards."""
-    mask = (1 << bits) - 1
-    keep_value = simd.spread(~mask)
-    keep_next = simd.spread(mask)
-    never = simd.spread(NEVER)
-    # From a station nothing is forbidden; no code has all bits set.
-    came_from = simd.spread(mask if buckets.is_station[i] else i)
-    base = buckets.start[i]
-    priced = toll.size > 0
-    for bucket in range(base + high - 1, base + low - 1, -1):
-        begin, end = buckets.first[bucket], buckets.first[bucket + 1]
-        for c in range(0, width, simd.LANES):
-            # to wait
-            found = simd.load(best, (bucket + 2) * width + c)
-            other = simd.load(second, (bucket + 2) * width + c)
-            left = simd.plus(simd.count_up(), simd.spread(c))
-            for leg in range(begin, end):
-                cost = buckets.cost[leg]
-                if c + simd.LANES <= cost:
-                    continue
-                j = buckets.destination[leg]
-                landing = (buckets.landing[leg] + 1) * width
-                if buckets.is_station[j]:
-                    full = best[landing + top]
-                    if full & mask == i:
-                        full = second[landing + top]
-                    value = simd.both(simd.spread(full), keep_value)
-                else:
-                    value = simd.load(best, landing + c - cost)
-                    instead = simd.load(second, landing + c - cost)
-                    value = simd.where_equal(simd.both(value, keep_next), came_from, instead, value)
-                    value = simd.both(value, keep_value)
-                gain = code[j]
-                if priced:
-                    gain -= toll[leg] << bits
-                value = simd.plus(value, simd.spread(gain))
-                value = simd.where_less(left, simd.spread(cost), never, value)
-                loser = simd.smaller(found, value)
-                found = simd.larger(found, value)
-                loser = simd.where_same(found, loser, keep_next, never)
-                other = simd.larger(other, loser)
-            simd.store(best, (bucket + 1) * width + c, found)
-            simd.store(second, (bucket + 1) * width + c, other)
-
-
-@kernel
-def _begin(buckets, best, second, width, begun):
-    """In closing buckets a walk can only stop, where it may; what lies before all is NEVER."""
-    best[:width] = NEVER
-    second[:width] = NEVER
-    for i in range(buckets.start.size - 1):
-        closing = buckets.start[i + 1] * width
-        best[closing : closing + width] = i if buckets.may_end[i] else NEVER
-        second[closing : closing + width] = NEVER
-        begun[i] = buckets.start[i + 1] - 1 - buckets.start[i]
-
-
-@kernel
-def _sweep_until(
-    buckets, best, second, code, toll, bits, width, top, begun, begin, step, time
-):  # fmt: skip
-    """Values of all buckets that open at a time or after, of every step-th body from ``begin``."""
-    earliest = earliest_taken(time)
-    for i in range(begin, buckets.start.size - 1, step):
-        high = begun[i]
-        low = high
-        while low > 0 and buckets.opens[buckets.start[i] + low - 1] >= earliest:
-            low -= 1
-        _sweep_buckets(buckets, best, second, code, toll, bits, width, top, i, high, low)
-        begun[i] = low
-
-
-@kernel
-def _trace(buckets, best, second, code, toll, bits, width, top, bucket, body, left, walk):
-    """Follow the best walk from a state; returns its length."""
-    mask = (1 << bits) - 1
-    came_from = mask
-    length = 0
-    while True:
-        packed = best[(bucket + 1) * width + left]
-        if packed & mask == came_from:
-            packed = second[(bucket + 1) * width + left]
-        j = packed & mask
-        if j == body:
-            return length
-        # The first leg that yields this value: waiting for it costs nothing.
-        onward, leg = -1, buckets.first[bucket]
-        while onward < 0:
-            if buckets.destination[leg] == j and buckets.cost[leg] <= left:
-                rest = top if buckets.is_station[j] else left - buckets.cost[leg]
-                landing = buckets.landing[leg]
-                ahead = best[(landing + 1) * width + rest]
-                if not buckets.is_station[body] and ahead & mask == body:
-                    ahead = second[(landing + 1) * width + rest]
-                paid = toll[leg] if toll.size > 0 else 0
-                if (ahead >> bits) + (code[j] >> bits) - paid == packed >> bits:
-                    onward = landing
-            leg += 1
-        walk[length] = j
-        length += 1
-        left = rest
-        came_from = mask if buckets.is_station[body] else body
-        bucket, body = onward, j
-
-
-def affordable(buckets: int, budget: float, slot: float) -> float:
-    """The slot asked for, widened until the values of all states fit into memory [m/s]."""
-    while slot < budget and 8.0 * buckets * (budget / slot + simd.LANES) > ROOM_BYTES:
+    while slot < budget and 4.0 * arrays * buckets * (budget / slot + simd.LANES) > ROOM_BYTES:
         slot *= 2.0
     return slot
 
@@ -205,9 +83,11 @@ class WalkBound:
     over : callable
         Asked now and then whether the time is over.
     network : Network, optional
-        That of the mission, where it is known.
+        That of the missions, where it is known.
     parts : int
         Steps of ΔV in a slot that legs are told apart by, for walks that pay for it.
+    others : sequence of Mission
+        That move on the same network, see :func:`.network.build`.
 
     Attributes
     ----------
@@ -217,6 +97,10 @@ class WalkBound:
     values : Values
     slot : float
         Slot in use [m/s].
+    loads : Loads or None
+        As of the rules of the mission.
+    layers : Layers or None
+        As walks have them.
     most_legs : int
         No walk has more.
     unit : float
@@ -240,30 +124,39 @@ class WalkBound:
         over: Callable[[], bool] = lambda: False,
         network: Network | None = None,
         parts: int = 1,
+        others: Sequence[Mission] = (),
     ) -> None:
         rules = mission.rules
         self._over = over
         self.prize = np.array(rules.prize)
         self.is_target = np.arange(self.prize.size) >= rules.first_target
-        self.start = rules.start
+        self._starts = [each.rules.start for each in (mission, *others)]
         self.most_targets = rules.most_targets
         bodies = self.prize.size
-        self.network = network or build(mission, jobs=jobs)
+        self.network = network or build(mission, others=others, jobs=jobs)
         assignment = assign(self.network, bucket_share)
-        self.slot = affordable(int(assignment.start[-1]), rules.budget, delta_v_slot_m_s)
+        self.loads = rules.loads
+        layers = 1 if self.loads is None else self.loads.full.size
+        arrays = 2 if self.loads is None else 4 * layers
+        self.slot = affordable(int(assignment.start[-1]), rules.budget, delta_v_slot_m_s, arrays)
         self.top = math.floor(rules.budget / self.slot + SLACK)
         self.width = (self.top // simd.LANES + 1) * simd.LANES
         self._jobs = jobs
         self.buckets = fill(
             self.network, assignment, rules.budget, self.slot, parts=parts, jobs=jobs
         )
-        size = (int(self.buckets.start[-1]) + 1) * self.width
-        self.values = Values(np.empty(size, dtype=np.int32), np.empty(size, dtype=np.int32))
+        self.layers = layers_of(self.loads, self.slot, self.top, self.width)
+        size = layers, (int(self.buckets.start[-1]) + 1) * self.width
+        best, second = np.empty(size, dtype=np.int32), np.empty(size, dtype=np.int32)
+        landed = best, second
+        if self.layers is not None:
+            landed = np.empty_like(best), np.empty_like(second)
+        self.values = Values(best, second, *landed)
         # Buckets of one stage do not land in it, so their bodies are independent.
         self._stage = earliest_taken(self.buckets.shortest) * (1.0 - 1e-9)
         self._stages = int(rules.duration / self._stage) + 1 if self._stage > 0.0 else 1
         self.bits = int(bodies).bit_length()
-        self.most_legs = self._stages + 1
+        self.most_legs = self._stages + 2
         self.budget = rules.budget
         self.greatest_prize = float(self.prize.max(initial=0.0)) or 1.0
         room = LARGEST / (1 << self.bits) / self.most_legs / self.greatest_prize
@@ -272,6 +165,8 @@ class WalkBound:
         self.toll = np.empty(0, dtype=np.int32)
         self.price, self.worths = 0.0, self.prize
         self._begun = np.empty(bodies, dtype=np.int64)
+        self._common: tuple[Any, ...] = ()
+        self._kept: np.ndarray | None = None
         self._walk = np.empty(self.most_legs + 1, dtype=np.int64)
         self.walk = self._walk[:0]
         self._pool = ThreadPoolExecutor(jobs) if jobs > 1 else None
@@ -310,10 +205,11 @@ class WalkBound:
 
     def _sweep(self, sweep_until: Callable[..., None], *common: object) -> None:
         """Go backwards in time stage by stage, the bodies shared among the threads."""
-        for number in range(self._stages - 1, -1, -1):
+        for number in range(self._stages - 1, -2, -1):
             if self._over():
                 raise TimeIsOver
-            time = number * self._stage
+            # Launches stand before the beginning.
+            time = number * self._stage if number >= 0 else -math.inf
             if self._pool is None:
                 sweep_until(*common, 0, 1, time)
                 continue
@@ -364,24 +260,35 @@ class WalkBound:
         gain[~self.is_target], rounded[~self.is_target] = 0.0, 0.0
         code = (gain.astype(np.int64) << self.bits) + np.arange(gain.size)
         code = code.astype(np.int32)
-        value = self._longest(code)
-        if value is None:
-            return -math.inf, rounded
-        return value * self.unit + float(rounded.sum()), rounded
+        self._kept = None
+        self._sweep_all(code)
+        self._kept = rounded if keep else None
+        value, self.walk = self.best_from(0)
+        return value + float(rounded.sum()), rounded
 
-    def _longest(self, code: np.ndarray) -> int | None:
-        """Value of the best walk in units; ``code`` holds what each service is worth, packed.
+    def _sweep_all(self, code: np.ndarray) -> None:
+        """The values of all states; ``code`` holds what each service is worth, packed."""
+        self._common = (
+            self.buckets, self.values, self.layers, code, self.toll, self.bits, self.width,
+            self.top,
+        )  # fmt: skip
+        begin(self.buckets, self.values, self.layers, self.width, self._begun)
+        self._sweep(sweep_until, *self._common, self._begun)
 
-        None if there is no walk: the mission cannot end where it must.
+    def holds(self, multipliers: np.ndarray) -> bool:
+        """Whether the last evaluation was that of these multipliers, as they are."""
+        return self._kept is not None and np.array_equal(self._kept, multipliers)
+
+    def best_from(self, number: int) -> tuple[float, np.ndarray]:
+        """Value and bodies of the best walk of a mission, by its number, in the last evaluation.
+
+        −inf if there is no walk: the mission cannot end where it must.
         """
-        buckets, (best, second) = self.buckets, self.values
-        _begin(buckets, best, second, self.width, self._begun)
-        common = (buckets, best, second, code, self.toll, self.bits, self.width, self.top)
-        self._sweep(_sweep_until, *common, self._begun)
-        value = int(best[(buckets.root + 1) * self.width + self.top]) >> self.bits
-        if value < -LARGEST >> self.bits:
-            self.walk = self._walk[:0]
-            return None
-        length = _trace(*common, buckets.root, self.start, self.top, self._walk)
-        self.walk = self._walk[:length].copy()
-        return value
+        tops = np.array([self.top]) if self.layers is None else self.layers.tops
+        root, start = int(self.buckets.roots[number]), self._starts[number]
+        found = self.values.best[np.arange(tops.size), (root + 1) * self.width + tops] >> self.bits
+        kits = int(np.argmax(found))
+        if found[kits] < -LARGEST >> self.bits:
+            return -math.inf, self._walk[:0]
+        length = trace(*self._common, root, start, kits, int(tops[kits]), self._walk)
+        return float(found[kits]) * self.unit, self._walk[:length].copy()

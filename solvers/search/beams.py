@@ -39,6 +39,8 @@ TIME_VALUE_M_S_PER_H = 110.0
 """What an hour is worth where beams, and windows, choose one connection for each move; where planes
 drift it is less by as much as time is cheaper there."""
 
+FloatArray = npt.NDArray[np.float64]
+
 USUAL = -1.0
 """Stands for that in options."""
 
@@ -105,8 +107,8 @@ def beam_kernel(rules, done, first, guide, guided, weights, halt):
     done : (bodies,) bool
         Targets that are done.
     first : tuple
-        Body, targets since the last refuelling, and (states,) float64 each: time ready [s], ΔV left
-        [m/s], ΔV spent [m/s]. At most ``width`` are taken.
+        Body, targets since the last refuelling, kits aboard, (states,) int64, and (states,) float64
+        each: time ready [s], ΔV left [m/s], ΔV spent [m/s]. At most ``width`` are taken.
     guide : Latest
         Not looked at unless ``guided``.
     guided : bool
@@ -204,7 +206,6 @@ def beam_search(
     ways to fly it that are worth having. When ``stop`` has no time left, it is hurried to its end.
     """
     rules = mission.rules
-    front = mission.schedules.fronts(prefix)[-1]
     done = np.zeros(rules.service.size, dtype=np.bool_)
     since = 0
     for j in prefix:
@@ -220,9 +221,31 @@ def beam_search(
         settings.guarded,
         seed,
     )
+    first = _ways_to_fly(mission, prefix)
     with halted_by(stop) as halt:
         found, prize, delta_v, priced = beam_kernel(
-            rules, done, (body, since, front.ready, front.left, front.cost),
+            rules, done, (body, since, *first),
             no_latest() if guide is None else guide, guide is not None, weights, halt,
         )  # fmt: skip
     return np.concatenate([np.array(prefix, dtype=np.int64), found]), prize, delta_v, priced
+
+
+def _ways_to_fly(
+    mission: Mission, prefix: tuple[int, ...]
+) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray, FloatArray]:
+    """The ways to have flown a prefix that are worth having, with all kits that may be left then.
+
+    Returns
+    -------
+    kits : (ways,) int64
+    ready, left, spent : (ways,) float64
+        [s], [m/s], [m/s].
+    """
+    ways = list(mission.schedules.ways(prefix))
+    fronts = [front for _, front in ways]
+    return (
+        np.concatenate([np.full(front.ready.size, kits, dtype=np.int64) for kits, front in ways]),
+        np.concatenate([front.ready for front in fronts]),
+        np.concatenate([front.left for front in fronts]),
+        np.concatenate([front.cost for front in fronts]),
+    )

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.loads import most_kits
 from adr_opt.kernels.memory import borrowed, write
 from adr_opt.mission import Mission
 
@@ -50,10 +51,15 @@ def greedy_sequence(
     sequence : (moves,) int64
     """
     moves = np.array(tuple(beginning), dtype=np.int64)
-    sequence: npt.NDArray[np.int64] = _greedy(
-        mission.rules, mission.is_required, moves, alpha, beta, guarded
-    )
-    return sequence
+    rules = mission.rules
+    # What is taken along weighs: with every number of kits it is another mission.
+    most = most_kits(rules.loads)
+    heavy = rules.loads is not None and rules.loads.heavy
+    found: list[npt.NDArray[np.int64]] = [
+        _greedy(rules, mission.is_required, moves, alpha, beta, guarded, kits)
+        for kits in range(0 if heavy else most, most + 1)
+    ]
+    return max(found, key=lambda sequence: float(rule_kernels.collected(rules, sequence)))
 
 
 def guarded_sequence(mission: Mission) -> npt.NDArray[np.int64]:
@@ -62,13 +68,13 @@ def guarded_sequence(mission: Mission) -> npt.NDArray[np.int64]:
 
 
 @kernel
-def _greedy(rules, is_required, beginning, alpha, beta, guarded):
+def _greedy(rules, is_required, beginning, alpha, beta, guarded, kits):
     rules = borrowed(rules)
     bodies = rules.service.size
     visited = np.zeros(bodies, dtype=np.bool_)
     ends, lefts = np.empty(beginning.size), np.empty(beginning.size)
     moves, _, state = rule_kernels.replay(
-        rules, beginning, rule_kernels.beginning(rules), visited, ends, lefts
+        rules, beginning, rule_kernels.beginning_with(rules, kits), visited, ends, lefts
     )
     sequence = np.empty(moves + 2 * bodies, dtype=np.int64)
     write(sequence, beginning[:moves])

@@ -9,6 +9,7 @@ import numpy as np
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.compile import inlined, kernel
 from adr_opt.kernels.lists import rising
+from adr_opt.kernels.loads import full_tank, kits_after, may_stand_for
 from adr_opt.kernels.memory import borrowed, write
 from adr_opt.kernels.rules import Rules, State
 
@@ -56,7 +57,7 @@ class Level(NamedTuple):
 
     Attributes
     ----------
-    body, since : (width,) int64
+    body, since, kits : (width,) int64
     time, left : (width,) float64
         As in :class:`adr_opt.kernels.rules.State`.
     spent, prize : (width,) float64
@@ -70,6 +71,7 @@ class Level(NamedTuple):
 
     body: np.ndarray
     since: np.ndarray
+    kits: np.ndarray
     time: np.ndarray
     left: np.ndarray
     spent: np.ndarray
@@ -195,9 +197,9 @@ def _compact(cand, limit, count, wanted):
 def new_level(width, words):
     """Room for a level."""
     return Level(
-        np.empty(width, np.int64), np.empty(width, np.int64), np.empty(width), np.empty(width),
-        np.empty(width), np.empty(width), np.empty(width), np.empty(width, np.uint64),
-        np.empty((width, words), np.uint64),
+        np.empty(width, np.int64), np.empty(width, np.int64), np.empty(width, np.int64),
+        np.empty(width), np.empty(width), np.empty(width), np.empty(width), np.empty(width),
+        np.empty(width, np.uint64), np.empty((width, words), np.uint64),
     )  # fmt: skip
 
 
@@ -247,7 +249,9 @@ def succeed(search, level, size, serviced, wanted, cand):
     full = np.empty(rules.stations + 1)
     count, limit, priced = 0, np.inf, 0
     for s in range(size):
-        here = State(level.body[s], level.time[s], level.left[s], level.since[s], serviced)
+        here = State(
+            level.body[s], level.time[s], level.left[s], level.since[s], serviced, level.kits[s]
+        )  # fmt: skip
         ways[0], back[0], full[0] = STRAIGHT, 0.0, here.time
         choices = 1
         for station in range(rules.stations):
@@ -267,8 +271,9 @@ def succeed(search, level, size, serviced, wanted, cand):
                 begin = here
                 if way > 0:
                     begin = State(
-                        ways[way], full[way], rules.budget, np.int64(0), np.int64(serviced)
-                    )
+                        ways[way], full[way], full_tank(rules.loads, rules.budget, here.kits),
+                        np.int64(0), np.int64(serviced), here.kits,
+                    )  # fmt: skip
                 legal, delta_v, after = rule_kernels.step(rules, begin, j)
                 if not legal:
                     continue
@@ -338,9 +343,10 @@ def keep(search, level, serviced, cand, count, most, share, scratch, after):
         if held[j] == share:
             continue
         since = level.since[s] + 1 if cand.via[c] == STRAIGHT else np.int64(1)
+        kits = kits_after(rules.loads, j, level.kits[s])
         if turn < count and weights.guarded:
             # Asked only here: of all candidates it would take most of the time.
-            there = State(j, cand.end[c], cand.left[c], since, np.int64(serviced + 1))
+            there = State(j, cand.end[c], cand.left[c], since, np.int64(serviced + 1), kits)
             if not rule_kernels.has_way_back(rules, there):
                 waiting[stranded] = c
                 stranded += 1
@@ -353,12 +359,13 @@ def keep(search, level, serviced, cand, count, most, share, scratch, after):
             and after.body[other] == j
             and after.time[other] <= cand.end[c]
             and after.left[other] >= cand.left[c]
+            and may_stand_for(rules.loads, after.kits[other], kits)
         ):
             other = chain[other]
         if other >= 0:
             continue
         held[j] += 1
-        after.body[size], after.since[size] = j, since
+        after.body[size], after.since[size], after.kits[size] = j, since, kits
         after.time[size], after.left[size] = cand.end[c], cand.left[c]
         after.spent[size], after.key[size] = cand.spent[c], set_key
         after.prize[size] = level.prize[s] + rules.prize[j]
@@ -386,10 +393,10 @@ def begin(search, done, first, level):
         Written.
     """
     rules, keys = search.rules, search.keys
-    body, since, ready, left, spent = first
+    body, since, kits, ready, left, spent = first
     size = min(ready.size, level.body.size)
     for s in range(size):
-        level.body[s], level.since[s] = body, since
+        level.body[s], level.since[s], level.kits[s] = body, since, kits[s]
         level.time[s], level.left[s], level.spent[s] = ready[s], left[s], spent[s]
         level.prize[s], level.ahead[s], level.key[s] = 0.0, 0.0, np.uint64(0)
         for word in range(level.visited.shape[1]):

@@ -112,7 +112,7 @@ def extend(rules, order, labels, position):
     for a in range(labels.size[position]):
         here = State(
             i, labels.end[position, a], labels.left[position, a], np.int64(position),
-            np.int64(position),
+            np.int64(position), np.int64(0),
         )  # fmt: skip
         legal, _, then = rule_kernels.step(rules, here, j)
         if legal:

@@ -55,7 +55,7 @@ def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
     whose, colours = owners(instance, plan), chaser_colours(instance)
     stays: dict[int, Track] = {}
     for track in tracks:
-        if track.times_s[0] >= plan.legs[track.leg - 1].burns[-1].time_s - SHORTEST_ARC_S:
+        if track.times_s[0] >= plan.legs[track.leg - 1].docked_s - SHORTEST_ARC_S:
             stays.setdefault(track.leg, track)
     refuels = {
         at for at, leg in enumerate(plan.legs, start=1) if leg.destination in instance.station_names

@@ -40,13 +40,14 @@ def planes(instance: Instance, plan: Plan) -> Figure:
 
     def line(flown: Flown) -> dict[str, Any]:
         flies = [(n, index[leg.destination]) for n, leg in flown.legs if leg.destination in index]
-        route = [index[flown.chaser.start_name], *(body for _, body in flies)]
+        home = [] if flown.chaser.is_launched else [index[flown.chaser.start_name]]
+        route = [*home, *(body for _, body in flies)]
         name = flown.chaser.name
         return {
             "type": "scatter", "mode": "lines",
             "name": in_chart(name) if several(instance) else "chaser",
             "x": column(raan[route], 4), "y": column(inclination[route], 4),
-            "customdata": [0, *(n for n, _ in flies)],
+            "customdata": [*(0 for _ in home), *(n for n, _ in flies)],
             "line": {"color": colours[name], "width": 1}, "opacity": 0.6,
             "hoverinfo": "skip",
         }  # fmt: skip

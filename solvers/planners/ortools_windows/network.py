@@ -128,7 +128,7 @@ class Network(NamedTuple):
 def state_at(rules, body, time, left):
     """The state of a chaser that is free at a body; what it has serviced is counted elsewhere."""
     earned = np.int64(1 if body >= rules.first_target else 0)
-    return State(np.int64(body), time, left, earned, np.int64(0))
+    return State(np.int64(body), time, left, earned, np.int64(0), np.int64(0))
 
 
 @kernel

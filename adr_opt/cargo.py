@@ -1,0 +1,150 @@
+"""What chasers carry: kits, and how a tank by mass goes with them (MODEL section 5)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from .chasers import Chaser, TankByMass
+from .instance import Instance
+from .kernels.constants import SLACK_M_S
+from .kernels.loads import Loads
+
+
+def most_targets(instance: Instance, chaser: Chaser) -> int | None:
+    """So many targets a chaser may service; None for all of them."""
+    limits = [chaser.max_targets]
+    if all(target.removal == "kit" for target in instance.targets):
+        limits.append(chaser.kits)
+    known = [limit for limit in limits if limit is not None]
+    return min(known) if known else None
+
+
+def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:
+    """What a chaser carries, as the kernels take it; None where that makes no difference.
+
+    Parameters
+    ----------
+    instance : Instance
+    chaser : Chaser
+    margin : float
+        Share of each tank that is kept back.
+    """
+    takes = np.zeros(len(instance.names), dtype=np.int64)
+    takes[instance.first_target :] = [target.removal == "kit" for target in instance.targets]
+    wanted = int(takes.sum())
+    heavy = chaser.kit_mass_kg > 0.0
+    most = min(wanted, wanted if chaser.kits is None else chaser.kits)
+    if wanted == 0 or (not heavy and (most == wanted or wanted == len(instance.targets))):
+        return None
+    allowed = most_targets(instance, chaser)
+    most = most if allowed is None else min(most, allowed)
+    cargo = chaser.kit_mass_kg * np.arange(most + 1)
+    full = [(1.0 - margin) * chaser.tank.full_m_s(float(mass)) + SLACK_M_S for mass in cargo]
+    scale = np.ones((takes.size, most + 1))
+    loss = np.zeros_like(scale)
+    if heavy:
+        without_propellant = getattr(chaser.tank, "dry_mass_kg", 0.0) + cargo
+        lighter = without_propellant - chaser.kit_mass_kg
+        of_kit = np.divide(without_propellant, lighter, where=cargo > 0.0, out=np.ones(most + 1))
+        scale[takes == 1] = of_kit
+        loss[takes == 1] = of_kit - 1.0
+    columns = takes, np.array(full), scale, loss
+    for column in columns:
+        column.setflags(write=False)
+    return Loads(chaser.tank.exhaust_m_s, *columns, heavy)
+
+
+class Aboard(NamedTuple):
+    """What a chaser has aboard after a leg and the service or refuelling that follows it.
+
+    Attributes
+    ----------
+    left_m_s : float
+        What is left of the tank; less than 0 if it was not enough [m/s].
+    mass_kg : float or None
+        Of the chaser with propellant and kits; None where the tank is not one by mass.
+    kits : int
+        So many more are left behind.
+    on_arrival_m_s : float
+        What was left before the service [m/s].
+    """
+
+    left_m_s: float
+    mass_kg: float | None
+    kits: int
+    on_arrival_m_s: float
+
+
+def kits_of(instance: Instance, destinations: Iterable[str]) -> int:
+    """The kits that a route leaves behind, and so those that its chaser takes along."""
+    takers = {target.name for target in instance.targets if target.removal == "kit"}
+    return len(takers.intersection(destinations))
+
+
+def followed(
+    instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]
+) -> tuple[Aboard, ...]:
+    """What a chaser has aboard at the start, and after each leg.
+
+    Parameters
+    ----------
+    instance : Instance
+    chaser : Chaser
+    legs : sequence of (str, float)
+        Destination and ΔV [m/s] of each.
+    """
+    tank, kits = chaser.tank, kits_of(instance, (destination for destination, _ in legs))
+    takers = {target.name for target in instance.targets if target.removal == "kit"}
+    left = tank.full_m_s(kits * chaser.kit_mass_kg)
+    found = [Aboard(left, _mass_kg(chaser, kits, left), kits, left)]
+    for destination, delta_v in legs:
+        arrived = left = left - delta_v
+        if destination in instance.station_names:
+            left = tank.full_m_s(kits * chaser.kit_mass_kg)
+        elif destination in takers:
+            takers.remove(destination)
+            mass, kits = _mass_kg(chaser, kits, left), kits - 1
+            if mass is not None and chaser.kit_mass_kg > 0.0:
+                left = _left_m_s(chaser, kits, mass - chaser.kit_mass_kg)
+        found.append(Aboard(left, _mass_kg(chaser, kits, left), kits, arrived))
+    return tuple(found)
+
+
+def tank_worths(
+    instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]
+) -> tuple[float, ...]:
+    """What each tank of a chaser is worth over the legs that it flies from it [m/s].
+
+    That of a tank by mass goes with what is left behind meanwhile, and when.
+    """
+    if not isinstance(chaser.tank, TankByMass):
+        refuellings = sum(destination in instance.station_names for destination, _ in legs)
+        return (chaser.tank.delta_v_m_s,) * (1 + refuellings)
+    stages = followed(instance, chaser, legs)
+    worths, used = [], 0.0
+    for (destination, delta_v), stage in zip(legs, stages[1:], strict=True):
+        used += delta_v
+        if destination in instance.station_names:
+            worths.append(used + stage.on_arrival_m_s)
+            used = 0.0
+    return (*worths, used + stages[-1].left_m_s)
+
+
+def _mass_kg(chaser: Chaser, kits: int, left_m_s: float) -> float | None:
+    """Mass with so many kits and so much left in the tank [kg]."""
+    tank = chaser.tank
+    if not isinstance(tank, TankByMass):
+        return None
+    without = tank.dry_mass_kg + kits * chaser.kit_mass_kg
+    return without * math.exp(left_m_s / tank.exhaust_m_s)
+
+
+def _left_m_s(chaser: Chaser, kits: int, mass_kg: float) -> float:
+    """What is left in the tank at a mass, with so many kits [m/s]."""
+    assert isinstance(chaser.tank, TankByMass)
+    without = chaser.tank.dry_mass_kg + kits * chaser.kit_mass_kg
+    return chaser.tank.exhaust_m_s * math.log(mass_kg / without)

@@ -1,0 +1,105 @@
+"""Kits and tanks by mass: planners, bounds and `check` against plain enumeration of masses."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from brute_force import brute_force_campaign
+from random_rules import (
+    carrying,
+    drifting_mission,
+    mixed_campaign,
+    random_campaign,
+    random_mission,
+)
+
+import adr_opt
+from adr_opt.campaign import Campaign, is_campaign
+from adr_opt.cargo import loads_of
+from adr_opt.checking.tank import Tank
+from adr_opt.instance import Instance
+from adr_opt.kernels.constants import SLACK_M_S
+from adr_opt.kernels.loads import after_service
+
+CASES = 60
+
+
+def drawn(seed: int) -> Instance:
+    """One chaser or several, with kits, by turns under J2."""
+    draw = drifting_mission if seed % 4 == 3 else random_mission
+    make = (draw, lambda n: random_campaign(n, draw), lambda n: mixed_campaign(n, draw))[seed % 3]
+    return carrying(make(seed), seed)
+
+
+every_part = pytest.mark.parametrize(
+    "seeds",
+    [
+        pytest.param(range(part, CASES, 4), id=f"{part}", marks=[pytest.mark.slow] if part else [])
+        for part in range(4)
+    ],
+)
+
+
+@every_part
+@pytest.mark.parametrize("method", ["auto", "exact", "greedy", "greedy-guarded"])
+def test_plans_pass_and_bounds_hold(method, seeds):
+    """What is planned passes `check`, and enumeration knows nothing above what is proven."""
+    counted = planned = proven = 0
+    for seed in seeds:
+        instance, margin = drawn(seed), 0.15 * (seed % 5 == 0)
+        counted += is_campaign(instance)
+        campaign = Campaign(instance, margin=margin)
+        prizes, cost = brute_force_campaign(campaign)
+        result = adr_opt.solve(campaign, method, time_limit=30.0, iterations=8)
+        assert result.upper_bound >= prizes - 1e-9, seed
+        if result.plan is None:
+            assert math.isfinite(prizes) <= (result.status != "infeasible"), seed
+            continue
+        planned += 1
+        assert adr_opt.check(instance, result.plan) == (), seed
+        assert result.objective <= prizes + 1e-9, seed
+        for mission, route in zip(campaign.missions, result.routes, strict=True):
+            assert mission.time(route).made == len(route), seed  # also with the margin
+        if result.objective == pytest.approx(prizes):
+            assert result.plan.cost >= cost - 1e-6, seed
+        if result.status == "optimal":
+            assert result.objective == pytest.approx(prizes), seed
+            proven += 1
+    assert counted > 0.4 * len(seeds)
+    if method in ("auto", "exact"):
+        assert proven >= 0.8 * planned > 0.4 * len(seeds)
+
+
+def test_what_is_left_is_what_masses_say():
+    """ΔV left after legs, services and refuelling is that of the masses, by the rocket equation."""
+    rng = np.random.default_rng(1)
+    for _ in range(2000):
+        dry, kit = float(rng.uniform(50.0, 2000.0)), float(rng.uniform(0.1, 100.0))
+        instance = adr_opt.generate("tiny", 0)
+        chaser = instance.chaser.replace(
+            tank={
+                "dry_mass_kg": dry, "propellant_kg": float(rng.uniform(10.0, 3000.0)),
+                "isp_s": float(rng.uniform(50.0, 4000.0)),
+            },
+            kit_mass_kg=kit,
+        )  # fmt: skip
+        instance = instance.replace(
+            chasers=(chaser,),
+            targets=tuple(target.replace(removal="kit") for target in instance.targets),
+        )
+        loads = loads_of(instance, chaser, 0.0)
+        kits = int(rng.integers(1, loads.full.size))
+        tank, left = Tank(chaser, kits), float(loads.full[kits])
+        while kits:
+            assert left - SLACK_M_S == pytest.approx(tank.left_m_s, rel=1e-9, abs=1e-7)
+            if rng.random() < 0.2:
+                tank.fill()
+                left = float(loads.full[kits])
+            delta_v = float(rng.uniform(0.0, 0.5)) * tank.left_m_s
+            tank.burn(delta_v)
+            tank.leave_kit()
+            richer, _ = after_service(loads, instance.first_target, kits, left - delta_v + 1e-3)
+            left, kits = after_service(loads, instance.first_target, kits, left - delta_v)
+            assert richer > left  # who is richer before is so after it
