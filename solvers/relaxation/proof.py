@@ -337,7 +337,7 @@ def set_up_s(mission: Problem) -> float:
 
 def sweep_s(problem: Problem) -> float:
     """About how long the values of all walks take for one set of multipliers [s]."""
-    layers = max(1 + most_kits(mission.rules.loads) for mission in problem.missions)
+    layers = max(1 + int(most_kits(mission.rules.loads)) for mission in problem.missions)
     return SWEEP_S_PER_ENTRY * layers * _entries(problem)
 
 
