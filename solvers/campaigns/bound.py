@@ -35,6 +35,8 @@ class CampaignBound:
         Asked now and then whether the time is over.
     known : CampaignBound, optional
         One whose networks are shared.
+    kind : type
+        Of the bounds of walks.
 
     Attributes
     ----------
@@ -50,6 +52,7 @@ class CampaignBound:
         jobs: int,
         over: Callable[[], bool],
         known: CampaignBound | None = None,
+        kind: type[WalkBound] = WalkBound,
     ) -> None:
         bounds: list[WalkBound] = []
         places: dict[int, tuple[WalkBound, int]] = {}
@@ -57,7 +60,7 @@ class CampaignBound:
             earliest, *others = (campaign.kinds[kind].mission for kind in kinds)
             network = None if known is None else known._bounds[number].network
             bounds.append(
-                WalkBound(
+                kind(
                     earliest, delta_v_slot_m_s, jobs=jobs, over=over, network=network, others=others
                 )
             )
@@ -84,6 +87,19 @@ class CampaignBound:
         if np.isneginf(values).any():
             return -math.inf, point, slope
         return math.fsum([*point, *(self._counts * values)]), point, slope
+
+    def charge(self, worth_m_s: float) -> None:
+        """Let walks be worth so much for each unit of what they collect, less their ΔV.
+
+        For bounds of walks that pay.
+        """
+        for bound in self._bounds:
+            bound.charge(worth_m_s)
+
+    @property
+    def largest_gain(self) -> float:
+        """No target may be worth more to any of the walks."""
+        return min(bound.greatest_prize for bound in self._bounds)
 
     def close(self) -> None:
         """End the threads."""

@@ -17,6 +17,7 @@ from adr_opt.stop import Stop
 
 from ..relaxation.proof import ProofOptions, bound_notes, fits_memory, set_up_s, sweep_s
 from .incumbent import CampaignCertificate
+from .least_cost import prove_campaign_cost
 from .orders import FloatArray
 from .pool import Pool
 from .proof import CampaignProof
@@ -115,6 +116,7 @@ def plan(
     options: ProofOptions,
     proves: bool = True,
     until_done: bool = False,
+    cost: bool = False,
 ) -> Result:
     """The best plan that the time allows, and a proof where one is found.
 
@@ -133,6 +135,8 @@ def plan(
         Whether to work on the bound.
     until_done : bool
         End when the proof can do no more.
+    cost : bool
+        Go on to the least ΔV of plans that collect as much, once the prizes are proven.
     """
     began = time.perf_counter()
     certificate, pool = CampaignCertificate(campaign, progress), Pool(campaign)
@@ -174,6 +178,11 @@ def plan(
     counters: dict[str, float] = {"rounds": rounds, **search.counters}
     if prover is not None:
         counters |= prover.counters
+    cost_bound = None
+    by_delta_v = campaign.instance.objective.cost == "delta-v"
+    if cost and by_delta_v and certificate.proven and certificate.sequence is not None:
+        cost_bound, counted = prove_campaign_cost(campaign, certificate, pool, stop, options)
+        counters |= counted
     return certify_routes(
         campaign,
         method,
@@ -181,6 +190,7 @@ def plan(
         seed=seed,
         runtime_s=time.perf_counter() - began,
         upper_bound=certificate.stated,
+        cost_bound=cost_bound,
         counters=counters,
         notes=bound_notes(campaign) if math.isfinite(certificate.stated) else (),
     )

@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from adr_opt.campaign import Campaign
-from adr_opt.errors import InputError
 from adr_opt.mission import Mission
 from adr_opt.options import option
 from adr_opt.planner import Progress, for_campaigns
@@ -65,11 +64,9 @@ def _campaign(
     start: Iterable[Iterable[int]] | None = None,
     options: ExactOptions = ExactOptions(),
 ) -> Result:
-    if options.cost:
-        raise InputError("cost: the least cost is proven for one chaser only; leave it out")
     return plan(
         "exact", campaign, seed=seed, stop=stop, progress=progress, start=start, options=options,
-        until_done=True,
+        until_done=True, cost=options.cost,
     )  # fmt: skip
 
 

@@ -19,7 +19,7 @@ the cost of a plan, and without them labels that collect as many targets can be 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 
@@ -63,7 +63,7 @@ class PricedBound(WalkBound):
 
     Parameters
     ----------
-    mission, delta_v_slot_m_s, jobs, over, network
+    mission, delta_v_slot_m_s, jobs, over, network, others
         As of :class:`WalkBound`.
     """
 
@@ -74,10 +74,12 @@ class PricedBound(WalkBound):
         jobs: int,
         over: Callable[[], bool],
         network: Network | None = None,
+        others: Sequence[Mission] = (),
     ) -> None:
         super().__init__(
-            mission, delta_v_slot_m_s, jobs=jobs, over=over, network=network, parts=PARTS
-        )
+            mission, delta_v_slot_m_s, jobs=jobs, over=over, network=network, parts=PARTS,
+            others=others,
+        )  # fmt: skip
         self.worths = np.array(mission.rules.prize)
         self.price = 1.0
         self.greatest_prize = GREATEST_TANKS * max(self.budget, 1.0)
@@ -87,9 +89,14 @@ class PricedBound(WalkBound):
         most = LARGEST // (1 << self.bits) // 2
         self.toll = np.minimum(np.floor(self.buckets.least / self.unit), most).astype(np.int32)
 
+    def charge(self, worth_m_s: float) -> None:
+        """Let a unit of worth be worth so much to walks from now on [m/s]."""
+        self.prize = worth_m_s * self.worths
+        self._kept = None
+
     def cost_at(self, price: float, worth: float) -> tuple[float, float]:
         """The bound at a price of worth [m/s], and what the best walk is worth there."""
-        self.prize = price * self.worths
+        self.charge(price)
         value, _ = self.evaluate(np.zeros(self.prize.size), keep=True)
         return price * worth - value, float(self.worths[self.walk].sum())
 

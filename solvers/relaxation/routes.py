@@ -29,6 +29,9 @@ FIRST_WAITING = 256
 FIRST_BLOCKS = 4096
 """Blocks of labels on their way before there has to be more room."""
 
+ANY_WORTH = -1e300
+"""Less than anything is worth."""
+
 WALKS = 1000
 """Walks to learn from after a search."""
 
@@ -78,7 +81,7 @@ class Routes:
         self.compared = np.full_like(self.neighbourhood, -1)
         self._values = self._reach = table_of(bound)
         # More is set only where ΔV is paid for, see :mod:`.cost`.
-        self._reach_unit, self.least_worth = 1.0, 0.0
+        self._reach_unit, self.least_worth = 1.0, ANY_WORTH
         # Of two sets, one of which holds the other, the one has as many and the other no more.
         self._worths = np.where(bound.is_target, float(all_sets), 0.0)
         self._prices = np.zeros(1)

@@ -171,6 +171,10 @@ class WalkBound:
         self.walk = self._walk[:0]
         self._pool = ThreadPoolExecutor(jobs) if jobs > 1 else None
 
+    def charge(self, worth_m_s: float) -> None:
+        """Let a unit of worth be worth so much to walks from now on, for walks that pay [m/s]."""
+        raise NotImplementedError("these walks pay for nothing")
+
     @property
     def dimensions(self) -> int:
         """Number of multipliers: one for each body."""
