@@ -39,6 +39,9 @@ from .pricing import LabelPricing
 CENTRED = 0.5
 """Weight of the best prices against the master's duals."""
 
+QUICK_LABELS = 200_000
+"""Labels of a search that proves nothing."""
+
 ATTRACTIVE = 1e-7
 """A route of use makes the master cheaper by so much, as a share of what it costs now."""
 
@@ -190,10 +193,18 @@ class CampaignCost:
         worth, targets = self._near(duals)
         new, most, finished = False, np.zeros(len(self._pricing)), True
         self._bounds.charge(worth)
+        paid = duals.kinds + ATTRACTIVE * max(duals.cost, 1.0)
+        keep = [partial(self._keep, duals, kind) for kind in range(len(self._pricing))]
+        found = 0
         for kind, pricing in enumerate(self._pricing):
-            paid = float(duals.kinds[kind]) + ATTRACTIVE * max(duals.cost, 1.0)
+            found += len(
+                pricing.quickly(targets, float(paid[kind]), QUICK_LABELS, enough, keep[kind])
+            )
+        if found:
+            return
+        for kind, pricing in enumerate(self._pricing):
             answered, routes = pricing.search(
-                targets, paid, self._labels, enough, partial(self._keep, duals, kind)
+                targets, float(paid[kind]), self._labels, enough, keep[kind]
             )
             new, finished = new or bool(routes), finished and answered
             most[kind] = max(0.0, pricing.most_worth)
