@@ -64,6 +64,17 @@ def test_bodies_move_on_ellipses(problem):
         assert tilt == pytest.approx(abs(elements[2]), abs=1e-9)
 
 
+def test_the_sixth_element_is_the_mean_anomaly(problem):
+    """At t = 0 a target is where its sixth element says if that is the mean anomaly."""
+    for axis, eccentricity, _, _, _, mean in problem.elements:
+        elements = np.array([axis, eccentricity, 0.3, 0.0, 0.0, mean])
+        positions, velocities = kepler.states_of(elements, np.zeros(1))
+        cosine = (1.0 - np.linalg.norm(positions[0]) / axis) / eccentricity
+        sine = positions[0] @ velocities[0] / (eccentricity * math.sqrt(MU * axis))
+        anomaly = math.atan2(sine, cosine)
+        assert math.cos(anomaly - eccentricity * sine - mean) == pytest.approx(1.0, abs=1e-12)
+
+
 def test_the_anomaly_solves_its_equation():
     """E − e sin E is the mean anomaly, to rounding, up to eccentricities of 0.9."""
     for mean in np.linspace(-7.0, 7.0, 41):
