@@ -22,8 +22,8 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
-from gtoc9 import Leg, read_legs
 from machine import heading
+from outside.gtoc9.legs import Leg, read_legs
 
 import adr_opt
 from adr_opt.drift_burns import flown

@@ -1,24 +1,20 @@
-"""The 113 legs of the winning solution of GTOC9, as flown and as a closed form has them.
-
-The folder holds `debris_data.txt` (number, epoch as MJD2000, semi-major axis, eccentricity,
-inclination, RAAN, argument of perigee, mean anomaly; metres and radians) and `jpl_solution.json`
-(start of each mission; debris in order, stays and transfer times in days, ΔV of each leg).
-"""
+"""The 113 legs of the winning solution of GTOC9, as flown and as a closed form has them."""
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize
 
-from adr_opt.kernels import drift, orbits
-from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
+from adr_opt.kernels import drift
+from adr_opt.kernels.constants import DAY_S, OBLATENESS_M2
 
-LIMITS_M = EARTH_RADIUS_M + 200e3, EARTH_RADIUS_M + 2000e3
-"""Of the drift orbit, as radii; the contest asked for perigees above 6600 km."""
+from .campaign import FILE, read_campaign
+from .debris import FILE as DEBRIS
+from .debris import read_debris
+from .estimate import LIMITS_M
 
 
 class Leg(NamedTuple):
@@ -74,31 +70,13 @@ class Leg(NamedTuple):
         return float(min(minimize(total, start, method="BFGS").fun for start in starts))
 
 
-def _row(record: np.ndarray) -> np.ndarray:
-    """A debris as a row of ORBIT_COLUMNS, angles at MJD2000 0."""
-    _, epoch, axis, eccentricity, inclination, raan, perigee, anomaly = record
-    node, turning, advancing = orbits.secular_rates(axis, eccentricity, inclination, OBLATENESS_M2)
-    gone = epoch * DAY_S
-    return np.array(
-        [
-            axis, inclination, raan - node * gone,
-            perigee + anomaly - (turning + advancing) * gone,
-            node, turning + advancing, eccentricity, perigee - turning * gone, turning,
-        ]
-    )  # fmt: skip
-
-
 def read_legs(folder: Path) -> list[Leg]:
     """The legs in order of flight, mission by mission."""
-    rows = [_row(record) for record in np.loadtxt(folder / "debris_data.txt")]
-    solution = json.loads((folder / "jpl_solution.json").read_text(encoding="utf-8"))
+    rows = read_debris(folder / DEBRIS)
     legs = []
-    for start, mission in zip(solution["start_mjd2000"], solution["missions"], strict=True):
-        now, debris = start, mission["debris"]
-        for leg, days in enumerate(mission["transfer_d"]):
-            departure = now + mission["stay_d"][leg]
-            now = departure + days
-            pair = drift.prepare(rows[debris[leg]], rows[debris[leg + 1]], *LIMITS_M, OBLATENESS_M2)
-            flown = float(mission["dv_m_s"][leg])
-            legs.append(Leg(pair, departure * DAY_S, now * DAY_S, flown))
+    for mission in read_campaign(folder / FILE):
+        ways = zip(mission.stops[:-1], mission.stops[1:], mission.flown_m_s, strict=True)
+        for one, other, flown in ways:
+            pair = drift.prepare(rows[one.debris], rows[other.debris], *LIMITS_M, OBLATENESS_M2)
+            legs.append(Leg(pair, one.departure_d * DAY_S, other.arrival_d * DAY_S, flown))
     return legs

@@ -1,0 +1,82 @@
+"""Missions of GTOC9 in time, and the file of the winning solution."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+from adr_opt.errors import InputError
+
+from ..reading import floats_of, read_object, sequence_of
+
+FILE = "jpl_solution.json"
+
+
+class Stop(NamedTuple):
+    """A debris of a mission: its number, arrival and departure [d, MJD2000].
+
+    The departure from the last one is the end of the mission.
+    """
+
+    debris: int
+    arrival_d: float
+    departure_d: float
+
+
+@dataclass(frozen=True)
+class Removals:
+    """One mission.
+
+    Attributes
+    ----------
+    stops : tuple of Stop
+        In order of time; the first arrival is the launch.
+    flown_m_s : tuple of float
+        ΔV of the legs between stops as somebody else has them; empty where nobody does.
+    """
+
+    stops: tuple[Stop, ...]
+    flown_m_s: tuple[float, ...] = ()
+
+    @property
+    def begin_d(self) -> float:
+        """Launch, which is the first arrival [d, MJD2000]."""
+        return self.stops[0].arrival_d
+
+    @property
+    def end_d(self) -> float:
+        """End of the last stay [d, MJD2000]."""
+        return self.stops[-1].departure_d
+
+
+def read_campaign(path: Path) -> tuple[Removals, ...]:
+    """The missions of a file.
+
+    `start_mjd2000` holds the launches; each of `missions` its `debris` in order, `stay_d` and
+    `transfer_d` [d], and `dv_m_s` of its legs.
+    """
+    content = read_object(path)
+    missions = sequence_of(content, "missions", str(path))
+    begins = floats_of(content, "start_mjd2000", len(missions), str(path))
+    found = []
+    for number, (begin, mission) in enumerate(zip(begins, missions, strict=True)):
+        where = f"{path}: missions[{number}]"
+        if not isinstance(mission, dict):
+            raise InputError(f"{where}: not a JSON object; give the file as it is")
+        count = len(sequence_of(mission, "debris", where))
+        if count == 0:
+            raise InputError(f"{where}: no debris in it; give the file as it is")
+        debris = floats_of(mission, "debris", count, where)
+        if any(one != math.floor(one) or one < 0.0 for one in debris):
+            raise InputError(f"{where}: debris are numbers from 0; give the file as it is")
+        stays = floats_of(mission, "stay_d", count, where)
+        ways = floats_of(mission, "transfer_d", count - 1, where)
+        flown = floats_of(mission, "dv_m_s", count - 1, where)
+        stops, now = [], begin
+        for one, stay, way in zip(debris, stays, (*ways, 0.0), strict=True):
+            stops.append(Stop(int(one), now, now + stay))
+            now += stay + way
+        found.append(Removals(tuple(stops), flown))
+    return tuple(found)

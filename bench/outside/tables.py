@@ -1,0 +1,50 @@
+"""The table that every benchmark of the outside world ends in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Row:
+    """What is known of one instance.
+
+    Attributes
+    ----------
+    instance : str
+    published : float
+        The best figure that others published; NaN where there is none.
+    rescored : float
+        What our scorer makes of the published solution; NaN where there is no solution.
+    ours, bound : float
+        NaN where nothing was planned or proven.
+    taken_s : float
+        How long planning and proving took [s]; NaN where neither was done.
+    """
+
+    instance: str
+    published: float = math.nan
+    rescored: float = math.nan
+    ours: float = math.nan
+    bound: float = math.nan
+    taken_s: float = math.nan
+
+
+def _cell(value: float, form: str) -> str:
+    return "–" if math.isnan(value) else format(value, form)
+
+
+def table(rows: Sequence[Row], unit: str, form: str) -> str:
+    """The rows in Markdown; figures in a unit and as a format specification says."""
+    lines = [
+        f"| instance | published [{unit}] | re-scored | ours | bound | time |",
+        "|---|---|---|---|---|---|",
+    ]
+    for row in rows:
+        figures = row.published, row.rescored, row.ours, row.bound
+        cells = [_cell(value, form) for value in figures]
+        taken = "–" if math.isnan(row.taken_s) else f"{row.taken_s:.1f} s"
+        lines.append(f"| {row.instance} | {' | '.join(cells)} | {taken} |")
+    return "\n".join(lines)

@@ -1,0 +1,203 @@
+"""The closed form of long transfers against legs that others flew, and the rules of GTOC9."""
+
+from __future__ import annotations
+
+import itertools
+import json
+
+import numpy as np
+import pytest
+from from_outside import DATA, broken, external
+
+pytest.importorskip("scipy")
+
+from outside.gtoc9.campaign import Removals, Stop, read_campaign
+from outside.gtoc9.debris import read_debris
+from outside.gtoc9.estimate import connections, legs_m_s, matrices
+from outside.gtoc9.expense import expense_meur, launched_kg, propellant_kg
+from outside.gtoc9.legs import read_legs
+from outside.gtoc9.retiming import retimed
+from outside.gtoc9.scoring import score
+
+from adr_opt.errors import InputError
+
+FOLDER = DATA / "gtoc9"
+DEBRIS, WINNER = FOLDER / "debris_data.txt", FOLDER / "jpl_solution.json"
+
+pytestmark = external("gtoc9")
+
+
+@pytest.fixture(scope="module")
+def rows():
+    return read_debris(DEBRIS)
+
+
+@pytest.fixture(scope="module")
+def winner():
+    return read_campaign(WINNER)
+
+
+def test_the_winning_legs_cost_what_the_closed_form_says():
+    """The total of the 113 legs is met within 1 %, and a leg within 5.1 % in the mean."""
+    legs = read_legs(FOLDER)
+    assert len(legs) == 113
+    flown = np.array([leg.flown for leg in legs])
+    planned = np.array([leg.closed_form for leg in legs])
+    assert abs(planned.sum() / flown.sum() - 1.0) <= 0.01
+    assert np.abs(planned / flown - 1.0).mean() <= 0.051
+
+
+def test_the_winner_has_its_published_cost(rows, winner):
+    """With the ΔV as flown J is the published 731.28, which paid a little less for each launch."""
+    found = score(winner, [mission.flown_m_s for mission in winner], len(rows), slack_d=0.2)
+    assert found.total_meur == pytest.approx(731.2756, abs=0.25)
+    assert found.violations == ()
+
+
+def test_the_estimate_of_the_winner_is_near_its_cost(rows, winner):
+    """By the estimate at its own times the winner has J of 728, with all rules kept."""
+    found = score(winner, [legs_m_s(mission, rows) for mission in winner], len(rows), slack_d=0.2)
+    assert found.total_meur == pytest.approx(728.0, abs=1.0)
+    assert found.violations == ()
+
+
+def test_better_times_are_better_and_legal(rows, winner):
+    """Re-timed on half days within its own time, a mission keeps the rules and costs less."""
+    mission = winner[4]
+    better = retimed(mission, rows, 0.5)
+    assert [stop.debris for stop in better.stops] == [stop.debris for stop in mission.stops]
+    assert better.begin_d >= mission.begin_d - 1e-9
+    assert better.end_d <= mission.end_d + 1e-9
+    before, after = legs_m_s(mission, rows), legs_m_s(better, rows)
+    assert launched_kg(after) < launched_kg(before)
+    alone = score([better], [after], len(rows))
+    assert not [said for said in alone.violations if "removed 0" not in said]
+
+
+def test_no_times_of_the_grid_are_better(rows, winner):
+    """The dynamic program finds what trying all times of a short mission finds."""
+    three = Removals(winner[0].stops[4:7])
+    begin, step, times = three.begin_d, 2.5, 21
+    found = retimed(three, rows, step, begin, begin + step * (times - 1))
+    best = np.inf
+    for a, d, b, e, c in itertools.combinations_with_replacement(range(times), 5):
+        late = d - a < 2 or e - b < 2 or b == d or c == e or b - a > 12 or c - b > 12
+        if late or c + 2 > times - 1:
+            continue
+        tried = [a, d, b, e, c, c + 2]
+        days = [begin + step * place for place in tried]
+        stops = zip((stop.debris for stop in three.stops), days[::2], days[1::2], strict=True)
+        tried_one = Removals(tuple(Stop(*stop) for stop in stops))
+        best = min(best, launched_kg(legs_m_s(tried_one, rows)))
+    assert launched_kg(legs_m_s(found, rows)) == pytest.approx(best, rel=1e-12)
+
+
+def test_mass_is_counted_backwards():
+    """One leg of a kilometre a second and two kits weigh what the rocket equation says."""
+    grown = 2030.0 * np.exp(1000.0 / (340.0 * 9.80665))
+    assert launched_kg([1000.0]) == pytest.approx(grown + 30.0)
+    assert propellant_kg([1000.0]) == pytest.approx(grown - 2030.0)
+    assert launched_kg([]) == 2030.0
+    assert expense_meur(2100.0) == pytest.approx(55.0 + 2e-6 * 100.0**2)
+
+
+def shifted(stops, days):
+    return tuple(Stop(stop.debris, stop[1] + days, stop[2] + days) for stop in stops)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda stops: stops[:-1], "removed 0 times"),
+        (lambda stops: (Stop(23, 23557.18, 23561.58), *stops[1:]), "4.4"),
+        (lambda stops: (Stop(23, 23548.18, 23562.18), *stops[1:]), "38.8"),
+        (lambda stops: tuple(stop._replace(debris=0) for stop in stops), "debris 0: removed"),
+        (lambda stops: shifted(stops, 9.0), "the one before"),
+        (lambda stops: shifted(stops, -99.0), "from 23458"),
+    ],
+)
+def test_broken_rules_are_named(rows, winner, change, said):
+    """A first mission that breaks a rule is told by a sentence about that rule."""
+    stops = change(winner[0].stops)
+    spoilt = (Removals(stops), *winner[1:])
+    found = score(spoilt, [legs_m_s(mission, rows) for mission in spoilt], len(rows), slack_d=0.2)
+    assert any(said in sentence for sentence in found.violations), found.violations
+
+
+def test_too_much_propellant_is_named(rows, winner):
+    """A mission whose legs need more than 5000 kg is told."""
+    dear = [tuple(9.0 * leg for leg in mission.flown_m_s) for mission in winner]
+    found = score(winner, dear, len(rows), slack_d=0.2)
+    assert any("kg of propellant" in said for said in found.violations)
+
+
+def test_tables_agree_with_the_estimate(rows, winner):
+    """Connections and matrices hold the estimate of the times that they name."""
+    begin = winner[0].begin_d
+    departure, arrival, cost = connections(rows, 23, 55, begin, begin + 10.0, 2.5)
+    assert departure.size == 10
+    for leaves, comes, dear in zip(departure, arrival, cost, strict=True):
+        stops = Stop(23, 0.0, leaves / 86400.0), Stop(55, comes / 86400.0, 1e9)
+        assert legs_m_s(Removals(stops), rows)[0] == pytest.approx(dear, rel=1e-9)
+    duration, delta_v = matrices(rows[[23, 55]], [begin, begin + 2.5], 5.0)
+    assert (duration[:, 0, 1] == 5.0 * 86400.0).all()
+    assert np.isinf(duration[:, 0, 0]).all()
+    wanted = (departure == departure.min()) & np.isclose(arrival - departure, 5.0 * 86400.0)
+    assert delta_v[0, 0, 1] == pytest.approx(cost[wanted][0], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("1.000000000000000000000000000000", "7.0", "debris 7 where 1"),
+        ("7165739.682446470", "low 7165739.682446470", "9 values instead of 8"),
+        ("7165739.682446470000000000000000000000", "nan", "no finite number"),
+        ("7165739.682446470000000000000000000000", "7165", "no orbit about the Earth"),
+    ],
+)
+def test_broken_debris_are_refused(tmp_path, old, new, said):
+    """A file of debris that is not what it should be is refused with file, line and reason."""
+    with pytest.raises(InputError, match=said):
+        read_debris(broken(tmp_path, DEBRIS, old, new))
+
+
+def test_missing_debris_are_refused(tmp_path):
+    """A file that is not there, and one with nothing in it, are refused in a sentence."""
+    with pytest.raises(InputError, match="no such file"):
+        read_debris(tmp_path / "debris_data.txt")
+    (tmp_path / "debris_data.txt").write_text("\n")
+    with pytest.raises(InputError, match="no debris in it"):
+        read_debris(tmp_path / "debris_data.txt")
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda content: content.pop("missions"), "no list 'missions'"),
+        (lambda content: content["start_mjd2000"].pop(), "9 values of start_mjd2000"),
+        (lambda content: content["missions"][2].pop("stay_d"), r"\[2\]: no list 'stay_d'"),
+        (lambda content: content["missions"][1]["dv_m_s"].pop(), "10 values of dv_m_s instead"),
+        (lambda content: content["missions"][0]["debris"].append(0.5), "numbers from 0"),
+        (lambda content: content["missions"][0]["stay_d"].__setitem__(0, "5"), "no number"),
+        (lambda content: content["missions"].__setitem__(3, 4), r"\[3\]: not a JSON object"),
+    ],
+)
+def test_broken_campaigns_are_refused(tmp_path, change, said):
+    """A solution that is not what it should be is refused with the place and the reason."""
+    content = json.loads(WINNER.read_text(encoding="utf-8"))
+    change(content)
+    path = tmp_path / "solution.json"
+    path.write_text(json.dumps(content), encoding="utf-8")
+    with pytest.raises(InputError, match=said):
+        read_campaign(path)
+
+
+def test_what_is_no_json_is_refused(tmp_path):
+    """Half a file is refused in one sentence."""
+    path = tmp_path / "solution.json"
+    path.write_text(WINNER.read_text(encoding="utf-8")[:100], encoding="utf-8")
+    with pytest.raises(InputError, match="not JSON"):
+        read_campaign(path)
+    path.write_text("[]", encoding="utf-8")
+    with pytest.raises(InputError, match="not a JSON object"):
+        read_campaign(path)

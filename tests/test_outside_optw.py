@@ -1,0 +1,158 @@
+"""Orienteering with time windows as others state it: their optima, their rules, their files."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from from_outside import DATA, broken, external
+from outside.optw import reading
+from outside.optw.scoring import matrices, score, travel_ms
+from outside.optw.subsets import optimum
+
+from adr_opt.errors import InputError
+
+FOLDER = DATA / "optw"
+FIRST, STATIC = FOLDER / "20.1.1.TXT", FOLDER / "titt20.TXT"
+
+pytestmark = external("optw")
+
+
+@pytest.fixture(scope="module")
+def published():
+    return reading.read_optima(FOLDER / "optima.csv")
+
+
+def test_all_instances_are_read(published):
+    """There are 24, twelve of 20 places and twelve of 50, 21 with a proven optimum."""
+    files = reading.instance_files(FOLDER)
+    found = [reading.read_places(path) for path in files]
+    assert sorted(places.count for places in found) == [20] * 12 + [50] * 12
+    assert {places.name for places in found} == set(published)
+    assert sum(known.is_proven for known in published.values()) == 21
+    for places in found:
+        assert places.score[0] == places.score[-1] == 0.0
+        assert places.longest_ms == places.closes_ms[0] - places.opens_ms[0]
+
+
+@pytest.mark.parametrize("size", [20, 50])
+def test_travel_times_have_the_announced_shape(size):
+    """Both matrices of a size have nought on the diagonal, and later never arrives earlier."""
+    static = reading.read_static(FOLDER / f"titt{size}.TXT", size)
+    varying = reading.read_varying(FOLDER / f"tt{size}.TXT", size)
+    assert static.shape == (size, size, 1)
+    assert varying.shape == (size, size, reading.SLOTS)
+    for travel in (static, varying):
+        assert (travel[range(size), range(size)] == 0.0).all()
+        assert (np.diff(travel, axis=2) >= -reading.SLOT_MS).all()
+
+
+@pytest.mark.parametrize("group", [1, 2, 3, 4])
+def test_proven_optima_are_reproduced(published, group):
+    """The best of all subsets of 20 places has the score that CPLEX proved, and a legal tour."""
+    for number in (1, 2, 3):
+        path = FOLDER / f"20.{group}.{number}.TXT"
+        places = reading.read_places(path)
+        travel = reading.travel_of(path, places, varying=False)
+        found, tour = optimum(places, travel)
+        judged = score(places, travel, tour)
+        assert published[places.name].is_proven
+        assert found == judged.score == published[places.name].score
+        assert judged.violations == ()
+
+
+@pytest.mark.parametrize("varying", [False, True])
+def test_no_short_tour_beats_the_optimum(varying):
+    """Over the first places of an instance, trying every tour finds what all subsets find."""
+    places = reading.read_places(FIRST)
+    travel = reading.travel_of(FIRST, places, varying=varying)
+    some = [0, 1, 2, 3, 4, 5, 6, 19]
+    columns = places.score, places.service_ms, places.opens_ms, places.closes_ms
+    fewer = reading.Places("some", places.longest_ms, *(column[some] for column in columns))
+    between = travel[np.ix_(some, some)]
+    best = 0.0
+    for count in range(7):
+        for tour in itertools.permutations(range(1, 7), count):
+            judged = score(fewer, between, tour)
+            if not judged.violations:
+                best = max(best, judged.score)
+    found, tour = optimum(fewer, between)
+    assert found == best > 0.0
+    assert score(fewer, between, tour).violations == ()
+
+
+def test_ways_are_linear_between_slots():
+    """A way takes what is given at a slot, the mean half-way, and after the last slot the last."""
+    varying = reading.read_varying(FOLDER / "tt20.TXT", 20)
+    given = varying[3, 7]
+    begin, slot = reading.FIRST_MS, reading.SLOT_MS
+    assert travel_ms(varying, 3, 7, begin + 5 * slot) == given[5]
+    assert travel_ms(varying, 3, 7, begin + 5.5 * slot) == pytest.approx((given[5] + given[6]) / 2)
+    assert travel_ms(varying, 3, 7, begin + 55.5 * slot) == given[55]
+    duration, cost = matrices(varying, [begin, begin + slot])
+    assert duration[1, 3, 7] == pytest.approx(given[1] / 1e3)
+    assert np.isinf(duration[:, 3, 3]).all()
+    assert not cost.any()
+
+
+@pytest.mark.parametrize(
+    ("tour", "said"),
+    [
+        ([1, 1], "visited twice"),
+        ([0], "not between"),
+        ([19], "not between"),
+        ([*range(1, 12)], "closed"),
+    ],
+)
+def test_broken_rules_are_named(tour, said):
+    """A tour that breaks a rule is told by a sentence about that rule."""
+    places = reading.read_places(FIRST)
+    judged = score(places, reading.travel_of(FIRST, places, varying=False), tour)
+    assert any(said in sentence for sentence in judged.violations)
+
+
+def test_too_long_a_tour_is_named():
+    """A tour that ends in the window of the last place but takes too long is told."""
+    places = reading.read_places(FIRST)
+    travel = reading.travel_of(FIRST, places, varying=False)
+    short = reading.Places("short", 1e6, *(vars(places)[name] for name in list(vars(places))[2:]))
+    assert score(places, travel, []).violations == ()
+    assert "longer than" in score(short, travel, []).violations[0]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("20 ", "21 ", "20 places where it announces 21"),
+        ("18468;17;4;", "18468;17;", "line 4: 5 values instead of 6"),
+        ("18468;17;4;", "18468;many;4;", "line 4: 'many' is no finite number"),
+        ("25200000;32400000", "32400001;32400000", "line 4: closes at"),
+    ],
+)
+def test_broken_instances_are_refused(tmp_path, old, new, said):
+    """An instance that is not what it should be is refused with file, line and reason."""
+    with pytest.raises(InputError, match=said):
+        reading.read_places(broken(tmp_path, FIRST, old, new))
+
+
+def test_broken_travel_times_are_refused(tmp_path):
+    """Matrices of another size, and optima without their columns, are refused in a sentence."""
+    with pytest.raises(InputError, match="20 rows instead of 50"):
+        reading.read_static(STATIC, 50)
+    with pytest.raises(InputError, match="22400 values instead of 140000"):
+        reading.read_varying(FOLDER / "tt20.TXT", 50)
+    with pytest.raises(InputError, match="line 1: 19 values"):
+        reading.read_static(broken(tmp_path, STATIC, "0;5300461;", "0;"), 20)
+    with pytest.raises(InputError, match="no column 'score'"):
+        reading.read_optima(broken(tmp_path, FOLDER / "optima.csv", "score", "points"))
+    with pytest.raises(InputError, match=r"no instance like 20\.1\.1"):
+        reading.instance_files(tmp_path / "nowhere")
+
+
+def test_many_places_are_too_many_for_all_subsets():
+    """An instance of 50 places is refused with what would fit."""
+    path = FOLDER / "50.1.1.TXT"
+    places = reading.read_places(path)
+    with pytest.raises(InputError, match="at most 24 fit"):
+        optimum(places, reading.travel_of(path, places, varying=False))

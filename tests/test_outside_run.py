@@ -1,0 +1,76 @@
+"""The command that prints what is known of each benchmark of the outside world."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+
+import pytest
+from from_outside import BENCH, DATA, external
+
+
+@pytest.fixture(scope="module")
+def command():
+    """The script, which is no module of the package when it is run."""
+    before = list(sys.path)
+    sys.path.insert(0, str(BENCH))
+    spec = importlib.util.spec_from_file_location("outside_run", BENCH / "outside" / "run.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+        yield module.main
+    finally:
+        sys.path[:] = before
+
+
+@pytest.mark.parametrize(
+    ("name", "folder", "figures"),
+    [
+        pytest.param("gtoc9", "gtoc9", ("731.28", "728.37", "717."), marks=external("gtoc9")),
+        pytest.param("odrc", "mcrdv", ("44830.8 | 44830.8", "44278.7"), marks=external("mcrdv")),
+        pytest.param(
+            "kttsp", "kttsp", ("49 targets", "| small | 111.960"), marks=external("kttsp")
+        ),
+        pytest.param("optw", "optw", ("| 20.4.2 | 299 | 299 |", "50.4.1"), marks=external("optw")),
+    ],
+)
+def test_what_is_known_is_printed(command, capsys, name, folder, figures):
+    """From the folder of all data and from that of the benchmark the same figures are printed."""
+    said = []
+    for data in (DATA, DATA / folder):
+        assert command([name, "--data", str(data)]) == 0
+        said.append(capsys.readouterr().out.split("\n\n", 1)[1])
+    assert said[0] == said[1]
+    for figure in figures:
+        assert figure in said[0]
+
+
+def test_wrong_calls_are_refused(command, capsys, tmp_path, monkeypatch):
+    """Without a folder, with one that is not there or that is empty: one sentence, status 2."""
+    monkeypatch.delenv("ADR_OPT_EXTERNAL_DATA", raising=False)
+    calls = (
+        (["gtoc9"], "no folder given"),
+        (["odrc", "--data", str(tmp_path / "nowhere")], "no such folder"),
+        (["kttsp", "--data", str(tmp_path)], "no such file"),
+        (["optw", "--data", str(tmp_path), "--solution", "it"], "only solutions of kttsp"),
+    )
+    for arguments, sentence in calls:
+        assert command(arguments) == 2
+        said = capsys.readouterr()
+        assert said.out == ""
+        assert said.err.count("\n") == 1
+        assert sentence in said.err
+
+
+def test_what_judges_shares_nothing_with_planners():
+    """Scorers, and the enumerations that planners are held against, import no planner."""
+    judges = [
+        path for name in ("scoring", "subsets") for path in BENCH.glob(f"outside/*/{name}.py")
+    ]
+    assert len(judges) == 6
+    for path in judges:
+        text = path.read_text(encoding="utf-8")
+        assert "solvers" not in text
+        assert "import adr_opt" not in text
