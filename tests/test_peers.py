@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import importlib.util
+import itertools
+import math
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
-from brute_force import brute_force
+from brute_force import brute_force, brute_force_campaign
 from hand_made import BEYOND, FAR, NORTH, OPTIMAL_PLAN, SOUTH, STATION, hand_made
+from random_rules import random_campaign
 
 import adr_opt
+from adr_opt.campaign import Campaign, Problem
 from adr_opt.mission import Mission
 
 BENCH = Path(__file__).parents[1] / "bench"
@@ -76,6 +81,118 @@ def test_pyvrp_keeps_a_legal_plan(peers, tiny):
         as_it_is = peers.legal(mission, peers.as_it_is(mission, promise.order))
         mended = peers.legal(mission, peers.mended(mission, promise.order))
         assert as_it_is <= mended <= optimum + 1e-9
+
+
+STATIC_PEERS = pytest.mark.parametrize("peer", ["pyvrp", "ortools"])
+
+
+def promised(peers: ModuleType, peer: str, problem: Problem, **how: Any) -> Any:
+    """What a peer that plans on static costs promises; skipped if it is not there."""
+    if peer == "pyvrp" and not hasattr(pytest.importorskip("pyvrp").Model, "add_location"):
+        pytest.skip("PyVRP 0.14 or later")
+    plans = peers.pyvrp_promise if peer == "pyvrp" else peers.ortools_promise
+    return plans(problem, seed=0, **{"time_limit_s": 0.3, **how})
+
+
+def test_ortools_routing_keeps_a_legal_plan(peers, tiny):
+    """The order of OR-Tools' routing, timed exactly, passes check and never beats brute force."""
+    for (mission, optimum), statistic in zip(tiny, ("mean", "best", "middle"), strict=True):
+        promise = promised(peers, "ortools", mission, statistic=statistic)
+        assert promise.visits > 0.0
+        as_it_is = peers.legal(mission, peers.as_it_is(mission, promise.order))
+        mended = peers.legal(mission, peers.mended(mission, promise.order))
+        assert as_it_is <= mended <= optimum + 1e-9
+
+
+@STATIC_PEERS
+def test_static_peers_plan_campaigns(peers, peer):
+    """Routes of several chasers share no target, pass check once cut, and are not above the best.
+
+    What is promised is what the routes name, and mending takes nothing away.
+    """
+    kept = 0.0
+    for seed in range(6):
+        campaign = Campaign(random_campaign(seed))
+        promise = promised(peers, peer, campaign)
+        first = campaign.instance.first_target
+        targets = [j for route in promise.routes for j in route if j >= first]
+        assert len(promise.routes) == len(campaign.missions)
+        assert len(set(targets)) == len(targets)
+        assert promise.visits == pytest.approx(campaign.collected(targets))
+        prizes, _ = brute_force_campaign(campaign)
+        ways = [
+            peers.legal_routes(campaign, peers.timed(campaign, promise.routes, follow))
+            for follow in (peers.as_it_is, peers.mended)
+        ]
+        assert max(ways) <= max(prizes, 0.0) + 1e-9
+        kept += ways[1]
+    assert kept > 0.0
+
+
+def test_ortools_routing_keeps_tanks_at_its_costs(peers):
+    """On its own matrix each tank of OR-Tools holds, from refuelling to refuelling, and so the time.
+
+    No station follows another one or the start, and somebody does refuel.
+    """
+    instance = adr_opt.generate("campaign", 0, targets=20, chasers=2, stations=2)
+    campaign = Campaign(instance.with_limits(duration_s=5 * 86400.0, delta_v_m_s=600.0))
+    promise = promised(peers, "ortools", campaign, time_limit_s=1.0)
+    delta_v, duration = peers.static_costs(campaign.missions[0], "mean")
+    first, refuelled = instance.first_target, 0
+    assert all(len(route) > 1 for route in promise.routes)
+    for mission, route in zip(campaign.missions, promise.routes, strict=True):
+        way = [mission.rules.start, *route]
+        left, spent = mission.rules.budget, 0.0
+        for i, j in itertools.pairwise(way):
+            left, spent = left - delta_v[i, j], spent + duration[i, j]
+            assert left >= -1e-9
+            if j < first:
+                assert i >= first
+                left, refuelled = mission.rules.budget, refuelled + 1
+        assert spent <= mission.rules.duration
+    assert refuelled > 0
+
+
+def test_static_costs_are_sampled(peers):
+    """The middle matrix is one of the samples, and none is below the best of them."""
+    mission = Mission(adr_opt.generate("tiny", 1), threads=1)
+    best, middle, mean = (
+        peers.static_costs(mission, each)[0] for each in ("best", "middle", "mean")
+    )
+    assert (best <= middle + 1e-9).all()
+    assert (best <= mean + 1e-9).all()
+    half = mission.timetable.matrices([1800.0 * round(mission.rules.duration / 3600.0)]).delta_v[0]
+    same = np.isclose(middle, half) | ~np.isfinite(middle)
+    assert same.mean() > 0.9
+    assert not np.allclose(middle[same], best[same])
+
+
+def test_gaps_are_to_the_best_bound_of_the_mission(peers):
+    """A gap counts from the least bound of an instance, and never from that of a rounded model."""
+    row = peers.Row
+    rows = [
+        row("auto", "a", 9.0, 9.0, 10.0, 0.0, 1.0),
+        row("auto", "b", 8.0, 8.0, 8.0, 0.0, 1.0),
+        row("PyVRP, mean, as it is", "a", 5.0, 12.0, math.inf, 0.0, 1.0),
+        row("PyVRP, mean, as it is", "b", 6.0, 12.0, math.inf, 0.0, 1.0),
+        row("DIDPPy, 240 s, as it is", "a", 5.0, 5.0, 5.0, 0.0, 1.0),
+        row("DIDPPy, 240 s, as it is", "b", 6.0, 6.0, 6.0, 0.0, 1.0),
+    ]
+    shown = peers.table(rows, gaps=True)
+    assert "| auto | 8.50 | 9 8 | 8.50 | 100 % | 9.00 | 5.0 % |" in shown
+    assert "| PyVRP, mean, as it is | 5.50 | 5 6 | 12.00 | 46 % | – | 37.5 % |" in shown
+    assert "- PyVRP: one matrix for all times" in shown
+    assert "gap" not in peers.table(rows)
+
+
+def test_methods_for_one_chaser_are_left_out_of_campaigns(peers, capsys):
+    """Of several chasers only what plans for them is compared, and what is left out is named."""
+    ours, others = peers.able(["auto", "beam", "ortools"], ["pyvrp", "didppy"], True)
+    assert (ours, others) == (["auto", "ortools"], ["pyvrp"])
+    assert capsys.readouterr().err == "for one chaser, left out: beam, didppy\n"
+    assert peers.able(["beam"], None, False) == (["beam"], ["pyvrp", "didppy", "didppy-early"])
+    assert peers.able(["auto"], None, True) == (["auto"], ["pyvrp", "ortools"])
+    assert capsys.readouterr().err == ""
 
 
 @pytest.mark.parametrize("earlier_is_better", [False, True])

@@ -7,16 +7,26 @@ import math
 from pathlib import Path
 
 import adr_opt
+from adr_opt.campaign import Problem, problem_of
 from adr_opt.errors import InputError
 from adr_opt.generator import FAMILIES
 
 
-def missions(arguments: argparse.Namespace) -> list[adr_opt.Mission]:
-    """The missions asked for: files, or the first fields of a family."""
+def _instances(arguments: argparse.Namespace) -> list[adr_opt.Instance]:
+    """The instances asked for: files, or the first fields of a family."""
     if arguments.instances:
-        return [adr_opt.Mission(adr_opt.load(path)) for path in arguments.instances]
-    fields = range(arguments.count)
-    return [adr_opt.Mission(adr_opt.generate(arguments.family, field)) for field in fields]
+        return [adr_opt.load(path) for path in arguments.instances]
+    return [adr_opt.generate(arguments.family, field) for field in range(arguments.count)]
+
+
+def missions(arguments: argparse.Namespace) -> list[adr_opt.Mission]:
+    """The missions asked for."""
+    return [adr_opt.Mission(instance) for instance in _instances(arguments)]
+
+
+def problems(arguments: argparse.Namespace) -> list[Problem]:
+    """The same, with several chasers as campaigns."""
+    return [problem_of(instance) for instance in _instances(arguments)]
 
 
 def parser_of(text: str | None, time_limit_s: float) -> argparse.ArgumentParser:

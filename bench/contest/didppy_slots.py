@@ -99,7 +99,7 @@ def didppy_promise(
     rules = mission.rules
     bodies = rules.service.size
     if bodies < 2:
-        return Promise((), 0.0, 0.0, 0.0, 0.0)
+        return Promise(((),), 0.0, 0.0, 0.0, 0.0)
     shortest = shortest_spacing(rules.table)
     if not 0.0 < slot_s < shortest:
         raise InputError(f"slot_s = {slot_s!r}: must be > 0 and < {shortest:.0f}")
@@ -198,5 +198,10 @@ def didppy_promise(
     if earlier_is_better:
         best_bound, history = math.inf, []
     return Promise(
-        tuple(moves), visits, best_bound, built - began, time.perf_counter() - built, tuple(history)
+        (tuple(moves),),
+        visits,
+        best_bound,
+        built - began,
+        time.perf_counter() - built,
+        tuple(history),
     )

@@ -41,8 +41,8 @@ class Promise:
 
     Attributes
     ----------
-    order : tuple of int
-        Bodies in order, the station for refuelling.
+    routes : tuple of tuple of int
+        Bodies in order for each chaser, stations for refuelling.
     visits : float
         Prizes that the peer's model collects.
     bound : float
@@ -53,9 +53,15 @@ class Promise:
         Seconds since the beginning of the search, and the bound proven by then.
     """
 
-    order: tuple[int, ...]
+    routes: tuple[tuple[int, ...], ...]
     visits: float
     bound: float
     build_s: float
     solve_s: float
     history: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def order(self) -> tuple[int, ...]:
+        """Those of the one chaser."""
+        (order,) = self.routes
+        return order

@@ -9,13 +9,25 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import adr_opt
+from adr_opt.campaign import Problem
 from adr_opt.front import method_of
 from adr_opt.mending import as_it_is, mended
 from adr_opt.planner import takes_jobs
-from adr_opt.result import certify
+from adr_opt.result import certify_routes
 
 from .didppy_slots import didppy_promise
+from .ortools_static import ortools_promise
 from .pyvrp_static import pyvrp_promise
+
+STATIC = {"pyvrp": ("PyVRP", pyvrp_promise), "ortools": ("OR-Tools routing", ortools_promise)}
+"""Peers that plan on static costs, with the names that they are shown by."""
+
+NOT_THEIRS = {
+    "PyVRP": "one matrix for all times; a tank is a load that targets have, the mean static ΔV of "
+    "the cheapest legs to them, and no load that legs have",
+    "OR-Tools routing": "one matrix for all times; tanks and refuelling are the mission's",
+}
+"""What of a campaign they cannot say, for the footnotes."""
 
 
 @dataclass(frozen=True)
@@ -39,30 +51,37 @@ def legal(mission: adr_opt.Mission, order: Sequence[int], seed: int = 0) -> floa
     RuntimeError
         There is a violation.
     """
-    result = certify(mission, "peer", order, seed=seed, runtime_s=0.0)
-    return checked(mission, result)
+    return legal_routes(mission, [order], seed)
 
 
-def checked(mission: adr_opt.Mission, result: adr_opt.Result) -> float:
+def legal_routes(problem: Problem, routes: Sequence[Sequence[int]], seed: int = 0) -> float:
+    """The same of an order for each chaser."""
+    result = certify_routes(problem, "peer", routes, seed=seed, runtime_s=0.0)
+    return checked(problem, result)
+
+
+def checked(problem: Problem, result: adr_opt.Result) -> float:
     """The objective of a result whose plan ``check`` finds nothing wrong with."""
     if result.plan is None:
         return 0.0
-    violations = adr_opt.check(mission.instance, result.plan)
+    violations = adr_opt.check(problem.instance, result.plan)
     if violations:
-        raise RuntimeError(f"{result.method} on {mission.instance.name}: {violations[0]}")
+        raise RuntimeError(f"{result.method} on {problem.instance.name}: {violations[0]}")
     return result.objective
 
 
 def peer_rows(
-    name: str, variant: str, mission: adr_opt.Mission, *, time_limit_s: float, seed: int,
+    name: str, variant: str, problem: Problem, *, time_limit_s: float, seed: int,
     slot_s: float, jobs: int,
 ) -> list[Row]:  # fmt: skip
-    """A peer's rows: its order as it is, and mended; the variant is a statistic or "early"."""
-    if name == "pyvrp":
-        promise = pyvrp_promise(mission, time_limit_s=time_limit_s, seed=seed, statistic=variant)
-        label = f"PyVRP, {variant}"
+    """A peer's rows: its orders as they are, and mended; the variant is a statistic or "early"."""
+    if name in STATIC:
+        shown, promised = STATIC[name]
+        promise = promised(problem, time_limit_s=time_limit_s, seed=seed, statistic=variant)
+        label = f"{shown}, {variant}"
     else:
         early = variant == "early"
+        (mission,) = problem.missions
         promise = didppy_promise(
             mission, time_limit_s=time_limit_s, slot_s=slot_s, earlier_is_better=early, threads=jobs
         )
@@ -74,8 +93,8 @@ def peer_rows(
     return [
         Row(
             f"{label}, {way}",
-            mission.instance.name,
-            legal(mission, follow(mission, promise.order), seed),
+            problem.instance.name,
+            legal_routes(problem, timed(problem, promise.routes, follow), seed),
             promise.visits,
             promise.bound,
             promise.build_s,
@@ -85,41 +104,72 @@ def peer_rows(
     ]
 
 
-def our_row(
-    name: str, mission: adr_opt.Mission, *, time_limit_s: float, seed: int, jobs: int
-) -> Row:
+def timed(
+    problem: Problem,
+    routes: Sequence[Sequence[int]],
+    follow: Callable[..., tuple[int, ...]],
+) -> list[tuple[int, ...]]:
+    """What of each chaser's route is left, timed exactly in a way."""
+    return [follow(*each) for each in zip(problem.missions, routes, strict=True)]
+
+
+def our_row(name: str, problem: Problem, *, time_limit_s: float, seed: int, jobs: int) -> Row:
     """One of our planners."""
     cores = jobs if takes_jobs(method_of(name)) else None
     began = time.perf_counter()
-    result = adr_opt.solve(mission, name, time_limit=time_limit_s, seed=seed, jobs=cores)
+    result = adr_opt.solve(problem, name, time_limit=time_limit_s, seed=seed, jobs=cores)
     wall = time.perf_counter() - began
-    visits = checked(mission, result)
-    return Row(name, mission.instance.name, visits, visits, result.upper_bound, 0.0, wall)
+    visits = checked(problem, result)
+    return Row(name, problem.instance.name, visits, visits, result.upper_bound, 0.0, wall)
 
 
-def table(rows: Sequence[Row]) -> str:
-    """Means over instances, the best method first, in Markdown."""
+def table(rows: Sequence[Row], *, gaps: bool = False) -> str:
+    """Means over instances, the best method first, in Markdown.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+    gaps : bool
+        Whether to say how far each method is from the best bound that one of ours has proven.
+    """
     lines = [
         "| method | visits, mean | visits by instance | promised, mean | kept | bound, mean | "
-        "build | solve, max |",
-        "|---|---|---|---|---|---|---|---|",
+        + ("gap, mean | " if gaps else "")
+        + "build | solve, max |",
+        "|---|---|---|---|---|---|" + ("---|" if gaps else "") + "---|---|",
     ]
     methods = dict.fromkeys(row.method for row in rows)
     mine = {method: [row for row in rows if row.method == method] for method in methods}
     means = {m: statistics.mean(row.visits for row in some) for m, some in mine.items()}
+    bounds = best_bounds(rows)
     for method in sorted(methods, key=lambda m: -means[m]):
         some = mine[method]
         promised = sum(row.promised for row in some)
         kept = f"{100.0 * sum(row.visits for row in some) / promised:.0f} %" if promised else "–"
         bound = statistics.mean(row.bound for row in some)
         own_model = "†" if method.startswith("DIDPPy") else ""
+        gap = statistics.mean(1.0 - row.visits / bounds[row.instance] for row in some)
         lines.append(
             f"| {method} | {means[method]:.2f} | {' '.join(f'{row.visits:g}' for row in some)} | "
             f"{promised / len(some):.2f} | {kept} | "
             + (f"{bound:.2f}{own_model}" if math.isfinite(bound) else "–")
+            + (f" | {100.0 * gap:.1f} %" if gaps else "")
             + f" | {statistics.mean(row.build_s for row in some):.1f} s | "
             f"{max(row.solve_s for row in some):.1f} s |"
         )
     if any(row.method.startswith("DIDPPy") for row in rows):
         lines += ["", "† of the rounded model, no bound on the mission"]
+    named = {method.partition(",")[0] for method in methods}
+    notes = [f"- {name}: {what}" for name, what in NOT_THEIRS.items() if name in named]
+    if gaps and notes:
+        lines += ["", *notes]
     return "\n".join(lines)
+
+
+def best_bounds(rows: Sequence[Row]) -> dict[str, float]:
+    """The least bound of each instance that holds for the mission; +inf for none."""
+    bounds = {row.instance: math.inf for row in rows}
+    for row in rows:
+        if not row.method.startswith("DIDPPy"):
+            bounds[row.instance] = min(bounds[row.instance], row.bound)
+    return bounds

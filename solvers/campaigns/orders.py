@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.campaign import Campaign, Routes
+from adr_opt.campaign import Campaign, Problem, Routes
 from adr_opt.mission import Mission
 
 FloatArray = npt.NDArray[np.float64]
@@ -15,7 +15,7 @@ FloatArray = npt.NDArray[np.float64]
 RouteOf = Callable[[Mission], Iterable[int]]
 
 
-def left(campaign: Campaign, done: Iterable[int]) -> FloatArray:
+def left(campaign: Problem, done: Iterable[int]) -> FloatArray:
     """What targets are worth that are not done, and −inf for the others, shape (bodies,)."""
     worths = np.array(campaign.worths)
     for j in done:
@@ -24,7 +24,7 @@ def left(campaign: Campaign, done: Iterable[int]) -> FloatArray:
     return worths
 
 
-def targets_of(campaign: Campaign, routes: Iterable[Iterable[int]]) -> set[int]:
+def targets_of(campaign: Problem, routes: Iterable[Iterable[int]]) -> set[int]:
     """The targets on routes."""
     first = campaign.instance.first_target
     return {j for route in routes for j in route if j >= first}

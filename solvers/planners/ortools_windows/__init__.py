@@ -17,6 +17,10 @@ away and planned anew:
 5. The best schedule of the new order, over all connections, says whether it can be flown and gains
    what was promised. :mod:`.fill` appends and inserts what still fits.
 
+Of several chasers one or two are drawn, and a window of each (:mod:`.fleet`). Either may visit
+what is in both, and :mod:`.joined` makes one network of the two, so that targets change hands: one
+CP-SAT model, priced together, with a path for each chaser.
+
 A window is judged by prize first, then by how early the plan ends and how little ΔV it takes:
 most windows gain only slack, which a later window turns into a visit.
 

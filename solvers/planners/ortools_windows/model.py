@@ -1,4 +1,4 @@
-"""The window as a CP-SAT model: the best path of a network that visits no target twice."""
+"""Windows as a CP-SAT model: the best path through each, no target visited twice."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ import numpy as np
 import numpy.typing as npt
 from ortools.sat.python import cp_model
 
-from adr_opt.kernels.rules import Rules
-
-from .network import Network, Window, Worth
+from .joined import Joined
+from .network import Worth
 
 WORTH_STEPS = 1_000_000
 """Integers per mean prize in the objective."""
@@ -22,26 +21,24 @@ DELTA_V_STEPS = 100
 
 @dataclass(frozen=True)
 class Answer:
-    """What CP-SAT says of one window.
+    """What CP-SAT says of some windows.
 
     Attributes
     ----------
-    path : tuple of int or None
-        Bodies in order; None if no path reaches the goal, or none was found in time.
+    paths : tuple of tuple of int, or None
+        Bodies in order for each; None if no paths reach the goal, or none were found in time.
     closed : bool
         Whether the search was complete.
     """
 
-    path: tuple[int, ...] | None
+    paths: tuple[tuple[int, ...], ...] | None
     closed: bool
 
 
-def best_path(
-    rules: Rules,
+def best_paths(
+    joined: Joined,
     worth: Worth,
-    net: Network,
     kept: npt.NDArray[np.int64],
-    window: Window,
     goal: float,
     *,
     unit: float,
@@ -49,16 +46,16 @@ def best_path(
     effort: float,
     remaining_s: float,
 ) -> Answer:
-    """Find the best path of a window.
+    """Find the best path through each window.
 
     Parameters
     ----------
-    rules, worth, net, window
-        The window, unrolled.
+    joined, worth
+        The windows, unrolled.
     kept : (edges,) int64
         Edges of the network to choose from.
     goal : float
-        Least worth of interest.
+        Least worth of interest, of all paths together.
     unit : float
         Mean prize: sets the scale of the integers.
     seed : int
@@ -69,34 +66,36 @@ def best_path(
         Wall time left, +inf for none: a cap in need only, so that results repeat.
     """
     model = cp_model.CpModel()
+    net = joined.net
     tails = np.searchsorted(net.head, kept, side="right") - 1
     heads = net.tail[kept]
     bodies = net.body[heads]
     moves = [model.new_bool_var("") for _ in range(kept.size)]
     leaving: dict[int, list[cp_model.IntVar]] = {0: []}
-    arriving: dict[int, list[cp_model.IntVar]] = {}
+    arriving: dict[int, list[cp_model.IntVar]] = {root: [] for root in joined.roots[1:].tolist()}
     visits: dict[int, list[cp_model.IntVar]] = {}
     for move, tail, head, body in zip(
         moves, tails.tolist(), heads.tolist(), bodies.tolist(), strict=True
     ):
         leaving.setdefault(tail, []).append(move)
         arriving.setdefault(head, []).append(move)
-        if not rules.is_station[body]:
+        if body >= joined.first_target:
             visits.setdefault(body, []).append(move)
     nodes = np.array(sorted({0, *arriving}), dtype=np.int64)
     exits = nodes[np.isfinite(net.rest_worth[nodes])]
     lasts = [model.new_bool_var("") for _ in range(exits.size)]
-    for last, node in zip(lasts, exits.tolist(), strict=True):
+    for last, node, root in zip(lasts, exits.tolist(), net.onward[exits].tolist(), strict=True):
         leaving.setdefault(node, []).append(last)
+        if root >= 0:
+            arriving[root].append(last)
 
-    # One path from the start of the window to an exit, and no target twice.
+    # One path from the start of each window to an exit, and no target twice.
     model.add_exactly_one(leaving[0])
     for node, into in arriving.items():
         model.add(sum(leaving.get(node, [])) == sum(into))
     for calls in visits.values():
         model.add_at_most_one(calls)
-    if window.most_targets < len(visits):
-        model.add(sum(call for calls in visits.values() for call in calls) <= window.most_targets)
+    _hold_targets(model, joined, moves, heads)
 
     terms = [*moves, *lasts]
     _hold_tanks(
@@ -104,11 +103,12 @@ def best_path(
         terms,
         np.concatenate((net.tank[tails], net.tank[exits])),
         np.concatenate((net.delta_v[heads], net.rest_need[exits])),
-        [window.left] + [rules.budget] * window.refuels,
+        joined.tanks.tolist(),
     )
-    gains = rules.prize[bodies] - worth.per_m_s * net.delta_v[heads]
-    # Every path leaves once: taking the goal off the exits keeps the integers small.
-    values = np.concatenate((gains, net.rest_worth[exits] - goal)) / unit
+    gains = joined.prize[bodies] - worth.per_m_s * net.delta_v[heads]
+    # The last window is left once: taking the goal off its exits keeps the integers small.
+    ends = net.rest_worth[exits] - np.where(net.onward[exits] < 0, goal, 0.0)
+    values = np.concatenate((gains, ends)) / unit
     value = cp_model.LinearExpr.weighted_sum(
         terms, np.rint(values * WORTH_STEPS).astype(np.int64).tolist()
     )
@@ -132,11 +132,29 @@ def best_path(
         for move, tail, head in zip(moves, tails.tolist(), heads.tolist(), strict=True)
         if solver.boolean_value(move)
     }
-    path, node = [], 0
-    while node in following:
-        node = following[node]
-        path.append(int(net.body[node]))
-    return Answer(tuple(path), closed)
+    paths = []
+    for node in joined.roots.tolist():
+        path = []
+        while node in following:
+            node = following[node]
+            path.append(int(net.body[node]))
+        paths.append(tuple(path))
+    return Answer(tuple(paths), closed)
+
+
+def _hold_targets(
+    model: cp_model.CpModel,
+    joined: Joined,
+    moves: list[cp_model.IntVar],
+    heads: npt.NDArray[np.int64],
+) -> None:
+    """Keep the visits of each chaser within what it may service."""
+    bodies = joined.net.body[heads]
+    windows = np.searchsorted(joined.roots, heads, side="right") - 1
+    for number, most in enumerate(joined.most_targets.tolist()):
+        its = np.flatnonzero((windows == number) & (bodies >= joined.first_target))
+        if most < np.unique(bodies[its]).size:
+            model.add(sum(moves[move] for move in its) <= most)
 
 
 def _hold_tanks(

@@ -108,6 +108,8 @@ class Network(NamedTuple):
         Worth of leaving the window here and flying the rest; −inf if its first move is illegal.
     rest_need : (nodes,) float64
         ΔV that the rest needs from the present tank [m/s].
+    onward : (nodes,) int64
+        Where the path of the next chaser begins after leaving the window here; −1 for none.
     head : (nodes + 1,) int64
         The edges of node n are ``tail[head[n]:head[n + 1]]``.
     tail : (edges,) int64
@@ -120,6 +122,7 @@ class Network(NamedTuple):
     tank: np.ndarray
     rest_worth: np.ndarray
     rest_need: np.ndarray
+    onward: np.ndarray
     head: np.ndarray
     tail: np.ndarray
 
@@ -280,10 +283,11 @@ def grow(rules, worth, window, limits):
         for e in range(degree[n]):
             tail[head[index] + e] = place[edges[n, e]]
         rest_worth[index], rest_need[index] = fly_rest(rules, worth, window.rest, body[n], end[n])
-    order = order[:count]
+    order, onward = order[:count], np.full(count, -1, dtype=np.int64)
     return Network(
-        body[order], end[order], delta_v[order], tank[order], rest_worth, rest_need, head, tail
-    )
+        body[order], end[order], delta_v[order], tank[order], rest_worth, rest_need, onward, head,
+        tail,
+    )  # fmt: skip
 
 
 @inlined

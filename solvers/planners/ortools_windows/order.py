@@ -81,11 +81,6 @@ class Order:
         bodies = np.concatenate(([self._mission.rules.start], self.moves)).astype(np.int64)
         return Pace(value, bodies, *states)
 
-    def better_than(self, other: Order) -> bool:
-        """More prize, then less cost (MODEL section 5)."""
-        here, there = self.timing, other.timing
-        return (here.objective, -here.cost) > (there.objective, -there.cost)
-
 
 def flown(mission: Mission, moves: Bodies) -> Order | None:
     """The order of some moves, closed; None if no schedule flies all of it."""

@@ -12,20 +12,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from adr_opt.campaign import Campaign, Problem
 from adr_opt.kernels.constants import HOUR_S
 from adr_opt.mission import Mission
 from adr_opt.options import MOST_JOBS, Options, option
 from adr_opt.plan import Plan
-from adr_opt.planner import Progress
-from adr_opt.result import Result, certify
-from adr_opt.start import start_sequence
+from adr_opt.planner import Progress, for_campaigns
+from adr_opt.result import Result, certify_routes
+from adr_opt.start import Start, legal_beginning, start_destinations
 from adr_opt.stop import Stop
 
+from ...campaigns.orders import one_after_another
 from ...search.beams import USUAL, hurried
 from ...search.greedy_order import guarded_sequence
+from .fleet import Fleet
 from .network import Limits
-from .order import Order, filled, flown
-from .replan import Choice, Replanned, replan, worth_of
+from .order import Bodies
+from .replan import Choice, Replanned, filled_up, replan
 
 NODES = 20_000
 """Most nodes of a network; only the longest windows reach it."""
@@ -41,6 +44,9 @@ TIME_SHARE = 0.5
 
 DELTA_V_SHARES = (0.02, 0.1, 0.3)
 """The same of the whole ΔV: each window draws one, so that plans of equal prize differ."""
+
+OF_TWO = 0.5
+"""Share of the draws in which two chasers, where there are several, get a window each."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +74,19 @@ class OrtoolsOptions(Options, method="ortools"):
     )
 
 
+def _campaign(
+    campaign: Campaign,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    start: Start | None = None,
+    options: OrtoolsOptions = OrtoolsOptions(),
+) -> Result:
+    return _plan(campaign, seed, stop, progress, start, options)
+
+
+@for_campaigns(_campaign)
 def ortools(
     mission: Mission,
     *,
@@ -81,7 +100,7 @@ def ortools(
 
     Never below the plan it starts from. ``stop`` is asked once per window; the same seed, number
     of windows and options give the same plan on any machine, as long as no time limit cuts a
-    window short.
+    window short. Of several chasers windows of one or of two are planned anew at a time.
 
     Parameters
     ----------
@@ -93,27 +112,30 @@ def ortools(
     InputError
         The start plan is not legal.
     """
+    return _plan(mission, seed, stop, progress, start, options)
+
+
+def _plan(
+    problem: Problem,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    start: Start | None,
+    options: OrtoolsOptions,
+) -> Result:
     begun = time.perf_counter()
-    layer = hurried(mission, options.time_value_m_s_per_h)
-    rules = layer.rules
-    limits = Limits(
-        NODES,
-        WIDTH,
-        options.time_value_m_s_per_h / HOUR_S,
-        LAG * float(rules.prize.sum()) / max(1, int(np.count_nonzero(rules.prize))),
-    )
-    if start is None:
-        first = guarded_sequence(mission)
-    else:
-        first = np.array(start_sequence(mission, start), dtype=np.int64)
-    best = flown(layer, first) or Order(layer, np.empty(0, np.int64))
+    layers = tuple(hurried(mission, options.time_value_m_s_per_h) for mission in problem.missions)
+    best = Fleet.flying(problem, layers, _first_routes(problem, start))
     present = best
-    if rules.prize.any():
-        worth = worth_of(rules, present.timing, TIME_SHARE, DELTA_V_SHARES[0])
-        present = filled(layer, present, worth, limits.time_value)
+    limits = Limits(NODES, WIDTH, options.time_value_m_s_per_h / HOUR_S, 0.0)
+    if problem.worths.any():
+        limits = limits._replace(lag=LAG * best.unit)
+        for chaser in range(len(layers)):
+            worth = present.worth((chaser,), TIME_SHARE, DELTA_V_SHARES[0])
+            present = filled_up(present, (chaser,), worth, limits.time_value)
     if present.better_than(best):
         best = present
-    progress(best.timing.objective, math.inf)
+    progress(best.objective, math.inf)
 
     counters: Counter[str] = Counter(
         windows=0, closed_by_prices=0, full_networks=0, solves=0, solves_completed=0, gains=0,
@@ -124,17 +146,16 @@ def ortools(
     enough = False
     with ThreadPoolExecutor(workers) as pool:
         # Where not one move is legal, or nothing is worth a move, there is no window.
-        while not enough and present.timing.objective > 0.0:
+        while not enough and present.objective > 0.0:
             batch: list[Choice] = []
             while len(batch) < workers and not enough:
-                enough = stop(best.timing.objective, math.inf)
+                enough = stop(best.objective, math.inf)
                 if not enough:
-                    size = present.moves.size
-                    batch.append(_draw(rng, size, options.shortest_window, options.longest_window))
+                    batch.append(_draw(rng, present, options))
 
-            def work(choice: Choice, order: Order = present) -> Replanned:
+            def work(choice: Choice, fleet: Fleet = present) -> Replanned:
                 return replan(
-                    layer, order, choice,
+                    fleet, choice,
                     time_share=TIME_SHARE, limits=limits, edges=options.edges,
                     effort=options.effort, remaining_s=stop.remaining_s(),
                 )  # fmt: skip
@@ -142,37 +163,69 @@ def ortools(
             for done in pool.map(work, batch):
                 counters["windows"] += 1
                 counters.update(done.counters)
-                found = done.order
+                found = done.fleet
                 if found is None:
                     continue
                 # Of equal prize the window's own measure decides, and it found a gain.
-                if found.timing.objective >= present.timing.objective:
+                if found.objective >= present.objective:
                     present = found
                 if found.better_than(best):
-                    if found.timing.objective > best.timing.objective:
+                    if found.objective > best.objective:
                         counters["improved"] += 1
-                        progress(found.timing.objective, math.inf)
+                        progress(found.objective, math.inf)
                     best = found
-    return certify(
-        mission,
+    return certify_routes(
+        problem,
         "ortools",
-        best.moves,
+        [order.moves for order in best.orders],
         seed=seed,
         runtime_s=time.perf_counter() - begun,
         counters=counters,
     )
 
 
-def _draw(rng: np.random.Generator, size: int, shortest: int, longest: int) -> Choice:
-    """Draw a window of a plan of ``size`` moves; both ends of the plan get their share."""
+def _first_routes(problem: Problem, start: Start | None) -> list[Bodies]:
+    """The routes of a start plan, or those of guarded greedy.
+
+    Raises
+    ------
+    InputError
+        The start plan is not legal.
+    """
+    if start is not None:
+        wanted = start_destinations(problem, start)
+        routes: Iterable[Iterable[int]] = [
+            legal_beginning(mission, names, repair=False)
+            for mission, names in zip(problem.missions, wanted, strict=True)
+        ]
+    elif isinstance(problem, Campaign):
+        routes = one_after_another(problem, guarded_sequence)
+    else:
+        routes = [guarded_sequence(problem)]
+    return [np.array(tuple(route), dtype=np.int64) for route in routes]
+
+
+def _draw(rng: np.random.Generator, fleet: Fleet, options: OrtoolsOptions) -> Choice:
+    """Draw windows of one or of two chasers."""
+    count = len(fleet.orders)
+    chasers = range(count)
+    if count > 1:
+        taken = 2 if rng.random() < OF_TWO else 1
+        chasers = sorted(rng.choice(count, taken, replace=False).tolist())
+    spans = {
+        chaser: _span(
+            rng, fleet.orders[chaser].moves.size, options.shortest_window, options.longest_window
+        )
+        for chaser in chasers
+    }
+    return Choice(spans, float(rng.choice(DELTA_V_SHARES)), int(rng.integers(2**31)))
+
+
+def _span(rng: np.random.Generator, size: int, shortest: int, longest: int) -> tuple[int, int]:
+    """Draw a window of an order of ``size`` moves; both its ends get their share."""
     length = int(rng.integers(shortest, longest + 1))
-    begin = int(rng.integers(-length // 2, size))
+    begin = int(rng.integers(-length // 2, max(size, 1)))
     end = begin + length
     if size - end <= length // 3:
         end = size
-    return Choice(
-        max(begin, 0),
-        end,
-        float(rng.choice(DELTA_V_SHARES)),
-        int(rng.integers(2**31)),
-    )
+    return max(begin, 0), end

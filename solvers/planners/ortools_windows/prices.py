@@ -14,17 +14,20 @@ from adr_opt.kernels.memory import borrowed, write
 
 
 @kernel
-def _longest(rules, worth, net, price, fuel_price, best, choice):
+def _longest(joined, worth, price, fuel_price, best, choice):
     """Worth and first move of the best priced path from every node on; −1 leaves the window."""
-    rules = borrowed(rules)
+    net = joined.net
     for n in range(net.body.size - 1, -1, -1):
         fuel = fuel_price[net.tank[n]]
         best[n] = net.rest_worth[n] - fuel * net.rest_need[n]
+        if net.onward[n] >= 0:
+            best[n] += best[net.onward[n]]
         choice[n] = -1
         for e in range(net.head[n], net.head[n + 1]):
             m = net.tail[e]
             j = net.body[m]
-            value = rules.prize[j] - price[j] - (worth.per_m_s + fuel) * net.delta_v[m] + best[m]
+            drawn = (worth.per_m_s + fuel) * net.delta_v[m]
+            value = joined.prize[j] - price[j] - drawn + best[m]
             if value > best[n]:
                 best[n], choice[n] = value, m
 
@@ -37,24 +40,24 @@ def _demand(net, choice, used, visits):
     for j in range(visits.size):
         visits[j] = 0.0
     n = 0
-    while choice[n] >= 0:
-        m = choice[n]
-        used[net.tank[n]] += net.delta_v[m]
-        visits[net.body[m]] += 1.0
-        n = m
-    used[net.tank[n]] += net.rest_need[n]
+    while n >= 0:
+        while choice[n] >= 0:
+            m = choice[n]
+            used[net.tank[n]] += net.delta_v[m]
+            visits[net.body[m]] += 1.0
+            n = m
+        used[net.tank[n]] += net.rest_need[n]
+        n = net.onward[n]
 
 
 @kernel
-def edge_worths(rules, worth, net, window, goal, steps):
+def edge_worths(joined, worth, goal, steps):
     """Upper bounds on the worth of the paths over each edge.
 
     Parameters
     ----------
-    rules : Rules
+    joined : Joined
     worth : Worth
-    net : Network
-    window : Window
     goal : float
         Worth of interest: ends as soon as no path can reach it.
     steps : int
@@ -67,21 +70,18 @@ def edge_worths(rules, worth, net, window, goal, steps):
     worths : (edges,) float64
         No path over the edge is worth more. All −inf if the bound is below the goal.
     """
-    rules = borrowed(rules)
-    nodes, targets = net.body.size, window.open_targets
-    price, fuel_price = np.zeros(rules.service.size), np.zeros(window.refuels + 1)
+    joined = borrowed(joined)
+    net, targets, limit = joined.net, joined.open_targets, joined.tanks
+    nodes = net.body.size
+    price, fuel_price = np.zeros(joined.prize.size), np.zeros(limit.size)
     best_price, best_fuel_price = price.copy(), fuel_price.copy()
-    limit = np.full(window.refuels + 1, rules.budget)
-    limit[0] = window.left
     used, visits = np.empty(limit.size), np.empty(price.size)
     best, choice = np.empty(nodes), np.empty(nodes, dtype=np.int64)
     worths = np.full(net.tail.size, -math.inf)
-    # Tanks in units of a full one, so that both kinds of price move at one pace.
-    tank_unit = max(rules.budget, 1.0)
     bound, best_constant = math.inf, 0.0
     pace, stale = 1.0, 0
     for _ in range(steps):
-        _longest(rules, worth, net, price, fuel_price, best, choice)
+        _longest(joined, worth, price, fuel_price, best, choice)
         constant = 0.0
         for j in targets:
             constant += price[j]
@@ -99,32 +99,44 @@ def edge_worths(rules, worth, net, window, goal, steps):
         if bound < goal:
             return bound, worths
         _demand(net, choice, used, visits)
+        # Tanks in units of a full one, so that both kinds of price move at one pace.
         norm = 0.0
         for j in targets:
             if visits[j] > 1.0 or price[j] > 0.0:
                 norm += (visits[j] - 1.0) ** 2
         for c in range(limit.size):
             if used[c] > limit[c] or fuel_price[c] > 0.0:
-                norm += ((used[c] - limit[c]) / tank_unit) ** 2
+                norm += ((used[c] - limit[c]) / joined.full) ** 2
         if norm == 0.0:
             break
         step = pace * (value - goal) / norm
         for j in targets:
             price[j] = max(0.0, price[j] + step * (visits[j] - 1.0))
         for c in range(limit.size):
-            fuel_price[c] += step * (used[c] - limit[c]) / tank_unit**2
+            fuel_price[c] += step * (used[c] - limit[c]) / joined.full**2
             fuel_price[c] = max(0.0, fuel_price[c])
 
-    _longest(rules, worth, net, best_price, best_fuel_price, best, choice)
-    reach = np.full(nodes, -math.inf)
+    _longest(joined, worth, best_price, best_fuel_price, best, choice)
+    _worths_over(joined, worth, best_price, best_fuel_price, best, best_constant, worths)
+    return bound, worths
+
+
+@kernel
+def _worths_over(joined, worth, price, fuel_price, best, constant, worths):
+    """What the best priced path over each edge is worth, from the best path from every node on."""
+    net = joined.net
+    reach = np.full(net.body.size, -math.inf)
     reach[0] = 0.0
-    for n in range(nodes):
-        fuel = best_fuel_price[net.tank[n]]
+    for n in range(net.body.size):
+        fuel = fuel_price[net.tank[n]]
+        after = net.onward[n]
+        if after >= 0:
+            leaves = reach[n] + net.rest_worth[n] - fuel * net.rest_need[n]
+            reach[after] = max(reach[after], leaves)
         for e in range(net.head[n], net.head[n + 1]):
             m = net.tail[e]
             j = net.body[m]
-            there = reach[n] + rules.prize[j] - best_price[j]
+            there = reach[n] + joined.prize[j] - price[j]
             there -= (worth.per_m_s + fuel) * net.delta_v[m]
             reach[m] = max(reach[m], there)
-            worths[e] = there + best[m] + best_constant
-    return bound, worths
+            worths[e] = there + best[m] + constant

@@ -1,4 +1,4 @@
-"""One window of a plan, planned anew."""
+"""Windows of some chasers' orders, planned anew together."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from adr_opt.kernels.rules import Rules
-from adr_opt.mission import Mission
-from adr_opt.schedule import Schedule
 
 from . import network
-from .model import best_path
+from .fleet import Fleet
+from .joined import joined
+from .model import best_paths
 from .order import Order, Pace, filled, flown
 from .prices import edge_worths
 
@@ -21,50 +21,48 @@ GAIN = 0.005
 """Least gain of interest, in mean prizes: no window is planned anew for a few seconds."""
 
 TARGETS = 60
-"""Most targets open to a window."""
+"""Most targets open to a window that are on no order."""
 
 SUBGRADIENT_STEPS = 60
 
 
 @dataclass(frozen=True)
 class Choice:
-    """Which window, and how it is judged.
+    """Which windows, and how they are judged.
 
     Attributes
     ----------
-    begin, end : int
-        The moves ``begin`` to ``end`` − 1 of the plan.
+    spans : mapping of int to (int, int)
+        By the number of a chaser: the moves from the first number to before the second one.
     delta_v_share : float
-        Worth of the whole ΔV of the plan relative to its prize.
+        Worth of the whole ΔV of an order relative to its prize.
     seed : int
         Of CP-SAT.
     """
 
-    begin: int
-    end: int
+    spans: Mapping[int, tuple[int, int]]
     delta_v_share: float
     seed: int
 
 
 @dataclass(frozen=True)
 class Replanned:
-    """A plan with one window planned anew.
+    """A plan with some windows planned anew.
 
     Attributes
     ----------
-    order : Order or None
-        None if the window gave nothing better.
+    fleet : Fleet or None
+        None if the windows gave nothing better.
     counters : mapping
         What happened, as counts to add up.
     """
 
-    order: Order | None
+    fleet: Fleet | None
     counters: Mapping[str, int]
 
 
 def replan(
-    layer: Mission,
-    present: Order,
+    present: Fleet,
     choice: Choice,
     *,
     time_share: float,
@@ -73,84 +71,117 @@ def replan(
     effort: float,
     remaining_s: float,
 ) -> Replanned:
-    """Plan one window anew, and fill the plan up.
+    """Plan some windows anew, and fill the plan up.
 
     Parameters
     ----------
-    layer : Mission
-        The mission with the connections that windows choose from.
-    present : Order
+    present : Fleet
         With at least one move.
     choice : Choice
     time_share : float
-        Worth of the mission's duration relative to the prize of the plan.
+        Worth of the mission's duration relative to the prize of an order.
     limits : Limits
     edges : int
-        Most edges that CP-SAT gets.
+        Most edges of a window that CP-SAT gets.
     effort, remaining_s
-        See :func:`.model.best_path`.
+        See :func:`.model.best_paths`.
     """
-    rules, timing = layer.rules, present.timing
-    unit = float(rules.prize[rules.prize > 0.0].mean())
-    worth = worth_of(rules, timing, time_share, choice.delta_v_share)
-    pace = present.pace(worth)
-    window = _window(rules, present, pace, choice, worth, limits.time_value)
-    # What the present plan is worth from there on by the connections that a path has. The best
-    # schedule may have others, and the moves not be possible by these: then a visit less will do,
-    # and it is for the schedule of the new order to be better.
-    from_here = present.moves[choice.begin :]
-    by_layer, need = network.fly_rest(rules, worth, from_here, window.body, window.time)
-    prize = float(rules.prize[from_here].sum())
-    drawn = float(pace.costs[-1] - pace.costs[choice.begin])
-    exactly = prize - worth.per_m_s * drawn - worth.per_s * float(pace.times[-1])
-    if need > window.left:
-        by_layer = -math.inf
+    unit, chasers = present.unit, tuple(choice.spans)
+    worth = present.worth(chasers, time_share, choice.delta_v_share)
+    orders = {chaser: present.orders[chaser] for chaser in chasers}
+    layers = {chaser: present.offered(chaser, anew=chasers) for chaser in chasers}
+    paces = {chaser: order.pace(worth) for chaser, order in orders.items()}
+    windows = {
+        chaser: _window(
+            layers[chaser].rules, chaser, orders, paces[chaser], choice, worth, limits.time_value
+        )
+        for chaser in chasers
+    }
+    by_layer, exactly = 0.0, 0.0
+    for chaser in chasers:
+        rules, window = layers[chaser].rules, windows[chaser]
+        begin = choice.spans[chaser][0]
+        one, other = _worth_from(rules, orders[chaser], begin, paces[chaser], window, worth)
+        by_layer, exactly = by_layer + one, exactly + other
     goal = max(by_layer, exactly - unit) + GAIN * unit
-    net = network.grow(rules, worth, window, limits)
-    _, worths = edge_worths(rules, worth, net, window, goal, SUBGRADIENT_STEPS)
-    counters = {"full_networks": int(net.body.size == limits.nodes)}
+    nets = [network.grow(layers[k].rules, worth, windows[k], limits) for k in chasers]
+    parts = [(layers[k].rules, windows[k], net) for k, net in zip(chasers, nets, strict=True)]
+    together = joined(parts)
+    _, worths = edge_worths(together, worth, goal, SUBGRADIENT_STEPS)
+    counters = {"full_networks": sum(int(net.body.size == limits.nodes) for net in nets)}
     kept = np.flatnonzero(worths >= goal)
     if kept.size == 0:
         return Replanned(None, counters | {"closed_by_prices": 1})
-    if kept.size > edges:
-        kept = np.sort(np.argpartition(-worths, edges)[:edges])
-    answer = best_path(
-        rules, worth, net, kept, window, goal,
+    most = edges * len(chasers)
+    if kept.size > most:
+        kept = np.sort(np.argpartition(-worths, most)[:most])
+    answer = best_paths(
+        together, worth, kept, goal,
         unit=unit, seed=choice.seed, effort=effort, remaining_s=remaining_s,
     )  # fmt: skip
     counters |= {"solves": 1, "solves_completed": int(answer.closed)}
-    if answer.path is None:
+    if answer.paths is None:
         return Replanned(None, counters)
-    path = np.array(answer.path, dtype=np.int64)
-    changed = flown(layer, np.concatenate((present.moves[: choice.begin], path, window.rest)))
-    if changed is None:
-        return Replanned(None, counters | {"grounded": 1})
-    changed = filled(layer, changed, worth, limits.time_value)
-    if changed.pace(worth).value <= pace.value:
+    changed: dict[int, Order] = {}
+    for chaser, path in zip(chasers, answer.paths, strict=True):
+        before, after = orders[chaser].moves[: choice.spans[chaser][0]], windows[chaser].rest
+        moves = np.concatenate((before, np.array(path, dtype=np.int64), after))
+        order = flown(layers[chaser], moves)
+        if order is None:
+            return Replanned(None, counters | {"grounded": 1})
+        changed[chaser] = order
+    fleet = filled_up(present.with_orders(changed), chasers, worth, limits.time_value)
+    value = math.fsum(fleet.orders[chaser].pace(worth).value for chaser in chasers)
+    if value <= math.fsum(pace.value for pace in paces.values()):
         return Replanned(None, counters | {"no_gains": 1})
-    return Replanned(changed, counters | {"gains": 1})
+    return Replanned(fleet, counters | {"gains": 1})
 
 
-def worth_of(
-    rules: Rules, timing: Schedule, time_share: float, delta_v_share: float
-) -> network.Worth:
-    """What time and ΔV are worth beside the prize of a plan."""
-    scale = max(timing.objective, float(rules.prize[rules.prize > 0.0].mean()))
-    return network.Worth(
-        time_share * scale / rules.duration, delta_v_share * scale / max(timing.delta_v, 1.0)
-    )
+def filled_up(
+    fleet: Fleet, chasers: tuple[int, ...], worth: network.Worth, time_value: float
+) -> Fleet:
+    """A plan with all that still fits into the orders of some chasers, one after the other."""
+    for chaser in chasers:
+        layer = fleet.offered(chaser)
+        order = filled(layer, fleet.orders[chaser], worth, time_value)
+        fleet = fleet.with_orders({chaser: order})
+    return fleet
+
+
+def _worth_from(
+    rules: Rules,
+    order: Order,
+    begin: int,
+    pace: Pace,
+    window: network.Window,
+    worth: network.Worth,
+) -> tuple[float, float]:
+    """What the present order is worth from its window on.
+
+    By the connections that a path has, and by its best schedule. That may have others, and the
+    moves not be possible by these: then a visit less will do, and it is for the schedule of the new
+    order to be better.
+    """
+    from_here = order.moves[begin:]
+    by_layer, need = network.fly_rest(rules, worth, from_here, window.body, window.time)
+    prize = float(rules.prize[from_here].sum())
+    drawn = float(pace.costs[-1] - pace.costs[begin])
+    exactly = prize - worth.per_m_s * drawn - worth.per_s * float(pace.times[-1])
+    return (by_layer if need <= window.left else -math.inf), exactly
 
 
 def _window(
     rules: Rules,
-    present: Order,
+    chaser: int,
+    orders: Mapping[int, Order],
     pace: Pace,
     choice: Choice,
     worth: network.Worth,
     time_value: float,
 ) -> network.Window:
-    """The window of a choice."""
-    plan, begin, end = present.moves, choice.begin, choice.end
+    """The window of a chaser: open are the targets in all windows, and those that nobody has."""
+    order, (begin, end) = orders[chaser], choice.spans[chaser]
+    plan = order.moves
     inside, rest = plan[begin:end], plan[end:]
     ends = pace.times[begin:]
     gained = np.concatenate(([0.0], np.cumsum(rules.prize[plan[begin:]])))
@@ -163,23 +194,25 @@ def _window(
     # The rest may start later by as much as the plan ends early.
     latest = rules.duration - float(ends[-1] - ends[moves]) if rest.size else rules.duration
     taken = np.zeros(rules.prize.size, dtype=np.bool_)
-    taken[plan] = True
+    for each in orders.values():
+        taken[each.moves] = True
     new = np.flatnonzero(~taken & (rules.prize > 0.0))
     if new.size > TARGETS:
         cost = np.empty(new.size)
         stops = np.concatenate((pace.bodies[begin : begin + 1], inside))
         network.nearest(rules, stops, ends[: moves + 1], new, time_value, cost)
         new = new[np.argsort(cost, kind="stable")[:TARGETS]]
+    given_up = [orders[other].moves[slice(*span)] for other, span in choice.spans.items()]
     stations = rules.is_station[inside]
     return network.Window(
         int(pace.bodies[begin]),
         float(ends[0]),
         float(pace.lefts[begin]),
-        np.sort(np.concatenate((inside[~stations], new))),
+        np.sort(np.concatenate((*(some[some >= rules.first_target] for some in given_up), new))),
         rest,
         latest,
         (int(np.count_nonzero(stations)) + 1) if rules.stations else 0,
-        int(rules.most_targets) - present.targets + int(np.count_nonzero(~stations)),
+        int(rules.most_targets) - order.targets + int(np.count_nonzero(~stations)),
         ends[: moves + 1],
         values[: moves + 1],
     )

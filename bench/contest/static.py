@@ -1,0 +1,63 @@
+"""Static costs: one matrix for all times, which is all that routing tools take."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import adr_opt
+from adr_opt.campaign import Campaign, Kind, Problem
+
+STATISTICS = ("mean", "quartile", "best", "epoch", "middle")
+"""What a matrix is made of."""
+
+
+def static_costs(mission: adr_opt.Mission, statistic: str) -> tuple[np.ndarray, np.ndarray]:
+    """One matrix for all times, from samples every half hour.
+
+    Parameters
+    ----------
+    mission : Mission
+    statistic : {"mean", "quartile", "best", "epoch", "middle"}
+        Over the ready times from which a leg exists and ends within the mission: the mean, the
+        lower quartile or the least of each quantity by itself, the first time's, or that of the
+        time nearest to the middle of the mission.
+
+    Returns
+    -------
+    delta_v, duration : (bodies, bodies) float64
+        [m/s]; from ready to the end of service [s]; +inf where there is never a transfer.
+    """
+    rules = mission.rules
+    times = np.arange(rules.ready, max(rules.duration, rules.ready + 1.0), 1800.0)
+    sampled = mission.timetable.matrices(times)
+    duration = sampled.duration + rules.service
+    exists = (times[:, None, None] + duration <= rules.duration) & np.isfinite(sampled.delta_v)
+    count = exists.sum(axis=0)
+    found = []
+    for values in (sampled.delta_v, duration):
+        if statistic == "mean":
+            total = np.where(exists, values, 0.0).sum(axis=0)
+            single = np.where(count > 0, total / np.maximum(count, 1), np.inf)
+        elif statistic in ("quartile", "best"):
+            ordered = np.sort(np.where(exists, values, np.inf), axis=0)
+            rank = count // 4 if statistic == "quartile" else np.zeros_like(count)
+            single = np.take_along_axis(ordered, rank[None], axis=0)[0]
+        else:
+            wanted = 0.5 * (rules.ready + rules.duration) if statistic == "middle" else times[0]
+            off = np.where(exists, np.abs(times - wanted)[:, None, None], np.inf)
+            nearest = np.take_along_axis(values, off.argmin(axis=0)[None], axis=0)[0]
+            single = np.where(count > 0, nearest, np.inf)
+        np.fill_diagonal(single, 0.0)
+        found.append(single)
+    return found[0], found[1]
+
+
+def one_matrix(problem: Problem, statistic: str) -> tuple[np.ndarray, np.ndarray]:
+    """The static costs that all chasers share: those of the one who is there longest."""
+    longest = max(problem.missions, key=lambda each: each.rules.duration - each.rules.ready)
+    return static_costs(longest, statistic)
+
+
+def kinds_of(problem: Problem) -> tuple[Kind, ...]:
+    """The kinds of chasers, also where there is one."""
+    return problem.kinds if isinstance(problem, Campaign) else (Kind(problem, (0,)),)

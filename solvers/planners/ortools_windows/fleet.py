@@ -1,0 +1,114 @@
+"""The orders of all chasers: the plan under improvement, also where there is one chaser."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+
+import numpy as np
+
+from adr_opt.campaign import Problem
+from adr_opt.mission import Mission
+
+from ...campaigns.orders import left, targets_of
+from .network import Worth
+from .order import Bodies, Order, flown
+
+
+class Fleet:
+    """An order for each chaser, no target on two of them.
+
+    Parameters
+    ----------
+    problem : Mission or Campaign
+    layers : sequence of Mission
+        Of each chaser, with the connections that windows choose from.
+    orders : sequence of Order
+
+    Attributes
+    ----------
+    layers : tuple of Mission
+    orders : tuple of Order
+    objective : float
+        What the targets of all orders are worth.
+    cost : float
+        What the mission minimises among plans that are worth the same.
+    """
+
+    def __init__(
+        self, problem: Problem, layers: tuple[Mission, ...], orders: tuple[Order, ...]
+    ) -> None:
+        self._problem = problem
+        self.layers = layers
+        self.orders = orders
+        timings = [order.timing for order in orders]
+        costs = [timing.cost for timing in timings]
+        by_time = problem.instance.objective.cost == "duration"
+        self.objective = math.fsum(timing.objective for timing in timings)
+        self.cost = max(costs, default=0.0) if by_time else math.fsum(costs)
+
+    @classmethod
+    def flying(
+        cls, problem: Problem, layers: tuple[Mission, ...], routes: Collection[Bodies]
+    ) -> Fleet:
+        """The orders of some routes; nothing for a chaser whose route cannot be flown."""
+        nothing = np.empty(0, np.int64)
+        orders = [
+            flown(layer, route) or Order(layer, nothing)
+            for layer, route in zip(layers, routes, strict=True)
+        ]
+        return cls(problem, layers, tuple(orders))
+
+    @property
+    def unit(self) -> float:
+        """Mean worth of the targets that are worth something."""
+        worths = self._problem.worths
+        return float(worths[worths > 0.0].mean())
+
+    def better_than(self, other: Fleet) -> bool:
+        """More prize, then less cost (MODEL section 5)."""
+        return (self.objective, -self.cost) > (other.objective, -other.cost)
+
+    def with_orders(self, changed: Mapping[int, Order]) -> Fleet:
+        """The same with other orders for some chasers, by their numbers."""
+        orders = tuple(changed.get(number, order) for number, order in enumerate(self.orders))
+        return Fleet(self._problem, self.layers, orders)
+
+    def offered(self, chaser: int, anew: Collection[int] = ()) -> Mission:
+        """The layer of a chaser over what the others leave.
+
+        Parameters
+        ----------
+        chaser : int
+            Its number.
+        anew : collection of int
+            Others whose orders count as given up.
+        """
+        layer = self.layers[chaser]
+        others = [
+            order.moves
+            for number, order in enumerate(self.orders)
+            if number != chaser and number not in anew
+        ]
+        if not others:
+            return layer
+        return layer.offering(left(self._problem, targets_of(self._problem, others)))
+
+    def worth(self, chasers: Collection[int], time_share: float, delta_v_share: float) -> Worth:
+        """What time and ΔV are worth to some chasers, beside the prizes of what they fly.
+
+        Parameters
+        ----------
+        chasers : collection of int
+            Their numbers.
+        time_share, delta_v_share : float
+            Worth of the whole duration of a mission, and of its whole ΔV, relative to the prize of
+            its order.
+        """
+        timings = [self.orders[chaser].timing for chaser in chasers]
+        ends = [self.layers[chaser].rules.duration for chaser in chasers]
+        count = len(timings)
+        scale = max(math.fsum(timing.objective for timing in timings) / count, self.unit)
+        delta_v = math.fsum(timing.delta_v for timing in timings) / count
+        duration = math.fsum(ends) / count
+        return Worth(time_share * scale / duration, delta_v_share * scale / max(delta_v, 1.0))
