@@ -23,6 +23,7 @@ from adr_opt.mission import Mission
 from solvers.relaxation.routes import Routes
 from solvers.relaxation.walks import WalkBound
 
+PROVING = ("auto", "exact")
 CAMPAIGNS = 100
 DRIFTING = 30
 
@@ -43,7 +44,7 @@ every_part = pytest.mark.parametrize(
 
 
 @every_part
-@pytest.mark.parametrize("method", ["auto", "exact", "greedy-guarded"])
+@pytest.mark.parametrize("method", [*PROVING, "greedy-guarded", "ortools"])
 def test_plans_pass_and_bounds_hold(method, draw, seeds):
     """What is planned passes `check`, and enumeration knows nothing above what is proven."""
     planned = proven = 0
@@ -63,12 +64,13 @@ def test_plans_pass_and_bounds_hold(method, draw, seeds):
         if result.status == "optimal":
             assert result.objective == pytest.approx(prizes), seed
             proven += 1
-    if method != "greedy-guarded":
-        assert proven == planned > 0.6 * len(seeds)
+    assert planned > 0.6 * len(seeds)
+    if method in PROVING:
+        assert proven == planned
 
 
 @every_part
-@pytest.mark.parametrize("method", ["auto", "exact"])
+@pytest.mark.parametrize("method", [*PROVING, "ortools"])
 def test_chasers_of_many_kinds(method, draw, seeds):
     """What differs between chasers is each one's own, a margin is kept by all, proofs hold."""
     proven = planned = several = 0
@@ -93,7 +95,9 @@ def test_chasers_of_many_kinds(method, draw, seeds):
             assert result.objective == pytest.approx(prizes), seed
             proven += 1
     assert several > 0.7 * len(seeds)
-    assert proven >= 0.6 * planned > 0.2 * len(seeds)
+    assert planned > 0.33 * len(seeds)
+    if method in PROVING:
+        assert proven >= 0.6 * planned
 
 
 @every_part

@@ -16,7 +16,7 @@ from adr_opt.plan import Plan
 from adr_opt.result import certify_routes
 
 DAY_S = 86400.0
-ABLE = {"auto", "exact", "greedy", "greedy-guarded"}
+ABLE = {"auto", "exact", "greedy", "greedy-guarded", "ortools"}
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +54,7 @@ def test_the_command_line_says_so_too(cli: Cli, instance: Instance) -> None:
     """`solve` and `bound` with such a method are one sentence and exit 2."""
     with open("two.json", "w", encoding="utf-8") as file:
         file.write(instance.to_json())
-    sentence = ("is for one chaser", "auto, exact, greedy, greedy-guarded")
+    sentence = ("is for one chaser", "auto, exact, greedy, greedy-guarded, ortools")
     refused(cli("solve", "two.json", "--method", "beam"), "'beam'", *sentence)
     refused(cli("bound", "two.json", "--method", "lagrangian"), "'lagrangian'", *sentence)
     refused(cli("solve", "two.json", "--bound", "lagrangian"), "'lagrangian'", *sentence)

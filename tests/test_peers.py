@@ -130,7 +130,7 @@ def test_static_peers_plan_campaigns(peers, peer):
 
 
 def test_ortools_routing_keeps_tanks_at_its_costs(peers):
-    """On its own matrix each tank of OR-Tools holds, from refuelling to refuelling, and so the time.
+    """On its own matrix each tank of OR-Tools holds from refuelling to refuelling, and its time.
 
     No station follows another one or the start, and somebody does refuel.
     """

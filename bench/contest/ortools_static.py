@@ -1,10 +1,12 @@
 """OR-Tools' routing library on static costs.
 
-It plans with one matrix, as PyVRP does. ΔV is a dimension that legs draw from and that copies of
-the stations fill up again, so tanks are as they are, at the static costs; refuelling is earned, as
-no station follows another one or the start. Prizes are penalties for targets that are left out;
-windows, the largest number of targets and the end of a chaser are its own. Guided local search
-improves what parallel insertion begins with, until the time is over; the library takes no seed.
+It plans with one matrix, as PyVRP does, in whole numbers that are rounded up. A target is a node,
+and one more for each station: going to that one means to refuel there on the way, so that one step
+of a local search decides to. At most one of the nodes of a target is visited, and its prize is the
+penalty for none. What is drawn from the tank is a dimension: legs add to it, and whoever has
+refuelled has drawn the last leg alone. Nobody refuels before the first target. Windows, the largest
+number of targets, the times and the end of each chaser are its own. Guided local search improves
+what parallel insertion begins with, until the time is over; the library takes no seed.
 """
 
 from __future__ import annotations
@@ -24,60 +26,58 @@ from .static import one_matrix
 PRIZE_UNITS = 100_000
 """Costs are whole numbers: a prize of 1 outweighs any saving of ΔV [m/s]."""
 
-REFUELLINGS = 4
-"""Copies of each station for each chaser: so often each may refuel there, in the mean."""
-
-NOWHERE = -1
-"""The body of a node where a chaser may end that may end anywhere."""
+NONE = -1
+"""For no station on the way, and for the body of who may end anywhere."""
 
 
 class Nodes(NamedTuple):
-    """The nodes of the model: what is visited once at most, and where chasers start and end.
+    """The nodes of the model: targets, directly and by stations, then starts, then ends.
 
     Attributes
     ----------
     body : (nodes,) int64
-        Targets, copies of stations, starts, ends.
-    refuels : (nodes,) bool
-        Copies of stations.
+    by : (nodes,) int64
+        The station on the way.
     starts, ends : list of int
         Nodes of each chaser.
     """
 
     body: np.ndarray
-    refuels: np.ndarray
+    by: np.ndarray
     starts: list[int]
     ends: list[int]
 
 
-def _nodes(problem: Problem) -> Nodes:
-    """The nodes of a problem."""
-    missions, stations = problem.missions, len(problem.instance.stations)
-    targets = list(range(problem.instance.first_target, len(problem.names)))
-    copies = [s for s in range(stations) for _ in range(REFUELLINGS * len(missions))]
-    begins = [int(mission.rules.start) for mission in missions]
+def _nodes(problem: Problem, delta_v: np.ndarray) -> Nodes:
+    """The nodes of a problem; none by a station from which a target is out of reach."""
+    missions = problem.missions
+    full = max(mission.rules.budget for mission in missions)
+    targets = range(problem.instance.first_target, len(problem.names))
+    stations = range(len(problem.instance.stations))
+    ways = [(j, NONE) for j in targets]
+    ways += [(j, s) for j in targets for s in stations if math.ceil(delta_v[s, j]) <= full]
+    starts = [(int(mission.rules.start), NONE) for mission in missions]
     ends = [
-        problem.names.index(end.station) if isinstance(end, AtStation) else NOWHERE
+        (problem.names.index(end.station) if isinstance(end, AtStation) else NONE, NONE)
         for end in (mission.chaser.end for mission in missions)
     ]
-    body = np.array([*targets, *copies, *begins, *ends], dtype=np.int64)
-    refuels = np.zeros(body.size, dtype=np.bool_)
-    refuels[len(targets) : len(targets) + len(copies)] = True
-    start = len(targets) + len(copies)
+    body, by = np.array([*ways, *starts, *ends], dtype=np.int64).T
+    first = len(ways)
     return Nodes(
         body,
-        refuels,
-        list(range(start, start + len(begins))),
-        list(range(start + len(begins), body.size)),
+        by,
+        list(range(first, first + len(starts))),
+        list(range(first + len(starts), body.size)),
     )
 
 
 def _between(nodes: Nodes, costs: np.ndarray, never: int) -> np.ndarray:
-    """A matrix of bodies as one of nodes, in whole numbers; to nowhere for nothing."""
-    whole = np.where(np.isfinite(costs), np.ceil(np.minimum(costs, never)), never)
-    among = whole.astype(np.int64)[nodes.body[:, None], nodes.body[None, :]]
-    among[:, nodes.body == NOWHERE] = 0
-    return among
+    """What it takes to go to a node from each node, by its station if it has one."""
+    whole = np.ceil(np.minimum(costs, never)).astype(np.int64)
+    origins, bodies, by = nodes.body[:, None], nodes.body[None, :], nodes.by[None, :]
+    taken = np.where(by == NONE, whole[origins, bodies], whole[origins, by] + whole[by, bodies])
+    taken[:, nodes.body == NONE] = 0
+    return taken
 
 
 def ortools_promise(
@@ -94,22 +94,17 @@ def ortools_promise(
     from ortools.constraint_solver import pywrapcp, routing_enums_pb2
 
     began = time.perf_counter()
-    first = problem.instance.first_target
-    if len(problem.names) <= first:
+    if len(problem.names) <= problem.instance.first_target:
         return Promise(((),) * len(problem.missions), 0.0, math.inf, 0.0, 0.0)
-    nodes = _nodes(problem)
+    delta_v, duration = one_matrix(problem, statistic)
+    nodes = _nodes(problem, delta_v)
     manager = pywrapcp.RoutingIndexManager(
         nodes.body.size, len(problem.missions), nodes.starts, nodes.ends
     )
     routing = pywrapcp.RoutingModel(manager)
-    delta_v, duration = one_matrix(problem, statistic)
     _add_tanks(routing, manager, problem, nodes, delta_v)
     _add_times(routing, manager, problem, nodes, duration)
-    for node in range(nodes.starts[0]):
-        worth = float(problem.worths[nodes.body[node]])  # 0 for stations
-        routing.AddDisjunction([manager.NodeToIndex(node)], round(PRIZE_UNITS * worth))
-    _earn_refuelling(routing, manager, nodes)
-
+    _add_targets(routing, manager, problem, nodes)
     settings = pywrapcp.DefaultRoutingSearchParameters()
     settings.first_solution_strategy = (
         routing_enums_pb2.FirstSolutionStrategy.PARALLEL_CHEAPEST_INSERTION
@@ -123,12 +118,12 @@ def ortools_promise(
     solved = time.perf_counter()
     routes: list[tuple[int, ...]] = []
     for vehicle in range(len(problem.missions)):
-        route, index = [], routing.Start(vehicle)
+        route: list[int] = []
+        index = routing.Start(vehicle)
         while found is not None and not routing.IsEnd(index):
             index = found.Value(routing.NextVar(index))
-            body = int(nodes.body[manager.IndexToNode(index)])
-            if body != NOWHERE:
-                route.append(body)
+            node = nodes.ends[vehicle] if routing.IsEnd(index) else manager.IndexToNode(index)
+            route += [int(j) for j in (nodes.by[node], nodes.body[node]) if j != NONE]
         routes.append(tuple(route))
     visits = sum(float(problem.worths[j]) for route in routes for j in route)
     return Promise(tuple(routes), visits, math.inf, built - began, solved - built)
@@ -137,59 +132,60 @@ def ortools_promise(
 def _add_tanks(
     routing: Any, manager: Any, problem: Problem, nodes: Nodes, delta_v: np.ndarray
 ) -> None:
-    """What is drawn from the present tank, as a dimension; legs cost their ΔV."""
+    """What legs cost, and what is drawn from the present tank, as a dimension."""
     budgets = [math.floor(mission.rules.budget) for mission in problem.missions]
-    full = max(budgets)
-    legs = _between(nodes, delta_v, full + 1)
-    arcs = routing.RegisterTransitMatrix(legs.tolist())
-    routing.SetArcCostEvaluatorOfAllVehicles(arcs)
-    # A station takes off what was drawn: a full tank, less what was left of it, the slack.
-    drawn = routing.RegisterTransitMatrix((legs - full * nodes.refuels[:, None]).tolist())
-    routing.AddDimensionWithVehicleCapacity(drawn, full, budgets, True, "tank")
-    tank, solver = routing.GetDimensionOrDie("tank"), routing.solver()
-    for node in range(nodes.ends[0]):
-        index = manager.NodeToIndex(node)
-        if nodes.refuels[node]:
-            solver.Add(tank.CumulVar(index) + tank.SlackVar(index) == full)
-        else:
-            tank.SlackVar(index).SetValue(0)
+    never = max(budgets) + 1
+    legs = _between(nodes, delta_v, never)
+    refuels = nodes.by != NONE
+    evaluators = {}
+    for full in set(budgets):
+        # drawn + slack + leg to the station = full, so that it has to be reached; waste is legal.
+        drawn = legs - full * refuels[None, :]
+        evaluators[full] = routing.RegisterTransitMatrix(drawn.tolist())
+    routing.SetArcCostEvaluatorOfAllVehicles(routing.RegisterTransitMatrix(legs.tolist()))
+    routing.AddDimensionWithVehicleTransitAndCapacity(
+        [evaluators[full] for full in budgets], max(budgets), budgets, True, "tank"
+    )
+    tank = routing.GetDimensionOrDie("tank")
+    for node in np.flatnonzero(refuels).tolist():
+        last = math.ceil(delta_v[nodes.by[node], nodes.body[node]])
+        tank.CumulVar(manager.NodeToIndex(node)).SetValue(last)
 
 
 def _add_times(
     routing: Any, manager: Any, problem: Problem, nodes: Nodes, duration: np.ndarray
 ) -> None:
-    """When service ends, as a dimension, and how many targets a chaser services."""
+    """When service ends, as a dimension."""
     rules = [mission.rules for mission in problem.missions]
-    last = math.floor(max(each.duration for each in rules))
-    legs = _between(nodes, duration, last + 1)
-    times = routing.RegisterTransitMatrix(legs.tolist())
     ends = [math.floor(each.duration) for each in rules]
+    times = routing.RegisterTransitMatrix(_between(nodes, duration, max(ends) + 1).tolist())
     waits = math.ceil(max(float(each.opens.max()) - each.ready for each in rules))
     routing.AddDimensionWithVehicleCapacity(times, waits, ends, False, "time")
     time_of = routing.GetDimensionOrDie("time")
     for vehicle, each in enumerate(rules):
-        ready = math.ceil(each.ready)
-        time_of.CumulVar(routing.Start(vehicle)).SetRange(ready, ready)
-    # Opening and closing of all chasers together: each one's own is its ready time and its end.
+        time_of.CumulVar(routing.Start(vehicle)).SetValue(math.ceil(each.ready))
+    # Of all chasers together: each one's own times are those of its start and end.
     opens = np.min([each.opens for each in rules], axis=0) + rules[0].service
     closes = np.max([each.closes for each in rules], axis=0)
-    first = problem.instance.first_target
     for node in range(nodes.starts[0]):
         body = nodes.body[node]
-        if body >= first and (latest := math.floor(closes[body])) >= 0:
-            earliest = min(math.ceil(opens[body]), latest)
-            time_of.CumulVar(manager.NodeToIndex(node)).SetRange(earliest, latest)
-    most = [int(each.most_targets) for each in rules]
-    if min(most) < len(problem.names) - first:
-        counted = ((nodes.body >= first) & ~nodes.refuels).astype(np.int64)
-        counts = routing.RegisterUnaryTransitVector(counted.tolist())
-        routing.AddDimensionWithVehicleCapacity(counts, 0, most, True, "targets")
+        latest = math.floor(closes[body])
+        earliest = min(math.ceil(opens[body]), latest)
+        time_of.CumulVar(manager.NodeToIndex(node)).SetRange(earliest, latest)
 
 
-def _earn_refuelling(routing: Any, manager: Any, nodes: Nodes) -> None:
-    """Keep stations from following one another, or a start."""
-    stations = [manager.NodeToIndex(int(node)) for node in np.flatnonzero(nodes.refuels)]
-    for index in [*stations, *(routing.Start(each) for each in range(len(nodes.starts)))]:
-        for station in stations:
-            if station != index:
-                routing.NextVar(index).RemoveValue(station)
+def _add_targets(routing: Any, manager: Any, problem: Problem, nodes: Nodes) -> None:
+    """Each target once or not at all; so many for each chaser; the first without refuelling."""
+    ways = nodes.starts[0]
+    for j in np.unique(nodes.body[:ways]).tolist():
+        its = [
+            manager.NodeToIndex(node) for node in np.flatnonzero(nodes.body[:ways] == j).tolist()
+        ]
+        routing.AddDisjunction(its, round(PRIZE_UNITS * float(problem.worths[j])), 1)
+    most = [int(mission.rules.most_targets) for mission in problem.missions]
+    counted = (np.arange(nodes.body.size) < ways).astype(np.int64)
+    counts = routing.RegisterUnaryTransitVector(counted.tolist())
+    routing.AddDimensionWithVehicleCapacity(counts, 0, most, True, "targets")
+    for vehicle in range(len(most)):
+        for node in np.flatnonzero(nodes.by != NONE).tolist():
+            routing.NextVar(routing.Start(vehicle)).RemoveValue(manager.NodeToIndex(node))

@@ -1,0 +1,216 @@
+"""The planner `ortools` with several chasers: windows of one or two of them in one model."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from calling import call
+from random_rules import random_campaign
+
+import adr_opt
+from adr_opt.campaign import Campaign
+from adr_opt.errors import InputError
+from adr_opt.kernels import rules as rule_kernels
+from adr_opt.mission import Mission
+from adr_opt.planner import campaign_form
+from adr_opt.result import Result
+from adr_opt.stop import MaxIterations
+from solvers.campaigns.orders import one_after_another, targets_of
+from solvers.planners.ortools_windows import network, ortools
+from solvers.planners.ortools_windows.fleet import Fleet
+from solvers.planners.ortools_windows.joined import joined
+from solvers.planners.ortools_windows.model import best_paths
+from solvers.planners.ortools_windows.network import Limits, Window, Worth
+from solvers.planners.ortools_windows.order import flown
+from solvers.planners.ortools_windows.prices import edge_worths
+from solvers.planners.ortools_windows.replan import Choice, replan
+from solvers.search.beams import hurried
+from solvers.search.greedy_order import guarded_sequence
+
+LIMITS = Limits(20_000, 10, 0.02, 1.0)
+WORTH = Worth(1e-6, 1e-4)
+
+
+@pytest.fixture(scope="module")
+def campaign() -> Campaign:
+    """Two chasers who have to leave targets out."""
+    drawn = adr_opt.generate("campaign", 2, targets=24, chasers=2, stations=2)
+    return Campaign(drawn.with_limits(duration_s=4 * 86400.0))
+
+
+def plan(campaign: Campaign, windows: int = 8, **how: object) -> Result:
+    """A result that passes the check."""
+    form = campaign_form(ortools)
+    assert form is not None
+    result = call(ortools if isinstance(campaign, Mission) else form, campaign,
+                  **{"stop": MaxIterations(windows), **how})  # fmt: skip
+    assert adr_opt.check(campaign.instance, result.plan) == ()
+    return result
+
+
+def fleet_of(campaign: Campaign, routes: object = None) -> Fleet:
+    """The guarded greedy plan, or another one, as windows see it."""
+    layers = tuple(hurried(mission) for mission in campaign.missions)
+    if routes is None:
+        routes = one_after_another(campaign, guarded_sequence)
+    return Fleet.flying(campaign, layers, [np.array(route, dtype=np.int64) for route in routes])
+
+
+def test_gains_on_guarded_greedy(campaign: Campaign) -> None:
+    """Windows service more targets than the greedy plan that they begin with."""
+    greedy = adr_opt.solve(campaign, "greedy-guarded")
+    result = plan(campaign, windows=16)
+    assert result.objective >= greedy.objective + 1.0
+    assert result.counters["windows"] == 16
+
+
+def test_same_seed_same_plan(campaign: Campaign) -> None:
+    """Seed, windows and jobs fix routes and counters; another seed searches elsewhere."""
+    one, two, other = (plan(campaign, windows=5, seed=seed) for seed in (3, 3, 4))
+    assert (one.routes, one.counters) == (two.routes, two.counters)
+    assert (other.routes, other.counters) != (one.routes, one.counters)
+    threads = [plan(campaign, windows=5, jobs=2) for _ in range(2)]
+    assert (threads[0].routes, threads[0].counters) == (threads[1].routes, threads[1].counters)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_campaign_of_one_is_the_mission(seed: int) -> None:
+    """One chaser planned as a campaign flies what it flies as a mission, window by window."""
+    instance = adr_opt.generate("reduced-fuel", seed, targets=16).with_limits(
+        duration_s=3 * 86400.0
+    )
+    alone, several = (plan(problem(instance), windows=5) for problem in (Mission, Campaign))
+    assert several.routes == (alone.sequence,)
+    assert several.counters == alone.counters
+
+
+def test_begins_from_a_start_plan(campaign: Campaign) -> None:
+    """A start plan is never left worse, and an illegal one is refused."""
+    good = plan(campaign, windows=12)
+    again = plan(campaign, windows=1, start=good.routes)
+    assert again.objective >= good.objective
+    assert plan(campaign, windows=6, start=((), ())).objective > 0.0
+    first = campaign.instance.first_target
+    with pytest.raises(InputError, match="start plan"):
+        plan(campaign, start=((first, first), ()))
+
+
+def test_a_fleet_offers_what_others_leave(campaign: Campaign) -> None:
+    """A chaser may fly its own targets and nobody's, and those of who is planned anew with it."""
+    fleet = fleet_of(campaign)
+    own, other = (set(order.moves[order.moves >= 2].tolist()) for order in fleet.orders)
+    open_to = {
+        anew: set(np.flatnonzero(fleet.offered(0, anew=anew).rules.prize > 0.0).tolist())
+        for anew in ((), (1,))
+    }
+    everything = set(range(campaign.instance.first_target, len(campaign.names)))
+    assert own
+    assert other
+    assert open_to[()] == everything - other
+    assert open_to[1,] == everything
+    assert fleet.objective == len(own | other) == len(own) + len(other)
+
+
+def whole_windows(fleet: Fleet) -> list[Window]:
+    """Everything that each chaser flies, planned anew together."""
+    windows = []
+    for order, layer in zip(fleet.orders, fleet.layers, strict=True):
+        rules, pace = layer.rules, order.pace(WORTH)
+        values = np.concatenate(([0.0], np.cumsum(rules.prize[order.moves])))
+        values = values - WORTH.per_m_s * pace.costs - WORTH.per_s * (pace.times - pace.times[0])
+        windows.append(
+            Window(
+                int(rules.start), float(rules.ready), float(rules.budget),
+                np.flatnonzero(rules.prize > 0.0), np.empty(0, np.int64), float(rules.duration),
+                2 if rules.stations else 0, int(rules.most_targets), pace.times, values,
+            )
+        )  # fmt: skip
+    return windows
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_two_windows_are_one_model(seed: int) -> None:
+    """The best paths of two chasers share no target, can be flown, and keep below the bound.
+
+    They are worth as much as the paths of the fleet that they replace, and what prices say of an
+    edge holds for the paths over it.
+    """
+    campaign = Campaign(random_campaign(seed))
+    fleet = fleet_of(campaign)
+    if fleet.objective <= 0.0:
+        pytest.skip("nothing can be serviced")
+    layers, windows = fleet.layers[:2], whole_windows(fleet)[:2]
+    nets = [
+        network.grow(layer.rules, WORTH, window, LIMITS)
+        for layer, window in zip(layers, windows, strict=True)
+    ]
+    together = joined(
+        [(layer.rules, *each) for layer, each in
+         zip(layers, zip(windows, nets, strict=True), strict=True)]
+    )  # fmt: skip
+    bound, worths = edge_worths(together, WORTH, -1e3, 60)
+    everything = np.arange(worths.size)
+    how = {"unit": fleet.unit, "seed": 0, "effort": 20.0, "remaining_s": math.inf}
+    answer = best_paths(together, WORTH, everything, -1e3, **how)
+    assert answer.closed
+    assert answer.paths is not None
+    targets = [j for path in answer.paths for j in path if j >= campaign.instance.first_target]
+    assert len(set(targets)) == len(targets)
+    worth = 0.0
+    for layer, path in zip(layers, answer.paths, strict=True):
+        rules, ends = layer.rules, np.empty((2, len(path)))
+        made, delta_v, state = rule_kernels.replay(
+            rules, np.array(path, dtype=np.int64), rule_kernels.beginning(rules),
+            np.zeros(rules.service.size, dtype=np.bool_), *ends,
+        )  # fmt: skip
+        assert made == len(path)
+        worth += rules.prize[list(path)].sum()
+        worth -= WORTH.per_m_s * delta_v + WORTH.per_s * state.time
+    assert worth <= bound + 1e-6 * max(1.0, abs(bound))
+    # Who keeps only what prices do not exclude loses nothing.
+    kept = np.flatnonzero(worths >= worth - 1e-6 * max(1.0, abs(worth)))
+    again = best_paths(together, WORTH, kept, -1e3, **how)
+    assert again.paths is not None
+    both = [
+        campaign.collected(j for path in paths for j in path) for paths in
+        (answer.paths, again.paths)
+    ]  # fmt: skip
+    assert both[0] == pytest.approx(both[1])
+
+
+def test_one_window_joined_is_itself(campaign: Campaign) -> None:
+    """The network of one window is what it was, with its tanks and targets beside it."""
+    fleet = fleet_of(campaign)
+    layer, window = fleet.layers[0], whole_windows(fleet)[0]
+    net = network.grow(layer.rules, WORTH, window, LIMITS)
+    together = joined([(layer.rules, window, net)])
+    for mine, other in zip(net, together.net, strict=True):
+        assert np.array_equal(mine, other)
+    assert together.tanks.tolist() == [layer.rules.budget] * 3
+    assert (together.net.onward == -1).all()
+
+
+def test_targets_change_hands(campaign: Campaign) -> None:
+    """Where one chaser has all the targets, windows of both give some of them to the other."""
+    full = fleet_of(campaign)
+    start = (full.orders[0].moves, ())
+    fleet = fleet_of(campaign, start)
+    # What nobody has is nobody's to gain here.
+    rules = fleet.layers[0].rules
+    own = set(start[0][start[0] >= rules.first_target].tolist())
+    worths = np.where([j in own for j in range(len(campaign.names))], campaign.worths, -np.inf)
+    worths[: rules.first_target] = 0.0
+    layers = tuple(layer.offering(worths) for layer in fleet.layers)
+    orders = tuple(flown(layer, order.moves) for layer, order in
+                   zip(layers, fleet.orders, strict=True))  # fmt: skip
+    assert None not in orders
+    size = start[0].size
+    choice = Choice({0: (size // 2, size), 1: (0, 0)}, 0.3, 0)
+    found = replan(
+        Fleet(campaign, layers, orders), choice,  # type: ignore[arg-type]
+        time_share=0.5, limits=LIMITS, edges=400, effort=5.0, remaining_s=math.inf,
+    ).fleet  # fmt: skip
+    assert found is not None
+    assert own & targets_of(campaign, [found.orders[1].moves])
