@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -17,20 +19,28 @@ from adr_opt.mission import Mission
 from adr_opt.planner import campaign_form
 from adr_opt.result import Result
 from adr_opt.stop import MaxIterations
-from solvers.campaigns.orders import one_after_another, targets_of
+from solvers.campaigns.orders import one_after_another
 from solvers.planners.ortools_windows import network, ortools
 from solvers.planners.ortools_windows.fleet import Fleet
 from solvers.planners.ortools_windows.joined import joined
 from solvers.planners.ortools_windows.model import best_paths
 from solvers.planners.ortools_windows.network import Limits, Window, Worth
-from solvers.planners.ortools_windows.order import flown
 from solvers.planners.ortools_windows.prices import edge_worths
-from solvers.planners.ortools_windows.replan import Choice, replan
 from solvers.search.beams import hurried
 from solvers.search.greedy_order import guarded_sequence
 
 LIMITS = Limits(20_000, 10, 0.02, 1.0)
 WORTH = Worth(1e-6, 1e-4)
+FLOOR = -1e3
+"""Below all worths."""
+
+
+class Found(NamedTuple):
+    """Best paths through windows."""
+
+    paths: tuple[tuple[int, ...], ...]
+    worth: float
+    bound: float
 
 
 @pytest.fixture(scope="module")
@@ -130,54 +140,69 @@ def whole_windows(fleet: Fleet) -> list[Window]:
     return windows
 
 
-@pytest.mark.parametrize("seed", range(8))
-def test_two_windows_are_one_model(seed: int) -> None:
-    """The best paths of two chasers share no target, can be flown, and keep below the bound.
-
-    They are worth as much as the paths of the fleet that they replace, and what prices say of an
-    edge holds for the paths over it.
-    """
-    campaign = Campaign(random_campaign(seed))
-    fleet = fleet_of(campaign)
-    if fleet.objective <= 0.0:
-        pytest.skip("nothing can be serviced")
-    layers, windows = fleet.layers[:2], whole_windows(fleet)[:2]
+def best_of(campaign: Campaign, layers: Sequence[Mission], windows: Sequence[Window]) -> Found:
+    """The best paths through some windows, what they are worth, and what prices say."""
     nets = [
         network.grow(layer.rules, WORTH, window, LIMITS)
         for layer, window in zip(layers, windows, strict=True)
     ]
-    together = joined(
-        [(layer.rules, *each) for layer, each in
-         zip(layers, zip(windows, nets, strict=True), strict=True)]
-    )  # fmt: skip
-    bound, worths = edge_worths(together, WORTH, -1e3, 60)
-    everything = np.arange(worths.size)
-    how = {"unit": fleet.unit, "seed": 0, "effort": 20.0, "remaining_s": math.inf}
-    answer = best_paths(together, WORTH, everything, -1e3, **how)
+    parts = zip([layer.rules for layer in layers], windows, nets, strict=True)
+    together = joined(list(parts))
+    bound, worths = edge_worths(together, WORTH, FLOOR, 60)
+    how = {"unit": 1.0, "seed": 0, "effort": 20.0, "remaining_s": math.inf}
+    answer = best_paths(together, WORTH, np.arange(worths.size), FLOOR, **how)
     assert answer.closed
     assert answer.paths is not None
-    targets = [j for path in answer.paths for j in path if j >= campaign.instance.first_target]
-    assert len(set(targets)) == len(targets)
+    worth = worth_of(layers, answer.paths)
+    # Who keeps only what prices do not exclude loses nothing.
+    kept = np.flatnonzero(worths >= worth - 1e-6)
+    again = best_paths(together, WORTH, kept, FLOOR, **how)
+    assert again.paths is not None
+    assert worth_of(layers, again.paths) == pytest.approx(worth, abs=1e-4)
+    return Found(answer.paths, worth, bound)
+
+
+def worth_of(layers: Sequence[Mission], paths: Sequence[tuple[int, ...]]) -> float:
+    """What paths are worth, each flown by the rules."""
     worth = 0.0
-    for layer, path in zip(layers, answer.paths, strict=True):
+    for layer, path in zip(layers, paths, strict=True):
         rules, ends = layer.rules, np.empty((2, len(path)))
         made, delta_v, state = rule_kernels.replay(
             rules, np.array(path, dtype=np.int64), rule_kernels.beginning(rules),
             np.zeros(rules.service.size, dtype=np.bool_), *ends,
         )  # fmt: skip
         assert made == len(path)
-        worth += rules.prize[list(path)].sum()
+        worth += float(rules.prize[list(path)].sum())
         worth -= WORTH.per_m_s * delta_v + WORTH.per_s * state.time
-    assert worth <= bound + 1e-6 * max(1.0, abs(bound))
-    # Who keeps only what prices do not exclude loses nothing.
-    kept = np.flatnonzero(worths >= worth - 1e-6 * max(1.0, abs(worth)))
-    again = best_paths(together, WORTH, kept, -1e3, **how)
-    assert again.paths is not None
-    both = [
-        campaign.collected(j for path in paths for j in path) for paths in
-        (answer.paths, again.paths)
-    ]  # fmt: skip
-    assert both[0] == pytest.approx(both[1])
+    return worth
+
+
+def test_two_windows_are_one_model() -> None:
+    """The best paths of two chasers share no target, can be flown, and keep below the bound.
+
+    They are worth at least what one after the other is, and here and there more: the first leaves
+    the second what that does better.
+    """
+    several = better = 0
+    for seed in range(40):
+        campaign = Campaign(random_campaign(seed))
+        fleet = fleet_of(campaign)
+        if campaign.required or fleet.objective <= 0.0:
+            continue
+        layers, windows = fleet.layers[:2], whole_windows(fleet)[:2]
+        found = best_of(campaign, layers, windows)
+        first = campaign.instance.first_target
+        targets = [j for path in found.paths for j in path if j >= first]
+        assert len(set(targets)) == len(targets)
+        assert found.worth <= found.bound + 1e-6
+        alone = best_of(campaign, layers[:1], windows[:1])
+        rest = np.setdiff1d(windows[1].open_targets, alone.paths[0])
+        then = best_of(campaign, layers[1:], [windows[1]._replace(open_targets=rest)])
+        assert found.worth >= alone.worth + then.worth - 1e-4
+        several += all(found.paths)
+        better += found.worth > alone.worth + then.worth + 0.1
+    assert several > 5
+    assert better > 0
 
 
 def test_one_window_joined_is_itself(campaign: Campaign) -> None:
@@ -190,27 +215,3 @@ def test_one_window_joined_is_itself(campaign: Campaign) -> None:
         assert np.array_equal(mine, other)
     assert together.tanks.tolist() == [layer.rules.budget] * 3
     assert (together.net.onward == -1).all()
-
-
-def test_targets_change_hands(campaign: Campaign) -> None:
-    """Where one chaser has all the targets, windows of both give some of them to the other."""
-    full = fleet_of(campaign)
-    start = (full.orders[0].moves, ())
-    fleet = fleet_of(campaign, start)
-    # What nobody has is nobody's to gain here.
-    rules = fleet.layers[0].rules
-    own = set(start[0][start[0] >= rules.first_target].tolist())
-    worths = np.where([j in own for j in range(len(campaign.names))], campaign.worths, -np.inf)
-    worths[: rules.first_target] = 0.0
-    layers = tuple(layer.offering(worths) for layer in fleet.layers)
-    orders = tuple(flown(layer, order.moves) for layer, order in
-                   zip(layers, fleet.orders, strict=True))  # fmt: skip
-    assert None not in orders
-    size = start[0].size
-    choice = Choice({0: (size // 2, size), 1: (0, 0)}, 0.3, 0)
-    found = replan(
-        Fleet(campaign, layers, orders), choice,  # type: ignore[arg-type]
-        time_share=0.5, limits=LIMITS, edges=400, effort=5.0, remaining_s=math.inf,
-    ).fleet  # fmt: skip
-    assert found is not None
-    assert own & targets_of(campaign, [found.orders[1].moves])

@@ -110,9 +110,11 @@ def test_static_peers_plan_campaigns(peers, peer):
 
     What is promised is what the routes name, and mending takes nothing away.
     """
-    kept = 0.0
-    for seed in range(6):
-        campaign = Campaign(random_campaign(seed))
+    kept = []
+    drawn = [random_campaign(seed) for seed in range(6)]
+    drawn += [adr_opt.generate("tiny", seed, targets=4, chasers=2, stations=2) for seed in range(3)]
+    for instance in drawn:
+        campaign = Campaign(instance)
         promise = promised(peers, peer, campaign)
         first = campaign.instance.first_target
         targets = [j for route in promise.routes for j in route if j >= first]
@@ -125,8 +127,9 @@ def test_static_peers_plan_campaigns(peers, peer):
             for follow in (peers.as_it_is, peers.mended)
         ]
         assert max(ways) <= max(prizes, 0.0) + 1e-9
-        kept += ways[1]
-    assert kept > 0.0
+        assert ways[0] <= ways[1]
+        kept.append(ways[1])
+    assert min(kept[-3:]) > 0.0
 
 
 def test_ortools_routing_keeps_tanks_at_its_costs(peers):
@@ -136,8 +139,8 @@ def test_ortools_routing_keeps_tanks_at_its_costs(peers):
     """
     instance = adr_opt.generate("campaign", 0, targets=20, chasers=2, stations=2)
     campaign = Campaign(instance.with_limits(duration_s=5 * 86400.0, delta_v_m_s=600.0))
-    promise = promised(peers, "ortools", campaign, time_limit_s=1.0)
-    delta_v, duration = peers.static_costs(campaign.missions[0], "mean")
+    promise = promised(peers, "ortools", campaign, time_limit_s=1.0, statistic="quartile")
+    delta_v, duration = peers.static_costs(campaign.missions[0], "quartile")
     first, refuelled = instance.first_target, 0
     assert all(len(route) > 1 for route in promise.routes)
     for mission, route in zip(campaign.missions, promise.routes, strict=True):

@@ -51,11 +51,11 @@ class Nodes(NamedTuple):
 def _nodes(problem: Problem, delta_v: np.ndarray) -> Nodes:
     """The nodes of a problem; none by a station from which a target is out of reach."""
     missions = problem.missions
-    full = max(mission.rules.budget for mission in missions)
+    full = math.floor(max(mission.rules.budget for mission in missions))
     targets = range(problem.instance.first_target, len(problem.names))
     stations = range(len(problem.instance.stations))
     ways = [(j, NONE) for j in targets]
-    ways += [(j, s) for j in targets for s in stations if math.ceil(delta_v[s, j]) <= full]
+    ways += [(j, s) for j in targets for s in stations if delta_v[s, j] <= full]
     starts = [(int(mission.rules.start), NONE) for mission in missions]
     ends = [
         (problem.names.index(end.station) if isinstance(end, AtStation) else NONE, NONE)

@@ -208,7 +208,7 @@ def _first_routes(problem: Problem, start: Start | None) -> list[Bodies]:
 def _draw(rng: np.random.Generator, fleet: Fleet, options: OrtoolsOptions) -> Choice:
     """Draw windows of one or of two chasers."""
     count = len(fleet.orders)
-    chasers = range(count)
+    chasers = [0]
     if count > 1:
         taken = 2 if rng.random() < OF_TWO else 1
         chasers = sorted(rng.choice(count, taken, replace=False).tolist())
