@@ -139,6 +139,13 @@ def test_same_seed_same_plan(nominal):
     assert threads[0].counters == threads[1].counters
 
 
+def test_the_usual_time_value_is_that_of_beams(nominal):
+    """Who names no time value gets that of beams, in windows and insertions too."""
+    usual, named = plan(nominal, windows=4), plan(nominal, windows=4, time_value_m_s_per_h=110.0)
+    assert (usual.sequence, usual.counters) == (named.sequence, named.counters)
+    assert plan(nominal, windows=4, time_value_m_s_per_h=75.0).counters != named.counters
+
+
 def test_counts_windows_and_reports_every_better_plan(nominal):
     """One window per question to ``stop``; progress hears rising objectives, the last one final."""
     heard: list[float] = []

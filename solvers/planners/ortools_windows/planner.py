@@ -45,8 +45,9 @@ TIME_SHARE = 0.5
 DELTA_V_SHARES = (0.02, 0.1, 0.3)
 """The same of the whole ΔV: each window draws one, so that plans of equal prize differ."""
 
-OF_TWO = 0.5
-"""Share of the draws in which two chasers, where there are several, get a window each."""
+OF_TWO = 0.2
+"""Share of the draws in which two chasers, where there are several, get a window each: they take
+ten times as long as windows of one."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +128,7 @@ def _plan(
     layers = tuple(hurried(mission, options.time_value_m_s_per_h) for mission in problem.missions)
     best = Fleet.flying(problem, layers, _first_routes(problem, start))
     present = best
-    limits = Limits(NODES, WIDTH, options.time_value_m_s_per_h / HOUR_S, 0.0)
+    limits = Limits(NODES, WIDTH, layers[0].time_value_m_s_per_h / HOUR_S, 0.0)
     if problem.worths.any():
         limits = limits._replace(lag=LAG * best.unit)
         for chaser in range(len(layers)):

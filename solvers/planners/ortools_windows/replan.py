@@ -82,7 +82,7 @@ def replan(
         Worth of the mission's duration relative to the prize of an order.
     limits : Limits
     edges : int
-        Most edges of a window that CP-SAT gets.
+        Most edges that CP-SAT gets.
     effort, remaining_s
         See :func:`.model.best_paths`.
     """
@@ -112,9 +112,8 @@ def replan(
     kept = np.flatnonzero(worths >= goal)
     if kept.size == 0:
         return Replanned(None, counters | {"closed_by_prices": 1})
-    most = edges * len(chasers)
-    if kept.size > most:
-        kept = np.sort(np.argpartition(-worths, most)[:most])
+    if kept.size > edges:
+        kept = np.sort(np.argpartition(-worths, edges)[:edges])
     answer = best_paths(
         together, worth, kept, goal,
         unit=unit, seed=choice.seed, effort=effort, remaining_s=remaining_s,
