@@ -172,19 +172,30 @@ def test_static_costs_are_sampled(peers):
 
 def test_gaps_are_to_the_best_bound_of_the_mission(peers):
     """A gap counts from the least bound of an instance, and never from that of a rounded model."""
-    row = peers.Row
+    known, unknown = (
+        adr_opt.generate("campaign", 1, chasers=chasers) for chasers in (None, 4)
+    )  # fmt: skip
+    a, b, bounds = known.name, unknown.name, {known.name: 37.0, unknown.name: math.inf}
+    fields = [Campaign(known), Campaign(unknown)]
+    assert peers.best_bounds([], fields) == bounds
     rows = [
-        row("auto", "a", 9.0, 9.0, 10.0, 0.0, 1.0),
-        row("auto", "b", 8.0, 8.0, 8.0, 0.0, 1.0),
-        row("PyVRP, mean, as it is", "a", 5.0, 12.0, math.inf, 0.0, 1.0),
-        row("PyVRP, mean, as it is", "b", 6.0, 12.0, math.inf, 0.0, 1.0),
-        row("DIDPPy, 240 s, as it is", "a", 5.0, 5.0, 5.0, 0.0, 1.0),
-        row("DIDPPy, 240 s, as it is", "b", 6.0, 6.0, 6.0, 0.0, 1.0),
+        peers.Row(method, name, visits, promised, bound, 0.0, 1.0)
+        for method, name, visits, promised, bound in (
+            ("auto", a, 36.0, 36.0, 38.0),
+            ("auto", b, 8.0, 8.0, 10.0),
+            ("PyVRP, mean, as it is", a, 18.5, 40.0, math.inf),
+            ("PyVRP, mean, as it is", b, 6.0, 20.0, math.inf),
+            ("DIDPPy, 240 s, as it is", a, 5.0, 5.0, 5.0),
+            ("DIDPPy, 240 s, as it is", b, 6.0, 6.0, 6.0),
+        )
     ]
-    shown = peers.table(rows, gaps=True)
-    assert "| auto | 8.50 | 9 8 | 8.50 | 100 % | 9.00 | 5.0 % |" in shown
-    assert "| PyVRP, mean, as it is | 5.50 | 5 6 | 12.00 | 46 % | – | 37.5 % |" in shown
+    bounds = peers.best_bounds(rows, fields)
+    assert bounds == {a: 37.0, b: 10.0}
+    shown = peers.table(rows, bounds)
+    assert "| auto | 22.00 | 36 8 | 22.00 | 100 % | 24.00 | 11.4 % |" in shown
+    assert "| PyVRP, mean, as it is | 12.25 | 18.5 6 | 30.00 | 41 % | – | 45.0 % |" in shown
     assert "- PyVRP: one matrix for all times" in shown
+    assert "| – | – | 0.0 s" in peers.table(rows[2:], peers.best_bounds(rows[2:4], fields))
     assert "gap" not in peers.table(rows)
 
 

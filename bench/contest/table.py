@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import csv
 import math
 import statistics
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import adr_opt
 from adr_opt.campaign import Problem
@@ -18,6 +20,9 @@ from adr_opt.result import certify_routes
 from .didppy_slots import didppy_promise
 from .ortools_static import ortools_promise
 from .pyvrp_static import pyvrp_promise
+
+BEST_KNOWN = Path(__file__).resolve().parents[2] / "instances" / "best-known.csv"
+"""Bounds of the instances of the library."""
 
 STATIC = {"pyvrp": ("PyVRP", pyvrp_promise), "ortools": ("OR-Tools routing", ortools_promise)}
 """Peers that plan on static costs, with the names that they are shown by."""
@@ -123,37 +128,35 @@ def our_row(name: str, problem: Problem, *, time_limit_s: float, seed: int, jobs
     return Row(name, problem.instance.name, visits, visits, result.upper_bound, 0.0, wall)
 
 
-def table(rows: Sequence[Row], *, gaps: bool = False) -> str:
+def table(rows: Sequence[Row], bounds: Mapping[str, float] | None = None) -> str:
     """Means over instances, the best method first, in Markdown.
 
     Parameters
     ----------
     rows : sequence of Row
-    gaps : bool
-        Whether to say how far each method is from the best bound that one of ours has proven.
+    bounds : mapping of str to float, optional
+        By instance: what no plan exceeds. Then the table says how far from it each method is.
     """
     lines = [
         "| method | visits, mean | visits by instance | promised, mean | kept | bound, mean | "
-        + ("gap, mean | " if gaps else "")
+        + ("gap, mean | " if bounds else "")
         + "build | solve, max |",
-        "|---|---|---|---|---|---|" + ("---|" if gaps else "") + "---|---|",
+        "|---|---|---|---|---|---|" + ("---|" if bounds else "") + "---|---|",
     ]
     methods = dict.fromkeys(row.method for row in rows)
     mine = {method: [row for row in rows if row.method == method] for method in methods}
     means = {m: statistics.mean(row.visits for row in some) for m, some in mine.items()}
-    bounds = best_bounds(rows)
     for method in sorted(methods, key=lambda m: -means[m]):
         some = mine[method]
         promised = sum(row.promised for row in some)
         kept = f"{100.0 * sum(row.visits for row in some) / promised:.0f} %" if promised else "–"
         bound = statistics.mean(row.bound for row in some)
         own_model = "†" if method.startswith("DIDPPy") else ""
-        gap = statistics.mean(1.0 - row.visits / bounds[row.instance] for row in some)
         lines.append(
             f"| {method} | {means[method]:.2f} | {' '.join(f'{row.visits:g}' for row in some)} | "
             f"{promised / len(some):.2f} | {kept} | "
             + (f"{bound:.2f}{own_model}" if math.isfinite(bound) else "–")
-            + (f" | {100.0 * gap:.1f} %" if gaps else "")
+            + (f" | {mean_gap(some, bounds)}" if bounds else "")
             + f" | {statistics.mean(row.build_s for row in some):.1f} s | "
             f"{max(row.solve_s for row in some):.1f} s |"
         )
@@ -161,14 +164,25 @@ def table(rows: Sequence[Row], *, gaps: bool = False) -> str:
         lines += ["", "† of the rounded model, no bound on the mission"]
     named = {method.partition(",")[0] for method in methods}
     notes = [f"- {name}: {what}" for name, what in NOT_THEIRS.items() if name in named]
-    if gaps and notes:
+    if bounds and notes:
         lines += ["", *notes]
     return "\n".join(lines)
 
 
-def best_bounds(rows: Sequence[Row]) -> dict[str, float]:
-    """The least bound of each instance that holds for the mission; +inf for none."""
-    bounds = {row.instance: math.inf for row in rows}
+def mean_gap(rows: Sequence[Row], bounds: Mapping[str, float]) -> str:
+    """How far the visits of a method are from bounds; a dash where there is an instance without."""
+    if not all(math.isfinite(bounds[row.instance]) for row in rows):
+        return "–"
+    return (
+        f"{100.0 * statistics.mean(1.0 - row.visits / bounds[row.instance] for row in rows):.1f} %"
+    )
+
+
+def best_bounds(rows: Sequence[Row], problems: Sequence[Problem]) -> dict[str, float]:
+    """The least bound of each instance that holds for it: known, or proven here; +inf for none."""
+    with BEST_KNOWN.open(encoding="utf-8", newline="") as file:
+        known = {row["sha256"]: row["upper_bound"] for row in csv.DictReader(file)}
+    bounds = {each.instance.name: float(known.get(each.sha256) or math.inf) for each in problems}
     for row in rows:
         if not row.method.startswith("DIDPPy"):
             bounds[row.instance] = min(bounds[row.instance], row.bound)
