@@ -79,10 +79,12 @@ def get(name: str, group: str = PLANNERS) -> Planner:
     return planner if _options(planner) else _with_options(name, planner)
 
 
-_CAMPAIGN = "campaign_form"
+_CAMPAIGN, _KITS = "campaign_form", "knows_kits"
 
 
-def for_campaigns(planner: Callable[..., Result]) -> Callable[[Method], Method]:
+def for_campaigns(
+    planner: Callable[..., Result], *, kits: bool = True
+) -> Callable[[Method], Method]:
     """Decorate a method with the function that does the same for several chasers.
 
     Parameters
@@ -90,10 +92,13 @@ def for_campaigns(planner: Callable[..., Result]) -> Callable[[Method], Method]:
     planner : Planner
         Takes a :class:`adr_opt.campaign.Campaign` in place of a mission, and for ``start``, if it
         takes one, a route for each chaser.
+    kits : bool
+        Whether it plans with what chasers carry, where that counts (``rules.loads``).
     """
 
     def decorate(method: Method) -> Method:
         setattr(method, _CAMPAIGN, planner)
+        setattr(method, _KITS, kits)
         return method
 
     return decorate
@@ -103,6 +108,11 @@ def campaign_form(planner: Planner) -> Planner | None:
     """The function that does for several chasers what a method does for one; None without one."""
     found: Planner | None = getattr(planner, _CAMPAIGN, None)
     return found
+
+
+def knows_kits(planner: Planner) -> bool:
+    """Whether a method plans with what chasers carry."""
+    return bool(getattr(planner, _KITS, False))
 
 
 def options_of(planner: Planner) -> type[Options]:

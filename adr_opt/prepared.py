@@ -9,6 +9,7 @@ from itertools import takewhile
 from typing import Any, Self
 
 from .campaign import Campaign, Problem
+from .cargo import loads_of
 from .errors import InputError
 from .generator import LARGEST_SEED
 from .options import read
@@ -19,6 +20,7 @@ from .planner import (
     Progress,
     campaign_form,
     get,
+    knows_kits,
     names,
     options_of,
     silent,
@@ -217,36 +219,35 @@ def form_for(problem: Problem, name: str, function: Planner) -> Planner:
     Raises
     ------
     InputError
-        It plans for one chaser, and there are several.
+        It plans for one chaser, and there are several; or knows no kits, and they count.
     """
     if not isinstance(problem, Campaign):
         return function
-    found = campaign_form(function)
-    if found is None:
-        able = [
-            f"{other} ({group.rsplit('.', 1)[1]})" if group == BOUNDS else other
-            for group in (PLANNERS, BOUNDS)
-            for other in names(group)
-            if _plans_campaigns(other, group)
-        ]
-        instance = problem.instance
-        chasers = len(instance.chasers)
-        raise InputError(
-            f"method {name!r} is for one chaser, and {instance.name!r} has {chasers}; "
-            f"use one of: {', '.join(able)}"
-            if chasers > 1
-            else f"method {name!r} knows no kits, and those of {instance.name!r} count; "
-            f"use one of: {', '.join(able)}"
-        )
-    return found
+    instance, found = problem.instance, campaign_form(function)
+    loads = [loads_of(instance, chaser, problem.margin) for chaser in instance.chasers]
+    counts = any(each is not None for each in loads)
+    if found is not None and (knows_kits(function) or not counts):
+        return found
+    able = ", ".join(
+        f"{other} ({group.rsplit('.', 1)[1]})" if group == BOUNDS else other
+        for group in (PLANNERS, BOUNDS)
+        for other in names(group)
+        if _plans_campaigns(other, group, kits=counts)
+    )
+    chasers = len(instance.chasers)
+    why = f"is for one chaser, and {instance.name!r} has {chasers}"
+    if found is not None or chasers == 1:
+        why = f"knows no kits, and those of {instance.name!r} count"
+    raise InputError(f"method {name!r} {why}; use one of: {able}")
 
 
-def _plans_campaigns(name: str, group: str) -> bool:
-    """Whether an installed method can be called for several chasers."""
+def _plans_campaigns(name: str, group: str, *, kits: bool) -> bool:
+    """Whether an installed method can be called for several chasers, and for their kits."""
     try:
-        return campaign_form(get(name, group)) is not None
+        method = get(name, group)
     except (ImportError, AttributeError):
         return False  # cannot be recommended; asked for by name, it says why
+    return campaign_form(method) is not None and (knows_kits(method) or not kits)
 
 
 _warm: set[tuple[object, ...]] = set()

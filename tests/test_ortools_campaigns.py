@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from brute_force import brute_force_campaign
 from calling import call
-from random_rules import random_campaign
+from random_rules import carrying, random_campaign
 
 import adr_opt
 from adr_opt.campaign import Campaign
@@ -58,6 +59,34 @@ def plan(campaign: Campaign, windows: int = 8, **how: object) -> Result:
                   **{"stop": MaxIterations(windows), **how})  # fmt: skip
     assert adr_opt.check(campaign.instance, result.plan) == ()
     return result
+
+
+def test_launches_are_planned_and_kits_refused() -> None:
+    """Chasers that start anywhere pass `check`, none better than enumeration; kits are refused.
+
+    The sentence names methods that know them.
+    """
+    refused = launched = 0
+    for seed in range(40):
+        instance = carrying(random_campaign(seed), seed)
+        campaign = Campaign(instance)
+        if any(mission.rules.loads is not None for mission in campaign.missions):
+            said = (
+                r"'ortools' knows no kits.*auto, exact, greedy, greedy-guarded, exact \(bounds\)$"
+            )
+            with pytest.raises(InputError, match=said):
+                adr_opt.solve(campaign, "ortools", iterations=1)
+            refused += 1
+            continue
+        prizes, _ = brute_force_campaign(campaign)
+        result = adr_opt.solve(campaign, "ortools", iterations=6)
+        if result.plan is not None:
+            assert adr_opt.check(instance, result.plan) == (), seed
+            assert result.objective <= prizes + 1e-9, seed
+            started = {leg.origin for leg in result.plan.legs}
+            launched += any(c.is_launched and c.name in started for c in instance.chasers)
+    assert refused > 5
+    assert launched > 0
 
 
 def fleet_of(campaign: Campaign, routes: object = None) -> Fleet:
