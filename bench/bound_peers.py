@@ -95,7 +95,8 @@ def linear_relaxation(mission: adr_opt.Mission, bucket_s: float = 0.0) -> Linear
     origin = np.repeat(np.arange(rows), np.diff(network.first))
     opens = np.zeros(rows, dtype=np.bool_)
     opens[network.start[:-1]] = True
-    opens[network.root] = True
+    (root,) = network.roots
+    opens[root] = True
     opens[network.landing] = True
     if bucket_s > 0.0:
         times = np.where(np.isfinite(network.departure), network.departure, rules.duration)
@@ -130,7 +131,7 @@ def linear_relaxation(mission: adr_opt.Mission, bucket_s: float = 0.0) -> Linear
     at, column, value = (np.concatenate([entry[part] for entry in entries]) for part in range(3))
     columns = leg.size + waits.size
     limit = np.zeros(nodes + bodies + 1)
-    limit[node[network.root]] = 1.0
+    limit[node[root]] = 1.0
     limit[nodes : nodes + bodies] = 1.0
     limit[-1] = rules.budget
     gain = np.zeros(columns)
