@@ -46,8 +46,6 @@ def test_methods_for_one_chaser_say_so(instance: Instance) -> None:
                 call(instance, name)
     with pytest.raises(adr_opt.InputError, match="'lagrangian' is for one chaser"):
         adr_opt.solve(instance, "auto", bound="lagrangian")
-    with pytest.raises(adr_opt.InputError, match="for one chaser only"):
-        adr_opt.solve(instance, "exact", cost=True)
 
 
 def test_the_command_line_says_so_too(cli: Cli, instance: Instance) -> None:
