@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from .cargo import loads_of
+from .chasers import InOrbit
 from .connections import Connecting
 from .corrections import Corrections
 from .instance import Instance
@@ -80,7 +81,9 @@ class Campaign(Prizes):
         alike: dict[Any, list[int]] = {}
         for number, chaser in enumerate(instance.chasers):
             can = chaser.replace(name=instance.chasers[0].name)
-            alike.setdefault(can, []).append(number)
+            # Given connections lead from a start by its name, whatever the orbit.
+            by_name = instance.transfer.given is not None and isinstance(chaser.start, InOrbit)
+            alike.setdefault((can, chaser.name if by_name else None), []).append(number)
         self.kinds = tuple(
             Kind(self.missions[numbers[0]], tuple(numbers)) for numbers in alike.values()
         )
