@@ -36,10 +36,10 @@ Removal = Annotated[
 
 
 class Station(Record):
-    """Where chasers refuel, and may start."""
+    """Where chasers refuel, and may start; it may have no orbit where connections are given."""
 
     name: Name
-    orbit: Orbit
+    orbit: Orbit | None = None
 
 
 class Target(Record):
@@ -47,11 +47,11 @@ class Target(Record):
 
     Its service begins not before ``window_s`` opens and ends before it closes. ``required``: a plan
     has to service it. ``removal`` "kit": the chaser leaves a kit with it, and goes on without.
-    ``mass_kg`` is for what carries it.
+    ``mass_kg`` is for what carries it. It may have no orbit where connections are given.
     """
 
     name: Name
-    orbit: Orbit
+    orbit: Orbit | None = None
     prize: Prize = 1.0
     required: bool = False
     window_s: Window = (0.0, None)

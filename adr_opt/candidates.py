@@ -176,7 +176,8 @@ def nearest_first(instance: Instance, first: Sequence[str]) -> list[int]:
     unwanted = [name not in wanted for name in instance.names]
     fixed = range(instance.first_target)
     worthless = [*(False for _ in fixed), *(target.prize == 0.0 for target in instance.targets)]
-    cost = np.min([_from_home(instance, home) for home in set(instance.starts)], axis=0)
+    from_home = _from_home if instance.given is None else _given_from_home
+    cost = np.min([from_home(instance, home) for home in set(instance.starts)], axis=0)
     order = np.lexsort((cost, worthless, unwanted))
     return [*fixed, *(int(body) for body in order if body not in fixed)]
 
@@ -195,3 +196,11 @@ def _from_home(instance: Instance, home: int) -> npt.NDArray[np.float64]:
     shape = 0.5 * speed * np.linalg.norm(vectors - vectors[home], axis=1)
     cost: npt.NDArray[np.float64] = np.maximum(turn + climb, np.hypot(turn, shape))
     return cost
+
+
+def _given_from_home(instance: Instance, home: int) -> npt.NDArray[np.float64]:
+    """Least cost from a body to each one, where costs are given; +inf for no connection."""
+    given = instance.given
+    assert given is not None
+    there = [given.of_pair(instance.names[home], name)[2] for name in instance.names]
+    return np.array([each.min(initial=math.inf) for each in there])

@@ -15,7 +15,7 @@ from .errors import InputError
 from .instance import Instance
 from .kept import Kept, Pair
 from .kernels import connections as kernels
-from .kernels import drifting_connections
+from .kernels import drifting_connections, given_connections
 from .kernels import timetable as tables
 from .kernels.constants import HOUR_S, SLACK_M_S, SLACK_S
 
@@ -39,7 +39,7 @@ class Connections:
     delta_v : (connections,) float64
         [m/s].
     revolutions : (connections,) int8
-        Phasing revolutions; −1 for a transfer that drifts.
+        Phasing revolutions; −1 for a transfer that drifts, 0 for one that is given.
     """
 
     departure: FloatArray
@@ -63,7 +63,8 @@ class Connecting:
 
     Where events are regular (two-body motion) a pair takes a tenth of a millisecond, and is worked
     out whenever somebody asks. Where nodes drift it takes half a millisecond to many, and what
-    planning needs is kept, as far as there is room (:class:`.kept.Kept`).
+    planning needs is kept, as far as there is room (:class:`.kept.Kept`). So it is where
+    connections are given.
 
     Parameters
     ----------
@@ -74,9 +75,9 @@ class Connecting:
     Attributes
     ----------
     kept : Kept
-        The connections of pairs that are kept, as the model has them, where nodes drift.
+        The connections of pairs that are kept, as the model has them, where they are listed.
     counts : dict of (origin, destination) to int
-        How many connections the pairs have that a table was made of, where nodes drift.
+        How many connections the pairs have that a table was made of, where they are listed.
     """
 
     def __init__(self, instance: Instance, corrections: Corrections = NO_CORRECTIONS) -> None:
@@ -84,6 +85,7 @@ class Connecting:
         self.corrections = corrections
         self._names = instance.names
         self.inputs = instance.orbits(), instance.eccentricity_delta_v(), instance.transfer_rule()
+        self.given = instance.given
         self.times = _times(instance)
         self._launches = instance.launches
         self.kept = Kept()
@@ -97,15 +99,20 @@ class Connecting:
     def drifts(self) -> bool:
         """Whether connections are listed: not all leave at regular events, or costs are corrected.
 
-        A launch is a connection, too.
+        A launch is a connection, too, and so is what is given.
         """
-        return self.times is not None or bool(self.corrections) or bool(self._launches)
+        return not self._is_regular or bool(self.corrections) or bool(self._launches)
+
+    @property
+    def _is_regular(self) -> bool:
+        """Whether departure events are those of two-body motion."""
+        return self.times is None and self.given is None
 
     @property
     def planning_resolution_m_s(self) -> float:
         """Connections that save no more are left out of planning [m/s].
 
-        None is, where that is affordable: where events are regular.
+        None is, where that is affordable: where events are regular, or connections given.
         """
         return self._resolution if self.times is not None else 0.0
 
@@ -117,9 +124,13 @@ class Connecting:
     def _of_model(self, i: int, j: int, resolution_m_s: float) -> kernels.Found:
         if i in self._launches or j in self._launches:
             return self._launch(i, j)
+        found: kernels.Found
+        if self.given is not None:
+            rows = self.given.of_pair(self._names[i], self._names[j])
+            found = given_connections.sifted(*rows, self._end, resolution_m_s)
+            return found
         orbits, extra, rule = self.inputs
         pair = orbits[i], orbits[j], extra[i, j], rule
-        found: kernels.Found
         if self.times is None:
             found = kernels.of_pair(*pair, self._end, resolution_m_s)
         else:
@@ -135,7 +146,7 @@ class Connecting:
 
     def found(self, i: int, j: int) -> kernels.Found:
         """What planning needs of a pair: kept, or worked out."""
-        if self.times is None:
+        if self._is_regular:
             return self.find(i, j, self.planning_resolution_m_s)
         found = self.kept.get((i, j), lambda: self._of_model(i, j, self.planning_resolution_m_s))
         return self.corrections.applied(self._names[i], self._names[j], found)
@@ -270,9 +281,10 @@ def weights_of(choose: Choice) -> tuple[float, float]:
 
 
 def _times(instance: Instance) -> drifting_connections.Times | None:
-    """When transfers may leave; None where events are regular, which needs no such thing."""
+    """When transfers may leave; None where events are regular or given: no such thing is needed."""
     settings = instance.transfer
-    if instance.dynamics == "two-body" and settings.departure_spacing_s == 0.0:
+    is_regular = instance.dynamics == "two-body" and settings.departure_spacing_s == 0.0
+    if is_regular or settings.given is not None:
         return None
     return drifting_connections.Times(
         settings.departure_spacing_s, settings.drift_step_s, settings.max_drift_s,

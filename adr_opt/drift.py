@@ -33,7 +33,7 @@ def node_rates(instance: Instance) -> npt.NDArray[np.float64]:
 def drift_warning(instance: Instance, plan: Plan | None = None) -> str | None:
     """A sentence about the drift of the nodes, or None where it is not worth one.
 
-    Nor is it where the model knows about it: under J2.
+    Nor is it where the model knows about it, under J2, or where costs are given.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def drift_warning(instance: Instance, plan: Plan | None = None) -> str | None:
         The origin and the destination of each leg are looked at, from the epoch to the departure.
         Its destinations must be bodies of the instance.
     """
-    if instance.dynamics == "j2":
+    if instance.dynamics == "j2" or instance.transfer.given is not None:
         return None
     rates = node_rates(instance)
     turn_m_s = _turn_m_s(instance)

@@ -38,6 +38,13 @@ from .records import (
 from .settings import KeepOutZone, MissionSettings, SequenceSettings, TransferSettings
 
 
+class Station1(Record):
+    """The station of /1."""
+
+    name: Name
+    orbit: Orbit
+
+
 class Target1(Record):
     """A target of /1."""
 
@@ -72,7 +79,7 @@ class Instance1(Record):
         BeforeValidator(is_calendar_time),
         AfterValidator(has_utc),
     ]
-    station: Station
+    station: Station1
     targets: Annotated[tuple[Target1, ...], Field(strict=False)]
     mission: MissionLimits1
     transfer: TransferSettings1 = TransferSettings1()
@@ -94,7 +101,7 @@ class Instance1(Record):
         made = Instance(
             name=self.name,
             epoch=self.epoch,
-            stations=(self.station,),
+            stations=(Station(name=self.station.name, orbit=self.station.orbit),),
             targets=tuple(
                 Target(name=target.name, orbit=target.orbit, prize=target.prize)
                 for target in self.targets
@@ -218,7 +225,7 @@ def is_of(reference: InstanceReference, instance: Instance) -> bool:
 
 def _downgraded(instance: Instance) -> Instance1 | None:
     """The instance in /1, if reading that gives the instance again."""
-    if len(instance.stations) != 1:
+    if len(instance.stations) != 1 or instance.transfer.given is not None:
         return None
     limits = instance.mission
     if limits.service_revolutions is None:
@@ -227,9 +234,9 @@ def _downgraded(instance: Instance) -> Instance1 | None:
     made = Instance1(
         name=instance.name,
         epoch=instance.epoch,
-        station=instance.stations[0],
+        station=Station1(**dict(instance.stations[0])),
         targets=tuple(
-            Target1(name=target.name, prize=target.prize, orbit=target.orbit)
+            Target1(**{name: getattr(target, name) for name in Target1.model_fields})
             for target in instance.targets
         ),
         mission=MissionLimits1(

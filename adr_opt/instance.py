@@ -12,6 +12,7 @@ import math
 import os
 from collections.abc import Collection
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -22,14 +23,18 @@ from pydantic import (
     BeforeValidator,
     Field,
     PrivateAttr,
+    ValidationError,
     field_serializer,
     model_validator,
 )
 
+from .agreement import check_names, check_orbits, check_stations
 from .bodies import Station, Target
 from .chasers import AtStation, Chaser, InOrbit
 from .errors import InputError
-from .files import read_model, to_text
+from .files import check_writable, read_model, sentence, to_text, write_text
+from .given import Given
+from .given_files import read_named, write_given
 from .kernels.constants import (
     EARTH_RADIUS_M,
     HOUR_S,
@@ -38,10 +43,11 @@ from .kernels.constants import (
     SLACK_S,
 )
 from .kernels.eccentricity import matchings
+from .kernels.orbits import ORBIT_COLUMNS
 from .kernels.transfer import TransferRule
 from .orbit import Orbit
 from .records import Name, Record
-from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings
+from .settings import GivenFile, KeepOutZone, MissionSettings, Objective, TransferSettings
 
 FORMAT: Literal["adr-opt-instance/2"] = "adr-opt-instance/2"
 
@@ -100,6 +106,7 @@ class Instance(Record):
     keep_out_zones: Annotated[tuple[KeepOutZone, ...], Field(strict=False)] = ()
 
     _time_value_m_s_per_h: float | None = PrivateAttr(default=None)
+    _given: Given | None = PrivateAttr(default=None)
 
     @model_validator(mode="after")
     def _something_drifts(self) -> Self:
@@ -111,30 +118,16 @@ class Instance(Record):
         return self
 
     @model_validator(mode="after")
-    def _names_differ(self) -> Self:
-        seen = set()
-        for field in ("stations", "targets", "chasers"):
-            for number, one in enumerate(getattr(self, field)):
-                if one.name in seen:
-                    raise ValueError(
-                        f"field {field}[{number}].name = {one.name!r}: another body has this name; "
-                        "give each its own"
-                    )
-                seen.add(one.name)
-        return self
-
-    @model_validator(mode="after")
-    def _stations_exist(self) -> Self:
-        known = self.station_names
-        for number, chaser in enumerate(self.chasers):
-            for field in ("start", "end"):
-                place = getattr(chaser, field)
-                if isinstance(place, AtStation) and place.station not in known:
-                    listed = ", ".join(map(repr, known)) or "there is none"
-                    raise ValueError(
-                        f"field chasers[{number}].{field}.station = {place.station!r}: unknown "
-                        f"station; name one of the stations: {listed}"
-                    )
+    def _parts_agree(self) -> Self:
+        check_names(self.stations, self.targets, self.chasers)
+        check_stations(self.stations, self.chasers)
+        is_given = self.transfer.given is not None
+        check_orbits(self.stations, self.targets, self.mission, is_given=is_given)
+        if is_given and self.keep_out_zones:
+            raise ValueError(
+                "field keep_out_zones: connections are given, and nobody knows where they lead; "
+                "leave zones out"
+            )
         return self
 
     def __eq__(self, other: object) -> bool:
@@ -166,7 +159,65 @@ class Instance(Record):
         """
         made = super().replace(**changes)
         made._time_value_m_s_per_h = self._time_value_m_s_per_h
+        if made.transfer.given == self.transfer.given:
+            made._given = self._given
         return made
+
+    def with_given(self, given: Given, file: str | None = None) -> Self:
+        """The same instance whose connections are given, in place of the model's.
+
+        Parameters
+        ----------
+        given : Given
+        file : str, optional
+            What the file is called that :meth:`save` writes them to, beside that of the instance;
+            by default as the instance says, or "connections.parquet".
+
+        Raises
+        ------
+        InputError
+            A connection is from or to a body that the instance does not have, or a field makes no
+            sense with it.
+        """
+        strange = sorted(set(given.names) - set(self.names))
+        if strange:
+            raise InputError(f"given connections: {strange[0]!r} is not a body of {self.name!r}")
+        if file is None:
+            file = self.transfer.given.file if self.transfer.given else "connections.parquet"
+        try:
+            reference = GivenFile(file=file, sha256=given.sha256)
+        except ValidationError as error:
+            raise InputError(sentence(error)) from None
+        made = self.replace(transfer=self.transfer.replace(given=reference))
+        made._given = given
+        return made
+
+    @property
+    def given(self) -> Given | None:
+        """The connections that are given; None where they are the model's.
+
+        Raises
+        ------
+        InputError
+            They are in a file that was not read.
+        """
+        reference = self.transfer.given
+        if reference is not None and self._given is None:
+            raise InputError(
+                f"the connections of {self.name!r} are in {reference.file!r}, which was not read; "
+                "read the instance with adr_opt.load from a file beside it"
+            )
+        return self._given
+
+    @property
+    def nodes_drift(self) -> bool:
+        """Whether planes drift as chasers fly: under J2, where connections are the model's."""
+        return self.dynamics == "j2" and self.transfer.given is None
+
+    @property
+    def has_orbits(self) -> bool:
+        """Whether all bodies have an orbit."""
+        return all(orbit is not None for orbit in self.known_orbits)
 
     def with_time_value(self, time_value_m_s_per_h: float) -> Self:
         """The same instance for those who value an hour so, see :attr:`time_value_m_s_per_h`.
@@ -204,14 +255,15 @@ class Instance(Record):
         """How dear time is here, against a mission of days: 1, and less where planes drift.
 
         There time buys ΔV, and is worth what the mission spends on the average; a chaser that can
-        refuel spends more than one tank.
+        refuel spends more than one tank. So it is where connections are given.
         """
-        duration_s = self.mission.duration_s
-        if self.transfer.max_drift_s == 0.0 or duration_s == 0.0:
+        duration_s, is_given = self.mission.duration_s, self.transfer.given is not None
+        if (self.transfer.max_drift_s == 0.0 and not is_given) or duration_s == 0.0:
             return 1.0
         share = SPENT_BY_DRIFTING * (REFUELLED if self.stations else 1.0)
-        spent = share * self.largest_tank_m_s * HOUR_S / duration_s
-        return min(1.0, spent / TIME_VALUE_M_S_PER_H)
+        spent = share * self.largest_tank_m_s * HOUR_S / duration_s / TIME_VALUE_M_S_PER_H
+        # Of given costs nobody knows the unit, so no usual value is a limit.
+        return spent if is_given else min(1.0, spent)
 
     def with_limits(
         self, duration_s: float | None = None, delta_v_m_s: float | None = None
@@ -269,7 +321,7 @@ class Instance(Record):
         A chaser that is launched anywhere has none: an orbit stands there so that each body has
         one, and no transfer leads to it or from it (:attr:`launches`).
         """
-        some = self.targets[0].orbit if self.targets else LEO
+        some = (self.targets[0].orbit if self.targets else None) or LEO
         return {
             chaser.name: chaser.start.orbit if isinstance(chaser.start, InOrbit) else some
             for chaser in self.chasers
@@ -310,8 +362,8 @@ class Instance(Record):
         )
 
     @property
-    def body_orbits(self) -> tuple[Orbit, ...]:
-        """Orbits of the bodies, in the order of their numbers."""
+    def known_orbits(self) -> tuple[Orbit | None, ...]:
+        """Orbits of the bodies, in the order of their numbers; None for those that have none."""
         return (
             *(station.orbit for station in self.stations),
             *self.start_bodies.values(),
@@ -319,8 +371,29 @@ class Instance(Record):
         )
 
     @property
+    def body_orbits(self) -> tuple[Orbit, ...]:
+        """The same where all bodies have one.
+
+        Raises
+        ------
+        InputError
+            One has none.
+        """
+        found = []
+        for name, orbit in zip(self.names, self.known_orbits, strict=True):
+            if orbit is None:
+                raise InputError(f"{name!r} has no orbit, which this needs; give it one")
+            found.append(orbit)
+        return tuple(found)
+
+    @property
     def is_approximate(self) -> bool:
-        """Whether some orbit is not a circle, so that the model is an approximation of it."""
+        """Whether some orbit is not a circle, so that the model is an approximation of it.
+
+        Given connections are what they are.
+        """
+        if self.transfer.given is not None:
+            return False
         return any(orbit.eccentricity > 0.0 for orbit in self.body_orbits)
 
     def part(self, bodies: Collection[int]) -> Self:
@@ -334,6 +407,19 @@ class Instance(Record):
         """The instance file, the same bytes on every machine."""
         return to_text(self.model_dump(mode="json"))
 
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the instance file, and beside it that of its connections where they are given.
+
+        Raises
+        ------
+        InputError
+            One of them cannot be written.
+        """
+        check_writable(path)
+        if self.transfer.given is not None and self.given is not None:
+            write_given(Path(path).parent / self.transfer.given.file, self.given)
+        write_text(path, self.to_json())
+
     @property
     def sha256(self) -> str:
         """SHA-256 of the file that :meth:`to_json` gives; plans carry it."""
@@ -345,12 +431,14 @@ class Instance(Record):
         return OBLATENESS_M2 if self.dynamics == "j2" else 0.0
 
     def orbits(self) -> npt.NDArray[np.float64]:
-        """The bodies as kernels take them, shape (bodies, columns).
+        """The bodies as kernels take them, shape (bodies, columns); NaN for those without an orbit.
 
         Columns are :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
         """
-        oblateness = self.oblateness_m2
-        return np.array([orbit.row(oblateness) for orbit in self.body_orbits])
+        oblateness, nothing = self.oblateness_m2, (math.nan,) * len(ORBIT_COLUMNS)
+        return np.array(
+            [nothing if orbit is None else orbit.row(oblateness) for orbit in self.known_orbits]
+        )
 
     def eccentricity_delta_v(self) -> npt.NDArray[np.float64]:
         """What matching eccentricity vectors alone would cost, v·|Δe|/2.
@@ -359,9 +447,9 @@ class Instance(Record):
         -------
         (origin, destination) float64
             [m/s]; zero between circles (MODEL section 1), and where perigees drift: then it is
-            worked out for each departure.
+            worked out for each departure. Given connections have none.
         """
-        if self.dynamics == "j2":
+        if self.dynamics == "j2" or self.transfer.given is not None:
             return np.zeros((len(self.names), len(self.names)))
         return np.asarray(matchings(self.orbits()))
 
@@ -406,14 +494,21 @@ class Instance(Record):
 
 
 def load(path: str | os.PathLike[str]) -> Instance:
-    """Read an instance file.
+    """Read an instance file, and beside it that of its connections where they are given.
 
     Raises
     ------
     InputError
-        No such file, not JSON, or not a valid instance.
+        No such file, not JSON, or not a valid instance; or the connections are missing, others than
+        the instance says, or cannot be planned on.
+    MissingExtra
+        What reads the connections is not installed.
     """
-    return read_model(path, Instance)
+    instance = read_model(path, Instance)
+    reference = instance.transfer.given
+    if reference is None:
+        return instance
+    return instance.with_given(read_named(path, reference, instance.names), reference.file)
 
 
 def json_schema() -> dict[str, Any]:

@@ -24,7 +24,8 @@ def limits_of(instance: Instance, chaser: int | None = None) -> Limits:
         Number of the one whose times they are; by default those in which some chaser is there.
     """
     mission, first = instance.mission, instance.first_target
-    periods = np.array([revolution(row) for row in instance.orbits()])
+    # Nothing is counted in the period of a body without an orbit.
+    periods = np.nan_to_num(np.array([revolution(row) for row in instance.orbits()]))
     service = mission.refuel_revolutions * periods
     if mission.service_revolutions is not None:
         service[first:] = mission.service_revolutions * periods[first:]

@@ -52,12 +52,12 @@ class Leg(Record):
     it has no burn, because the burns fly between circles (MODEL section 1). ``kind`` is that of the
     transfer: ``short`` is the co-elliptic sequence, ``drift`` waits on an orbit whose node moves
     otherwise; its ``delta_v_m_s`` is that of the closed form, near the sum of its burns; ``launch``
-    puts a chaser that starts anywhere onto its first target, at once and for nothing.
-    ``mass_kg``, that of the chaser at ``end_s`` with propellant and kits, is there for tanks by
-    mass only.
+    puts a chaser that starts anywhere onto its first target, at once and for nothing; ``given`` is
+    a connection that somebody gave, which has no burns. ``mass_kg``, that of the chaser at
+    ``end_s`` with propellant and kits, is there for tanks by mass only.
     """
 
-    kind: Literal["short", "drift", "launch"] = "short"
+    kind: Literal["short", "drift", "launch", "given"] = "short"
     origin: Name
     destination: Name
     ready_s: Time

@@ -91,7 +91,7 @@ class _Transfer(NamedTuple):
 
     Attributes
     ----------
-    kind : {"short", "drift", "launch"}
+    kind : {"short", "drift", "launch", "given"}
     departure : float
         [s].
     shape : float
@@ -100,7 +100,7 @@ class _Transfer(NamedTuple):
         As of :func:`adr_opt.kernels.burns.burns`.
     """
 
-    kind: Literal["short", "drift", "launch"]
+    kind: Literal["short", "drift", "launch", "given"]
     departure: float
     shape: float
     burns: tuple[FloatArray, FloatArray, Iterable[int]]
@@ -109,9 +109,11 @@ class _Transfer(NamedTuple):
 def _transfer(
     mission: Mission, i: int, j: int, departure: float, arrival: float, revolutions: int
 ) -> _Transfer:
+    nothing = np.empty(0)
     if i in mission.instance.launches:
-        nothing = np.empty(0)
         return _Transfer("launch", float(departure), 0.0, (nothing, nothing, ()))
+    if mission.connecting.given is not None:
+        return _Transfer("given", float(departure), 0.0, (nothing, nothing, ()))
     orbits, extra, rule = mission.transfer_inputs
     if revolutions < 0:
         flight = drift_burns.flown(orbits[i], orbits[j], rule, departure, arrival)

@@ -15,6 +15,7 @@ from .kernels.constants import DAY_S
 from .records import (
     LARGEST_DURATION_S,
     Length,
+    Name,
     NonNegative,
     Positive,
     Record,
@@ -89,19 +90,38 @@ class SequenceSettings(Record):
         return self
 
 
+class GivenFile(Record):
+    """Which connections are given: a file beside that of the instance, and what it holds.
+
+    ``sha256`` is :attr:`adr_opt.given.Given.sha256`; None for whatever the file holds.
+    """
+
+    file: Annotated[Name, Field(pattern=r"^[^/\\\x00]+\.(parquet|nc)$")]
+    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")] | None = None
+
+
 class TransferSettings(SequenceSettings):
     """Parameters of the transfers (MODEL sections 2 to 4).
 
     Beside those of the co-elliptic sequence: a connection that another one dominates up to
     ``delta_v_resolution_m_s`` is left out, and departures of a pair lie no closer than
-    ``departure_spacing_s``. The last two are the grid of transfers that drift and the longest time
-    that one may take, 0 for none.
+    ``departure_spacing_s``. Then come the grid of transfers that drift and the longest time that
+    one may take, 0 for none. Where connections are ``given``, they are those; the field is not in
+    files of other instances.
     """
 
     delta_v_resolution_m_s: NonNegative = 0.1
     departure_spacing_s: NonNegative = 0.0
     drift_step_s: Positive = DAY_S
     max_drift_s: NonNegative = 0.0
+    given: GivenFile | None = None
+
+    @model_serializer(mode="wrap")
+    def _without_nothing_given(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        content: dict[str, Any] = write(self)
+        if self.given is None:
+            content.pop("given", None)
+        return content
 
 
 class Objective(Record):

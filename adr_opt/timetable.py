@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +22,7 @@ from .connections import (
 )
 from .corrections import NO_CORRECTIONS
 from .errors import InputError
+from .given import Costs, of_function, of_matrices, of_rows
 from .instance import Instance
 from .kernels import timetable as kernels
 from .limits import limits_of
@@ -178,6 +180,101 @@ class Timetable:
         self.table = table
         self.limits = limits
         self.time_value_m_s_per_h = time_value_m_s_per_h
+
+    @classmethod
+    def from_connections(
+        cls, instance: Instance, connections: Any, *, file: str | None = None
+    ) -> Timetable:
+        """The timetable of an instance whose connections are given one by one.
+
+        Its :attr:`instance` knows of them: it can be planned, checked and saved.
+
+        Parameters
+        ----------
+        instance : Instance
+            Bodies, chasers and limits; connections are given in place of the model's.
+        connections : mapping of str to array
+            A dictionary of arrays, or a table of another library, with the columns ``origin`` and
+            ``destination`` (names or numbers of bodies), ``departure_s`` and ``arrival_s`` (since
+            the epoch) and ``delta_v_m_s`` (the cost, in m/s by convention); a row for each.
+        file : str, optional
+            What their file is called that ``instance.save`` writes, beside its own; by default as
+            the instance says, or "connections.parquet".
+
+        Raises
+        ------
+        InputError
+            An unknown body, a column that is missing, or a number that is not finite, is negative,
+            or leads back in time.
+        """
+        return cls(instance.with_given(of_rows(connections, instance.names), file))
+
+    @classmethod
+    def from_matrices(
+        cls,
+        instance: Instance,
+        departures: Sequence[float] | FloatArray,
+        duration: npt.ArrayLike,
+        cost: npt.ArrayLike,
+        *,
+        file: str | None = None,
+    ) -> Timetable:
+        """The timetable of an instance whose connections leave at some departures.
+
+        Who is ready between two departures waits for the next one.
+
+        Parameters
+        ----------
+        instance, file
+            As :meth:`from_connections` takes them.
+        departures : (departures,) float
+            Since the epoch, each later than the one before [s].
+        duration, cost : (departures, bodies, bodies) float
+            By departure, origin and destination: how long it takes [s] and what it costs [m/s by
+            convention]; +inf where there is no connection.
+
+        Raises
+        ------
+        InputError
+            As for :meth:`from_connections`, or departures that are not in order.
+        """
+        given = of_matrices(departures, duration, cost, instance.names)
+        return cls(instance.with_given(given, file))
+
+    @classmethod
+    def from_function(
+        cls,
+        instance: Instance,
+        f: Costs,
+        departures: Sequence[float] | FloatArray,
+        *,
+        resolution_m_s: float = 0.0,
+        file: str | None = None,
+    ) -> Timetable:
+        """The timetable of an instance whose connections a function knows.
+
+        Parameters
+        ----------
+        instance, file
+            As :meth:`from_connections` takes them.
+        f : callable
+            ``f(origin, destinations, departure)`` gives how long it takes [s] from a body to each
+            of some others, numbers of bodies in an array, and what it costs [m/s by convention]:
+            two arrays, (destinations,) or (choices, destinations); +inf for no connection. Python,
+            or compiled by Numba.
+        departures : (departures,) float
+            When it is asked, each later than the one before [s].
+        resolution_m_s : float
+            Of the connections found, those are dropped that save no more than this against another
+            one that departs no earlier and arrives no later.
+
+        Raises
+        ------
+        InputError
+            As for :meth:`from_matrices`.
+        """
+        given = of_function(f, departures, instance.names, resolution_m_s)
+        return cls(instance.with_given(given, file))
 
     @property
     def entries(self) -> int:

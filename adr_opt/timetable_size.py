@@ -45,7 +45,7 @@ class Size:
     events : int
         Most departure events of a pair.
     listed : float
-        Connections of a pair that are kept, in the mean, where nodes drift: by a sample.
+        Connections of a pair that are kept, in the mean: where nodes drift by a sample.
     """
 
     bodies: int
@@ -100,6 +100,9 @@ class Size:
 def estimate(instance: Instance) -> Size:
     """How large the timetable of an instance is going to be."""
     duration, bodies = instance.mission.duration_s, len(instance.names)
+    if instance.given is not None:
+        most, rows = instance.given.sizes(instance.names)
+        return Size(bodies, most + 1, rows / max(1, bodies * (bodies - 1)))
     shortest = _shortest_spacing_s(instance)
     if not Connecting(instance).drifts:
         return Size(bodies, int(duration / shortest) + 2)
@@ -145,6 +148,11 @@ def _listed(instance: Instance) -> float:
 
 def too_large(instance: Instance, size: Size) -> str:
     """Why there is no timetable."""
+    if instance.transfer.given is not None:
+        return (
+            f"there are {size}, and {available_bytes() / 2**30:.3g} GiB are free; give fewer, or "
+            "take fewer targets"
+        )
     if size.connections:
         finer = "departure_spacing_s or delta_v_resolution_m_s"
         if instance.transfer.max_drift_s > 0.0:

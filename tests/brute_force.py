@@ -12,6 +12,7 @@ import numpy as np
 
 from adr_opt.campaign import Campaign
 from adr_opt.chasers import TankByMass
+from adr_opt.connections import Connections
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import SLACK_M_S, SLACK_S
 from adr_opt.mission import Mission
@@ -105,8 +106,13 @@ def _enumerate(
     return where[:count], what[:count]
 
 
-def revolution_s(orbit: Orbit, dynamics: str) -> float:
-    """How long a body takes from node to node: mean elements, secular rates (MODEL section 1)."""
+def revolution_s(orbit: Orbit | None, dynamics: str) -> float:
+    """How long a body takes from node to node: mean elements, secular rates (MODEL section 1).
+
+    0 without an orbit, where nothing is counted in it.
+    """
+    if orbit is None:
+        return 0.0
     a, e, cosine = (
         orbit.semi_major_axis_m,
         orbit.eccentricity,
@@ -131,7 +137,7 @@ def labels_of(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
     last = [instance.mission.duration_s]
     if chaser.available_s[1] is not None:
         last.append(chaser.available_s[1])
-    for j, orbit in enumerate(instance.body_orbits):
+    for j, orbit in enumerate(instance.known_orbits):
         turn = revolution_s(orbit, instance.dynamics)
         closes[j] = min(last)
         if j < first:
@@ -149,11 +155,14 @@ def labels_of(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
     resolution = 0.0
     if instance.dynamics == "j2":
         resolution = instance.transfer.delta_v_resolution_m_s
-    pairs = [
-        mission.timetable.connections(i, j, resolution_m_s=resolution)
-        for i in range(bodies)
-        for j in range(bodies)
-    ]
+    if instance.given is None:
+        pairs = [
+            mission.timetable.connections(i, j, resolution_m_s=resolution)
+            for i in range(bodies)
+            for j in range(bodies)
+        ]
+    else:
+        pairs = _as_given(mission)
     sizes = np.array([pair.departure.size for pair in pairs])
     ends = np.cumsum(sizes).reshape(bodies, bodies)
     first_leg = np.empty((bodies, bodies + 1), dtype=np.int64)
@@ -191,6 +200,24 @@ def labels_of(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
         before += len(where)
     # A chaser that brings kits back could have left them at home.
     return np.concatenate(wheres), np.concatenate(whats)
+
+
+def _as_given(mission: Mission) -> list[Connections]:
+    """The connections of all pairs as they are given, those included that nobody needs."""
+    instance, given = mission.instance, mission.instance.given
+    assert given is not None
+    known = {name: number for number, name in enumerate(instance.names)}
+    ends = np.array([known.get(name, -1) for name in given.names], dtype=np.int64)
+    pairs = []
+    for i in range(len(instance.names)):
+        for j in range(len(instance.names)):
+            rows = np.flatnonzero((ends[given.origin] == i) & (ends[given.destination] == j))
+            if i in instance.launches or j in instance.launches:
+                pairs.append(mission.timetable.connections(i, j))
+                continue
+            columns = (column[rows] for column in (given.departure, given.arrival, given.cost))
+            pairs.append(Connections(*columns, np.zeros(rows.size, dtype=np.int8)))
+    return pairs
 
 
 def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:

@@ -9,6 +9,7 @@ import numpy as np
 import adr_opt
 from adr_opt.bodies import Station, Target
 from adr_opt.chasers import AtStation, Chaser, InOrbit
+from adr_opt.given import of_rows
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import EARTH_RADIUS_M
 from adr_opt.orbit import Orbit
@@ -58,6 +59,54 @@ def drifting_mission(seed: int) -> Instance:
     return _with_rules(
         instance, duration, rng, tanks=(400.0, 700.0, 1200.0, 2000.0), longest_service_s=4 * DAY_S
     )
+
+
+def given_mission(seed: int) -> Instance:
+    """The same over connections drawn at random; half of them between bodies without an orbit."""
+    rng = np.random.default_rng([8, seed])
+    return with_given_costs(given_field(seed), rng, orbits=bool(rng.random() < 0.5))
+
+
+def given_field(seed: int) -> Instance:
+    """The same between bodies that have one."""
+    instance = random_mission(seed).replace(keep_out_zones=())
+    return with_given_costs(instance, np.random.default_rng([9, seed]))
+
+
+def with_given_costs(
+    instance: Instance, rng: np.random.Generator, *, orbits: bool = True
+) -> Instance:
+    """An instance over connections drawn for its bodies, at odd times or with many at one time."""
+    duration = instance.mission.duration_s
+    if not orbits:
+        instance = instance.replace(
+            stations=tuple(each.replace(orbit=None) for each in instance.stations),
+            targets=tuple(each.replace(orbit=None) for each in instance.targets),
+            mission=MissionSettings(
+                duration_s=duration, service_s=float(rng.choice([0.0, 1e-3, 1800.0])),
+                refuel_revolutions=0.0,
+            ),
+        )  # fmt: skip
+    regular, whole = rng.random() < 0.5, rng.random() < 0.3
+    shortest = float(rng.choice([0.01, 60.0, 1800.0, 1800.0]))
+    rows = []
+    for i in instance.names:
+        for j in instance.names:
+            if i == j or rng.random() < 0.15:
+                continue
+            count = int(rng.integers(1, 16))
+            leaves = rng.uniform(0.0, duration, count)
+            takes = shortest * (0.25 * duration / shortest) ** rng.random(count)
+            costs = rng.uniform(0.0, 300.0, count)
+            if regular:
+                leaves = duration * rng.integers(0, 7, count) / 7.0
+            if whole:
+                takes, costs = np.ceil(takes / 1800.0) * 1800.0, np.floor(costs / 50.0) * 50.0
+            rows += [(i, j, at, at + t, c) for at, t, c in zip(leaves, takes, costs, strict=True)]
+    columns = ("origin", "destination", "departure_s", "arrival_s", "delta_v_m_s")
+    given = of_rows({name: [row[at] for row in rows] for at, name in enumerate(columns)},
+                    instance.names)  # fmt: skip
+    return instance.with_given(given)
 
 
 def drifting_field(rng: np.random.Generator, duration_s: float, targets: int = 5) -> Instance:
@@ -180,7 +229,8 @@ def random_campaign(seed: int, draw: Callable[[int], Instance] = random_mission)
         if rng.random() < 0.2:
             changes["end"] = "anywhere"
         chasers.append(chaser.replace(**changes))
-    return instance.replace(name=f"campaign-{seed}", chasers=tuple(chasers))
+    made = instance.replace(name=f"campaign-{seed}", chasers=tuple(chasers))
+    return _regiven(made, rng)
 
 
 def mixed_campaign(seed: int, draw: Callable[[int], Instance] = random_mission) -> Instance:
@@ -212,10 +262,18 @@ def mixed_campaign(seed: int, draw: Callable[[int], Instance] = random_mission) 
         else:
             made = _chaser(instance.chaser, stations, targets, duration, rng)
         chasers.append(made.replace(name=f"chaser-{number}"))
-    return instance.replace(
+    made = instance.replace(
         name=f"mixed-{seed}", targets=tuple(targets), stations=tuple(stations),
         chasers=tuple(chasers),
     )  # fmt: skip
+    return _regiven(made, rng)
+
+
+def _regiven(instance: Instance, rng: np.random.Generator) -> Instance:
+    """Connections for all bodies there are now, where connections are given."""
+    if instance.transfer.given is None:
+        return instance
+    return with_given_costs(instance, rng, orbits=bool(rng.random() < 0.5))
 
 
 def _chaser(

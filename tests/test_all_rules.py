@@ -1,7 +1,7 @@
 """All rules together, each on and off, against plain enumeration (MODEL sections 3, 4, 5 and 8).
 
 In two-body motion and under J2, where planes drift: in short missions, and in long ones that live
-on waiting for nodes.
+on waiting for nodes. And over connections that are given.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from contextlib import closing
 import numpy as np
 import pytest
 from brute_force import brute_force
-from random_rules import drifting_mission, random_mission
+from random_rules import drifting_mission, given_mission, random_mission
 
 import adr_opt
 from adr_opt.mission import Mission
@@ -26,6 +26,9 @@ MISSIONS = 150
 DRIFTING = 90
 """So many of them under J2."""
 
+GIVEN = 80
+"""And so many over connections that are given."""
+
 every_part = pytest.mark.parametrize(
     ("draw", "seeds"),
     [
@@ -37,9 +40,18 @@ every_part = pytest.mark.parametrize(
             pytest.param(drifting_mission, range(part, DRIFTING, 3), id=f"j2-{part}")
             for part in range(3)
         ),
+        *(
+            pytest.param(given_mission, range(part, GIVEN, 2), id=f"given-{part}")
+            for part in range(2)
+        ),
     ],
 )
-either = pytest.mark.parametrize("draw", [random_mission, drifting_mission])
+either = pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_mission])
+
+KINDS = {
+    random_mission: {"short"}, drifting_mission: {"short", "drift"}, given_mission: {"given"},
+}  # fmt: skip
+"""Of the legs of their plans."""
 
 
 @every_part
@@ -60,7 +72,7 @@ def test_schedules_are_the_best_there_are(draw, seeds):
         flown += len(order)
         kinds |= {leg.kind for leg in result.plan.legs}
     assert flown > 10
-    assert kinds == ({"short"} if draw is random_mission else {"short", "drift"})
+    assert kinds == KINDS[draw]
 
 
 @every_part
@@ -120,6 +132,11 @@ def test_searches_end_at_the_optimum_with_any_multipliers(draw):
         ("mcts", drifting_mission, 0.3),
         ("local-search", drifting_mission, 0.5),
         ("auto", drifting_mission, 0.99),
+        ("greedy-guarded", given_mission, 0.2),
+        ("beam", given_mission, 0.5),
+        ("mcts", given_mission, 0.3),
+        ("local-search", given_mission, 0.5),
+        ("auto", given_mission, 0.99),
     ],
 )
 def test_planners_keep_to_all_rules(method, draw, share):

@@ -11,6 +11,8 @@ from brute_force import brute_force_campaign, labels_of
 from random_rules import (
     carrying,
     drifting_mission,
+    given_field,
+    given_mission,
     mixed_campaign,
     random_campaign,
     random_mission,
@@ -25,7 +27,7 @@ from solvers.relaxation.walks import WalkBound
 
 PROVING = ("auto", "exact")
 CAMPAIGNS = 100
-DRIFTING = 30
+DRIFTING, GIVEN = 30, 40
 
 every_part = pytest.mark.parametrize(
     ("draw", "seeds"),
@@ -36,6 +38,7 @@ every_part = pytest.mark.parametrize(
         )
         for name, draw, most, parts in (
             ("two-body", random_mission, CAMPAIGNS, 4), ("j2", drifting_mission, DRIFTING, 3),
+            ("given", given_field, GIVEN, 2),
         )
         for part in range(parts)
     ],
@@ -144,7 +147,7 @@ def test_proofs_hold_on_knife_edges(seed):
         assert result.objective == pytest.approx(prizes)
 
 
-@pytest.mark.parametrize("draw", [random_mission, drifting_mission])
+@pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_mission])
 def test_every_set_of_targets_that_is_worth_enough_is_listed(draw):
     """What ends proofs has a route for each set that enumeration finds, and for no other."""
     listed = several = 0

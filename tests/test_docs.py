@@ -113,6 +113,7 @@ def test_small_parts_of_the_formats_are_described() -> None:
     for model in (
         bodies.Station,
         chasers.Tank,
+        settings.GivenFile,
         plan.InstanceReference,
         plan.Route,
         plan.Unvisited,
@@ -385,6 +386,28 @@ def test_what_the_page_on_waiting_prints(capsys: pytest.CaptureFixture[str]) -> 
     for code, printed in pairs:
         exec(code, names)
         assert capsys.readouterr().out == printed
+
+
+def test_what_the_page_on_given_costs_prints(
+    cli: Cli, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each block of Python on the page prints what the page says; its commands run on the toy."""
+    for package in ("boinor", "pyarrow", "plotly"):
+        pytest.importorskip(package)
+    page = read("docs/given-costs.md")
+    pairs = re.findall(r"```python\n(.*?)```\n\nprints\n\n```text\n(.*?)```", page, re.DOTALL)
+    assert len(pairs) == page.count("```python") == 2
+    for code, printed in pairs:
+        names: dict[str, Any] = {}
+        exec(code, names)
+        assert capsys.readouterr().out == printed
+        if "road" in names:
+            names["table"].instance.save("round.json")
+    lines = re.findall(r"(?m)^    python -m adr_opt .*$", page)
+    assert len(lines) == 3
+    for line in lines:
+        outcome = cli(*meant(line.strip())[3:])
+        assert outcome.status == 0, (line, outcome.err)
 
 
 def test_the_environment_of_the_readme_runs() -> None:

@@ -10,6 +10,7 @@ from brute_force import brute_force_campaign
 from random_rules import (
     carrying,
     drifting_mission,
+    given_field,
     mixed_campaign,
     random_campaign,
     random_mission,
@@ -27,8 +28,10 @@ CASES = 60
 
 
 def drawn(seed: int) -> Instance:
-    """One chaser or several, with kits, by turns under J2."""
+    """One chaser or several, with kits, by turns under J2 and over given connections."""
     draw = drifting_mission if seed % 4 == 3 else random_mission
+    if seed % 5 == 2:
+        draw = given_field
     make = (draw, lambda n: random_campaign(n, draw), lambda n: mixed_campaign(n, draw))[seed % 3]
     return carrying(make(seed), seed)
 

@@ -4,7 +4,8 @@ Shares nothing with the planners but the physics of one transfer (`kernels.orbit
 `kernels.transfer`, `kernels.precession`, `kernels.keep_out`, `kernels.burns`, `drift_burns`) and
 the slack of the model (`kernels.constants`): what eccentricity costs and drifts do, departure
 events, the choice of the entry and the mission rules are stated here a second time, on purpose, and
-plainly; so are the keep-out zones, in `keep_out`, from the burns alone.
+plainly; so are the keep-out zones, in `keep_out`, from the burns alone. Where connections are given
+(`given`), a leg is looked up among them as they are: those that planners leave out count as well.
 
 The mission is followed by a clock and a tank of its own, and the rules are asked about those, with
 the slack and nothing more. The figures of the plan only have to agree with them, to the tolerances

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from .. import drift_burns
 from ..errors import InputError
+from ..given import Given
 from ..instance import Instance
 from ..keep_out import crossed
 from ..kernels import burns as burn_kernels
@@ -19,6 +20,7 @@ from ..kernels.constants import MU_M3_S2, SLACK_S
 from ..kernels.drift import POLAR
 from ..plan import Leg
 from .eccentric import Sequence, matching_cost, mean_perigee
+from .given import check_given
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 
 
@@ -27,11 +29,12 @@ class Physics(NamedTuple):
 
     elements: npt.NDArray[np.float64]
     rule: transfer.TransferRule
+    given: Given | None
 
     @classmethod
     def of(cls, instance: Instance) -> Physics:
         """That of an instance."""
-        return cls(instance.orbits(), instance.transfer_rule())
+        return cls(instance.orbits(), instance.transfer_rule(), instance.given)
 
 
 def check_transfer(
@@ -44,6 +47,11 @@ def check_transfer(
     """
     if leg.kind == "launch" or i in instance.launches:
         return (yield from _check_launch(number, leg, i in instance.launches, free))
+    if physics.given is not None:
+        return (yield from check_given(physics.given, number, leg, free))
+    if leg.kind == "given":
+        yield Violation(number, "given", "is given, but the instance has connections of the model")
+        return leg.arrival_s, leg.delta_v_m_s
     if leg.kind == "drift":
         return (yield from check_drift(instance, physics, number, leg, i, j, free))
     elements, rule = physics.elements, physics.rule

@@ -208,6 +208,8 @@ def _service_s(instance: Instance, elements: npt.NDArray[np.float64], at_station
         return mission.service_s
     revolutions = mission.refuel_revolutions if at_station else mission.service_revolutions
     assert revolutions is not None
+    if revolutions == 0.0:  # also of a body without an orbit, which has no period
+        return 0.0
     return revolutions * 2.0 * math.pi / float(elements[orbits.LATITUDE_RATE])
 
 

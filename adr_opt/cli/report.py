@@ -82,6 +82,6 @@ def command(
                 f"the page begins with {'them' if count > 1 else 'it'}"
             )
         for tank in broken:
-            where = "when flown" if instance.dynamics == "j2" else "on the true orbits"
+            where = "when flown" if instance.nodes_drift else "on the true orbits"
             say(f"{plan_path}: {where} {tank}")
     return 1 if broken else 0

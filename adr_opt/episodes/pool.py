@@ -134,6 +134,7 @@ def check_playable(mission: Mission) -> None:
         (rules.ready > 0.0, "begins later than t = 0"),
         (rules.most_targets < rules.service.size - 1, "limits the number of targets"),
         (rules.returns, "must end at a station"),
+        (not mission.instance.has_orbits, "has bodies without an orbit"),
     ):
         if odd:
             raise InputError(

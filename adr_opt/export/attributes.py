@@ -13,6 +13,7 @@ from ..kernels.constants import EARTH_RADIUS_M, MU_M3_S2
 def attributes(instance: Instance) -> dict[str, Any]:
     """Constants of the model and all settings of an instance, flat, with units in the names."""
     stated = instance.model_dump(mode="json")
+    given = stated["transfer"].pop("given", None) or {}
     return {
         "title": f"ΔV and duration of transfers between the bodies of {instance.name}",
         "source": f"adr-opt {__version__}",
@@ -23,6 +24,7 @@ def attributes(instance: Instance) -> dict[str, Any]:
         "mu_m3_s2": MU_M3_S2,
         "earth_radius_m": EARTH_RADIUS_M,
         **{f"transfer_{key}": value for key, value in stated["transfer"].items()},
+        **{f"given_{key}": value for key, value in given.items()},
         **{f"mission_{key}": value for key, value in stated["mission"].items()},
         "mission_delta_v_m_s": instance.chaser.tank.delta_v_m_s,
         "time_value_m_s_per_h": instance.time_value_m_s_per_h,

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 COLUMNS = {
     "origin": ("body that the chaser leaves", None),
     "destination": ("body that it goes to", None),
-    "departure_s": ("departure, a crossing of the line of nodes, since the epoch", "s"),
+    "departure_s": ("departure since the epoch, of a short transfer a crossing of the nodes", "s"),
     "delta_v_m_s": ("ΔV of the transfer", "m s-1"),
     "arrival_s": ("end of the approach since the epoch, before service", "s"),
-    "phasing_revolutions": ("phasing revolutions k", "1"),
+    "phasing_revolutions": ("phasing revolutions k, −1 of a drift, 0 of what is given", "1"),
 }
 """What each column is, and its unit."""
 

@@ -147,7 +147,7 @@ def _fly_leg(
         leg=number,
         origin=leg.origin,
         destination=leg.destination,
-        kind=leg.kind,
+        kind="drift" if leg.kind == "drift" else "short",
         planned_delta_v_m_s=leg.delta_v_m_s,
         burns_delta_v_m_s=leg.burns_delta_v_m_s,
         miss_m=standoff[0],

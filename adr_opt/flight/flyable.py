@@ -20,14 +20,24 @@ TIME_TOLERANCE_S = 1e-3
 def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
     """Raise :class:`InputError` for a plan that cannot be flown over an instance.
 
-    It belongs to another instance, names an unknown body or chaser, or has burns out of time order,
-    after the arrival or without an approach.
+    It belongs to another instance, or to one whose costs are given, names an unknown body or
+    chaser, or has burns out of time order, after the arrival or without an approach.
     """
+    refuse_given(instance)
     refuse_foreign(instance, plan)
     routes_of(instance, plan)
     bodies = set(instance.names)
     for number, leg in enumerate(plan.legs, start=1):
         _refuse_leg(number, leg, bodies)
+
+
+def refuse_given(instance: Instance) -> None:
+    """Raise :class:`InputError` for an instance whose connections are given."""
+    if instance.transfer.given is not None:
+        raise InputError(
+            f"the connections of {instance.name!r} are given, with nothing but times and costs: "
+            "its plans have no trajectory"
+        )
 
 
 def refuse_foreign(instance: Instance, plan: Plan | RefinedPlan) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from . import drift, transfer
 from .compile import kernel
 from .connections import Found
-from .lists import chosen, rising
+from .lists import chosen, ranks, rising
 from .short_transfers import short
 
 
@@ -55,22 +55,9 @@ def _by_departure(departure, arrival, order):
 
 
 @kernel
-def _ranks(arrival):
-    """The place of each arrival among all, the same for equal ones."""
-    order = rising(arrival, arrival.size)
-    rank = np.empty(arrival.size, np.int32)
-    number = -1
-    for place in range(order.size):
-        if place == 0 or arrival[order[place]] > arrival[order[place - 1]]:
-            number += 1
-        rank[order[place]] = number
-    return rank
-
-
-@kernel
 def _merged(departure, arrival, cost, laps, kept, leaves, lands, long_cost, step):
     """Short and long transfers in one list, by departure and then by arrival: a :class:`Found`."""
-    ranks = _ranks(arrival)
+    rank = ranks(arrival)
     order = rising(arrival, arrival.size)
     highest = 0 if lands.size == 0 else lands.max()
     # So many short transfers arrive before a time of the grid, at as many different times at most.
@@ -79,7 +66,7 @@ def _merged(departure, arrival, cost, laps, kept, leaves, lands, long_cost, step
     for t in range(highest + 1):
         while place < order.size and arrival[order[place]] < t * step:
             place += 1
-        before[t] = 0 if place == 0 else ranks[order[place - 1]] + 1
+        before[t] = 0 if place == 0 else rank[order[place - 1]] + 1
     shorts = 0
     for c in range(kept.size):
         shorts += kept[c]
@@ -103,7 +90,7 @@ def _merged(departure, arrival, cost, laps, kept, leaves, lands, long_cost, step
         else:
             departures[at], arrivals[at] = departure[short], arrival[short]
             costs[at], revolutions[at] = cost[short], laps[short]
-            crossing[at] = ranks[short] + min(math.ceil(arrival[short] / step), highest + 1)
+            crossing[at] = rank[short] + min(math.ceil(arrival[short] / step), highest + 1)
             short += 1
     return Found(departures, arrivals, costs, revolutions, crossing)
 
@@ -139,7 +126,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolution):
     arrival = chosen(found.arrival, order, shorts)
     cost, laps = chosen(found.delta_v, order, shorts), chosen(found.revolutions, order, shorts)
     if times.longest < times.step:
-        return Found(departure, arrival, cost, laps, _ranks(arrival))
+        return Found(departure, arrival, cost, laps, ranks(arrival))
     drifts = drift.prepare(orbit_i, orbit_j, rule.min_radius, rule.max_radius, rule.oblateness)
     kept = np.empty(shorts, np.bool_)
     leaves, lands, long_cost = drift.of_pair(

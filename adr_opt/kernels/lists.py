@@ -100,3 +100,16 @@ def rising(numbers, size):
         order, merged = merged, order
         run *= 2
     return order
+
+
+@kernel
+def ranks(numbers):
+    """The place of each number among all, from 0 on, the same for equal ones: (size,) int32."""
+    order = rising(numbers, numbers.size)
+    rank = np.empty(numbers.size, np.int32)
+    place = -1
+    for at in range(order.size):
+        if at == 0 or numbers[order[at]] > numbers[order[at - 1]]:
+            place += 1
+        rank[order[at]] = place
+    return rank

@@ -18,7 +18,7 @@ def leg_delta_v(ax: Any, instance: Instance, plan: Plan) -> Any:
     """Add two bars per leg: its planned ΔV and the sum of its burns [m/s].
 
     They differ by what is set aside for eccentricity, and where a leg drifts: then the plan counts
-    with a closed form.
+    with a closed form. Where connections are given there are no burns to be shown.
 
     Parameters
     ----------
@@ -39,6 +39,10 @@ def leg_delta_v(ax: Any, instance: Instance, plan: Plan) -> Any:
     legs = range(1, len(plan.legs) + 1)
     planned = [leg.delta_v_m_s for leg in plan.legs]
     burned = [leg.burns_delta_v_m_s for leg in plan.legs]
+    if instance.transfer.given is not None:
+        ax.bar(legs, planned, BAR, color=PLANNED, label="given")
+        label(ax, "leg", "ΔV [m/s]")
+        return ax
     ax.bar([n - BAR / 2 for n in legs], planned, BAR, color=PLANNED, label="planned")
     ax.bar([n + BAR / 2 for n in legs], burned, BAR, color=BURNED, label="burns")
     label(ax, "leg", "ΔV [m/s]")

@@ -5,10 +5,13 @@ background of the report.
 """
 
 PHASES = (
-    "wait", "hohmann-1", "drift", "phasing", "co-elliptic", "terminal", "approach", "service",
-    "refuelling",
+    "wait", "hohmann-1", "drift", "phasing", "co-elliptic", "terminal", "approach", "transfer",
+    "service", "refuelling",
 )  # fmt: skip
-"""The phases of burns (MODEL section 2), with the wait before them and the service after them."""
+"""The phases of burns (MODEL section 2), with the wait before them and the service after them.
+
+"transfer" is all of a leg that has no burns, because its costs are given.
+"""
 
 LABELS = {
     "wait": "wait",
@@ -18,6 +21,7 @@ LABELS = {
     "co-elliptic": "to co-elliptic",
     "terminal": "terminal Hohmann",
     "approach": "approach",
+    "transfer": "transfer",
     "service": "service",
     "refuelling": "refuelling",
 }
@@ -30,6 +34,7 @@ COLOURS = {
     "co-elliptic": "#1f9687",
     "terminal": "#c07f12",
     "approach": "#a765b8",
+    "transfer": "#5a78d8",
     "service": "#5f9438",
     "refuelling": "#d2508f",
 }

@@ -40,8 +40,9 @@ class Segment:
 def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
     """The phases of a plan in time order, those that take no time left out.
 
-    Read off the plan as it is: a burn begins its phase, which lasts until the next burn. A chaser
-    that has docked before a window opens, or before the stated arrival, waits at its destination.
+    Read off the plan as it is: a burn begins its phase, which lasts until the next burn; without
+    burns, where connections are given, the transfer is one phase. A chaser that has docked before a
+    window opens, or before the stated arrival, waits at its destination.
 
     Parameters
     ----------
@@ -65,5 +66,7 @@ def _of_leg(instance: Instance, number: int, leg: Leg) -> Iterator[Segment]:
         yield Segment(number, "wait", leg.ready_s, leg.leaves_s)
     for burn, after in pairwise(leg.burns):
         yield Segment(number, burn.phase, burn.time_s, after.time_s)
+    if leg.kind == "given":
+        yield Segment(number, "transfer", leg.leaves_s, leg.docked_s)
     yield Segment(number, "wait", leg.docked_s, begins)
     yield Segment(number, stay, begins, leg.end_s)

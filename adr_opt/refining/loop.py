@@ -12,6 +12,7 @@ from ..campaign import Problem, problem_of
 from ..checking.violation import DELTA_V_TOLERANCE_M_S
 from ..corrections import Corrections
 from ..errors import InputError
+from ..flight.flyable import refuse_given
 from ..flight.result import TankFlight
 from ..flight.tanks import tanks_of
 from ..front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, method_of, run
@@ -207,6 +208,7 @@ def solve_refined(
     if rounds < 1:
         raise InputError(f"rounds = {rounds}: must be at least 1")
     mission = problem_of(instance)
+    refuse_given(mission.instance)
     lessons, best, held = Lessons(spend_savings), _Best(), list[Round]()
 
     able = [method_of(method), *([method_of(bound, BOUNDS)] if bound else [])]

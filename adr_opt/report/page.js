@@ -3,7 +3,8 @@
   const mission = JSON.parse(document.getElementById("mission").textContent);
   const { figures, titles, windows } = mission;
   const timed = ["lanes", "altitude", "budget", "nodes", "gantt"].filter((name) => name in figures);
-  const quick = [...timed, "costs", "planes"]; // the first share their time axis
+  // The first share their time axis.
+  const quick = [...timed, "costs", "planes"].filter((name) => name in figures);
   const box = (name) => document.getElementById(name);
   const narrow = matchMedia("(max-width: 640px)");
   const dark = matchMedia("(prefers-color-scheme: dark)");
@@ -233,6 +234,10 @@
     }
     listen();
     mark("ready");
+    if (!("orbits" in figures)) {
+      mark("complete");
+      return;
+    }
     const near = new IntersectionObserver((entries) => {
       if (!entries.some((entry) => entry.isIntersecting)) return;
       near.disconnect();

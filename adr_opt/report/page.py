@@ -25,7 +25,7 @@ from ..plot.tracks import Track, tracks
 from ..refining.plan import RefinedPlan, reference
 from ..routes import several
 from ..wording import counted, status_words
-from . import figures, sections, tables
+from . import figures, sections, space, tables
 from .facts import facts
 from .figures.parts import leg_title
 from .text import escape, in_days, in_script
@@ -114,9 +114,10 @@ def _refuse_other(plan: Plan, refined: RefinedPlan | None) -> None:
 def _flown(instance: Instance, plan: Plan) -> Flight | str | None:
     """The flight, or why there is none; None where all is as planned: circles in two-body motion.
 
-    Under J2 the burns of legs that drift differ from what the plan counts with.
+    Under J2 the burns of legs that drift differ from what the plan counts with. Given connections
+    are not flown.
     """
-    if instance.dynamics == "two-body" and not instance.is_approximate:
+    if not instance.nodes_drift and not instance.is_approximate:
         return None
     try:
         return fly(instance, plan)
@@ -125,6 +126,8 @@ def _flown(instance: Instance, plan: Plan) -> Flight | str | None:
 
 
 def _drawn(instance: Instance, plan: Plan) -> tuple[tuple[Track, ...], str | None]:
+    if instance.transfer.given is not None:
+        return (), None
     try:
         return tracks(instance, plan), None
     except InputError as error:  # a plan so wrong that it leads nowhere; the check says more
@@ -143,16 +146,6 @@ def _page(
     found = facts(instance, plan)
     library, script = _library(), _asset("page.js")
     done = {segment.phase for segment in segments(instance, plan)}
-    zones = len(instance.keep_out_zones)
-    altitude_note = "Drag across to look closer, double-click to see all; the times of this chart, "
-    altitude_note += "the next and the timeline go together."
-    if zones:
-        altitude_note = (
-            f"{'Shaded boxes are the' if zones > 1 else 'The shaded box is the'} keep-out "
-            f"{'zones' if zones > 1 else 'zone'}, closed to flight while open in time. "
-            + altitude_note
-        )
-    path = "the chasers’ paths" if several(instance) else "the chaser’s path"
     epoch = instance.epoch.astimezone(UTC)
     subtitle = (
         f"{epoch.day} {epoch:%B %Y, %H:%M} UTC · "
@@ -175,16 +168,15 @@ def _page(
         verdict=sections.verdict(instance, violations, flight),
         headline=sections.headline(found),
         crew=sections.crew(instance, plan, refined),
-        path=path,
-        flies="the chasers fly" if several(instance) else "the chaser flies",
+        flight=space.flight(instance),
+        step="burn" if instance.transfer.given is None else "arrival",
         gantt_note=sections.gantt_note(instance),
         leg_options=sections.leg_options(plan),
         phases=sections.phases([phase for phase in PHASES if phase in done]),
-        trouble="" if trouble is None else sections.not_drawn(path, trouble),
-        altitude_note=altitude_note,
-        nodes=sections.nodes(instance) if instance.dynamics == "j2" else "",
+        trouble="" if trouble is None else sections.not_drawn(space.path_of(instance), trouble),
+        nodes=space.nodes(instance),
         costs_note=sections.costs_note(plan),
-        planes_note=sections.planes_note(instance),
+        planes=space.planes(instance),
         legs=tables.legs(instance, plan, refined),
         unvisited=left_out,
         certificate=sections.certificate(plan, found),
@@ -199,16 +191,18 @@ def _data(instance: Instance, plan: Plan, drawn: tuple[Track, ...]) -> dict[str,
     """What the script of the page draws from."""
     numbers = range(1, len(plan.legs) + 1)
     charts = {
-        "altitude": figures.altitude(instance, plan, drawn),
         "budget": figures.budget(instance, plan),
         "costs": figures.costs(plan),
         "gantt": figures.gantt(instance, plan),
-        "planes": figures.planes(instance, plan),
-        "orbits": figures.orbits(instance, plan, drawn),
     }
+    if instance.transfer.given is None:
+        charts["altitude"] = figures.altitude(instance, plan, drawn)
+        charts["orbits"] = figures.orbits(instance, plan, drawn)
+    if instance.has_orbits:
+        charts["planes"] = figures.planes(instance, plan)
     if several(instance):
         charts["lanes"] = figures.lanes(instance, plan)
-    if instance.dynamics == "j2":
+    if instance.nodes_drift:
         charts["nodes"] = figures.nodes(instance, plan, drawn)
     return {
         "figures": charts,

@@ -35,7 +35,7 @@ def verdict(
     flown : Flight or str or None
         On the true orbits or under J2, or why it was not flown; None if all flies as planned.
     """
-    drifts = instance.dynamics == "j2"
+    drifts = instance.nodes_drift
     boxes = ""
     if violations:
         boxes += _box(
@@ -96,22 +96,6 @@ def _drifting(instance: Instance, flown: Flight | str | None) -> str:
     return f'<p class="verdict good"><span aria-hidden="true">✓</span> {checked}. {arrives}</p>'
 
 
-def nodes(instance: Instance) -> str:
-    """The section with the chart of nodes."""
-    who = (
-        "thick ones are the chasers, which cross"
-        if several(instance)
-        else "the thick one is the chaser, which crosses"
-    )
-    return (
-        f"<section><h2>Nodes</h2><p>How the planes drift: thin lines are bodies, {who} "
-        "from one to the next on a drift orbit. The drift that bodies "
-        "have in common is taken away, so that what differs shows; double-click to see all of "
-        "them.</p>"
-        '<div class="chart" id="nodes"></div></section>'
-    )
-
-
 def crew(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
     """The section on chasers and stations, where there are several chasers."""
     if not several(instance):
@@ -129,6 +113,8 @@ def crew(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
 
 def costs_note(plan: Plan) -> str:
     """What the bars of the legs are."""
+    if any(leg.kind == "given" for leg in plan.legs):
+        return "What is given of each leg."
     said = "What the plan counts with, and what the burns of the leg add up to"
     if any(leg.kind == "drift" for leg in plan.legs):
         said += "; of a leg that drifts the first comes from a closed form"
@@ -149,14 +135,6 @@ def gantt_note(instance: Instance) -> str:
     if several(instance):
         said += ", below the name of its chaser"
     return f"{said}. Select a bar to see its leg in all charts."
-
-
-def planes_note(instance: Instance) -> str:
-    """What has to be known of the chart of planes."""
-    said = "Turning the plane is what costs most: near neighbours here are cheap to reach."
-    if instance.dynamics == "j2":
-        said += " Planes are shown as they are at the epoch; how they drift is shown above."
-    return said
 
 
 def _box(title: str, said: str, found: Iterable[object]) -> str:
@@ -270,7 +248,7 @@ def origin(instance: Instance, plan: Plan) -> str:
             "next, " + counted(len(instance.keep_out_zones), "keep-out zone"),
         ),
         ("transfers", _transfers(settings)),
-        ("motion", MOTION[instance.dynamics]),
+        *([("motion", MOTION[instance.dynamics])] if settings.given is None else []),
         (
             "plan",
             f"{escape(plan.method)}, seed {plan.seed}, {status_words(plan.status)}, "
@@ -303,6 +281,12 @@ def _tanks(instance: Instance) -> str:
 
 def _transfers(settings: TransferSettings) -> str:
     """Which transfers are planned with."""
+    if settings.given is not None:
+        digest = settings.given.sha256 or ""
+        return (
+            f"connections given in {escape(settings.given.file)}, SHA-256 "
+            f"<code>{digest[:16]}…</code>"
+        )
     said = (
         "co-elliptic sequences that wait for the line of nodes, phasing circles between "
         f"{number(settings.min_altitude_m / 1000.0)} and "

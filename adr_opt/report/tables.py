@@ -55,7 +55,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
     flown = {} if refined is None else {leg.leg: leg.flown_delta_v_m_s for leg in refined.legs}
     whose = owners(instance, plan)
     prizes = {target.name: target.prize for target in instance.targets}
-    drifts = instance.dynamics == "j2"
+    drifts = instance.nodes_drift
     lengths = [(leg.departure_s - leg.ready_s, leg.arrival_s - leg.departure_s)
                for leg in plan.legs]  # fmt: skip
     in_days = any(max(pair) >= LONG_S for pair in lengths)
@@ -186,18 +186,17 @@ def unvisited(instance: Instance, plan: Plan) -> str:
     rows = []
     for entry in sorted(plan.unvisited, key=lambda entry: order.index(entry.reason)):
         target = bodies.get(entry.target)
-        orbit = ("", "", "", "")
-        if target is not None:
+        orbit, prize = ("", "", ""), "" if target is None else number(target.prize, 3)
+        if target is not None and target.orbit is not None:
             orbit = (
                 fixed((target.orbit.semi_major_axis_m - EARTH_RADIUS_M) / 1000.0, 1),
                 fixed(target.orbit.inclination_deg, 2),
                 fixed(target.orbit.raan_deg, 2),
-                number(target.prize, 3),
             )
         rows.append(
             f"<tr><td><b>{escape(entry.target)}</b></td>"
             f"<td>{REASON_TITLES[entry.reason]}</td>"
-            + "".join(f"<td class=n>{text}</td>" for text in orbit)
+            + "".join(f"<td class=n>{text}</td>" for text in (*orbit, prize))
             + "</tr>"
         )
     headings = (

@@ -82,8 +82,12 @@ class _Search:
 
     @property
     def drifts(self) -> bool:
-        """Whether planes drift far enough for orders to be annealed, which takes memory."""
-        return self._mission.instance.transfer.max_drift_s > 0.0
+        """Whether planes drift far enough for orders to be annealed, which takes memory.
+
+        So they are where costs are given: nobody knows how they change with time.
+        """
+        settings = self._mission.instance.transfer
+        return settings.max_drift_s > 0.0 or settings.given is not None
 
     def needed_s(self, width: int) -> float:
         """Seconds that a beam takes."""
@@ -283,11 +287,11 @@ def auto(
     for that reason. Then rounds, each with more effort than the one before: a round of proof
     (:class:`solvers.relaxation.proof.Proof`: it bounds the objective, and its searches for plans
     worth more than the incumbent are exhaustive, so they find what beams miss) side by side with
-    wider beams, with ruin-and-recreate and, where planes drift, with annealing of orders. Ends when
-    the incumbent meets the bound, or when ``stop`` says so. The same seed and the same number of
-    iterations (rounds) give the same plan; ``jobs`` does not change it. Where planes drift and
-    a search has proven nothing, a second order is annealed in most rounds in place of the proof.
-    Of several chasers see :func:`solvers.campaigns.planner.plan`.
+    wider beams, with ruin-and-recreate and, where planes drift or costs are given, with annealing
+    of orders. Ends when the incumbent meets the bound, or when ``stop`` says so. The same seed and
+    the same number of iterations (rounds) give the same plan; ``jobs`` does not change it. Where
+    orders are annealed and a search has proven nothing, a second order is annealed in most rounds
+    in place of the proof. Of several chasers see :func:`solvers.campaigns.planner.plan`.
 
     Parameters
     ----------

@@ -365,7 +365,7 @@ class Listed(NamedTuple):
 
 
 def _listed(mission: Mission, i: int) -> Listed | None:
-    """The connections of an origin that drifts; None where they are worked out one by one."""
+    """The connections of an origin that are listed; None where they are worked out one by one."""
     connecting = mission.connecting
     if not connecting.drifts:
         return None

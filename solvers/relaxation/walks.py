@@ -34,7 +34,7 @@ from adr_opt.kernels.timetable import earliest_taken
 from adr_opt.mission import Mission
 
 from . import simd
-from .buckets import SLACK, assign
+from .buckets import SLACK, Buckets, assign
 from .buckets import build as fill
 from .layers import layers_of
 from .network import Network, build
@@ -62,6 +62,22 @@ def affordable(buckets: int, budget: float, slot: float, arrays: int = 2) -> flo
     while slot < budget and 4.0 * arrays * buckets * (budget / slot + simd.LANES) > ROOM_BYTES:
         slot *= 2.0
     return slot
+
+
+def _stages(buckets: Buckets) -> list[float]:
+    """When stages begin, the last one first, as few as can be [s].
+
+    Each is as long as what opens in it may be apart and still not land in it. Between stages there
+    may be nothing, so that they are few also where the shortest leg is far shorter than others.
+    What takes no time, launches, stands before the beginning and has a stage of its own, from −inf.
+    """
+    opens = np.unique(buckets.opens[(buckets.opens >= 0.0) & np.isfinite(buckets.opens)])
+    length = earliest_taken(buckets.shortest) * (1.0 - 1e-9)
+    begins, end = [], opens.size
+    while end > 0:
+        end = min(int(np.searchsorted(opens, opens[end - 1] - length)), end - 1)
+        begins.append(float(opens[end]))
+    return [*begins, -math.inf]
 
 
 class TimeIsOver(Exception):
@@ -152,11 +168,11 @@ class WalkBound:
         if self.layers is not None:
             landed = np.empty_like(best), np.empty_like(second)
         self.values = Values(best, second, *landed)
-        # Buckets of one stage do not land in it, so their bodies are independent.
-        self._stage = earliest_taken(self.buckets.shortest) * (1.0 - 1e-9)
-        self._stages = int(rules.duration / self._stage) + 1 if self._stage > 0.0 else 1
+        # Buckets of one stage do not land in it, so their bodies are independent; and a walk has
+        # no two legs in one stage.
+        self._stages = _stages(self.buckets)
         self.bits = int(bodies).bit_length()
-        self.most_legs = self._stages + 2
+        self.most_legs = len(self._stages) + 1
         self.budget = rules.budget
         self.greatest_prize = float(self.prize.max(initial=0.0)) or 1.0
         room = LARGEST / (1 << self.bits) / self.most_legs / self.greatest_prize
@@ -209,11 +225,9 @@ class WalkBound:
 
     def _sweep(self, sweep_until: Callable[..., None], *common: object) -> None:
         """Go backwards in time stage by stage, the bodies shared among the threads."""
-        for number in range(self._stages - 1, -2, -1):
+        for time in self._stages:
             if self._over():
                 raise TimeIsOver
-            # Launches stand before the beginning.
-            time = number * self._stage if number >= 0 else -math.inf
             if self._pool is None:
                 sweep_until(*common, 0, 1, time)
                 continue

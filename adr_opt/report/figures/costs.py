@@ -12,7 +12,8 @@ MOST_TICKS = 20
 
 
 def costs(plan: Plan) -> Figure:
-    """Two bars per leg in m/s."""
+    """Two bars per leg in m/s; one where connections are given, which have no burns."""
+    is_given = any(leg.kind == "given" for leg in plan.legs)
     numbers = list(range(1, len(plan.legs) + 1))
     said = [f"{leg_title(plan, at)}<br>{_words(leg)}" for at, leg in enumerate(plan.legs, start=1)]
     traces = [
@@ -24,12 +25,13 @@ def costs(plan: Plan) -> Figure:
         }
         for name, values, colour in (
             ("planned", [leg.delta_v_m_s for leg in plan.legs], PLANNED),
-            ("burns", [leg.burns_delta_v_m_s for leg in plan.legs], BURNED),
+            ("burns", None if is_given else [leg.burns_delta_v_m_s for leg in plan.legs], BURNED),
         )
+        if values is not None
     ]  # fmt: skip
     layout = {
         "barmode": "group",
-        "showlegend": True,
+        "showlegend": not is_given,
         "xaxis": {
             "title": {"text": "leg"},
             "range": [0.4, max(numbers, default=1) + 0.6],
@@ -41,6 +43,8 @@ def costs(plan: Plan) -> Figure:
 
 
 def _words(leg: Leg) -> str:
+    if leg.kind == "given":
+        return f"given, {number(leg.delta_v_m_s)} m/s"
     aside = ""
     if leg.eccentricity_delta_v_m_s > 0.0:
         aside = f", {number(leg.eccentricity_delta_v_m_s)} of them for eccentricity"
