@@ -64,7 +64,7 @@ def instance_of(debris: int, chasers: int) -> Instance:
                 max_targets=LOAD,
             )
             for number in range(chasers)
-        ),  # fmt: skip
+        ),
         mission=MissionSettings(duration_s=LONGEST_S, service_s=0.0, refuel_revolutions=0.0),
         transfer=TransferSettings(given=GivenFile(file="odrc.parquet")),
     )
