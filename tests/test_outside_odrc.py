@@ -10,6 +10,7 @@ import pytest
 from from_outside import DATA, broken, external
 from outside.odrc import published
 from outside.odrc.estimate import equinoctial, greatest_rates, matrices
+from outside.odrc.ours import plan
 from outside.odrc.reading import read_debris, with_centroid
 from outside.odrc.scoring import LONGEST_S, Route, score
 from outside.odrc.subsets import cheapest
@@ -155,3 +156,14 @@ def test_no_debris_are_refused(tmp_path):
     path.write_text(FILE.read_text(encoding="utf-8").splitlines()[0], encoding="utf-8")
     with pytest.raises(InputError, match="no debris"):
         read_debris(path)
+
+
+def test_our_plan_is_proven_to_be_what_all_subsets_find(bodies):
+    """On a grid of five days the campaign's proven least ΔV is that of the subsets."""
+    least, _ = cheapest(bodies, 73, 3)
+    ours = plan(bodies, 73, 3, 60.0)
+    scored = score(bodies, ours.routes)
+    assert ours.proven
+    assert scored.violations == ()
+    assert scored.total_m_s == pytest.approx(ours.total_m_s)
+    assert ours.total_m_s == pytest.approx(least)
