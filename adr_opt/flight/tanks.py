@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..cargo import tank_worths
+from ..cargo import followed, tank_worths
 from ..chasers import Chaser
 from ..errors import InputError
 from ..instance import Instance
@@ -26,12 +26,15 @@ class TankLegs:
     legs : list of RefinedLeg
     budget_m_s : float
         What it is worth over these legs as they are flown.
+    full_m_s : float
+        What it was worth when it was filled, with all that was aboard then.
     """
 
     chaser: Chaser
     tank: int
     legs: list[RefinedLeg]
     budget_m_s: float
+    full_m_s: float
 
 
 def refined_routes(
@@ -68,9 +71,12 @@ def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[TankLegs]:
     found = []
     for chaser, legs in refined_routes(instance, refined):
         flown = [(leg.destination, leg.flown_delta_v_m_s) for leg in legs]
-        worths = tank_worths(instance, chaser, flown)
+        worths, stages = tank_worths(instance, chaser, flown), followed(instance, chaser, flown)
+        filled = 0
         for number, of_tank in enumerate(by_tank(legs, instance.station_names)):
-            found.append(TankLegs(chaser, number + 1, of_tank, worths[number]))
+            full_m_s = stages[filled].left_m_s
+            found.append(TankLegs(chaser, number + 1, of_tank, worths[number], full_m_s))
+            filled += len(of_tank)
     return found
 
 
