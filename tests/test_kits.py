@@ -19,7 +19,7 @@ import adr_opt
 from adr_opt.campaign import Campaign, is_campaign
 from adr_opt.cargo import loads_of
 from adr_opt.checking.tank import Tank
-from adr_opt.flight import fly
+from adr_opt.flight import fly, fly_refined
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import SLACK_M_S
 from adr_opt.kernels.loads import after_service
@@ -162,3 +162,17 @@ def test_masses_that_cannot_be_are_refused():
         (tank,) = fly(instance, broken).tanks
         assert not tank.holds
         assert tank.over_m_s > delta_v
+
+
+def test_refined_plans_keep_back_what_plans_do():
+    """A refined plan has to keep back what its plan does, of tanks as they are when filled."""
+    pytest.importorskip("scipy")
+    instance, needed = kit_then_leg()
+    found = adr_opt.solve_refined(
+        instance, "exact", freedom="planned", rounds=1, margin=0.5, time_limit=30.0
+    )
+    assert found.rounds[0].troubles == ()
+    assert found.plan.objective == 2.0
+    planned, refined = fly(instance, found.plan), fly_refined(instance, found.refined)
+    assert refined.tanks[0].flown_delta_v_m_s == pytest.approx(needed, rel=1e-3)
+    assert refined.tanks[0].budget_m_s == pytest.approx(planned.tanks[0].budget_m_s, abs=0.1)

@@ -377,9 +377,7 @@ def test_what_holds_of_a_route_with_kits_takes_fewer_of_them_along() -> None:
     )
     targets = tuple(target.replace(removal="kit") for target in instance.targets)
     instance = instance.replace(chasers=(chaser,), targets=targets)
-    found = adr_opt.solve_refined(
-        instance, "exact", freedom="planned", rounds=1, margin=0.05, time_limit=60.0
-    )
+    found = adr_opt.solve_refined(instance, "exact", freedom="planned", rounds=1, time_limit=60.0)
     assert found.rounds[0].troubles
     assert_holds(instance, found)
     assert found.plan is not None

@@ -70,13 +70,15 @@ def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[TankLegs]:
     """The legs tank by tank, chaser after chaser; a tank ends with the leg to a station."""
     found = []
     for chaser, legs in refined_routes(instance, refined):
-        flown = [(leg.destination, leg.flown_delta_v_m_s) for leg in legs]
+        # A launch is no refined leg, but the tank is filled with the kit aboard that stays there.
+        launch = [(legs[0].origin, 0.0)] if chaser.is_launched else []
+        flown = [*launch, *((leg.destination, leg.flown_delta_v_m_s) for leg in legs)]
         worths, stages = tank_worths(instance, chaser, flown), followed(instance, chaser, flown)
-        filled = 0
+        filled, after = 0, len(launch)
         for number, of_tank in enumerate(by_tank(legs, instance.station_names)):
             full_m_s = stages[filled].left_m_s
             found.append(TankLegs(chaser, number + 1, of_tank, worths[number], full_m_s))
-            filled += len(of_tank)
+            filled = after = after + len(of_tank)
     return found
 
 
