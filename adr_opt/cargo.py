@@ -11,7 +11,7 @@ import numpy as np
 from .chasers import Chaser, TankByMass
 from .instance import Instance
 from .kernels.constants import SLACK_M_S
-from .kernels.loads import Loads
+from .kernels.loads import Loads, after_service
 
 
 def most_targets(instance: Instance, chaser: Chaser) -> int | None:
@@ -56,6 +56,19 @@ def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:
     for column in columns:
         column.setflags(write=False)
     return Loads(chaser.tank.exhaust_m_s, *columns, heavy)
+
+
+def most_left_m_s(loads: Loads) -> float:
+    """The most that is ever left of a tank, with the slack of the model [m/s].
+
+    With a margin that may be more than a tank without kits is filled up to: what has been kept
+    back meanwhile is worth more than the same share of that, and what leaves the tank less.
+    """
+    taker, most = int(np.argmax(loads.takes)), 0.0
+    for kits in range(loads.full.size - 1, 0, -1):
+        most = max(most, float(loads.full[kits]))
+        most = float(after_service(loads, taker, kits, most)[0])
+    return max(most, float(loads.full[0]))
 
 
 class Aboard(NamedTuple):
@@ -108,7 +121,8 @@ def followed(
         elif destination in takers:
             takers.remove(destination)
             mass, kits = _mass_kg(chaser, kits, left), kits - 1
-            if mass is not None and chaser.kit_mass_kg > 0.0:
+            # What a tank lacks does not grow: nobody knows what masses would be then.
+            if mass is not None and chaser.kit_mass_kg > 0.0 and left > 0.0:
                 left = _left_m_s(chaser, kits, mass - chaser.kit_mass_kg)
         found.append(Aboard(left, _mass_kg(chaser, kits, left), kits, arrived))
     return tuple(found)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .cargo import loads_of, most_targets
+from .cargo import loads_of, most_left_m_s, most_targets
 from .chasers import AtStation
 from .connections import Connecting
 from .corrections import Corrections
@@ -146,7 +146,10 @@ class Mission(Prizes):
             may_end[:] = [name == chaser.end.station for name in self.names]
         for array in (is_station, may_end):
             array.setflags(write=False)
+        loads = loads_of(instance, chaser, self.margin)
         budget = chaser.tank.delta_v_m_s - self.reserve_m_s + SLACK_M_S
+        if loads is not None:
+            budget = most_left_m_s(loads)
         return kernels.Rules(
             table,
             limits.service,
@@ -164,7 +167,7 @@ class Mission(Prizes):
             budget,
             limits.duration,
             kernels.shortest_sortie(table, limits.service, budget, stations, instance.first_target),
-            loads_of(instance, chaser, self.margin),
+            loads,
         )
 
     @property

@@ -9,13 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from . import drift_burns
-from .cargo import followed
-from .chasers import TankByMass
 from .errors import InputError
 from .kernels import burns as burn_kernels
 from .kernels.constants import SLACK_M_S
 from .mission import Mission
 from .plan import Burn, Leg, Reason, Unvisited
+from .routes import weighed
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -76,14 +75,7 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
             )
         )
         i, ready = j, timing.ends[at]
-    if isinstance(mission.chaser.tank, TankByMass):
-        flown = [(leg.destination, leg.delta_v_m_s) for leg in priced]
-        stages = followed(mission.instance, mission.chaser, flown)[1:]
-        return tuple(
-            leg.replace(delta_v_left_m_s=stage.left_m_s, mass_kg=stage.mass_kg)
-            for leg, stage in zip(priced, stages, strict=True)
-        )
-    return tuple(priced)
+    return weighed(mission.instance, mission.chaser, priced)
 
 
 class _Transfer(NamedTuple):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 from .cargo import Aboard, followed, tank_worths
-from .chasers import Chaser
+from .chasers import Chaser, TankByMass
 from .errors import InputError
 from .instance import Instance
 from .plan import Leg, Plan
@@ -61,6 +61,18 @@ class Flown:
     def refuellings(self, instance: Instance) -> int:
         """How often it refuels."""
         return sum(leg.destination in instance.station_names for _, leg in self.legs)
+
+
+def weighed(instance: Instance, chaser: Chaser, legs: Iterable[Leg]) -> tuple[Leg, ...]:
+    """The legs of a chaser with what is left after each of them, where its tank is one by mass."""
+    legs = tuple(legs)
+    if not isinstance(chaser.tank, TankByMass):
+        return legs
+    stages = followed(instance, chaser, [(leg.destination, leg.delta_v_m_s) for leg in legs])[1:]
+    return tuple(
+        leg.replace(delta_v_left_m_s=stage.left_m_s, mass_kg=stage.mass_kg)
+        for leg, stage in zip(legs, stages, strict=True)
+    )
 
 
 def several(instance: Instance) -> bool:

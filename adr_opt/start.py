@@ -11,6 +11,7 @@ import numpy as np
 from .campaign import Problem
 from .checking import check
 from .errors import InputError
+from .kernels.loads import most_kits
 from .mission import Mission
 from .plan import Plan
 
@@ -138,6 +139,9 @@ def _why(mission: Mission, moves: list[int], made: int) -> str:
         rules.most_targets
     ):
         return f"goes to {name}, one more target than the {rules.most_targets} of the chaser"
+    kits, most = mission.schedules.kits_for(tuple(moves[: made + 1])), most_kits(rules.loads)
+    if rules.loads is not None and kits > most:
+        return f"goes to {name}, one more kit than the {most} of the chaser"
     found = mission.schedules.connections(body, j).after(time)
     if not found.departure.size:
         return f"goes to {name}, to which there is no transfer any more"

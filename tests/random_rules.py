@@ -320,7 +320,7 @@ def carrying(instance: Instance, seed: int) -> Instance:
                 "dry_mass_kg": dry, "isp_s": isp,
                 "propellant_kg": dry * float(ratio * rng.uniform(0.9, 1.5)),
             }  # fmt: skip
-            changes["kit_mass_kg"] = dry * float(rng.choice([0.0, 0.05, 0.2, 0.5]))
+            changes["kit_mass_kg"] = dry * float(rng.choice([0.0, 0.05, 0.2, 0.5, 4.0]))
         if rng.random() < 0.25:
             changes["start"] = "anywhere"
         chasers.append(chaser.replace(**changes))

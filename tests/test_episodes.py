@@ -188,6 +188,11 @@ def _odd() -> dict[str, Instance]:
         "begins later": _changed(instance, available_s=(3600.0, None)),
         "limits the number of targets": _changed(instance, max_targets=2),
         "must end at a station": _changed(instance, end={"station": station.name}),
+        "has kits that count": _changed(
+            instance,
+            tank={"dry_mass_kg": 500.0, "propellant_kg": 90.0, "isp_s": 300.0},
+            kit_mass_kg=40.0,
+        ).replace(targets=tuple(each.replace(removal="kit") for each in instance.targets)),
     }
 
 
@@ -197,7 +202,7 @@ def test_missions_that_cannot_be_played_are_refused(what: str) -> None:
     instance = _odd()[what]
     with pytest.raises(InputError, match=f"{what}.*; plan this mission with another method"):
         MissionEnv(instance).reset()
-    with pytest.raises(InputError, match="plan this mission with another method"):
+    with pytest.raises(InputError, match=r"another method|knows no kits"):
         adr_opt.solve(instance, "ppo")
 
 

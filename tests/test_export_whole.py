@@ -292,6 +292,21 @@ def test_parquet_without_targets_and_without_its_package(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("suffix", [".lp", ".mps", ".oplib"])
+def test_models_of_missions_with_kits_are_refused(suffix: str, cli: Cli, tmp_path: Path) -> None:
+    """A file that would state a mission without its kits is not written, which is said."""
+    drawn = adr_opt.generate("tiny", 0)
+    targets = (drawn.targets[0].replace(removal="kit"), *drawn.targets[1:])
+    chaser = drawn.chaser.replace(kits=0)
+    instance = tmp_path / "kits.json"
+    instance.write_text(drawn.replace(targets=targets, chasers=(chaser,)).to_json())
+    ready = ["--at", "0"] if suffix == ".oplib" else []
+    refused = cli("matrix", instance, *ready, "--out", f"kits{suffix}")
+    assert refused.status == 2
+    assert "knows no kits" in refused.err
+    assert [path.name for path in tmp_path.iterdir()] == ["kits.json"]
+
+
 def test_formats_with_and_without_ready_times(cli: Cli, tiny_file: Path) -> None:
     """`matrix` wants ready times for matrices and none for the whole timetable, and says so."""
     pytest.importorskip("pyarrow.parquet")

@@ -369,6 +369,21 @@ def test_when_rounds_are_over_what_holds_of_a_plan_is_kept() -> None:
     assert any("hold when refined" in note for note in found.plan.notes)
 
 
+def test_what_holds_of_a_route_with_kits_takes_fewer_of_them_along() -> None:
+    """Legs that are kept have the masses of a chaser that takes no kits for those left out."""
+    instance = eccentric(2, "j2", 600.0)
+    chaser = instance.chaser.replace(
+        tank={"dry_mass_kg": 100.0, "propellant_kg": 24.0, "isp_s": 300.0}, kit_mass_kg=2.0
+    )
+    targets = tuple(target.replace(removal="kit") for target in instance.targets)
+    instance = instance.replace(chasers=(chaser,), targets=targets)
+    found = adr_opt.solve_refined(instance, "exact", freedom="planned", rounds=1, time_limit=60.0)
+    assert found.rounds[0].troubles
+    assert_holds(instance, found)
+    assert found.plan is not None
+    assert 0.0 < found.plan.objective < found.rounds[0].objective
+
+
 def test_who_interrupts_gets_what_there_is() -> None:
     """With a stop that leaves no time the loop ends after the first round."""
     instance, _ = breaking()

@@ -36,9 +36,14 @@ class Tank:
 
     @property
     def left_m_s(self) -> float:
-        """ΔV left, by the rocket equation where the tank is one by mass."""
+        """ΔV left, by the rocket equation where the tank is one by mass.
+
+        −inf where nothing is left to fly with: the legs have taken more than there ever was.
+        """
         if self.mass_kg is None:
             return self._left_m_s
+        if self.mass_kg <= 0.0:
+            return -math.inf
         return self._tank.exhaust_m_s * math.log(self.mass_kg / self._empty_kg)
 
     def fill(self) -> None:

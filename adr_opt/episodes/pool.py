@@ -119,8 +119,8 @@ class FieldPool:
 def check_playable(mission: Mission) -> None:
     """Refuse a mission that episodes cannot play.
 
-    Episodes begin at the only station, at t = 0, may service any number of targets, and may end
-    anywhere. Windows, prizes and zones are as they are.
+    Episodes begin at the only station, at t = 0, may service any number of targets, know no kits,
+    and may end anywhere. Windows, prizes and zones are as they are.
 
     Raises
     ------
@@ -133,6 +133,7 @@ def check_playable(mission: Mission) -> None:
         (rules.first_target != 1, "has an orbit that is neither a station's nor a target's"),
         (rules.ready > 0.0, "begins later than t = 0"),
         (rules.most_targets < rules.service.size - 1, "limits the number of targets"),
+        (rules.loads is not None, "has kits that count"),
         (rules.returns, "must end at a station"),
         (not mission.instance.has_orbits, "has bodies without an orbit"),
     ):

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from ..cargo import loads_of
 from ..errors import InputError
 from ..instance import Instance
 from ..timetable import FloatArray, Matrices
@@ -161,6 +162,15 @@ def check_one_depot(instance: Instance, path: Path) -> None:
         raise InputError(
             f"{path}: a {path.suffix.lower()} file holds one depot, where the chaser starts and "
             f"refuels, which is not so in {instance.name!r}; write .npz, .nc or .tsp"
+        )
+
+
+def check_no_kits(instance: Instance, path: Path) -> None:
+    """Raise :class:`InputError` where kits count, which a file of limits and prizes cannot say."""
+    if loads_of(instance, instance.chaser, 0.0) is not None:
+        raise InputError(
+            f"{path}: a {path.suffix.lower()} file knows no kits, and those of {instance.name!r} "
+            "count; write transfers alone, as .npz, .nc or .parquet"
         )
 
 

@@ -15,7 +15,7 @@ from ..instance import Instance
 from ..mission import Mission
 from ..timetable import FloatArray, Matrices
 from . import models, netcdf, npz, oplib, parquet, tsp, vrp
-from .weights import check_one_depot, check_quantity, check_scale
+from .weights import check_no_kits, check_one_depot, check_quantity, check_scale
 
 SAMPLED = (".npz", ".nc")
 """Formats of matrices at any number of departures."""
@@ -113,6 +113,7 @@ def write_matrix(
     mission = _mission(instance_or_mission)
     if suffix in ONE_DEPOT:
         check_one_depot(mission.instance, Path(path))
+        check_no_kits(mission.instance, Path(path))
     matrices = mission.timetable.matrices(times, choose)
 
     def write(temporary: Path) -> None:
@@ -162,6 +163,8 @@ def write_timetable(instance_or_mission: Instance | Mission, path: str | os.Path
         write_model = models.writer(suffix)
     check_writable(path)
     mission = _mission(instance_or_mission)
+    if write_model is not None:
+        check_no_kits(mission.instance, Path(path))
 
     def write(temporary: Path) -> None:
         if write_model is None:

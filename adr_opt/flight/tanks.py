@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..cargo import tank_worths
+from ..cargo import followed, tank_worths
 from ..chasers import Chaser
 from ..errors import InputError
 from ..instance import Instance
@@ -26,12 +26,15 @@ class TankLegs:
     legs : list of RefinedLeg
     budget_m_s : float
         What it is worth over these legs as they are flown.
+    full_m_s : float
+        What it was worth when it was filled, with all that was aboard then.
     """
 
     chaser: Chaser
     tank: int
     legs: list[RefinedLeg]
     budget_m_s: float
+    full_m_s: float
 
 
 def refined_routes(
@@ -67,10 +70,15 @@ def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[TankLegs]:
     """The legs tank by tank, chaser after chaser; a tank ends with the leg to a station."""
     found = []
     for chaser, legs in refined_routes(instance, refined):
-        flown = [(leg.destination, leg.flown_delta_v_m_s) for leg in legs]
-        worths = tank_worths(instance, chaser, flown)
+        # A launch is no refined leg, but the tank is filled with the kit aboard that stays there.
+        launch = [(legs[0].origin, 0.0)] if chaser.is_launched else []
+        flown = [*launch, *((leg.destination, leg.flown_delta_v_m_s) for leg in legs)]
+        worths, stages = tank_worths(instance, chaser, flown), followed(instance, chaser, flown)
+        filled, after = 0, len(launch)
         for number, of_tank in enumerate(by_tank(legs, instance.station_names)):
-            found.append(TankLegs(chaser, number + 1, of_tank, worths[number]))
+            full_m_s = stages[filled].left_m_s
+            found.append(TankLegs(chaser, number + 1, of_tank, worths[number], full_m_s))
+            filled = after = after + len(of_tank)
     return found
 
 

@@ -54,7 +54,7 @@ class Rules(NamedTuple):
         Whether there are bodies where the mission may not end.
     budget : float
         Full ΔV budget with the slack of the model, which is no limit to be met exactly; where loads
-        count, that with no kit aboard, the largest [m/s].
+        count, the most that is ever left [m/s].
     duration : float
         End of the mission, with the slack [s].
     shortest_sortie : float

@@ -9,11 +9,11 @@ from ..campaign import Problem
 from ..chasers import AtStation
 from ..checking.violation import DELTA_V_TOLERANCE_M_S
 from ..flight.result import tank_name
-from ..flight.tanks import tanks_of
+from ..flight.tanks import legs_by_tank, tanks_of
 from ..instance import Instance
 from ..plan import Plan, Route, Unvisited, cost_of
 from ..result import status_of
-from ..routes import Flown, routes_of
+from ..routes import Flown, routes_of, weighed
 from .plan import RefinedLeg, RefinedPlan, reference
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
@@ -35,8 +35,9 @@ def _troubles(problem: Problem, refined: RefinedPlan) -> Iterator[str]:
     for leg in refined.legs:
         if leg.residual_m > MOST_MISS_M or leg.residual_m_s > MOST_MISS_M_S:
             yield f"leg {leg.leg} misses by {leg.residual_m:.3g} m"
-    for tank in tanks_of(problem.instance, refined):
-        over = (tank.over_m_s or 0.0) + problem.margin * tank.budget_m_s
+    fillings = legs_by_tank(problem.instance, refined)
+    for tank, filled in zip(tanks_of(problem.instance, refined), fillings, strict=True):
+        over = (tank.over_m_s or 0.0) + problem.margin * filled.full_m_s
         if over > DELTA_V_TOLERANCE_M_S:
             legs = f"legs {tank.first_leg} to {tank.last_leg}"
             yield f"{tank_name(tank.tank, tank.chaser)} ({legs}) is over by {over:.1f} m/s"
@@ -79,7 +80,11 @@ def beginning(
         upper_bound=None, gap=None, cost_bound=None, cost_gap=None, cost_status=None,
         cost=cost_of(instance.objective, legs),
         routes=tuple(
-            Route(chaser=_route_name(plan, flown), legs=tuple(leg for _, leg in flown.legs[:held]))
+            # Kits that are left behind by legs that are not flown are not taken along.
+            Route(
+                chaser=_route_name(plan, flown),
+                legs=weighed(instance, flown.chaser, (leg for _, leg in flown.legs[:held])),
+            )
             for flown, held in routes
         ),
         unvisited=(*plan.unvisited, *dropped),
