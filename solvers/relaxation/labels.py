@@ -112,10 +112,32 @@ class Search(NamedTuple):
 
 
 @inlined
-def _place(table, row, left, kits):
+def _kits_of(loads, labels, label):
+    """Kits aboard; where loads do not count nothing is read, or written, for millions of labels."""
+    if loads is None:
+        return 0
+    return np.int64(labels.kits[label])
+
+
+@inlined
+def _note_kits(loads, labels, label, kits):
+    if loads is not None:
+        labels.kits[label] = kits
+
+
+@inlined
+def _layer_of(loads, table, kits):
+    """Where the layer of so many kits begins."""
+    if loads is None:
+        return 0
+    return kits * table.layer
+
+
+@inlined
+def _place(loads, table, row, left, kits):
     """Where the completion values at a row with some ΔV left, and some kits, lie."""
     slots = min(int(left / table.slot + SLACK), table.top)
-    return kits * table.layer + (table.bucket[row] + 1) * table.width + slots
+    return _layer_of(loads, table, kits) + (table.bucket[row] + 1) * table.width + slots
 
 
 @inlined
@@ -131,14 +153,14 @@ def _completion(table, kind, at, came_from):
 def _promises(search, row, left, kits, value, worth, came_from):
     """Whether a walk that is ready by a row can still become one that is asked for."""
     values = search.values
-    at = _place(values, row, left, kits)
+    at = _place(search.loads, values, row, left, kits)
     for kind in range(search.need.size):
         most = value + (_completion(values, kind, at, came_from) << FINE)
         if most + np.int64(search.shift[kind] * worth) < search.need[kind]:
             return False
     if search.price == 0.0:
         return True
-    at = _place(search.reach, row, left, kits)
+    at = _place(search.loads, search.reach, row, left, kits)
     most_worth = _completion(search.reach, 0, at, came_from) * search.reach_unit
     return worth + most_worth >= search.least_worth
 
@@ -149,7 +171,8 @@ def _stay(search, labels, waiting, row, i, kept):
     for k in range(waiting.size[i]):
         label = waiting.label[i, k]
         kept[k] = label >= 0 and _promises(
-            search, row, labels.left[label], labels.kits[label], labels.value[label],
+            search, row, labels.left[label], _kits_of(search.loads, labels, label),
+            labels.value[label],
             labels.worth[label], labels.came_from[label],
         )  # fmt: skip
     keep(waiting, i, kept, 2 * search.neighbourhood.shape[1])
@@ -269,7 +292,7 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                     continue
             left, value, worth = labels.left[here], labels.value[here], labels.worth[here]
             collected = worth + search.worths[j]
-            kits = np.int64(labels.kits[here])
+            kits = _kits_of(search.loads, labels, here)
             begin, end = _useful(network, search, row, value, left, kits, collected, behind, j)
             if begin >= end:
                 continue
@@ -302,7 +325,7 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                 labels.row[count], labels.parent[count] = landing, here
                 labels.value[count], labels.left[count] = then, rest
                 labels.visits[count], labels.worth[count] = visits, collected
-                labels.kits[count] = aboard
+                _note_kits(search.loads, labels, count, aboard)
                 labels.came_from[count] = behind
                 for w in range(words):
                     labels.memory[count, w] = remembered[w]
