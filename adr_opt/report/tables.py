@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ..cargo import carries
 from ..chasers import AtStation, Chaser
 from ..instance import Instance
 from ..kernels.constants import DAY_S, EARTH_RADIUS_M
@@ -12,7 +13,7 @@ from ..plot.axes import chaser_colours
 from ..plot.palette import REASONS
 from ..plot.traffic import also_there, stays
 from ..refining.plan import RefinedPlan
-from ..routes import by_tank, owners, routes_of
+from ..routes import Flown, by_tank, owners, routes_of
 from ..wording import counted
 from .text import LONG_S, NOTHING, clock, escape, fixed, number, span
 
@@ -20,6 +21,7 @@ REASON_TITLES = {
     "no-transfer": "no transfer",
     "duration": "duration",
     "delta-v": "ΔV",
+    "capacity": "capacity",
     "not-worth-it": "not worth it",
     "not-considered": "not considered",
 }
@@ -58,6 +60,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
     drifts = instance.nodes_drift
     lengths = [(leg.departure_s - leg.ready_s, leg.arrival_s - leg.departure_s)
                for leg in plan.legs]  # fmt: skip
+    weighed = any(leg.mass_kg is not None for leg in plan.legs)
     in_days = any(max(pair) >= LONG_S for pair in lengths)
 
     def told(duration_s: float) -> str:
@@ -82,6 +85,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
             ("n", clock(leg.arrival_s)),
             ("n", clock(leg.end_s)),
             ("n", fixed(leg.delta_v_left_m_s, 1)),
+            *([("n", _kg(leg.mass_kg))] if weighed else []),
             ("n", "refuels" if refuels else number(prizes.get(leg.destination, 0.0), 3)),
         )
         inside = "".join(f"<td{' class=n' if c else ''}>{text}</td>" for c, text in cells)
@@ -93,7 +97,8 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
         (f"wait {unit}", "n"), ("departure", "n"), ("laps", "n"), ("ΔV m/s", "n"),
         *([("burns m/s", "n")] if drifts else []), *([("refined m/s", "n")] if refined else []),
         (f"flight {unit}", "n"), ("arrival", "n"),
-        ("end", "n"), ("ΔV left m/s", "n"), ("prize", "n"),
+        ("end", "n"), ("ΔV left m/s", "n"), *([("mass kg", "n")] if weighed else []),
+        ("prize", "n"),
     )  # fmt: skip
     return (_refined(refined) if refined else "") + table("Legs", headings, rows)
 
@@ -112,7 +117,7 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
     burned: dict[str | None, float] = {}
     for leg in () if refined is None else refined.legs:
         burned[leg.chaser] = burned.get(leg.chaser, 0.0) + leg.flown_delta_v_m_s
-    colours, rows = chaser_colours(instance), []
+    colours, rows, loaded = chaser_colours(instance), [], carries(instance)
     for flown in routes_of(instance, plan):
         name, tank = flown.chaser.name, flown.aboard(instance)[0].left_m_s
         refuellings = flown.refuellings(instance)
@@ -129,6 +134,7 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
             *([("n", fixed(burned.get(name, 0.0), 1))] if refined else []),
             ("n", number(tank, 1)),
             ("n", " + ".join(used) or NOTHING),
+            *(_load(instance, flown) if loaded else []),
             ("n", clock(flown.legs[0][1].departure_s) if flown.legs else NOTHING),
             ("n", clock(flown.end_s) if flown.legs else NOTHING),
         )
@@ -136,9 +142,27 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
     headings = (
         ("chaser", ""), ("starts", ""), ("targets", "n"), ("refuellings", "n"), ("ΔV m/s", "n"),
         *([("refined m/s", "n")] if refined else []), ("tank m/s", "n"), ("tank by tank m/s", "n"),
+        *(
+            [("mass at the start kg", "n"), ("kits", "n"), ("propellant used kg", "n"),
+             ("left kg", "n")]
+            if loaded else []
+        ),
         ("leaves", "n"), ("done", "n"),
     )  # fmt: skip
     return table("Chasers", headings, rows)
+
+
+def _load(instance: Instance, flown: Flown) -> list[tuple[str, str]]:
+    """Mass at the start, kits, propellant used and left."""
+    load = flown.carried(instance)
+    if not flown.legs:
+        return [("n", NOTHING)] * 4
+    used, left = _kg(load.used_kg), _kg(load.left_kg)
+    return [("n", _kg(load.mass_kg)), ("n", str(load.kits)), ("n", used), ("n", left)]
+
+
+def _kg(mass_kg: float | None) -> str:
+    return NOTHING if mass_kg is None else fixed(mass_kg, 1)
 
 
 def traffic(instance: Instance, plan: Plan) -> str:
