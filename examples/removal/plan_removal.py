@@ -116,18 +116,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if plan is None:
             raise adr_opt.InputError(f"no plan: status {result.status}; raise --time-limit")
         violations = adr_opt.check(instance, plan)
-        refined = refine(instance, plan)
         typed.out.mkdir(parents=True, exist_ok=True)
         (typed.out / "mission.json").write_text(instance.to_json(), encoding="utf-8")
         plan.save(typed.out / "plan.json")
+        for sentence in by_chaser(instance, plan):
+            print(sentence)
+        # Legs of a year, flown in true dynamics again and again, take minutes.
+        refined = refine(instance, plan)
         refined.save(typed.out / "refined.json")
         write_report(instance, plan, typed.out / "page.html", refined)
     except (adr_opt.InputError, OSError) as error:
         print(error, file=sys.stderr)
         return 2
-    for sentence in by_chaser(instance, plan):
-        print(sentence)
-    broken = [tank for tank in tanks_of(instance, refined) if tank.over_m_s]
+    broken = [tank for tank in tanks_of(instance, refined) if not tank.holds]
     print(
         f"refined: {len(refined.legs)} legs in the field {refined.gravity}, planned with "
         f"{refined.planned_delta_v_m_s:.0f} m/s, flown with {refined.flown_delta_v_m_s:.0f} m/s, "
