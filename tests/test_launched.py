@@ -178,20 +178,22 @@ def test_the_page_has_masses(files: tuple[Instance, Plan]) -> None:
     from adr_opt.report import tables
 
     instance, plan = files
-    crew = tables.chasers(instance, plan)
-    for title in ("mass at the start kg", "kits", "propellant used kg", "left kg"):
-        assert f">{title}</th>" in crew
+    loads = tables.loads(instance, plan)
+    for title in ("mass at the start kg", "kits", "propellant kg", "used kg", "left kg"):
+        assert f">{title}</th>" in loads
     for flown in routes_of(instance, plan):
         load = flown.carried(instance)
-        assert f"<td class=n>{load.mass_kg:.1f}</td><td class=n>{load.kits}</td>" in crew
-        assert f"<td class=n>{load.used_kg:.1f}</td><td class=n>{load.left_kg:.1f}</td>" in crew
+        cells = [f"{load.mass_kg:.1f}", f"{load.kits}", f"{load.propellant_kg:.1f}"]
+        cells += [f"{load.used_kg:.1f}", f"{load.left_kg:.1f}", f"{load.end_mass_kg:.1f}"]
+        assert "".join(f"<td class=n>{cell}</td>" for cell in cells) in loads
     legs = tables.legs(instance, plan)
     assert ">mass kg</th>" in legs
     assert all(f"<td class=n>{leg.mass_kg:.1f}</td>" in legs for leg in plan.legs)
     bare = adr_opt.generate("tiny", 0)
     other = adr_opt.solve(bare, "greedy").plan
     assert other is not None
-    assert " kg</th>" not in tables.chasers(bare, other) + tables.legs(bare, other)
+    assert tables.loads(bare, other) == ""
+    assert " kg</th>" not in tables.legs(bare, other)
 
 
 def test_the_page_of_one_chaser_says_what_it_carries() -> None:

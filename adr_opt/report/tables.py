@@ -13,7 +13,7 @@ from ..plot.axes import chaser_colours
 from ..plot.palette import REASONS
 from ..plot.traffic import also_there, stays
 from ..refining.plan import RefinedPlan
-from ..routes import Flown, by_tank, owners, routes_of
+from ..routes import by_tank, owners, routes_of
 from ..wording import counted
 from .text import LONG_S, NOTHING, clock, escape, fixed, number, span
 
@@ -117,7 +117,7 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
     burned: dict[str | None, float] = {}
     for leg in () if refined is None else refined.legs:
         burned[leg.chaser] = burned.get(leg.chaser, 0.0) + leg.flown_delta_v_m_s
-    colours, rows, loaded = chaser_colours(instance), [], carries(instance)
+    colours, rows = chaser_colours(instance), []
     for flown in routes_of(instance, plan):
         name, tank = flown.chaser.name, flown.aboard(instance)[0].left_m_s
         refuellings = flown.refuellings(instance)
@@ -134,7 +134,6 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
             *([("n", fixed(burned.get(name, 0.0), 1))] if refined else []),
             ("n", number(tank, 1)),
             ("n", " + ".join(used) or NOTHING),
-            *(_load(instance, flown) if loaded else []),
             ("n", clock(flown.legs[0][1].departure_s) if flown.legs else NOTHING),
             ("n", clock(flown.end_s) if flown.legs else NOTHING),
         )
@@ -142,23 +141,29 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
     headings = (
         ("chaser", ""), ("starts", ""), ("targets", "n"), ("refuellings", "n"), ("ΔV m/s", "n"),
         *([("refined m/s", "n")] if refined else []), ("tank m/s", "n"), ("tank by tank m/s", "n"),
-        *(
-            [("mass at the start kg", "n"), ("kits", "n"), ("propellant used kg", "n"),
-             ("left kg", "n")]
-            if loaded else []
-        ),
         ("leaves", "n"), ("done", "n"),
     )  # fmt: skip
     return table("Chasers", headings, rows)
 
 
-def _load(instance: Instance, flown: Flown) -> list[tuple[str, str]]:
-    """Mass at the start, kits, propellant used and left."""
-    load = flown.carried(instance)
-    if not flown.legs:
-        return [("n", NOTHING)] * 4
-    used, left = _kg(load.used_kg), _kg(load.left_kg)
-    return [("n", _kg(load.mass_kg)), ("n", str(load.kits)), ("n", used), ("n", left)]
+def loads(instance: Instance, plan: Plan) -> str:
+    """One row per chaser: its masses, kits and propellant; nothing where none are counted."""
+    if not carries(instance):
+        return ""
+    rows = []
+    for flown in routes_of(instance, plan):
+        load, flies = flown.carried(instance), bool(flown.legs)
+        numbers = (
+            _kg(load.mass_kg), str(load.kits), _kg(load.propellant_kg), _kg(load.used_kg),
+            _kg(load.left_kg), _kg(load.end_mass_kg),
+        )  # fmt: skip
+        name = f"<b>{escape(flown.chaser.name)}</b>"
+        rows.append(_row([("", name), *(("n", text if flies else NOTHING) for text in numbers)]))
+    headings = (
+        ("chaser", ""), ("mass at the start kg", "n"), ("kits", "n"), ("propellant kg", "n"),
+        ("used kg", "n"), ("left kg", "n"), ("mass at the end kg", "n"),
+    )  # fmt: skip
+    return table("What chasers carry", headings, rows)
 
 
 def _kg(mass_kg: float | None) -> str:

@@ -26,7 +26,6 @@ from adr_opt.instance import Instance
 from adr_opt.orbit import Orbit
 from adr_opt.refining.all_legs import refine
 from adr_opt.report import write_report
-from adr_opt.wording import status_words
 
 DAY_S = 86400.0
 MASSES_KG = {"SL-16 R/B": 9000.0, "SL-8 R/B": 1400.0}
@@ -137,7 +136,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     most = min(result.upper_bound, float(len(instance.targets)))
     print(
         f"{plan.objective:g} of {len(instance.targets)} removed, at most {most:g} "
-        f"({status_words(plan.status)}), {len(violations)} violations: {typed.out / 'page.html'}"
+        f"with {100.0 * typed.margin:g} % of each tank kept back, "
+        f"{len(violations)} violations: {typed.out / 'page.html'}"
     )
     return 1 if violations or broken or refined.missing else 0
 
