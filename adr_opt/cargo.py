@@ -128,6 +128,52 @@ def followed(
     return tuple(found)
 
 
+class Carried(NamedTuple):
+    """What a chaser carries along its route.
+
+    Attributes
+    ----------
+    mass_kg, propellant_kg : float or None
+        At the start, with all that is aboard; None where the tank is not one by mass.
+    kits : int
+        At the start; each of them is left behind.
+    used_kg, left_kg : float or None
+        Propellant of all legs, and what is in the tank after the last one; less than 0 if it was
+        not enough.
+    end_mass_kg : float or None
+        After the last service.
+    """
+
+    mass_kg: float | None
+    propellant_kg: float | None
+    kits: int
+    used_kg: float | None
+    left_kg: float | None
+    end_mass_kg: float | None
+
+
+def carried(instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]) -> Carried:
+    """What a chaser carries along its route; see :func:`followed`."""
+    stages, tank = followed(instance, chaser, legs), chaser.tank
+    start, end = stages[0], stages[-1]
+    if not isinstance(tank, TankByMass) or start.mass_kg is None or end.mass_kg is None:
+        return Carried(None, None, start.kits, None, None, None)
+    used = sum(
+        (stage.mass_kg or 0.0) * -math.expm1(-delta_v / tank.exhaust_m_s)
+        for stage, (_, delta_v) in zip(stages, legs, strict=False)
+    )
+    without = tank.dry_mass_kg + end.kits * chaser.kit_mass_kg
+    return Carried(
+        start.mass_kg, tank.propellant_kg, start.kits, used, end.mass_kg - without, end.mass_kg
+    )
+
+
+def carries(instance: Instance) -> bool:
+    """Whether masses or kits of any chaser are counted, so that there is something to tell."""
+    by_mass = any(isinstance(chaser.tank, TankByMass) for chaser in instance.chasers)
+    return by_mass or any(target.removal == "kit" for target in instance.targets)
+
+
 def tank_worths(
     instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]
 ) -> tuple[float, ...]:

@@ -16,7 +16,7 @@ from .settings import Objective
 FORMAT: Literal["adr-opt-plan/2"] = "adr-opt-plan/2"
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
-Reason = Literal["duration", "delta-v", "no-transfer", "not-worth-it", "not-considered"]
+Reason = Literal["duration", "delta-v", "no-transfer", "capacity", "not-worth-it", "not-considered"]
 
 Vector = tuple[DeltaV, DeltaV, DeltaV]
 
@@ -106,10 +106,10 @@ class Unvisited(Record):
 
     The reason is read off the end of the plan: ``no-transfer`` if no body of the mission has a
     connection to the target that leaves time for service, else ``duration`` if none from where the
-    plan ends does, or ``delta-v`` if all of those need more ΔV than is left, else
-    ``not-worth-it``: one more leg fits, and the plan does not fly it. ``not-considered`` is a
-    target that was not planned with, because the time or the memory did not allow it; a note of
-    the plan says more.
+    plan ends does, or ``delta-v`` if all of those need more ΔV than is left, or ``capacity`` if the
+    chaser has no kit for it or services as many as it may, else ``not-worth-it``: one more leg
+    fits, and the plan does not fly it. ``not-considered`` is a target that was not planned with,
+    because the time or the memory did not allow it; a note of the plan says more.
     """
 
     target: Name

@@ -146,7 +146,9 @@ def unvisited(flown: Iterable[tuple[Mission, Iterable[int]]]) -> tuple[Unvisited
     )
 
 
-_FURTHEST: tuple[Reason, ...] = ("no-transfer", "duration", "delta-v", "not-worth-it")
+_FURTHEST: tuple[Reason, ...] = (
+    "no-transfer", "duration", "delta-v", "capacity", "not-worth-it",
+)  # fmt: skip
 """What keeps a chaser from a target, the harder first."""
 
 
@@ -157,6 +159,7 @@ def _left_out(mission: Mission, moves: list[int]) -> Iterator[tuple[str, Reason]
     body = moves[-1] if moves else rules.start
     time = float(timing.ends[-1]) if moves else rules.ready
     left = float(timing.lefts[-1]) if moves else rules.budget
+    heavy = mission.chaser.kit_mass_kg > 0.0
     for j in sorted(set(range(rules.first_target, len(mission.names))) - set(moves)):
         reason: Reason
         found = mission.schedules.connections(body, j).after(time)
@@ -168,6 +171,21 @@ def _left_out(mission: Mission, moves: list[int]) -> Iterator[tuple[str, Reason]
             reason = "duration"
         elif found.delta_v[in_time].min() > left:
             reason = "delta-v"
+        elif _is_one_too_many(mission, moves, j):
+            reason = "capacity"
+        elif heavy and mission.schedules.of((*moves, j)).made == len(moves):
+            reason = "delta-v"  # with its kit aboard from the start less is left
         else:
             reason = "not-worth-it"
         yield mission.names[j], reason
+
+
+def _is_one_too_many(mission: Mission, moves: list[int], j: int) -> bool:
+    """Whether a chaser that makes these moves may not service one more, or has no kit for it."""
+    instance, chaser, first = mission.instance, mission.chaser, mission.rules.first_target
+    targets = [instance.targets[move - first] for move in (*moves, j) if move >= first]
+    kits = sum(target.removal == "kit" for target in targets)
+    out_of_kits = chaser.kits is not None and kits > chaser.kits
+    return len(targets) > mission.rules.most_targets or (
+        out_of_kits and targets[-1].removal == "kit"
+    )

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
-from .cargo import Aboard, followed, tank_worths
+from .cargo import Aboard, Carried, carried, followed, tank_worths
 from .chasers import Chaser, TankByMass
 from .errors import InputError
 from .instance import Instance
@@ -53,6 +53,10 @@ class Flown:
     def aboard(self, instance: Instance) -> tuple[Aboard, ...]:
         """What it has aboard at the start, and after each leg."""
         return followed(instance, self.chaser, self.spent)
+
+    def carried(self, instance: Instance) -> Carried:
+        """What it carries, and what is left of it at the end."""
+        return carried(instance, self.chaser, self.spent)
 
     def tank_worths(self, instance: Instance) -> tuple[float, ...]:
         """What each of its tanks is worth over the legs that are flown from it [m/s]."""

@@ -15,8 +15,19 @@ kilometres by which an osculating orbit wiggles within each revolution.
 """
 
 from .assemble import Imported, to_instance
+from .crew import Crew, Demands
 from .filters import Filters
 from .reading import read
 from .records import Catalogue, Dropped, Record
 
-__all__ = ["Catalogue", "Dropped", "Filters", "Imported", "Record", "read", "to_instance"]
+__all__ = [
+    "Catalogue",
+    "Crew",
+    "Demands",
+    "Dropped",
+    "Filters",
+    "Imported",
+    "Record",
+    "read",
+    "to_instance",
+]

@@ -13,8 +13,8 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import ValidationError
 
-from ..bodies import Station, Target
-from ..chasers import AtStation, Chaser, InOrbit, Tank, free_name
+from ..bodies import Station
+from ..chasers import AtStation, InOrbit, Tank
 from ..drift import drift_warning
 from ..errors import InputError
 from ..files import sentence
@@ -24,6 +24,7 @@ from ..orbit import Orbit
 from ..settings import MissionSettings, TransferSettings
 from ..sizes import transfers_for
 from ..wording import counted
+from .crew import Crew, Demands, targets_of
 from .filters import Filters
 from .propagation import FLOAT, mean_elements, true_anomaly
 from .records import Catalogue, Dropped, Record
@@ -40,6 +41,7 @@ NO_FILTERS = ("malformed", "duplicate", "not-sgp4", "decayed", *AT_ANOTHER_EPOCH
 """Why objects are left out that no filter was asked for."""
 
 PLACED = "at the densest plane"
+LAUNCHED = "at the first target of each chaser"
 
 MANY_TARGETS = 1000
 """More targets than this are warned of: the timetable grows with their square."""
@@ -68,9 +70,9 @@ class Imported:
     station: str
 
     @property
-    def home(self) -> Orbit:
-        """The orbit of the station, or that in which the chaser starts."""
-        return self.instance.body_orbits[0]
+    def home(self) -> Orbit | None:
+        """The orbit of the station, or that in which the chaser starts; None if it is launched."""
+        return None if 0 in self.instance.launches else self.instance.body_orbits[0]
 
     @property
     def counts(self) -> dict[str, int]:
@@ -88,10 +90,11 @@ class Imported:
             "targets": len(self.instance.targets),
             "dynamics": self.instance.dynamics,
             "transfer": self.instance.transfer.model_dump(mode="json"),
+            "chasers": [chaser.name for chaser in self.instance.chasers],
             "station" if self.instance.stations else "start": {
                 "name": self.instance.names[0],
                 "from": self.station,
-                "orbit": self.home.model_dump(mode="json"),
+                "orbit": None if self.home is None else self.home.model_dump(mode="json"),
             },
             "dropped_counts": self.counts,
             "dropped": [drop.to_dict() for drop in self.dropped],
@@ -113,6 +116,8 @@ def to_instance(
     dynamics: Literal["two-body", "j2"] = "j2",
     transfer: TransferSettings | None = None,
     refuelling: bool = True,
+    crew: Crew | None = None,
+    demands: Demands | None = None,
 ) -> Imported:
     """Propagate a catalogue to one epoch, filter it and make an instance of it.
 
@@ -140,6 +145,10 @@ def to_instance(
         file.
     refuelling : bool
         Whether there is a station; else the chaser starts where it would be, and nobody refuels.
+    crew : Crew, optional
+        The chasers; by default one, with ``delta_v_m_s``.
+    demands : Demands, optional
+        What is asked of some objects.
 
     Returns
     -------
@@ -186,6 +195,7 @@ def to_instance(
     home = host.label if host else "station"
     if transfer is None:
         transfer = transfers_for(duration_s) if dynamics == "j2" else TransferSettings()
+    asked = (demands or Demands()).of(targets)
     instance = _instance(
         name or _default_name(targets, len(rows)),
         epoch,
@@ -194,16 +204,18 @@ def to_instance(
         _unique([record.label for record in targets], {home} if refuelling else set()),
         elements[rows],
         duration_s,
-        delta_v_m_s,
+        crew or Crew(Tank(delta_v_m_s=float(delta_v_m_s))),
+        asked,
         dynamics=dynamics,
         transfer=transfer,
     )
+    placed = f"at {host.label}" if host else "as told" if told is not None else PLACED
     return Imported(
         instance=instance,
         read=len(records),
         dropped=tuple(dropped),
         warnings=tuple(_warnings(targets, host, instance, epoch)),
-        station=f"at {host.label}" if host else "as told" if told is not None else PLACED,
+        station=LAUNCHED if 0 in instance.launches else placed,
     )
 
 
@@ -233,7 +245,8 @@ def _instance(
     names: Sequence[str],
     elements: FLOAT,
     duration_s: float,
-    delta_v_m_s: float,
+    crew: Crew,
+    asked: tuple[dict[int, float], set[int]],
     **settings: Any,
 ) -> Instance:
     try:
@@ -247,15 +260,9 @@ def _instance(
             name=name,
             epoch=epoch.astimezone(UTC),
             stations=stations,
-            targets=tuple(
-                Target(name=label, orbit=orbit) for label, orbit in zip(names, orbits, strict=True)
-            ),
-            chasers=(
-                Chaser(
-                    name=free_name([*(station.name for station in stations), *names]),
-                    start=start,
-                    tank=Tank(delta_v_m_s=float(delta_v_m_s)),
-                ),
+            targets=targets_of(names, orbits, crew.removal, asked),
+            chasers=crew.chasers(
+                start, [*(station.name for station in stations), *names], duration_s
             ),
             mission=MissionSettings(duration_s=float(duration_s)),
             **settings,
@@ -320,10 +327,12 @@ def _warnings(
         )
     rule = instance.transfer
     low, high = EARTH_RADIUS_M + rule.min_altitude_m, EARTH_RADIUS_M + rule.max_altitude_m
-    beyond = sum(not low <= orbit.semi_major_axis_m <= high for orbit in instance.body_orbits)
+    launches = instance.launches
+    there = [orbit for body, orbit in enumerate(instance.body_orbits) if body not in launches]
+    beyond = sum(not low <= orbit.semi_major_axis_m <= high for orbit in there)
     if beyond:
         yield (
-            f"{beyond} of {len(instance.body_orbits)} bodies {'is' if beyond == 1 else 'are'} "
+            f"{beyond} of {len(there)} bodies {'is' if beyond == 1 else 'are'} "
             f"outside the altitudes of phasing, {rule.min_altitude_m / 1e3:g} to "
             f"{rule.max_altitude_m / 1e3:g} km; few or no transfers will lead there"
         )

@@ -125,8 +125,20 @@ def parse_orbit(text: str) -> FLOAT | None:
     )
 
 
-def find(records: Sequence[Record], text: str) -> Record:
-    """The object of a catalogue that is meant by its number or name.
+def find(
+    records: Sequence[Record],
+    text: str,
+    option: str = "--station",
+    instead: str = "one of the catalogue, or ALTITUDE_KM,INCLINATION,RAAN",
+) -> Record:
+    """The object among some that is meant by its number or name.
+
+    Parameters
+    ----------
+    records : sequence of Record
+    text : str
+    option, instead : str
+        Who asks, and what it takes, for the sentences of errors.
 
     Raises
     ------
@@ -135,7 +147,7 @@ def find(records: Sequence[Record], text: str) -> Record:
     """
     wanted = text.strip().casefold()
     if not wanted:
-        raise InputError("--station '': give ALTITUDE_KM,INCLINATION,RAAN or an object")
+        raise InputError(f"{option} '': give {instead}")
     found = [record for record in records if wanted.isdigit() and str(record.number) == wanted]
     found = found or [
         record
@@ -144,12 +156,11 @@ def find(records: Sequence[Record], text: str) -> Record:
     ]
     if not found:
         raise InputError(
-            f"--station {shown(text)!r}: no object has this number or name; give one of the "
-            "catalogue, or ALTITUDE_KM,INCLINATION,RAAN"
+            f"{option} {shown(text)!r}: no object has this number or name; give {instead}"
         )
     if len(found) > 1:
         raise InputError(
-            f"--station {shown(text)!r}: {len(found)} objects have this name; give the catalogue "
+            f"{option} {shown(text)!r}: {len(found)} objects have this name; give the catalogue "
             f"number, {found[0].number} for the first"
         )
     return found[0]

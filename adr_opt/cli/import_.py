@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from datetime import datetime
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
 from ..errors import InputError
-from ..kernels.constants import DAY_S
+from ..kernels.constants import DAY_S, EARTH_RADIUS_M
 from ..wording import counted
+from .import_crew import CrewOptions, crew_options, told
 from .output import emit_json, say
 from .parameters import check_out, json_option, quiet_option
 
 if TYPE_CHECKING:
     from ..catalogue import Imported
+    from ..orbit import Orbit
     from ..settings import TransferSettings
 
 LEAST_STEP_DAYS = 0.01
@@ -49,9 +51,7 @@ FILTERS = ("name", "altitude", "inclination", "raan", "max-targets")
 @click.option(
     "--duration-days", type=float, default=7.0, show_default=True, help="Mission duration."
 )
-@click.option(
-    "--delta-v", type=float, default=3000.0, show_default=True, help="ΔV of a full tank, m/s."
-)
+@crew_options
 @click.option(
     "--dynamics",
     type=click.Choice(["j2", "two-body"]),
@@ -90,7 +90,6 @@ def command(
     max_targets: int | None,
     station: str | None,
     duration_days: float,
-    delta_v: float,
     dynamics: Literal["j2", "two-body"],
     no_refuelling: bool,
     drift_step_days: float | None,
@@ -100,6 +99,7 @@ def command(
     skip_bad: bool,
     as_json: bool,
     quiet: bool,
+    **crew_given: Any,
 ) -> int:
     """Make an instance of the objects in FILE..., by SGP4, at one epoch.
 
@@ -116,10 +116,11 @@ def command(
     for option, value, least in (
         ("--max-targets", max_targets, 1),
         ("--duration-days", duration_days, 0.0),
-        ("--delta-v", delta_v, 0.0),
     ):
         if value is not None and not (least <= value < math.inf and value > 0):
             raise InputError(f"{option} = {value:g}: must be a positive number")
+    given = CrewOptions(**crew_given)
+    crew, demands = given.crew(), given.demands()
     filters = catalogue.Filters(
         altitude_km=None if altitude is None else parse_range(altitude, "--altitude"),
         inclination_deg=None if inclination is None else parse_range(inclination, "--inclination"),
@@ -139,11 +140,12 @@ def command(
         max_targets=max_targets,
         station=station,
         duration_s=DAY_S * duration_days,
-        delta_v_m_s=delta_v,
         skip_bad=skip_bad,
         dynamics=dynamics,
         transfer=transfer,
         refuelling=not no_refuelling,
+        crew=crew,
+        demands=demands,
     )
     write_text(out, made.instance.to_json())
     if as_json:
@@ -231,6 +233,8 @@ def _tell(made: Imported, out: str) -> None:
         say(f"left out: {more}; --json lists all")
     for warning in made.warnings:
         say(f"warning: {warning}")
+    from ..sizes import told as transfers_told
+
     listed = ", ".join(f"{reason} {count}" for reason, count in made.counts.items())
     instance = made.instance
     count = len(instance.targets)
@@ -239,14 +243,22 @@ def _tell(made: Imported, out: str) -> None:
         f"wrote {out}: {instance.name}, {taken}, "
         f"mean elements (SGP4, TEME) at {instance.epoch:%Y-%m-%dT%H:%M:%SZ}"
     )
-    from ..kernels.constants import EARTH_RADIUS_M
-    from ..sizes import told
+    left_out = f"left out: {listed or 'nothing'}"
+    if made.home is None:
+        say(f"start {made.station}; {left_out}")
+    else:
+        say(f"{_placed(made, made.home)}; {left_out}")
+    launches = told(instance)
+    if launches is not None:
+        say(launches)
+    say(f"dynamics {instance.dynamics}: {transfers_told(instance.transfer)}")
 
-    orbit = made.home
+
+def _placed(made: Imported, orbit: Orbit) -> str:
+    """Where the station is, or where the chaser starts."""
     altitude_km = (orbit.semi_major_axis_m - EARTH_RADIUS_M) / 1e3
-    say(
-        f"{'station' if instance.stations else 'start'} {made.station}: altitude "
+    return (
+        f"{'station' if made.instance.stations else 'start'} {made.station}: altitude "
         f"{altitude_km:.1f} km, inclination {orbit.inclination_deg:.3f}°, "
-        f"RAAN {orbit.raan_deg:.3f}°; left out: {listed or 'nothing'}"
+        f"RAAN {orbit.raan_deg:.3f}°"
     )
-    say(f"dynamics {instance.dynamics}: {told(instance.transfer)}")

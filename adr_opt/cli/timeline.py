@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
+from ..cargo import carries
 from ..kernels.constants import DAY_S
 from ..routes import Flown, by_tank, routes_of, several
 from ..wording import counted, status_words
@@ -67,11 +68,17 @@ def _timeline(
 
 
 def by_chaser(instance: Instance, plan: Plan) -> Iterator[str]:
-    """Where there are several chasers: what each comes to, and why targets are left out."""
-    if not several(instance):
+    """What each chaser comes to and carries, and why targets are left out.
+
+    Nothing of one chaser alone that carries nothing.
+    """
+    if not (several(instance) or carries(instance)):
         return
     for flown in routes_of(instance, plan):
         yield f"{flown.chaser.name}: {_comes_to(instance, flown)}"
+        load = _carries(instance, flown) if flown.legs else None
+        if load is not None:
+            yield f"{flown.chaser.name}: {load}"
     yield from left_out(plan)
 
 
@@ -88,6 +95,21 @@ def _comes_to(instance: Instance, flown: Flown) -> str:
         days = (of_tank[-1].end_s - of_tank[0].ready_s) / DAY_S
         parts.append(f"tank {number} {used:.1f} of {tank:.6g} m/s in {days:.2f} d")
     return ", ".join(parts)
+
+
+def _carries(instance: Instance, flown: Flown) -> str | None:
+    """What a chaser has aboard at the start and at the end; None where nothing is counted."""
+    load, each = flown.carried(instance), flown.chaser.kit_mass_kg
+    kits = counted(load.kits, "kit") + (f" of {each:g} kg" if each > 0.0 else "")
+    if load.mass_kg is None or load.propellant_kg is None or load.end_mass_kg is None:
+        return f"carries {kits}" if load.kits else None
+    used = load.used_kg or 0.0
+    starts = "at launch" if flown.chaser.is_launched else "at the start"
+    held = f"{load.propellant_kg:g} kg of propellant" + (f" and {kits}" if load.kits else "")
+    return (
+        f"{starts} {load.mass_kg:.1f} kg with {held}, uses {used:.1f} kg, "
+        f"ends with {load.end_mass_kg:.1f} kg and {load.left_kg:.1f} kg of propellant"
+    )
 
 
 def left_out(plan: Plan) -> Iterator[str]:

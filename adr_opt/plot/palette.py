@@ -52,6 +52,7 @@ REASONS = {
     "no-transfer": "no body has a transfer to it that leaves time for service",
     "duration": "one more leg to it would end too late for the mission, or for its window",
     "delta-v": "one more leg to it, in time, would need more ΔV than is left",
+    "capacity": "its chaser has no kit left for it, or services as many as it may",
     "not-worth-it": "it could still be added at the end, and the plan does not",
     "not-considered": "it was not planned with: the time or the memory did not allow it",
 }

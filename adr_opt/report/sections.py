@@ -97,14 +97,16 @@ def _drifting(instance: Instance, flown: Flight | str | None) -> str:
 
 
 def crew(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
-    """The section on chasers and stations, where there are several chasers."""
+    """The section on chasers and stations, where there are several, or on what the one carries."""
     if not several(instance):
-        return ""
+        load = tables.loads(instance, plan)
+        return load and f"<section><h2>What the chaser carries</h2>{load}</section>"
     return (
         "<section><h2>Chasers and stations</h2><p>A lane for each chaser, coloured by phase, and "
         "one for each station, coloured by the chaser that is there. In other charts a chaser has "
         'the colour that it has at stations.</p><div class="chart own" id="lanes"></div>'
         + tables.chasers(instance, plan, refined)
+        + ("<h3>What they carry</h3>" + load if (load := tables.loads(instance, plan)) else "")
         + "<h3>Station traffic</h3>"
         + tables.traffic(instance, plan)
         + "</section>"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ..cargo import carries
 from ..chasers import AtStation, Chaser
 from ..instance import Instance
 from ..kernels.constants import DAY_S, EARTH_RADIUS_M
@@ -20,6 +21,7 @@ REASON_TITLES = {
     "no-transfer": "no transfer",
     "duration": "duration",
     "delta-v": "ΔV",
+    "capacity": "capacity",
     "not-worth-it": "not worth it",
     "not-considered": "not considered",
 }
@@ -58,6 +60,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
     drifts = instance.nodes_drift
     lengths = [(leg.departure_s - leg.ready_s, leg.arrival_s - leg.departure_s)
                for leg in plan.legs]  # fmt: skip
+    weighed = any(leg.mass_kg is not None for leg in plan.legs)
     in_days = any(max(pair) >= LONG_S for pair in lengths)
 
     def told(duration_s: float) -> str:
@@ -82,6 +85,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
             ("n", clock(leg.arrival_s)),
             ("n", clock(leg.end_s)),
             ("n", fixed(leg.delta_v_left_m_s, 1)),
+            *([("n", _kg(leg.mass_kg))] if weighed else []),
             ("n", "refuels" if refuels else number(prizes.get(leg.destination, 0.0), 3)),
         )
         inside = "".join(f"<td{' class=n' if c else ''}>{text}</td>" for c, text in cells)
@@ -93,7 +97,8 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
         (f"wait {unit}", "n"), ("departure", "n"), ("laps", "n"), ("ΔV m/s", "n"),
         *([("burns m/s", "n")] if drifts else []), *([("refined m/s", "n")] if refined else []),
         (f"flight {unit}", "n"), ("arrival", "n"),
-        ("end", "n"), ("ΔV left m/s", "n"), ("prize", "n"),
+        ("end", "n"), ("ΔV left m/s", "n"), *([("mass kg", "n")] if weighed else []),
+        ("prize", "n"),
     )  # fmt: skip
     return (_refined(refined) if refined else "") + table("Legs", headings, rows)
 
@@ -139,6 +144,30 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
         ("leaves", "n"), ("done", "n"),
     )  # fmt: skip
     return table("Chasers", headings, rows)
+
+
+def loads(instance: Instance, plan: Plan) -> str:
+    """One row per chaser: its masses, kits and propellant; nothing where none are counted."""
+    if not carries(instance):
+        return ""
+    rows = []
+    for flown in routes_of(instance, plan):
+        load, flies = flown.carried(instance), bool(flown.legs)
+        numbers = (
+            _kg(load.mass_kg), str(load.kits), _kg(load.propellant_kg), _kg(load.used_kg),
+            _kg(load.left_kg), _kg(load.end_mass_kg),
+        )  # fmt: skip
+        name = f"<b>{escape(flown.chaser.name)}</b>"
+        rows.append(_row([("", name), *(("n", text if flies else NOTHING) for text in numbers)]))
+    headings = (
+        ("chaser", ""), ("mass at the start kg", "n"), ("kits", "n"), ("propellant kg", "n"),
+        ("used kg", "n"), ("left kg", "n"), ("mass at the end kg", "n"),
+    )  # fmt: skip
+    return table("What chasers carry", headings, rows)
+
+
+def _kg(mass_kg: float | None) -> str:
+    return NOTHING if mass_kg is None else fixed(mass_kg, 1)
 
 
 def traffic(instance: Instance, plan: Plan) -> str:

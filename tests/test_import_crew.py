@@ -1,0 +1,155 @@
+"""``import`` with launches, tanks by mass, kits, and what is asked of single objects."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from catalogue_files import as_csv, field
+from conftest import Cli
+
+import adr_opt
+from adr_opt import catalogue
+from adr_opt.cargo import loads_of
+from adr_opt.chasers import Tank, TankByMass
+from adr_opt.kernels.constants import DAY_S
+
+pytest.importorskip("sgp4.io")
+
+RECORDS = field(12)
+MASSES = ("--dry-mass", "500", "--propellant", "100", "--isp", "300")
+
+
+@pytest.fixture
+def imported(cli: Cli):
+    """`import` of a catalogue of twelve, with more options."""
+    Path("a.csv").write_text(as_csv(RECORDS), encoding="utf-8")
+    return lambda *more: cli("import", "a.csv", "--out", "out.json", *more)
+
+
+def test_launches_tanks_and_kits_reach_the_instance(imported) -> None:
+    """Chasers are launched at intervals with tanks by mass, and each target takes a kit."""
+    outcome = imported(
+        "--duration-days", "1461", "--no-refuelling", "--launches", "3", "--launch-every", "400",
+        *MASSES, "--kits", "5", "--kit-mass", "40",
+    )  # fmt: skip
+    assert outcome.status == 0, outcome
+    assert "start at the first target of each chaser; left out: nothing\n" in outcome.err
+    assert "3 launches, on day 0, 400, 800\n" in outcome.err
+    instance = adr_opt.load("out.json")
+    assert instance.stations == ()
+    assert [chaser.name for chaser in instance.chasers] == ["chaser-1", "chaser-2", "chaser-3"]
+    for number, chaser in enumerate(instance.chasers):
+        assert chaser.is_launched
+        assert chaser.available_s == (400.0 * DAY_S * number, None)
+        assert chaser.tank == TankByMass(dry_mass_kg=500.0, propellant_kg=100.0, isp_s=300.0)
+        assert (chaser.kits, chaser.kit_mass_kg) == (5, 40.0)
+        assert loads_of(instance, chaser, 0.0) is not None
+    assert {target.removal for target in instance.targets} == {"kit"}
+
+
+def test_each_option_stands_for_itself(imported) -> None:
+    """Launches keep the station, and kits or masses need no launches."""
+    assert imported("--launches", "2", "--launch-every", "2").status == 0
+    instance = adr_opt.load("out.json")
+    assert len(instance.stations) == 1
+    assert [chaser.available_s[0] / DAY_S for chaser in instance.chasers] == [0.0, 2.0]
+    assert {chaser.tank for chaser in instance.chasers} == {Tank(delta_v_m_s=3000.0)}
+    assert {target.removal for target in instance.targets} == {"visit"}
+    assert imported("--kits", "2", "--delta-v", "900").status == 0
+    chaser = adr_opt.load("out.json").chaser
+    assert (chaser.start_name, chaser.kits) == ("station", 2)
+    assert chaser.tank == Tank(delta_v_m_s=900.0)
+    assert imported(*MASSES).status == 0
+    assert adr_opt.load("out.json").chaser.kits is None
+
+
+def test_deadlines_and_requirements_reach_their_objects(imported) -> None:
+    """A deadline closes the window of the object that is meant; a required one has to be done."""
+    first, second = RECORDS[3], RECORDS[7]
+    outcome = imported(
+        "--deadline", f"{first.number}=2.5", "--deadline", f"{second.label}=4",
+        "--require", second.object_id, "--json",
+    )  # fmt: skip
+    assert outcome.status == 0, outcome
+    assert json.loads(outcome.out)["chasers"] == ["chaser"]
+    targets = {target.name: target for target in adr_opt.load("out.json").targets}
+    windows = {name: target.window_s for name, target in targets.items()}
+    assert windows.pop(first.label) == (0.0, 2.5 * DAY_S)
+    assert windows.pop(second.label) == (0.0, 4.0 * DAY_S)
+    assert set(windows.values()) == {(0.0, None)}
+    assert [name for name, target in targets.items() if target.required] == [second.label]
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        (("--launches", "0"), "--launches = 0"),
+        (("--launch-every", "9"), "--launch-every: nothing is launched"),
+        (("--launches", "2"), "launch 2 is on day 365, and the mission ends on day 7"),
+        (("--launches", "2", "--launch-every", "nan"), "--launch-every = nan"),
+        (("--kits", "-1"), "--kits = -1"),
+        (("--kit-mass", "3"), "--kit-mass: there are no kits"),
+        (("--kits", "3", "--kit-mass", "3"), "knows no masses"),
+        (("--dry-mass", "3"), "give all three"),
+        ((*MASSES, "--delta-v", "3"), "--delta-v: the tank is given by its mass"),
+        ((*MASSES[:4], "--isp", "1e9"), "isp_s"),
+        ((*MASSES[:4], "--isp", "inf"), "--isp = inf"),
+        (("--delta-v", "0"), "--delta-v = 0"),
+        (("--deadline", "90001"), "give an object and days"),
+        (("--deadline", "=5"), "give an object and days"),
+        (("--deadline", "90001=soon"), "give an object and days"),
+        (("--deadline", "90001=-3"), "must be after day 0"),
+        (("--deadline", "90001=nan"), "must be after day 0"),
+        (("--deadline", "77=3"), "no object has this number or name"),
+        (("--deadline", "=", "--quiet"), "give an object and days"),
+        (("--require", "nobody"), "no object has this number or name"),
+        (("--require", ""), "--require ''"),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_sentence(imported, options, named) -> None:
+    """Options that are out of range, alone or of nobody: exit 2, one sentence, nothing written."""
+    outcome = imported(*options)
+    assert (outcome.status, outcome.out) == (2, ""), outcome
+    assert outcome.err.count("\n") == 1, outcome.err
+    assert named in outcome.err
+    assert not Path("out.json").exists()
+
+
+def test_an_object_is_meant_once_and_is_a_target(imported) -> None:
+    """Two deadlines of one object, by any of its names, and objects left out are refused."""
+    record = RECORDS[0]
+    for options, named in (
+        (("--deadline", f"{record.number}=3", "--deadline", f"{record.number}=4"), "already"),
+        (("--deadline", f"{record.number}=3", "--deadline", f"{record.label}=4"), "already"),
+        (("--require", str(record.number), "--altitude", ":10"), "no object is left"),
+        (("--require", str(record.number), "--name", RECORDS[1].label.split()[-1]), "left"),
+        (
+            ("--station", str(record.number), "--require", str(record.number)),
+            "one that is a target",
+        ),
+    ):
+        outcome = imported(*options)
+        assert outcome.status == 2, options
+        assert named in outcome.err, options
+
+
+def test_a_crew_in_python() -> None:
+    """What the options say is there in Python too, and is refused there as well."""
+    crew = catalogue.Crew(launches=2, apart_s=DAY_S, kits=3)
+    demands = catalogue.Demands({str(RECORDS[2].number): DAY_S})
+    made = catalogue.to_instance(RECORDS, crew=crew, demands=demands, refuelling=False)
+    assert made.home is None
+    assert made.to_dict()["start"] == {
+        "name": "chaser-1", "from": "at the first target of each chaser", "orbit": None
+    }  # fmt: skip
+    assert made.instance.targets[2].window_s == (0.0, DAY_S)
+    for wrong in (
+        lambda: catalogue.Crew(launches=-1),
+        lambda: catalogue.Crew(apart_s=-1.0),
+        lambda: catalogue.Crew(kit_mass_kg=1.0),
+        lambda: catalogue.Demands({"x": 0.0}),
+    ):
+        with pytest.raises(adr_opt.InputError):
+            wrong()
