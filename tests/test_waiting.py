@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from adr_opt.kernels.loads import Loads
+from adr_opt.kernels.loads import KITS_BIT, Loads
 from solvers.relaxation.pending import is_preceded, more_room, next_of, pending_room, send, take
 from solvers.relaxation.waiting import Labels, Waiting, arrive, is_dominated, keep, larger, room
 
@@ -18,9 +18,15 @@ def random_labels(rng: np.random.Generator, words: int) -> Labels:
     none = np.zeros(LABELS, dtype=np.int32)
     return Labels(
         none, none, rng.integers(-2, 3, LABELS) << 16, rng.integers(0, 300, LABELS) * 10.0,
-        rng.integers(0, 2, LABELS).astype(np.int16), none.astype(np.int16),
-        rng.integers(0, 2, LABELS).astype(np.int16), rng.integers(0, 2, LABELS) * 1.0, memory,
+        rng.integers(0, 2, LABELS).astype(np.int32), none.astype(np.int16),
+        rng.integers(0, 2, LABELS) * 1.0, memory,
     )  # fmt: skip
+
+
+def with_kits(labels: Labels, rng: np.random.Generator) -> Labels:
+    """The same with none or one kit aboard each."""
+    kits = rng.integers(0, 2, LABELS).astype(np.int32) << KITS_BIT
+    return labels._replace(visits=labels.visits + kits)
 
 
 def carrying(what: str) -> Loads | None:
@@ -35,12 +41,13 @@ def dominates(
     labels: Labels, one: int, other: int, compared: np.ndarray, what: str = "nothing"
 ) -> bool:
     """Whether one label dominates another, written once more."""
-    more = int(labels.kits[one]) - int(labels.kits[other])
+    services, kits = labels.visits & ((1 << KITS_BIT) - 1), labels.visits >> KITS_BIT
+    more = int(kits[one]) - int(kits[other])
     return bool(
         (what == "nothing" or more == 0 or (what == "counts" and more > 0))
         and labels.value[one] >= labels.value[other]
         and labels.left[one] >= labels.left[other]
-        and labels.visits[one] <= labels.visits[other]
+        and services[one] <= services[other]
         and labels.worth[one] >= labels.worth[other]
         and not np.any(labels.memory[one] & ~labels.memory[other] & compared)
     )
@@ -59,6 +66,8 @@ def test_exactly_those_wait_that_none_dominates(words, whole, what):
     rng = np.random.default_rng(words)
     labels = random_labels(rng, words)
     loads = carrying(what)
+    if loads is not None:
+        labels = with_kits(labels, rng)
     compared = np.full(words, -1) if whole else rng.integers(0, 2**62, words)
     waiting = room(2, words, 16)
     alive: set[int] = set()
@@ -67,8 +76,8 @@ def test_exactly_those_wait_that_none_dominates(words, whole, what):
         value, left, memory = labels.value[label], labels.left[label], labels.memory[label]
         dominated = any(dominates(labels, other, label, compared, what) for other in alive)
         assert dominated == is_dominated(
-            waiting, labels, 1, value, left, labels.kits[label], labels.visits[label],
-            labels.worth[label], memory, compared, loads,
+            waiting, labels, 1, value, left, labels.visits[label], labels.worth[label], memory,
+            compared, loads,
         )  # fmt: skip
         if not arrive(waiting, labels, 1, label, compared, loads):
             waiting = larger(waiting, words)
@@ -98,8 +107,8 @@ def test_all_that_are_sent_arrive_and_precede_others_until_then(words):
         row = int(rng.integers(rows))
         preceded = any(dominates(labels, other, label, compared) for other in under_way[row])
         assert preceded == is_preceded(
-            pending, row, labels, labels.value[label], labels.left[label], labels.kits[label],
-            labels.visits[label], labels.worth[label], labels.memory[label], compared, None,
+            pending, row, labels, labels.value[label], labels.left[label], labels.visits[label],
+            labels.worth[label], labels.memory[label], compared, None,
         )  # fmt: skip
         while not send(pending, row, labels, label):
             pending, grown = more_room(pending, words), grown + 1

@@ -90,6 +90,14 @@ def after_service(loads, body, kits, left):
 
 
 @inlined
+def is_possible(loads, left):
+    """Whether a service could be made after which so much is left."""
+    if loads is None:
+        return True
+    return left >= 0.0
+
+
+@inlined
 def most_kits(loads):
     """The most kits that it may take along."""
     if loads is None:
@@ -103,6 +111,43 @@ def kits_after(loads, body, kits):
     if loads is None:
         return kits
     return kits - loads.takes[body]
+
+
+KITS_BIT = 16
+"""Labels keep the number of kits aboard above so many bits of the number of services."""
+
+
+@inlined
+def with_kits(loads, services, kits):
+    """Services and kits in one number; the services alone where loads do not count."""
+    if loads is None:
+        return services
+    return services + (kits << KITS_BIT)
+
+
+@inlined
+def kits_in(loads, packed):
+    """The kits of such a number."""
+    if loads is None:
+        return 0
+    return np.int64(packed) >> KITS_BIT
+
+
+@inlined
+def services_in(loads, packed):
+    """The services of such a number."""
+    if loads is None:
+        return packed
+    return packed & ((1 << KITS_BIT) - 1)
+
+
+@inlined
+def may_serve_for(loads, one, other):
+    """Whether one such number is as good as another one: no more services, and its kits will do."""
+    if loads is None:
+        return one <= other
+    fewer = services_in(loads, one) <= services_in(loads, other)
+    return fewer and may_stand_for(loads, kits_in(loads, one), kits_in(loads, other))
 
 
 @inlined

@@ -24,7 +24,15 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels.compile import inlined, kernel
-from adr_opt.kernels.loads import Loads, after_service, full_tank
+from adr_opt.kernels.loads import (
+    Loads,
+    after_service,
+    full_tank,
+    is_possible,
+    kits_in,
+    services_in,
+    with_kits,
+)
 from adr_opt.kernels.memory import borrowed
 
 from .buckets import SLACK
@@ -112,20 +120,6 @@ class Search(NamedTuple):
 
 
 @inlined
-def _kits_of(loads, labels, label):
-    """Kits aboard; where loads do not count nothing is read, or written, for millions of labels."""
-    if loads is None:
-        return 0
-    return np.int64(labels.kits[label])
-
-
-@inlined
-def _note_kits(loads, labels, label, kits):
-    if loads is not None:
-        labels.kits[label] = kits
-
-
-@inlined
 def _layer_of(loads, table, kits):
     """Where the layer of so many kits begins."""
     if loads is None:
@@ -171,7 +165,7 @@ def _stay(search, labels, waiting, row, i, kept):
     for k in range(waiting.size[i]):
         label = waiting.label[i, k]
         kept[k] = label >= 0 and _promises(
-            search, row, labels.left[label], _kits_of(search.loads, labels, label),
+            search, row, labels.left[label], kits_in(search.loads, labels.visits[label]),
             labels.value[label],
             labels.worth[label], labels.came_from[label],
         )  # fmt: skip
@@ -199,7 +193,7 @@ def _useful(network, search, row, value, left, kits, worth, i, j):
     if least > left:
         return first, first
     rest, aboard = _rest(search, network.is_station[j], j, left, kits, least)
-    if rest < 0.0:
+    if not is_possible(search.loads, rest):
         return first, first
     most = value + search.gain[j] - np.int64(search.price * least)
     if not _promises(search, network.landing[first], rest, aboard, most, worth, i):
@@ -217,13 +211,9 @@ def _useful(network, search, row, value, left, kits, worth, i, j):
         middle = (begin + end) // 2
         cost = network.delta_v[middle]
         most = value + search.gain[j] - np.int64(search.price * cost)
-        enough = cost <= left
-        if enough:
-            rest, aboard = _rest(search, network.is_station[j], j, left, kits, cost)
-            enough = rest >= 0.0 and _promises(
-                search, network.landing[first], rest, aboard, most, worth, i
-            )
-        if enough:
+        rest, aboard = _rest(search, network.is_station[j], j, left, kits, cost)
+        possible = cost <= left and is_possible(search.loads, rest)
+        if possible and _promises(search, network.landing[first], rest, aboard, most, worth, i):
             end = middle
         else:
             begin = middle + 1
@@ -288,16 +278,16 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
             if not to_station:
                 if labels.memory[here, j // WORD] >> (j % WORD) & 1:
                     continue
-                if labels.visits[here] == search.most_visits:
+                if services_in(search.loads, labels.visits[here]) == search.most_visits:
                     continue
             left, value, worth = labels.left[here], labels.value[here], labels.worth[here]
             collected = worth + search.worths[j]
-            kits = _kits_of(search.loads, labels, here)
+            kits = kits_in(search.loads, labels.visits[here])
             begin, end = _useful(network, search, row, value, left, kits, collected, behind, j)
             if begin >= end:
                 continue
             # What does not limit a walk is not counted, so that it tells no labels apart.
-            visits = labels.visits[here] + (counts and not to_station)
+            services = services_in(search.loads, labels.visits[here]) + (counts and not to_station)
             for w in range(words):
                 remembered[w] = labels.memory[here, w] & search.neighbourhood[j, w]
             if behind >= 0:
@@ -311,11 +301,12 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                 if not _promises(search, landing, rest, aboard, then, collected, behind):
                     continue
                 cursor[2] += 1
+                visits = with_kits(search.loads, services, aboard)
                 if is_dominated(
-                    waiting, labels, j, then, rest, aboard, visits, collected, remembered,
+                    waiting, labels, j, then, rest, visits, collected, remembered,
                     compared, search.loads,
                 ) or is_preceded(
-                    pending, landing, labels, then, rest, aboard, visits, collected, remembered,
+                    pending, landing, labels, then, rest, visits, collected, remembered,
                     compared, search.loads,
                 ):  # fmt: skip
                     continue
@@ -325,7 +316,6 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                 labels.row[count], labels.parent[count] = landing, here
                 labels.value[count], labels.left[count] = then, rest
                 labels.visits[count], labels.worth[count] = visits, collected
-                _note_kits(search.loads, labels, count, aboard)
                 labels.came_from[count] = behind
                 for w in range(words):
                     labels.memory[count, w] = remembered[w]

@@ -68,7 +68,7 @@ def more_room(pending: Pending, words: int) -> Pending:
 
 @kernel
 def is_preceded(
-    pending, row, labels, value, left, kits, visits, worth, memory, compared, loads
+    pending, row, labels, value, left, visits, worth, memory, compared, loads
 ):  # fmt: skip
     """Whether a label on its way to a row dominates what could come there."""
     block = pending.first[row]
@@ -78,8 +78,8 @@ def is_preceded(
         lane = 0
         while hits >> lane:
             if hits >> lane & 1 and dominates(
-                labels, pending.label[block * LANES + lane], value, left, kits, visits, worth,
-                memory, compared, loads,
+                labels, pending.label[block * LANES + lane], value, left, visits, worth, memory,
+                compared, loads,
             ):  # fmt: skip
                 return True
             lane += 1

@@ -14,6 +14,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from adr_opt.kernels.loads import KITS_BIT
+
 from .labels import CROWDED, EXHAUSTED, FULL, PILED, Search, Table, extend
 from .learning import learn, most_of, path_of, plans_of
 from .pending import more_room, pending_room, send
@@ -135,8 +137,8 @@ class Routes:
         labels.row[roots], labels.parent[roots] = bound.network.roots[self._start], -1
         labels.value[roots], labels.memory[roots] = 0, 0
         labels.left[roots] = bound.budget if bound.loads is None else bound.loads.full
-        labels.kits[roots] = np.arange(self._roots)
-        labels.visits[roots], labels.came_from[roots], labels.worth[roots] = 0, -1, 0.0
+        labels.visits[roots] = np.arange(self._roots) << KITS_BIT
+        labels.came_from[roots], labels.worth[roots] = -1, 0.0
 
     def _extension(self, need: int) -> Callable[[Labels, np.ndarray], int]:
         """What extends labels for a while, for one search: takes them and the cursor."""

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels.compile import inlined, kernel
-from adr_opt.kernels.loads import may_stand_for
+from adr_opt.kernels.loads import may_serve_for
 
 from . import simd
 
@@ -37,8 +37,10 @@ class Labels(NamedTuple):
         [fine units].
     left : (labels,) float64
         [m/s].
-    visits, came_from, kits : (labels,) int16
-        Services so far, the body that it may not go back to at once, −1 for none, and kits aboard.
+    visits : (labels,) int32
+        Services so far, and kits aboard, see :func:`adr_opt.kernels.loads.with_kits`.
+    came_from : (labels,) int16
+        The body that it may not go back to at once, −1 for none.
     worth : (labels,) float64
         Worth of the targets serviced, where ΔV is paid for, or their number, where all sets of
         targets are told apart; else 0.
@@ -52,18 +54,17 @@ class Labels(NamedTuple):
     left: np.ndarray
     visits: np.ndarray
     came_from: np.ndarray
-    kits: np.ndarray
     worth: np.ndarray
     memory: np.ndarray
 
 
 def labels_room(size: int, words: int = 1) -> Labels:
     """Room for as many labels, that remember so many words each."""
-    row, parent = (np.empty(size, dtype=np.int32) for _ in range(2))
-    visits, came_from, kits = (np.empty(size, dtype=np.int16) for _ in range(3))
+    row, parent, visits = (np.empty(size, dtype=np.int32) for _ in range(3))
+    came_from = np.empty(size, dtype=np.int16)
     left, worth = np.empty(size), np.empty(size)
     value, memory = np.empty(size, dtype=np.int64), np.empty((size, words), dtype=np.int64)
-    return Labels(row, parent, value, left, visits, came_from, kits, worth, memory)
+    return Labels(row, parent, value, left, visits, came_from, worth, memory)
 
 
 def bytes_each() -> int:
@@ -123,16 +124,16 @@ def _part(memory, part):
 
 
 @inlined
-def dominates(labels, one, value, left, kits, visits, worth, memory, compared, loads):
+def dominates(labels, one, value, left, visits, worth, memory, compared, loads):
     """Whether label ``one`` is worth as much, has as much left and remembers nothing more.
 
     And may stand for one with so many kits.
 
     Of the memory only the targets in ``compared`` count.
     """
-    if labels.value[one] < value or labels.left[one] < left or labels.visits[one] > visits:
+    if labels.value[one] < value or labels.left[one] < left:
         return False
-    if labels.worth[one] < worth or not may_stand_for(loads, labels.kits[one], kits):
+    if labels.worth[one] < worth or not may_serve_for(loads, labels.visits[one], visits):
         return False
     beyond = 0
     for w in range(memory.size):
@@ -172,7 +173,7 @@ def fill_lane(keys, at, stride, labels, label):
 
 @kernel
 def is_dominated(
-    waiting, labels, j, value, left, kits, visits, worth, memory, compared, loads
+    waiting, labels, j, value, left, visits, worth, memory, compared, loads
 ):  # fmt: skip
     """Whether a label that waits at body j dominates what could come there."""
     capacity = waiting.label.shape[1]
@@ -182,7 +183,7 @@ def is_dominated(
         lane = 0
         while hits >> lane:
             if hits >> lane & 1 and dominates(
-                labels, waiting.label[j, k + lane], value, left, kits, visits, worth, memory,
+                labels, waiting.label[j, k + lane], value, left, visits, worth, memory,
                 compared, loads,
             ):  # fmt: skip
                 return True
@@ -211,8 +212,8 @@ def _drop_dominated(waiting, labels, j, label, compared, loads):
             if hits >> lane & 1 and k + lane < waiting.size[j]:
                 other = waiting.label[j, k + lane]
                 if other >= 0 and dominates(
-                    labels, label, labels.value[other], labels.left[other], labels.kits[other],
-                    labels.visits[other], labels.worth[other], labels.memory[other], compared,
+                    labels, label, labels.value[other], labels.left[other], labels.visits[other],
+                    labels.worth[other], labels.memory[other], compared,
                     loads,
                 ):  # fmt: skip
                     waiting.label[j, k + lane] = -1
@@ -237,8 +238,8 @@ def arrive(waiting, labels, j, label, compared, loads):
     """
     memory = labels.memory[label]
     if is_dominated(
-        waiting, labels, j, labels.value[label], labels.left[label], labels.kits[label],
-        labels.visits[label], labels.worth[label], memory, compared, loads,
+        waiting, labels, j, labels.value[label], labels.left[label], labels.visits[label],
+        labels.worth[label], memory, compared, loads,
     ):  # fmt: skip
         return True
     at, capacity = waiting.size[j], waiting.label.shape[1]
