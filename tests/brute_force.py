@@ -238,7 +238,7 @@ def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
         best = max(best, (prizes, -cost, label), key=lambda one: one[:2])
     sequence = []
     label = best[2]
-    while where[label, 2] >= 0:
+    while label >= 0 and where[label, 2] >= 0:
         sequence.append(int(where[label, 1]))
         label = int(where[label, 2])
     return best[0], -best[1], tuple(reversed(sequence))

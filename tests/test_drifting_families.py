@@ -12,7 +12,7 @@ import pytest
 
 import adr_opt
 from adr_opt.drift import node_rates
-from adr_opt.generator import FAMILIES, rocket_bodies, sso
+from adr_opt.generator import FAMILIES, removal, rocket_bodies, sso
 from adr_opt.instance import json_schema
 from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M
 from adr_opt.orbit import Orbit
@@ -39,7 +39,33 @@ def stated(name: str) -> str:
 
 def test_all_families_that_drift_are_looked_at() -> None:
     """The families of the generator whose nodes drift are those of this file."""
-    assert set(DRIFTING) == {family.name for family in FAMILIES.values() if family.drifts}
+    looked_at = {*DRIFTING, "removal"}
+    assert looked_at == {family.name for family in FAMILIES.values() if family.drifts}
+
+
+def test_removal_has_two_kinds_of_targets() -> None:
+    """Each target of the family is within the limits of one of the kinds, and weighs as it does."""
+    kinds = (
+        (rocket_bodies.ALTITUDE_KM, rocket_bodies.INCLINATION_DEG, removal.HEAVY_KG),
+        (removal.LIGHTER_ALTITUDE_KM, removal.LIGHTER_INCLINATION_DEG, removal.LIGHT_KG),
+    )
+    counts = [0, 0]
+    for seed in range(10):
+        made = adr_opt.generate("removal", seed)
+        for target in made.targets:
+            altitude_km = (target.orbit.semi_major_axis_m - EARTH_RADIUS_M) / 1e3
+            of_kind = [
+                low[0] <= altitude_km <= low[1]
+                and tilt[0] <= target.orbit.inclination_deg <= tilt[1]
+                and target.mass_kg == mass
+                for low, tilt, mass in kinds
+            ]
+            assert sum(of_kind) == 1
+            counts[of_kind.index(True)] += 1
+        assert [chaser.available_s[0] for chaser in made.chasers] == [
+            number * removal.APART_S for number in range(4)
+        ]
+    assert min(counts) > 200
 
 
 @pytest.mark.parametrize("name", DRIFTING)

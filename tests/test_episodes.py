@@ -78,7 +78,7 @@ def test_rules_steps_masks_and_check_agree() -> None:
                 kernels.act(pool.arrays, episodes, 0, 1, action, rewards)
                 assert rewards[0] == np.float32(in_mean_prizes(mission)[j])
                 assert (episodes.body[0], episodes.time[0], episodes.left[0]) == state[:3]
-                assert (episodes.since[0], episodes.serviced[0]) == state[3:]
+                assert (episodes.since[0], episodes.serviced[0]) == state[3:5]
                 visited[j] = not rules.is_station[j]
                 refuelled += bool(rules.is_station[j])
                 ends_in_windows += bool(rules.closes[j] < rules.duration)

@@ -33,7 +33,7 @@ def command(
     """Draw an instance of FAMILY.
 
     One of tiny, nominal, reduced-time, reduced-fuel, campaign, cloud, large,
-    sso and rocket-bodies.
+    sso, rocket-bodies and removal.
     """
     from ..files import write_text
     from ..generator import generate
