@@ -35,8 +35,8 @@ class CampaignBound:
         Asked now and then whether the time is over.
     known : CampaignBound, optional
         One whose networks are shared.
-    kind : type
-        Of the bounds of walks.
+    kind : callable
+        Makes the bounds of walks.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class CampaignBound:
         jobs: int,
         over: Callable[[], bool],
         known: CampaignBound | None = None,
-        kind: type[WalkBound] = WalkBound,
+        kind: Callable[..., WalkBound] = WalkBound,
     ) -> None:
         bounds: list[WalkBound] = []
         places: dict[int, tuple[WalkBound, int]] = {}

@@ -39,6 +39,10 @@ from .pricing import LabelPricing
 CENTRED = 0.5
 """Weight of the best prices against the master's duals."""
 
+GREATEST_TANKS = 4.0
+"""Most that a target may be worth to a walk: multipliers are raised where the master asks for more.
+"""
+
 QUICK_LABELS = 200_000
 """Labels of a search that proves nothing."""
 
@@ -157,7 +161,8 @@ class CampaignCost:
         self._asked = asked - SLACK_WORTH * max(1.0, abs(asked))
         self._bounds = CampaignBound(
             campaign, COARSER * options.delta_v_slot_m_s, jobs=options.cores,
-            over=lambda: stop.remaining_s() <= 0.0, kind=PricedBound,
+            over=lambda: stop.remaining_s() <= 0.0,
+            kind=partial(PricedBound, greatest_tanks=GREATEST_TANKS),
         )  # fmt: skip
         self._pricing = tuple(LabelPricing(*place) for place in self._bounds.of_kind)
         self._counts = np.array([len(kind.chasers) for kind in campaign.kinds])
@@ -166,8 +171,8 @@ class CampaignCost:
         self._labels = min(FIRST_LABELS, options.most_labels)
         self._centre: tuple[float, np.ndarray] | None = None
         self._centred = CENTRED
-        # Prices, the most that routes come to at them, and the bound of both.
-        self._proven: tuple[float, np.ndarray, np.ndarray] | None = None
+        # Prices, the most that routes come to at them, and the bound of both, be it below 0.
+        self._proven: tuple[float, np.ndarray, np.ndarray, float] | None = None
         self._finishing = 0
         self.bound, self.done = 0.0, False
         for kind, group in enumerate(campaign.kinds):
@@ -210,9 +215,9 @@ class CampaignCost:
             most[kind] = max(0.0, pricing.most_worth)
         if finished:
             bound = worth * self._asked - math.fsum([*targets, *(self._counts * most)])
-            if bound > self.bound or self._proven is None:
+            if self._proven is None or bound > self._proven[3]:
                 self.bound = max(bound, self.bound)
-                self._centre, self._proven = (worth, targets), (worth, targets, most)
+                self._centre, self._proven = (worth, targets), (worth, targets, most, bound)
         if new:
             self._centred = CENTRED
             self._offer()
@@ -292,12 +297,12 @@ class CampaignCost:
         """List all routes that a cheaper plan could be made of, and ask for one."""
         if self.proven or self._proven is None:
             return
-        worth, targets, most = self._proven
-        gap = self._certificate.cost - self.bound
+        worth, targets, most, bound = self._proven
+        gap = self._certificate.cost - bound
         self._bounds.charge(worth)
         routes: list[tuple[int, tuple[int, ...]]] = []
-        for kind, (bound, start) in enumerate(self._bounds.of_kind):
-            search = Search(bound, start=start, all_sets=True)
+        for kind, (walks, start) in enumerate(self._bounds.of_kind):
+            search = Search(walks, start=start, all_sets=True)
             search.use(targets)
             least = float(most[kind]) - gap - LEAST_OFF_M_S
             finished, _, _, _ = search.search(

@@ -65,6 +65,8 @@ class PricedBound(WalkBound):
     ----------
     mission, delta_v_slot_m_s, jobs, over, network, others
         As of :class:`WalkBound`.
+    greatest_tanks : float
+        Most that a service may be worth to a walk [tanks].
     """
 
     def __init__(
@@ -75,6 +77,7 @@ class PricedBound(WalkBound):
         over: Callable[[], bool],
         network: Network | None = None,
         others: Sequence[Mission] = (),
+        greatest_tanks: float = GREATEST_TANKS,
     ) -> None:
         super().__init__(
             mission, delta_v_slot_m_s, jobs=jobs, over=over, network=network, parts=PARTS,
@@ -82,7 +85,7 @@ class PricedBound(WalkBound):
         )  # fmt: skip
         self.worths = np.array(mission.rules.prize)
         self.price = 1.0
-        self.greatest_prize = GREATEST_TANKS * max(self.budget, 1.0)
+        self.greatest_prize = greatest_tanks * max(self.budget, 1.0)
         self.greatest_price = self.greatest_prize / (float(self.worths.max(initial=0.0)) or 1.0)
         room = LARGEST / (1 << self.bits) / self.most_legs / self.greatest_prize
         self.unit = 2.0 ** -math.floor(math.log2(room))
