@@ -20,6 +20,7 @@ from plans import with_legs
 import adr_opt
 from adr_opt import planner
 from adr_opt.campaign import Campaign, Routes
+from adr_opt.cargo import loads_of
 from adr_opt.connections import Connecting
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import SLACK_M_S
@@ -90,24 +91,27 @@ def flown(instance: Instance, routes: Routes) -> tuple[float, float]:
 
     Followed here once more, because hundreds of timetables would take minutes.
     """
-    connecting, limits = Connecting(instance), limits_of(instance)
-    done = [j for route in routes for j in route if j]
+    connecting, first = Connecting(instance), instance.first_target
+    done = [j for route in routes for j in route if j >= first]
     assert len(done) == len(set(done))
     total = 0.0
-    for chaser, route in zip(instance.chasers, routes, strict=True):
-        assert (chaser.available_s, chaser.end) == ((0.0, None), "anywhere")
-        budget = chaser.tank.delta_v_m_s + SLACK_M_S
-        ready, left, spent = np.zeros(1), np.array([budget]), np.zeros(1)
-        for i, j in itertools.pairwise((0, *route)):
+    for number, (chaser, route) in enumerate(zip(instance.chasers, routes, strict=True)):
+        assert (chaser.available_s[1], chaser.end) == (None, "anywhere")
+        loads, limits = loads_of(instance, chaser, 0.0), limits_of(instance, number)
+        kits = 0 if loads is None else int(loads.takes[list(route)].sum())
+        budget = chaser.tank.full_m_s(kits * chaser.kit_mass_kg) + SLACK_M_S
+        ready, left, spent = np.array([limits.ready]), np.array([budget]), np.zeros(1)
+        for i, j in itertools.pairwise((instance.starts[number], *route)):
             assert j != i
             pair = connecting.of_pair(i, j, connecting.planning_resolution_m_s)
             ready, left, spent, _, _ = follow(
                 ready, left, spent, (pair.departure, pair.arrival, pair.delta_v), limits.service[j],
-                limits.opens[j], limits.closes[j], -1.0 if j else budget, None, j, 0,
+                limits.opens[j], limits.closes[j], -1.0 if j >= first else budget, loads, j, kits,
             )  # fmt: skip
+            kits -= 0 if loads is None else int(loads.takes[j])
             assert ready.size
         total += float(spent.min())
-    return float(sum(instance.targets[j - 1].prize for j in done)), total
+    return float(sum(instance.targets[j - first].prize for j in done)), total
 
 
 def consistent(script: ModuleType, folder: Path) -> dict[str, Any]:
