@@ -22,6 +22,8 @@ class Row:
         NaN where nothing was planned or proven.
     taken_s : float
         How long planning and proving took [s]; NaN where neither was done.
+    published_s : float
+        How long others took; NaN where they do not tell.
     """
 
     instance: str
@@ -30,6 +32,7 @@ class Row:
     ours: float = math.nan
     bound: float = math.nan
     taken_s: float = math.nan
+    published_s: float = math.nan
 
 
 def _cell(value: float, form: str) -> str:
@@ -37,14 +40,20 @@ def _cell(value: float, form: str) -> str:
 
 
 def table(rows: Sequence[Row], unit: str, form: str) -> str:
-    """The rows in Markdown; figures in a unit and as a format specification says."""
+    """The rows in Markdown; figures in a unit and as a format specification says.
+
+    How long others took has a column if it is known of any row.
+    """
+    theirs = any(not math.isnan(row.published_s) for row in rows)
     lines = [
-        f"| instance | published [{unit}] | re-scored | ours | bound | time |",
-        "|---|---|---|---|---|---|",
+        f"| instance | published [{unit}] | re-scored | ours | bound | time |"
+        + " time of others |" * theirs,
+        "|---|---|---|---|---|---|" + "---|" * theirs,
     ]
     for row in rows:
         figures = row.published, row.rescored, row.ours, row.bound
         cells = [_cell(value, form) for value in figures]
-        taken = "–" if math.isnan(row.taken_s) else f"{row.taken_s:.1f} s"
-        lines.append(f"| {row.instance} | {' | '.join(cells)} | {taken} |")
+        times = (row.taken_s, row.published_s) if theirs else (row.taken_s,)
+        cells += ["–" if math.isnan(time) else f"{time:,.1f} s" for time in times]
+        lines.append(f"| {row.instance} | {' | '.join(cells)} |")
     return "\n".join(lines)

@@ -36,7 +36,7 @@ from adr_opt.settings import GivenFile, MissionSettings, TransferSettings
 
 from ..reading import FloatArray
 from .reading import FIRST_MS, SLOT_MS, Places
-from .scoring import score, travel_ms
+from .scoring import score
 
 STEP_MS = 120_000.0
 """Between the first points."""
