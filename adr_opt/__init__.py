@@ -17,6 +17,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .certificate import Certificate, load_certificate
     from .checking import Violation, check
     from .errors import InputError, MissingExtra
     from .front import bound, solve
@@ -28,9 +29,14 @@ if TYPE_CHECKING:
     from .refining.loop import RefinedResult, solve_refined
     from .result import Result
     from .timetable import Matrices, Timetable
+    from .verifying import Verdict, verify
 
 # Importing the package must cost next to nothing, so names are imported when first used.
 _HOME = {
+    "Certificate": "certificate",
+    "load_certificate": "certificate",
+    "Verdict": "verifying",
+    "verify": "verifying",
     "Violation": "checking",
     "check": "checking",
     "InputError": "errors",
@@ -54,6 +60,7 @@ _HOME = {
 }
 
 __all__ = [
+    "Certificate",
     "InputError",
     "Instance",
     "Matrices",
@@ -64,17 +71,20 @@ __all__ = [
     "RefinedResult",
     "Result",
     "Timetable",
+    "Verdict",
     "Violation",
     "__version__",
     "bound",
     "check",
     "generate",
     "load",
+    "load_certificate",
     "load_plan",
     "load_refined",
     "refine",
     "solve",
     "solve_refined",
+    "verify",
 ]
 
 __version__ = "0.1.0"

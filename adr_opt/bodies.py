@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import (
+    AfterValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 
 from .orbit import Orbit
-from .records import Name, Positive, Record, Window, check_window, not_yet
+from .records import (
+    LARGEST_MASS_KG,
+    Name,
+    Record,
+    Window,
+    check_window,
+    without,
+)
 
 LARGEST_PRIZE = 1e12
 LEAST_PRIZE = 1e-12
@@ -30,24 +43,39 @@ Prize = Annotated[
     AfterValidator(_is_nothing_or_enough),
 ]
 
-Removal = Annotated[
-    Literal["visit", "kit"], not_yet(lambda word: word == "tow", 'write "visit" or "kit"')
-]
+Removal = Literal["visit", "kit", "tow"]
 
 
 class Station(Record):
-    """Where chasers refuel, and may start; it may have no orbit where connections are given."""
+    """Where chasers refuel, and may start; it may have no orbit where connections are given.
+
+    It fills at most ``max_refuellings`` tanks of all chasers together, and gives out at most
+    ``max_propellant_kg`` for that; null for no limit. Neither field is in files that do not state
+    it. Whoever arrives there refuels, also at the end of its route.
+    """
 
     name: Name
     orbit: Orbit | None = None
+    max_refuellings: Annotated[int, Field(ge=0)] | None = None
+    max_propellant_kg: Annotated[float, Field(ge=0.0, le=LARGEST_MASS_KG)] | None = None
+
+    @property
+    def is_limited(self) -> bool:
+        """Whether it may run empty."""
+        return self.max_refuellings is not None or self.max_propellant_kg is not None
+
+    @model_serializer(mode="wrap")
+    def _without_no_limit(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "max_refuellings", "max_propellant_kg")
 
 
 class Target(Record):
     """A debris object that may be visited, and what servicing it is worth.
 
     Its service begins not before ``window_s`` opens and ends before it closes. ``required``: a plan
-    has to service it. ``removal`` "kit": the chaser leaves a kit with it, and goes on without.
-    ``mass_kg`` is for what carries it. It may have no orbit where connections are given.
+    has to service it. ``removal`` "kit": the chaser leaves a kit with it, and goes on without;
+    "tow": it carries the object, which has ``mass_kg``, down to the disposal altitude of the
+    mission and goes on from there. It may have no orbit where connections are given.
     """
 
     name: Name
@@ -55,7 +83,7 @@ class Target(Record):
     prize: Prize = 1.0
     required: bool = False
     window_s: Window = (0.0, None)
-    mass_kg: Positive | None = None
+    mass_kg: Annotated[float, Field(gt=0.0, le=LARGEST_MASS_KG)] | None = None
     removal: Removal = "visit"
 
     @model_validator(mode="after")

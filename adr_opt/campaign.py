@@ -11,9 +11,12 @@ from .cargo import loads_of
 from .chasers import InOrbit
 from .connections import Connecting
 from .corrections import Corrections
+from .errors import InputError
 from .instance import Instance
+from .kernels.timetable_making import Pairs
 from .mission import Mission
 from .prizes import Prizes
+from .station_limits import StationLimits, Use
 
 Routes = tuple[tuple[int, ...], ...]
 """Bodies in order, for each chaser."""
@@ -53,6 +56,7 @@ class Campaign(Prizes):
     missions : tuple of Mission
         Of each chaser; of those of one kind it is the same one but for its name.
     kinds : tuple of Kind
+    limits : StationLimits
     """
 
     def __init__(
@@ -65,22 +69,24 @@ class Campaign(Prizes):
     ) -> None:
         super().__init__(instance)
         self.margin = margin
+        self.limits = StationLimits(instance)
         self._threads = threads
         self.connecting = connecting or Connecting(instance)
         # Chasers that are there at the same times choose the same transfers.
         there: dict[Any, Mission] = {}
+        available = instance.available_s
         missions = []
-        for number, chaser in enumerate(instance.chasers):
+        for number, _ in enumerate(instance.chasers):
             mission = Mission(
                 instance, threads=threads, margin=margin, chaser=number,
-                connecting=self.connecting, twin=there.get(chaser.available_s),
+                connecting=self.connecting, twin=there.get(available[number]),
             )  # fmt: skip
-            there.setdefault(chaser.available_s, mission)
+            there.setdefault(available[number], mission)
             missions.append(mission)
         self.missions = tuple(missions)
         alike: dict[Any, list[int]] = {}
         for number, chaser in enumerate(instance.chasers):
-            can = chaser.replace(name=instance.chasers[0].name)
+            can = chaser.replace(name=instance.chasers[0].name), available[number]
             # Given connections lead from a start by its name, whatever the orbit.
             by_name = instance.transfer.given is not None and isinstance(chaser.start, InOrbit)
             alike.setdefault((can, chaser.name if by_name else None), []).append(number)
@@ -102,7 +108,7 @@ class Campaign(Prizes):
             )
             alike.setdefault((can, chaser.available_s[1]), []).append(number)
         return tuple(
-            tuple(sorted(numbers, key=lambda n: self.kinds[n].mission.chaser.available_s[0]))
+            tuple(sorted(numbers, key=lambda n: self.kinds[n].mission.rules.ready))
             for numbers in alike.values()
         )
 
@@ -111,23 +117,26 @@ class Campaign(Prizes):
         """Whether the timetables of all chasers are built."""
         return all(mission.has_timetable for mission in self.missions)
 
-    def build(self, order: list[int] | None, enough: Callable[[float], bool]) -> Campaign:
-        """The campaign once its timetables are built, or that of a part of its bodies.
+    @property
+    def is_whole(self) -> bool:
+        """Whether no timetable is built, or one that has all pairs."""
+        return self.missions[0].is_whole
+
+    def build(
+        self, pairs: Pairs | None, enough: Callable[[float], bool] = lambda share: False
+    ) -> None:
+        """Build the timetables, be it those of some pairs: as many for all as for the first chaser.
 
         Parameters
         ----------
-        order, enough
+        pairs, enough
             As :class:`adr_opt.timetable.Timetable` takes them.
         """
-        first = self.missions[0].build(order, enough)
-        if first is not self.missions[0]:
-            return Campaign(
-                first.instance, threads=self._threads, margin=self.margin,
-                connecting=first.connecting,
-            ).build(None, lambda share: False)  # fmt: skip
-        for mission in self.missions:
-            assert mission.timetable.instance is self.instance
-        return self
+        first, *others = self.missions
+        first.build(pairs, enough)
+        for mission in others:
+            if not mission.has_timetable:
+                mission.build(first.timetable.pairs, most=first.timetable.built)
 
     def with_margin(self, margin: float) -> Campaign:
         """The same campaign with another share of each tank kept back."""
@@ -142,6 +151,13 @@ class Campaign(Prizes):
             connecting=self.connecting.corrected(corrections),
         )  # fmt: skip
 
+    def use(self, mission: Mission, moves: Iterable[int], delta_vs: Iterable[float]) -> Use:
+        """What a chaser takes of stations by moves with so much ΔV each [m/s]."""
+        if not self.limits:
+            return ()
+        legs = [(self.names[j], float(spent)) for j, spent in zip(moves, delta_vs, strict=True)]
+        return self.limits.use(mission.chaser, legs)
+
     def closed(self, routes: Iterable[Iterable[int]]) -> Routes:
         """Routes as missions end, see :meth:`Mission.closed`."""
         return tuple(
@@ -154,14 +170,30 @@ Problem = Mission | Campaign
 
 
 def is_campaign(instance: Instance) -> bool:
-    """Whether an instance is planned as a campaign: several chasers, or one whose load counts."""
-    if len(instance.chasers) > 1:
+    """Whether an instance is planned as a campaign.
+
+    With several chasers, or with one whose load or expense counts, or where stations run empty.
+    """
+    limited = any(station.is_limited for station in instance.stations)
+    if len(instance.chasers) > 1 or limited or instance.objective.cost == "expense":
         return True
     return loads_of(instance, instance.chasers[0], 0.0) is not None
 
 
 def problem_of(instance: Instance | Problem, threads: int | None = None) -> Problem:
-    """An instance ready for planning, see :func:`is_campaign`."""
+    """An instance ready for planning, see :func:`is_campaign`.
+
+    Raises
+    ------
+    InputError
+        It is the mission of one chaser, and the instance has to be planned as a campaign: rules
+        that count for all its chasers would be left out.
+    """
+    if isinstance(instance, Mission) and is_campaign(instance.instance):
+        raise InputError(
+            f"{instance.instance.name!r} is planned as a campaign, with all its chasers and what "
+            "they carry, cost and take of stations; hand over the instance in place of a Mission"
+        )
     if not isinstance(instance, Instance):
         return instance
     if is_campaign(instance):

@@ -1,4 +1,4 @@
-"""What chasers carry: kits, and how a tank by mass goes with them (MODEL section 5)."""
+"""What chasers carry and tow, and how a tank by mass goes with it (MODEL section 5)."""
 
 from __future__ import annotations
 
@@ -12,6 +12,10 @@ from .chasers import Chaser, TankByMass
 from .instance import Instance
 from .kernels.constants import SLACK_M_S
 from .kernels.loads import Loads, after_service
+from .tow import tow_by_name, tows_of
+
+LEAST_SHARE = 1e-9
+"""A mass is no less than so much of that without propellant, wherever a plan may have led it."""
 
 
 def most_targets(instance: Instance, chaser: Chaser) -> int | None:
@@ -35,11 +39,13 @@ def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:
     """
     takes = np.zeros(len(instance.names), dtype=np.int64)
     takes[instance.first_target :] = [target.removal == "kit" for target in instance.targets]
-    wanted = int(takes.sum())
-    heavy = chaser.kit_mass_kg > 0.0
+    wanted, tows = int(takes.sum()), tows_of(instance)
+    heavy = wanted > 0 and chaser.kit_mass_kg > 0.0
     most = min(wanted, wanted if chaser.kits is None else chaser.kits)
-    if wanted == 0 or (not heavy and (most == wanted or wanted == len(instance.targets))):
-        return None
+    if not heavy and (most == wanted or wanted == len(instance.targets)):
+        if not tows:
+            return None
+        takes[:], most = 0, 0
     allowed = most_targets(instance, chaser)
     most = most if allowed is None else min(most, allowed)
     cargo = chaser.kit_mass_kg * np.arange(most + 1)
@@ -52,10 +58,17 @@ def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:
         of_kit = np.divide(without_propellant, lighter, where=cargo > 0.0, out=np.ones(most + 1))
         scale[takes == 1] = of_kit
         loss[takes == 1] = of_kit - 1.0
+    flown = np.zeros(takes.size)
+    for body, tow in tows.items():
+        assert isinstance(chaser.tank, TankByMass)
+        kept = math.exp(-tow.delta_v_m_s / chaser.tank.exhaust_m_s)
+        scale[body] = kept
+        loss[body] = (1.0 - kept) * tow.object_kg / (chaser.tank.dry_mass_kg + cargo)
+        flown[body] = tow.delta_v_m_s
     columns = takes, np.array(full), scale, loss
-    for column in columns:
+    for column in (*columns, flown):
         column.setflags(write=False)
-    return Loads(chaser.tank.exhaust_m_s, *columns, heavy)
+    return Loads(chaser.tank.exhaust_m_s, *columns, heavy, flown)
 
 
 def most_left_m_s(loads: Loads) -> float:
@@ -77,19 +90,24 @@ class Aboard(NamedTuple):
     Attributes
     ----------
     left_m_s : float
-        What is left of the tank; less than 0 if it was not enough [m/s].
+        What is left of the tank; less than 0 if it was not enough [m/s]. Here, and of mass and
+        kits, where the destination is towed: after the tow.
     mass_kg : float or None
         Of the chaser with propellant and kits; None where the tank is not one by mass.
     kits : int
         So many more are left behind.
     on_arrival_m_s : float
         What was left before the service [m/s].
+    towing_kg, towing_m_s : float
+        What the tow took that follows it [kg], [m/s].
     """
 
     left_m_s: float
     mass_kg: float | None
     kits: int
     on_arrival_m_s: float
+    towing_kg: float = 0.0
+    towing_m_s: float = 0.0
 
 
 def kits_of(instance: Instance, destinations: Iterable[str]) -> int:
@@ -112,10 +130,13 @@ def followed(
     """
     tank, kits = chaser.tank, kits_of(instance, (destination for destination, _ in legs))
     takers = {target.name for target in instance.targets if target.removal == "kit"}
-    left = tank.full_m_s(kits * chaser.kit_mass_kg)
+    tows = tow_by_name(instance)
+    # Kits without a mass, where it is not full at the start.
+    left = tank.full_m_s(kits * chaser.kit_mass_kg) - tank.spent_m_s
     found = [Aboard(left, _mass_kg(chaser, kits, left), kits, left)]
     for destination, delta_v in legs:
         arrived = left = left - delta_v
+        towing_kg = towing_m_s = 0.0
         if destination in instance.station_names:
             left = tank.full_m_s(kits * chaser.kit_mass_kg)
         elif destination in takers:
@@ -124,7 +145,14 @@ def followed(
             # What a tank lacks does not grow: nobody knows what masses would be then.
             if mass is not None and chaser.kit_mass_kg > 0.0 and left > 0.0:
                 left = _left_m_s(chaser, kits, mass - chaser.kit_mass_kg)
-        found.append(Aboard(left, _mass_kg(chaser, kits, left), kits, arrived))
+        elif destination in tows:
+            tow, mass = tows.pop(destination), _mass_kg(chaser, kits, left)
+            assert mass is not None
+            towing_m_s = tow.delta_v_m_s
+            towing_kg = (mass + tow.object_kg) * -math.expm1(-towing_m_s / tank.exhaust_m_s)
+            left = _left_m_s(chaser, kits, mass - towing_kg)
+        mass = _mass_kg(chaser, kits, left)
+        found.append(Aboard(left, mass, kits, arrived, towing_kg, towing_m_s))
     return tuple(found)
 
 
@@ -138,8 +166,8 @@ class Carried(NamedTuple):
     kits : int
         At the start; each of them is left behind.
     used_kg, left_kg : float or None
-        Propellant of all legs, and what is in the tank after the last one; less than 0 if it was
-        not enough.
+        Propellant of all legs and tows, and what is in the tank after the last one; less than 0 if
+        it was not enough.
     end_mass_kg : float or None
         After the last service.
     """
@@ -162,10 +190,18 @@ def carried(instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]
         (stage.mass_kg or 0.0) * -math.expm1(-delta_v / tank.exhaust_m_s)
         for stage, (_, delta_v) in zip(stages, legs, strict=False)
     )
+    used += sum(stage.towing_kg for stage in stages)
     without = tank.dry_mass_kg + end.kits * chaser.kit_mass_kg
-    return Carried(
-        start.mass_kg, tank.propellant_kg, start.kits, used, end.mass_kg - without, end.mass_kg
-    )
+    initial = tank.initial_propellant_kg
+    aboard = tank.propellant_kg if initial is None else initial
+    return Carried(start.mass_kg, aboard, start.kits, used, end.mass_kg - without, end.mass_kg)
+
+
+def what_counts(instance: Instance) -> str:
+    """What of an instance may make loads count, as a word: kits, tows or both."""
+    there = {target.removal for target in instance.targets}
+    words = [word for kind, word in (("kit", "kits"), ("tow", "tows")) if kind in there]
+    return " and ".join(words) or "kits"
 
 
 def carries(instance: Instance) -> bool:
@@ -177,13 +213,14 @@ def carries(instance: Instance) -> bool:
 def tank_worths(
     instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]
 ) -> tuple[float, ...]:
-    """What each tank of a chaser is worth over the legs that it flies from it [m/s].
+    """What each tank of a chaser is worth over the legs and tows that it flies from it [m/s].
 
-    That of a tank by mass goes with what is left behind meanwhile, and when.
+    That of a tank by mass goes with what is left behind or towed meanwhile, and when.
     """
     if not isinstance(chaser.tank, TankByMass):
         refuellings = sum(destination in instance.station_names for destination, _ in legs)
-        return (chaser.tank.delta_v_m_s,) * (1 + refuellings)
+        full = chaser.tank.delta_v_m_s
+        return (full - chaser.tank.spent_m_s, *(full,) * refuellings)
     stages = followed(instance, chaser, legs)
     worths, used = [], 0.0
     for (destination, delta_v), stage in zip(legs, stages[1:], strict=True):
@@ -191,6 +228,7 @@ def tank_worths(
         if destination in instance.station_names:
             worths.append(used + stage.on_arrival_m_s)
             used = 0.0
+        used += stage.towing_m_s
     return (*worths, used + stages[-1].left_m_s)
 
 
@@ -204,7 +242,10 @@ def _mass_kg(chaser: Chaser, kits: int, left_m_s: float) -> float | None:
 
 
 def _left_m_s(chaser: Chaser, kits: int, mass_kg: float) -> float:
-    """What is left in the tank at a mass, with so many kits [m/s]."""
+    """What is left in the tank at a mass, with so many kits [m/s].
+
+    Of a mass that cannot be, which only a plan has that takes far more than there is, less by far.
+    """
     assert isinstance(chaser.tank, TankByMass)
     without = chaser.tank.dry_mass_kg + kits * chaser.kit_mass_kg
-    return chaser.tank.exhaust_m_s * math.log(mass_kg / without)
+    return chaser.tank.exhaust_m_s * math.log(max(mass_kg / without, LEAST_SHARE))

@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import (
+    Discriminator,
+    Field,
+    SerializerFunctionWrapHandler,
+    Tag,
+    model_serializer,
+    model_validator,
+)
 
 from .kernels.constants import STANDARD_GRAVITY_M_S2
 from .orbit import Orbit
 from .records import (
     LARGEST_DELTA_V_M_S,
+    LARGEST_EXPENSE,
     LARGEST_MASS_KG,
     Name,
     Record,
     Window,
     check_window,
+    without,
 )
 
 TANK_BY_MASS = {"dry_mass_kg", "propellant_kg", "isp_s"}
@@ -66,9 +75,28 @@ End = Annotated[
 
 
 class Tank(Record):
-    """What a full tank is worth: at the start, and after refuelling."""
+    """What a full tank is worth: at the start, and after refuelling.
+
+    ``initial_delta_v_m_s`` is what is left of it at the start, where it is not full then.
+    """
 
     delta_v_m_s: Annotated[float, Field(ge=0.0, le=LARGEST_DELTA_V_M_S)]
+    initial_delta_v_m_s: Annotated[float, Field(ge=0.0)] | None = None
+
+    @model_validator(mode="after")
+    def _holds_it(self) -> Self:
+        _check_initial("initial_delta_v_m_s", self.initial_delta_v_m_s, self.delta_v_m_s)
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return _without(write(self), "initial_delta_v_m_s")
+
+    @property
+    def spent_m_s(self) -> float:
+        """What is lacking of a full tank at the start [m/s]."""
+        initial = self.initial_delta_v_m_s
+        return 0.0 if initial is None else self.delta_v_m_s - initial
 
     @property
     def exhaust_m_s(self) -> float:
@@ -80,12 +108,45 @@ class Tank(Record):
         return self.delta_v_m_s
 
 
+def _check_initial(field: str, initial: float | None, full: float) -> None:
+    if initial is not None and initial > full:
+        raise ValueError(f"{field} = {initial!r}: a full tank holds {full!r}; give no more")
+
+
+def _without(content: dict[str, Any], field: str) -> dict[str, Any]:
+    """What is written of a tank: nothing of a start that is as usual, so that files stay."""
+    if content.get(field) is None:
+        content.pop(field, None)
+    return content
+
+
 class TankByMass(Record):
-    """A tank of so much propellant, of a chaser that has a mass without it and without cargo."""
+    """A tank of so much propellant, of a chaser that has a mass without it and without cargo.
+
+    ``initial_propellant_kg`` is what is left at the start, where it is not full then.
+    """
 
     dry_mass_kg: Annotated[float, Field(gt=0.0, le=LARGEST_MASS_KG)]
     propellant_kg: Annotated[float, Field(ge=0.0, le=LARGEST_MASS_KG)]
     isp_s: Annotated[float, Field(gt=0.0, le=1e5)]
+    initial_propellant_kg: Annotated[float, Field(ge=0.0)] | None = None
+
+    @model_validator(mode="after")
+    def _holds_it(self) -> Self:
+        _check_initial("initial_propellant_kg", self.initial_propellant_kg, self.propellant_kg)
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return _without(write(self), "initial_propellant_kg")
+
+    @property
+    def spent_m_s(self) -> float:
+        """What is lacking of a full tank at the start, nothing being aboard [m/s]."""
+        initial = self.initial_propellant_kg
+        if initial is None:
+            return 0.0
+        return self.delta_v_m_s - self.exhaust_m_s * math.log1p(initial / self.dry_mass_kg)
 
     @model_validator(mode="after")
     def _can_be_counted(self) -> Self:
@@ -122,10 +183,39 @@ AnyTank = Annotated[
 ]
 
 
+Price = Annotated[float, Field(ge=0.0, le=LARGEST_EXPENSE)]
+
+
+class Expense(Record):
+    """What it takes to use a chaser, by what it carries when it starts, in any unit of money.
+
+    fixed + per_kg · c + per_kg_squared · c², with c [kg] the kits that its route leaves behind and
+    the least propellant that it can be flown with, up to the first refuelling.
+    """
+
+    fixed: Price = 0.0
+    per_kg: Price = 0.0
+    per_kg_squared: Price = 0.0
+
+    @property
+    def counts_mass(self) -> bool:
+        """Whether it depends on what is carried."""
+        return self.per_kg > 0.0 or self.per_kg_squared > 0.0
+
+    def of(self, carried_kg: float) -> float:
+        """Of a chaser that is used and carries so much."""
+        return self.fixed + (self.per_kg + self.per_kg_squared * carried_kg) * carried_kg
+
+
+NO_EXPENSE = Expense()
+"""Of a chaser of which nothing is said."""
+
+
 class Chaser(Record):
     """A spacecraft that visits targets.
 
     It takes along as many kits as its route leaves behind, ``kits`` at most; null for no limit.
+    ``expense`` counts where the objective says so; the field is in no file that does not state it.
     """
 
     name: Name
@@ -136,6 +226,22 @@ class Chaser(Record):
     tank: AnyTank
     kits: Annotated[int, Field(ge=0)] | None = None
     kit_mass_kg: Annotated[float, Field(ge=0.0, le=LARGEST_MASS_KG)] = 0.0
+    expense: Expense | None = None
+
+    @model_serializer(mode="wrap")
+    def _without_no_expense(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "expense")
+
+    @model_validator(mode="after")
+    def _can_be_weighed(self) -> Self:
+        counts = self.expense is not None and self.expense.counts_mass
+        if counts and not isinstance(self.tank, TankByMass):
+            raise ValueError(
+                "expense counts what is carried, of which a tank that is counted in ΔV knows "
+                "nothing; give its dry_mass_kg, propellant_kg and isp_s, or per_kg and "
+                "per_kg_squared 0.0"
+            )
+        return self
 
     @model_validator(mode="after")
     def _weighs(self) -> Self:
@@ -143,6 +249,25 @@ class Chaser(Record):
             raise ValueError(
                 f"kit_mass_kg = {self.kit_mass_kg!r}: a tank that is counted in ΔV knows no "
                 "masses; give its dry_mass_kg, propellant_kg and isp_s, or kit_mass_kg 0.0"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _begins_with_it(self) -> Self:
+        if self.tank.spent_m_s > 0.0 and isinstance(self.start, AtStation):
+            raise ValueError(
+                "field tank: what it holds at the start is given, and at a station it is filled; "
+                "start in an orbit, or leave it out"
+            )
+        if self.tank.spent_m_s > 0.0 and self.kit_mass_kg > 0.0:
+            raise ValueError(
+                "field tank: what it holds at the start cannot be given where kits have a mass; "
+                "write kit_mass_kg 0.0, or leave it out"
+            )
+        if self.tank.spent_m_s > 0.0 and self.expense is not None and self.expense.counts_mass:
+            raise ValueError(
+                "field tank: what it holds at the start cannot be given where expense counts what "
+                "is carried; leave one of the two out"
             )
         return self
 
@@ -160,9 +285,30 @@ class Chaser(Record):
         return self.start.station if isinstance(self.start, AtStation) else self.name
 
     @property
+    def priced(self) -> Expense:
+        """Its expense; nothing where nothing is said of it."""
+        return self.expense or NO_EXPENSE
+
+    @property
     def is_launched(self) -> bool:
         """Whether it is launched onto its first target."""
         return self.start == "anywhere"
+
+
+def availability(chasers: Sequence[Chaser], separation_s: float) -> tuple[Window, ...]:
+    """When each chaser may fly, launches kept apart [s].
+
+    Those that are launched are so in their order, each as soon as it may: to wait at the first
+    target is no worse. Whether those before it are used or not, each has its place in the order.
+    """
+    found, next_s = [], -math.inf
+    for chaser in chasers:
+        since, until = chaser.available_s
+        if chaser.is_launched:
+            since = max(since, next_s)
+            next_s = since + separation_s
+        found.append((since, until))
+    return tuple(found)
 
 
 def free_name(taken: Collection[str]) -> str:

@@ -17,7 +17,9 @@ from .kept import Kept, Pair
 from .kernels import connections as kernels
 from .kernels import drifting_connections, given_connections
 from .kernels import timetable as tables
+from .kernels import timetable_making as making
 from .kernels.constants import HOUR_S, SLACK_M_S, SLACK_S
+from .tow import leaving_eccentricity_delta_v, leaving_orbits
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -74,6 +76,9 @@ class Connecting:
 
     Attributes
     ----------
+    inputs : tuple
+        Bodies as they are left and as they are arrived at, shape (bodies, columns); what matching
+        eccentricity vectors alone costs, shape (origin, destination) [m/s]; the transfer rule.
     kept : Kept
         The connections of pairs that are kept, as the model has them, where they are listed.
     counts : dict of (origin, destination) to int
@@ -84,16 +89,20 @@ class Connecting:
         self.instance = instance
         self.corrections = corrections
         self._names = instance.names
-        self.inputs = instance.orbits(), instance.eccentricity_delta_v(), instance.transfer_rule()
+        leaving = leaving_orbits(instance)
+        extra = leaving_eccentricity_delta_v(instance, leaving)
+        self.inputs = leaving, instance.orbits(), extra, instance.transfer_rule()
         self.given = instance.given
         self.times = _times(instance)
         self._launches = instance.launches
+        self._spent = instance.spent_m_s
         self.kept = Kept()
         self.counts: dict[Pair, int] = {}
         self._chosen: dict[Pair, kernels.Found] = {}
         self._chosen_for = math.nan
         self._resolution = instance.transfer.delta_v_resolution_m_s
         self._end = instance.mission.duration_s + SLACK_S
+        self._longer: Connecting | None = None
 
     @property
     def drifts(self) -> bool:
@@ -101,12 +110,7 @@ class Connecting:
 
         A launch is a connection, too, and so is what is given.
         """
-        return not self._is_regular or bool(self.corrections) or bool(self._launches)
-
-    @property
-    def _is_regular(self) -> bool:
-        """Whether departure events are those of two-body motion."""
-        return self.times is None and self.given is None
+        return are_listed(self.instance) or bool(self.corrections)
 
     @property
     def planning_resolution_m_s(self) -> float:
@@ -118,19 +122,37 @@ class Connecting:
 
     def find(self, i: int, j: int, resolution_m_s: float) -> kernels.Found:
         """Work out all connections of two bodies."""
-        found = self._of_model(i, j, resolution_m_s)
-        return self.corrections.applied(self._names[i], self._names[j], found)
+        return self._charged(i, j, self._of_model(i, j, resolution_m_s))
+
+    def _charged(self, i: int, j: int, found: kernels.Found) -> kernels.Found:
+        """What connections take out of a tank: corrected, and with what was spent before.
+
+        A chaser whose tank is not full at the start pays for what is lacking with its first leg:
+        then the same is left after it, and for all that plans the tank was full. No other leg
+        leaves the place where it starts.
+        """
+        found = self.corrections.applied(self._names[i], self._names[j], found)
+        spent = self._spent.get(i, 0.0)
+        return found._replace(delta_v=found.delta_v + spent) if spent else found
+
+    def spent_m_s(self, i: int) -> float:
+        """What connections from a body cost besides, because it was spent before the start."""
+        return self._spent.get(i, 0.0)
 
     def _of_model(self, i: int, j: int, resolution_m_s: float) -> kernels.Found:
         if i in self._launches or j in self._launches:
             return self._launch(i, j)
+        if self._longer is not None and resolution_m_s == self.planning_resolution_m_s:
+            known = self._longer.kept_of_model(i, j)
+            in_time = known.arrival <= self._end
+            return known if in_time.all() else kernels.Found(*(part[in_time] for part in known))
         found: kernels.Found
         if self.given is not None:
             rows = self.given.of_pair(self._names[i], self._names[j])
             found = given_connections.sifted(*rows, self._end, resolution_m_s)
             return found
-        orbits, extra, rule = self.inputs
-        pair = orbits[i], orbits[j], extra[i, j], rule
+        leaving, orbits, extra, rule = self.inputs
+        pair = leaving[i], orbits[j], extra[i, j], rule
         if self.times is None:
             found = kernels.of_pair(*pair, self._end, resolution_m_s)
         else:
@@ -146,10 +168,13 @@ class Connecting:
 
     def found(self, i: int, j: int) -> kernels.Found:
         """What planning needs of a pair: kept, or worked out."""
-        if self._is_regular:
+        if self.times is None and self.given is None:
             return self.find(i, j, self.planning_resolution_m_s)
-        found = self.kept.get((i, j), lambda: self._of_model(i, j, self.planning_resolution_m_s))
-        return self.corrections.applied(self._names[i], self._names[j], found)
+        return self._charged(i, j, self.kept_of_model(i, j))
+
+    def kept_of_model(self, i: int, j: int) -> kernels.Found:
+        """The connections of a pair as the model has them, kept."""
+        return self.kept.get((i, j), lambda: self._of_model(i, j, self.planning_resolution_m_s))
 
     def corrected(self, corrections: Corrections) -> Connecting:
         """The same of other corrections; what is kept of the model is shared."""
@@ -157,8 +182,24 @@ class Connecting:
         made.kept = self.kept
         return made
 
+    @property
+    def depends_on_tank(self) -> bool:
+        """Whether other tanks have other connections: those that they can pay, where listed."""
+        return self.times is not None
+
+    def shortened(self, instance: Instance) -> Connecting:
+        """That of a mission that differs in limits alone, and is no longer; what is known is used.
+
+        A connection is dominated by none that arrives later, so those of the shorter mission are
+        those that arrive in time. Tanks may differ unless connections :attr:`depends_on_tank`.
+        """
+        made = Connecting(instance, self.corrections)
+        made._longer = self if self.drifts else None
+        return made
+
     def modelled(self, i: int, j: int, revolutions: int, delta_v_m_s: float) -> float:
-        """What a connection costs without the corrections [m/s]."""
+        """What a connection costs without the corrections, and what was spent before [m/s]."""
+        delta_v_m_s -= self._spent.get(i, 0.0)
         if not self.corrections:
             return delta_v_m_s
         kind: Kind = "drift" if revolutions < 0 else "short"
@@ -166,40 +207,29 @@ class Connecting:
 
     def choose_pairs(
         self,
-        order: npt.NDArray[np.int64],
+        pairs: making.Pairs,
         first: int,
         last: int,
-        limits: tables.Limits,
+        limits: making.Limits,
         time_value_m_s_per_h: float,
     ) -> None:
-        """Make the choice of pairs number ``first`` to before ``last`` of an order, for a table."""
+        """Make the choice of pairs number ``first`` to before ``last``, for a table."""
         if self._chosen_for != time_value_m_s_per_h:
             self._chosen, self._chosen_for = {}, time_value_m_s_per_h
         for number in range(first, last):
-            i, j = pair_of(order, number)
-            if i == j:
-                continue
+            i, rank = making.pair_at(number, pairs)
+            i, j = int(i), int(pairs.near[i, rank])
             found = self.found(i, j)
             taken = np.empty(found.departure.size, dtype=np.int64)
-            count = tables.choose(found, limits, j, time_value_m_s_per_h / HOUR_S, taken)
+            count = making.choose(found, limits, j, time_value_m_s_per_h / HOUR_S, taken)
             chosen = taken[taken.size - count :]
             self._chosen[i, j] = kernels.Found(*(column[chosen] for column in found))
             self.counts[i, j] = found.departure.size
 
-    def part(self, instance: Instance, bodies: list[int]) -> Connecting:
-        """That of an instance with some of the bodies, and what is known of them."""
-        made = Connecting(instance, self.corrections)
-        pairs = [(a, b) for a in range(len(bodies)) for b in range(len(bodies)) if a != b]
-        there = {(a, b): (bodies[a], bodies[b]) for a, b in pairs}
-        made.kept = self.kept.part(there)
-        made.counts = {new: self.counts[old] for new, old in there.items() if old in self.counts}
-        made._chosen = {new: self._chosen[old] for new, old in there.items() if old in self._chosen}
-        return made
-
-    def table(self, duration: float) -> tables.Table:
-        """The timetable of the choices made."""
+    def table(self, duration: float, slot: npt.NDArray[np.int16]) -> tables.Table:
+        """The timetable of the choices made; ``slot`` as in :class:`tables.Table`."""
         chosen, self._chosen = self._chosen, {}
-        return tables.pack(len(self.instance.names), chosen, duration)
+        return making.pack(len(self.instance.names), chosen, duration, slot)
 
     def of_pair(self, i: int, j: int, resolution_m_s: float) -> Connections:
         """All connections of a pair; none from a body to itself."""
@@ -250,14 +280,6 @@ class Connecting:
             list(pool.map(fill, range(len(self.instance.names))))
 
 
-def pair_of(order: npt.NDArray[np.int64], number: int) -> tuple[int, int]:
-    """Origin and destination of a number, by shells, see :func:`.kernels.timetable.fill`."""
-    shell = math.isqrt(number)
-    rest = number - shell * shell
-    i, j = (rest, shell) if rest < shell else (shell, rest - shell)
-    return int(order[i]), int(order[j])
-
-
 def weights_of(choose: Choice) -> tuple[float, float]:
     """Weights of ΔV [per m/s] and of time [per s] that a choice stands for.
 
@@ -280,11 +302,21 @@ def weights_of(choose: Choice) -> tuple[float, float]:
     return 1.0, value / HOUR_S
 
 
+def are_listed(instance: Instance) -> bool:
+    """Whether connections are listed: not all of them leave at the events of two-body motion."""
+    given, by_start = instance.given is not None, instance.launches or instance.spent_m_s
+    return not _is_regular(instance) or given or bool(by_start)
+
+
+def _is_regular(instance: Instance) -> bool:
+    """Whether departure events are those of two-body motion, where connections are the model's."""
+    return instance.dynamics == "two-body" and instance.transfer.departure_spacing_s == 0.0
+
+
 def _times(instance: Instance) -> drifting_connections.Times | None:
     """When transfers may leave; None where events are regular or given: no such thing is needed."""
     settings = instance.transfer
-    is_regular = instance.dynamics == "two-body" and settings.departure_spacing_s == 0.0
-    if is_regular or settings.given is not None:
+    if _is_regular(instance) or settings.given is not None:
         return None
     return drifting_connections.Times(
         settings.departure_spacing_s, settings.drift_step_s, settings.max_drift_s,

@@ -103,7 +103,7 @@ def shape_m_s(
 ) -> float:
     """What the eccentricity vectors add to the ΔV of a transfer that drifts [m/s]."""
     pair = drift.prepare(orbit_i, orbit_j, rule.min_radius, rule.max_radius, rule.oblateness)
-    node, span = drift.node_left(pair, arrival), arrival - departure
+    node, span = drift.node_left_from(pair, departure, arrival), arrival - departure
     climb = drift.climb_of(pair, span, node)
     circles = drift.cost_of(pair, span, node, 0.0, climb)
     return float(drift.delta_v(pair, departure, arrival) - circles)
@@ -168,7 +168,7 @@ class Drifting:
         """
         pair = self._pair
         span = self._arrival - self._departure
-        node = drift.node_left(pair, self._arrival)
+        node = drift.node_left_from(pair, self._departure, self._arrival)
         climb = drift.climb_of(pair, span, node)
         drifting, first = self._leaving(span, node, climb)
         radius = self._radius(climb) + self._correction
@@ -178,7 +178,7 @@ class Drifting:
         for start, parity in self._departures(first, self._departure, self._freedom):
             for met, other in self._arrivals(last):
                 span = met + self._approach - start
-                node = drift.node_left(pair, met + self._approach)
+                node = drift.node_left_from(pair, start, met + self._approach)
                 wanted = self._radius(drift.climb_of(pair, span, node)) + self._correction
                 half = math.pi / self._arcs.latitude_rate(wanted, drifting.inclination)
                 coast = met - start - 3.0 * half
@@ -215,11 +215,11 @@ class Drifting:
         months what it leaves out is worth more than all burns.
         """
         pair, span = self._pair, self._arrival - self._departure
-        node = drift.node_left(pair, self._arrival)
+        node = drift.node_left_from(pair, self._departure, self._arrival)
         climb = drift.climb_of(pair, span, node)
         _, tilt = drift.split_at(pair, span, node, climb)
         inclination = float(self._i[orbits.INCLINATION]) + tilt / pair.speed
-        planned = float(self._i[orbits.RAAN_RATE]) * span
+        planned = float(orbits.coasting_node_rate(self._i)) * span
         planned -= (
             (pair.by_radius * climb + pair.by_inclination * tilt)
             * span
@@ -307,7 +307,7 @@ class Drifting:
         ri, inclination_j = float(self._i[orbits.RADIUS]), float(self._j[orbits.INCLINATION])
         lead = rule.standoff / rj
         span = met + self._approach - start
-        node = drift.node_left(self._pair, met + self._approach)
+        node = drift.node_left_from(self._pair, start, met + self._approach)
         radius = self._radius(climb) + self._correction
         drifting, first = self._leaving(span, node, climb)
         start = self._crossing(self._i, first.before + math.pi * parity, start)

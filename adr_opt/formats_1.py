@@ -7,23 +7,15 @@ Plans name their instance with the SHA-256 of its file: :func:`sha256_1` is that
 from __future__ import annotations
 
 import hashlib
-from datetime import UTC, datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    AfterValidator,
-    AwareDatetime,
-    BaseModel,
-    BeforeValidator,
-    Field,
-    ValidationError,
-    field_serializer,
-)
+from pydantic import BaseModel, Field, ValidationError
 
 from .bodies import Prize, Station, Target
 from .chasers import AtStation, Chaser, Tank, free_name
+from .epoch import Epoch
 from .files import to_text
-from .instance import TIME_VALUE_M_S_PER_H, Instance, has_utc, is_calendar_time
+from .instance import Instance
 from .orbit import Orbit
 from .plan import Burn, InstanceReference, Leg, Plan, Route, Status, Unvisited
 from .records import (
@@ -36,6 +28,7 @@ from .records import (
     Time,
 )
 from .settings import KeepOutZone, MissionSettings, SequenceSettings, TransferSettings
+from .time_value import TIME_VALUE_M_S_PER_H
 
 
 class Station1(Record):
@@ -73,21 +66,12 @@ class Instance1(Record):
 
     format: Literal["adr-opt-instance/1"] = "adr-opt-instance/1"
     name: Name
-    epoch: Annotated[
-        AwareDatetime,
-        Field(strict=False),
-        BeforeValidator(is_calendar_time),
-        AfterValidator(has_utc),
-    ]
+    epoch: Epoch
     station: Station1
     targets: Annotated[tuple[Target1, ...], Field(strict=False)]
     mission: MissionLimits1
     transfer: TransferSettings1 = TransferSettings1()
     keep_out_zones: Annotated[tuple[KeepOutZone, ...], Field(strict=False)] = ()
-
-    @field_serializer("epoch")
-    def _epoch_text(self, epoch: datetime) -> str:
-        return epoch.astimezone(UTC).isoformat().replace("+00:00", "Z")
 
     def upgraded(self) -> Instance:
         """The same instance in the format of today."""
@@ -234,7 +218,9 @@ def _downgraded(instance: Instance) -> Instance1 | None:
     made = Instance1(
         name=instance.name,
         epoch=instance.epoch,
-        station=Station1(**dict(instance.stations[0])),
+        station=Station1(
+            **{name: getattr(instance.stations[0], name) for name in Station1.model_fields}
+        ),
         targets=tuple(
             Target1(**{name: getattr(target, name) for name in Target1.model_fields})
             for target in instance.targets

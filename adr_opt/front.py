@@ -14,12 +14,20 @@ from .candidates import candidates
 from .drift import drift_warning
 from .errors import InputError
 from .instance import Instance
-from .planner import BOUNDS, PLANNERS, Progress, silent, takes_jobs, takes_start
+from .planner import (
+    BOUNDS,
+    PLANNERS,
+    Progress,
+    knows_all_pairs,
+    silent,
+    takes_jobs,
+    takes_start,
+)
 from .prepared import form_for, method_of, prepare, warm_up
 from .result import Result, noted, status_of
 from .start import Start, start_destinations
 from .stop import AnyOf, MaxIterations, MaxRuntime, Stop
-from .timetable_size import Size, estimate, too_large
+from .timetable_size import TABLE_BYTES, Size, estimate, too_large
 from .together import together
 
 __all__ = [
@@ -52,6 +60,7 @@ def solve(
     iterations: int | None = None,
     bound: str | None = None,
     margin: float = 0.0,
+    memory_gib: float | None = None,
     **method_options: Any,
 ) -> Result:
     """Plan a mission.
@@ -64,7 +73,7 @@ def solve(
         Name of an installed planner.
     time_limit : float
         Wall time, the timetable included [s]. Quick planners end by themselves. Where it is short
-        of the timetable, the nearest targets are planned with, and a note says so; see
+        of the timetable, that of the nearest pairs is planned on, and a note says so; see
         :mod:`adr_opt.candidates`. What has to be compiled, once on a machine, is compiled before:
         see :func:`warm_up`.
     seed : int
@@ -90,6 +99,9 @@ def solve(
         Share of each tank that the plan keeps back, for what the model does not know. The result
         says what is proven of plans that do so; its ``plan``, which belongs to the instance, states
         no bound then.
+    memory_gib : float, optional
+        Most memory of the timetable, beyond which it has the nearest pairs alone; by default 2, or
+        70 % of what is free if that is less [GiB].
     **method_options
         Options of the planner, see ``python -m adr_opt methods``.
 
@@ -105,7 +117,7 @@ def solve(
     return run(
         PLANNERS, instance, method, time_limit=time_limit, seed=seed, stop=stop, progress=progress,
         start=start, repair=repair, jobs=jobs, iterations=iterations, bound=bound, margin=margin,
-        options=method_options,
+        memory_gib=memory_gib, options=method_options,
     )  # fmt: skip
 
 
@@ -168,6 +180,7 @@ def run(
     iterations: int | None = None,
     bound: str | None = None,
     margin: float = 0.0,
+    memory_gib: float | None = None,
     options: Mapping[str, Any] | None = None,
     building: Callable[[float], None] = lambda share: None,
     sizing: Callable[[Size], None] = lambda size: None,
@@ -180,6 +193,8 @@ def run(
     size, if it is large.
     """
     MaxRuntime(time_limit)  # a wrong one is refused before anything is compiled
+    if memory_gib is not None and not memory_gib > 0.0:
+        raise InputError(f"memory_gib = {memory_gib!r}: must be a number above 0")
     whole = problem_of(instance)
     if margin:
         whole = whole.with_margin(margin)
@@ -207,29 +222,32 @@ def run(
     if bound is not None:
         ready(BOUNDS, bound, *others)
     criteria: list[Stop] = [MaxRuntime(time_limit), *others]
+    # Some methods look at all pairs by themselves: what they prove is proven of all.
+    of_all = knows_all_pairs(method_of(method, group)) and not isinstance(whole, Campaign)
+    hasty = of_all and group == BOUNDS
     chosen = candidates(
         whole,
         time_limit,
-        first=list(chain.from_iterable(destinations)) if group == PLANNERS else None,
+        first=list(chain.from_iterable(destinations)) if group == PLANNERS or hasty else None,
         interrupted=lambda: stop is not None and stop.remaining_s() <= 0.0,
         building=building,
+        table_bytes=TABLE_BYTES if memory_gib is None else memory_gib * 2.0**30,
+        hasty=hasty,
     )
     progress(-math.inf, math.inf)
-    # A bound of a part of the targets is none of all.
-    if chosen.none or (group == BOUNDS and not chosen.all):
+    if not chosen.all and not hasty and (chosen.none or group == BOUNDS):
         return chosen.nothing(method, seed)
-    mission = chosen.mission
     if start is not None:
-        prepared = prepared.beginning_from(mission, destinations, repair or not chosen.all)
+        prepared = prepared.beginning_from(whole, destinations, repair)
     if bound is None or prover is None or not chosen.all:
-        planned = prepared(mission, AnyOf(*criteria, *limits[:1]), progress)
-        return _beyond_the_model(whole, chosen.of_the_whole(planned))
+        planned = prepared(whole, AnyOf(*criteria, *limits[:1]), progress)
+        return _beyond_the_model(whole, chosen.of_the_whole(planned, of_all=of_all))
     proving = prepare(BOUNDS, bound, seed=seed, jobs=both_jobs)
     if start is not None and takes_start(prover):
         proving = replace(
             proving, arguments={**proving.arguments, "start": prepared.arguments["start"]}
         )
-    result = together(mission, prepared, proving, AnyOf(*criteria), progress, limits)
+    result = together(whole, prepared, proving, AnyOf(*criteria), progress, limits)
     return _beyond_the_model(whole, result)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from threading import Lock
 
 from .kernels.connections import Found
@@ -26,12 +26,13 @@ class Kept:
 
     Attributes
     ----------
+    room_bytes : float
     bytes : int
         Memory that they take.
     """
 
     def __init__(self, room_bytes: float = math.inf) -> None:
-        self._room_bytes = room_bytes
+        self.room_bytes = room_bytes
         self.bytes = 0
         self._found: OrderedDict[Pair, Found] = OrderedDict()
         self._lock = Lock()
@@ -42,7 +43,7 @@ class Kept:
     def limit(self, room_bytes: float) -> None:
         """Change the room, and keep to it from now on; with none, nothing is kept any more."""
         with self._lock:
-            self._room_bytes = room_bytes
+            self.room_bytes = room_bytes
             self._shrink()
 
     def get(self, pair: Pair, find: Callable[[], Found]) -> Found:
@@ -60,16 +61,8 @@ class Kept:
                 self._shrink()
         return made
 
-    def part(self, there: Mapping[Pair, Pair]) -> Kept:
-        """What is kept of some pairs, which have other numbers: new ones to old ones."""
-        made = Kept(self._room_bytes)
-        for new, old in there.items():
-            if old in self._found:
-                made.get(new, lambda old=old: self._found[old])  # type: ignore[misc]
-        return made
-
     def _shrink(self) -> None:
-        while self._found and self.bytes > self._room_bytes:
+        while self._found and self.bytes > self.room_bytes:
             self.bytes -= _bytes_of(self._found.popitem(last=False)[1])
 
 

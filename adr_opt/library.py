@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 
 from .errors import InputError
 from .files import read_model, to_text
-from .generator import by_name
+from .generator import by_name, family_of
 from .instance import Instance
 from .records import Name, Record
 
@@ -30,7 +30,7 @@ class Entry(Record):
     @property
     def family(self) -> str:
         """The family, read off the name."""
-        return self.name.rpartition("-")[0]
+        return family_of(self.name)
 
     def generate(self) -> Instance:
         """Generate the instance.

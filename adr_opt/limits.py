@@ -9,13 +9,17 @@ import numpy as np
 from .instance import Instance
 from .kernels.constants import SLACK_S
 from .kernels.orbits import revolution
-from .kernels.timetable import Limits
+from .kernels.timetable_making import Limits
 from .plan import Leg
 from .records import Window
+from .tow import tows_of
 
 
 def limits_of(instance: Instance, chaser: int | None = None) -> Limits:
     """The times of an instance as the kernels take them; the arrays are read-only.
+
+    A tow follows the service at once, or later: the chaser is free only after it. So it counts to
+    the service, and to the window of that.
 
     Parameters
     ----------
@@ -32,13 +36,20 @@ def limits_of(instance: Instance, chaser: int | None = None) -> Limits:
     else:
         service[first:] = mission.service_s
     numbers = range(len(instance.chasers)) if chaser is None else [chaser]
-    available = [_seconds(instance.chasers[number].available_s) for number in numbers]
+    available = [_seconds(instance.available_s[number]) for number in numbers]
     begin, end = min(begin for begin, _ in available), max(end for _, end in available)
     duration = min(mission.duration_s, end) + SLACK_S
     opens, closes = np.full(periods.size, begin), np.full(periods.size, duration)
     for body, target in enumerate(instance.targets, start=first):
         opened, closed = _seconds(target.window_s)
         opens[body], closes[body] = max(opened, begin), min(closed + SLACK_S, duration)
+    for body, station in enumerate(instance.stations):
+        if station.max_refuellings == 0:
+            closes[body] = -math.inf
+    for body, tow in tows_of(instance).items():
+        service[body] += tow.time_s
+        closed = _seconds(instance.targets[body - first].window_s)[1] + SLACK_S
+        closes[body] = min(closed + tow.time_s, duration)
     for array in (service, opens, closes):
         array.setflags(write=False)
     return Limits(service, opens, closes, begin, duration)

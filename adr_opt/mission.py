@@ -18,6 +18,7 @@ from .instance import Instance
 from .kernels import rules as kernels
 from .kernels.constants import SLACK_M_S
 from .kernels.timetable import transfer_exists
+from .kernels.timetable_making import Pairs
 from .kernels.transfer import TransferRule
 from .prizes import Prizes
 from .schedule import Schedule, Scheduler
@@ -117,22 +118,29 @@ class Mission(Prizes):
         """Whether the timetable is built."""
         return "timetable" in self.__dict__ or (self._twin is not None and self._twin.has_timetable)
 
-    def build(self, order: list[int] | None, enough: Callable[[float], bool]) -> Mission:
-        """The mission once its timetable is built, or that of a part of its bodies.
+    @property
+    def is_whole(self) -> bool:
+        """Whether no timetable is built, or one that has all pairs."""
+        return not self.has_timetable or self.timetable.is_whole
+
+    def build(
+        self,
+        pairs: Pairs | None,
+        enough: Callable[[float], bool] = lambda share: False,
+        most: int | None = None,
+    ) -> None:
+        """Build the timetable, be it that of some pairs.
 
         Parameters
         ----------
-        order, enough
+        pairs, enough, most
             As :class:`Timetable` takes them.
         """
-        timetable = Timetable(
+        self.__dict__["timetable"] = Timetable(
             self.instance, self._threads, time_value_m_s_per_h=self.time_value_m_s_per_h,
-            order=order, enough=enough, connecting=self.connecting, chaser=self._number,
+            pairs=pairs, most=most, enough=enough, connecting=self.connecting,
+            chaser=self._number,
         )  # fmt: skip
-        if timetable.instance is not self.instance:
-            return Mission(timetable.instance, timetable, margin=self.margin, chaser=self._number)
-        self.__dict__["timetable"] = timetable
-        return self
 
     @cached_property
     def rules(self) -> kernels.Rules:
@@ -229,12 +237,14 @@ class Mission(Prizes):
     def with_time_value(self, time_value_m_s_per_h: float) -> Mission:
         """The same mission with the timetable of another choice; what was built before is kept.
 
+        Itself where its timetable is not that of all pairs: another one takes as long as there is.
+
         Raises
         ------
         InputError
             The time value is negative or not finite.
         """
-        if time_value_m_s_per_h == self.time_value_m_s_per_h:
+        if time_value_m_s_per_h == self.time_value_m_s_per_h or not self.is_whole:
             return self
         if time_value_m_s_per_h not in self._variants:
             if self._all is None:
@@ -258,14 +268,18 @@ class Mission(Prizes):
     def schedules(self) -> Scheduler:
         """Finds the best schedule of an order of bodies."""
         if self._twin is not None:
-            return self._twin.schedules.under(self.rules)
-        return Scheduler(self.connecting, lambda: self.rules, self.instance.objective.cost)
+            return self._twin.schedules.under(self.rules, self.chaser)
+        return Scheduler(
+            self.connecting, lambda: self.rules, self.instance.objective.cost, self.chaser
+        )
 
     @cached_property
     def transfer_inputs(
         self,
-    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], TransferRule]:
-        """Orbits, eccentricity costs and transfer rule of the instance, worked out once."""
+    ) -> tuple[
+        npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], TransferRule
+    ]:
+        """What transfers follow from, see :class:`adr_opt.connections.Connecting`."""
         return self.connecting.inputs
 
     @cached_property
@@ -306,9 +320,9 @@ class Mission(Prizes):
         the rules of the order forbid end it.
         """
         moves = tuple(self.numbers(sequence).tolist())
-        return self.schedules.of(moves[: self._in_order(moves)])
+        return self.schedules.of(moves[: self.in_order(moves)])
 
-    def _in_order(self, moves: tuple[int, ...]) -> int:
+    def in_order(self, moves: tuple[int, ...]) -> int:
         """How many moves the rules of the order allow: no target twice, refuelling earned."""
         rules = self.rules
         body, since, visited = rules.start, 0, set[int]()
@@ -346,5 +360,7 @@ class Mission(Prizes):
             return tuple(moves)
         ways = [(*moves, s) for s in range(rules.stations) if rules.may_end[s]]
         made = [(self.time(way), way) for way in ways]
-        flown = [(timing.delta_v, way) for timing, way in made if timing.made == len(way)]
-        return min(flown)[1] if flown else tuple(moves)
+        flown = [
+            (timing.cost, timing.delta_v, way) for timing, way in made if timing.made == len(way)
+        ]
+        return min(flown)[-1] if flown else tuple(moves)

@@ -33,12 +33,25 @@ class Burn(Record):
 
     time_s: Time
     delta_v_m_s: Annotated[Vector, Field(strict=False)]
-    phase: Literal["hohmann-1", "phasing", "co-elliptic", "terminal", "approach", "drift"]
+    phase: Literal["hohmann-1", "phasing", "co-elliptic", "terminal", "approach", "drift", "tow"]
 
     @property
     def size_m_s(self) -> float:
         """Its ΔV [m/s]."""
         return math.hypot(*self.delta_v_m_s)
+
+
+class Tow(Record):
+    """How the object that was serviced is carried down to the disposal orbit (MODEL section 5).
+
+    From the first of its two burns at ``start_s`` to the second one at ``end_s``, when the object
+    is released. Before that the chaser waits with it, as long as the next transfer allows.
+    """
+
+    start_s: Time
+    end_s: Time
+    delta_v_m_s: DeltaV
+    burns: Annotated[tuple[Burn, ...], Field(strict=False)]
 
 
 class Leg(Record):
@@ -54,7 +67,9 @@ class Leg(Record):
     otherwise; its ``delta_v_m_s`` is that of the closed form, near the sum of its burns; ``launch``
     puts a chaser that starts anywhere onto its first target, at once and for nothing; ``given`` is
     a connection that somebody gave, which has no burns. ``mass_kg``, that of the chaser at
-    ``end_s`` with propellant and kits, is there for tanks by mass only.
+    ``end_s`` with propellant and kits, is there for tanks by mass only. ``tow`` is there where the
+    destination is towed. It is no part of ``delta_v_m_s``, but what is left, and the mass, are
+    those after it; the next leg is ready as long after ``end_s`` as it takes.
     """
 
     kind: Literal["short", "drift", "launch", "given"] = "short"
@@ -67,21 +82,39 @@ class Leg(Record):
     delta_v_m_s: DeltaV
     delta_v_left_m_s: float
     mass_kg: float | None = None
+    tow: Tow | None = None
     phasing_revolutions: int
     eccentricity_delta_v_m_s: DeltaV = 0.0
     burns: Annotated[tuple[Burn, ...], Field(strict=False)]
 
     @model_serializer(mode="wrap")
-    def _without_no_mass(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+    def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
         content: dict[str, Any] = write(self)
-        if self.mass_kg is None:
-            del content["mass_kg"]
-        return content
+        return {
+            name: value
+            for name, value in content.items()
+            if not (name in ("mass_kg", "tow") and value is None)
+        }
+
+    @property
+    def done_s(self) -> float:
+        """When it is over: its service, or the tow that follows [s]."""
+        return self.end_s if self.tow is None else self.tow.end_s
+
+    @property
+    def spent_m_s(self) -> float:
+        """ΔV of the transfer and of the tow [m/s]."""
+        return self.delta_v_m_s + (0.0 if self.tow is None else self.tow.delta_v_m_s)
 
     @property
     def leaves_s(self) -> float:
         """When the chaser leaves its origin: at the first burn, where there is one [s]."""
         return self.burns[0].time_s if self.burns else self.departure_s
+
+    @property
+    def all_burns(self) -> tuple[Burn, ...]:
+        """Those of the transfer, and of the tow."""
+        return self.burns if self.tow is None else (*self.burns, *self.tow.burns)
 
     @property
     def docked_s(self) -> float:
@@ -108,8 +141,9 @@ class Unvisited(Record):
     connection to the target that leaves time for service, else ``duration`` if none from where the
     plan ends does, or ``delta-v`` if all of those need more ΔV than is left, or ``capacity`` if the
     chaser has no kit for it or services as many as it may, else ``not-worth-it``: one more leg
-    fits, and the plan does not fly it. ``not-considered`` is a target that was not planned with,
-    because the time or the memory did not allow it; a note of the plan says more.
+    fits, and the plan does not fly it. ``not-considered`` is one to which nobody has looked for a
+    way from where the plan ends, because the time or the memory did not allow it; a note of the
+    plan says more.
     """
 
     target: Name
@@ -156,14 +190,27 @@ class Plan(Record):
         return tuple(leg for route in self.routes for leg in route.legs)
 
     @property
+    def tows_before(self) -> dict[int, Tow]:
+        """The tow that each leg follows upon which leaves a disposal orbit, by number from 1."""
+        found, number = {}, 0
+        for route in self.routes:
+            before = None
+            for leg in route.legs:
+                number += 1
+                if before is not None:
+                    found[number] = before
+                before = leg.tow
+        return found
+
+    @property
     def destinations(self) -> tuple[str, ...]:
         """Names of the bodies in the order of the plan."""
         return tuple(leg.destination for leg in self.legs)
 
     @property
     def delta_v_m_s(self) -> float:
-        """Total ΔV of all legs [m/s]."""
-        return sum(leg.delta_v_m_s for leg in self.legs)
+        """Total ΔV of all legs and tows [m/s]."""
+        return sum(leg.spent_m_s for leg in self.legs)
 
     def to_json(self) -> str:
         """The plan file."""
@@ -197,10 +244,14 @@ def json_schema() -> dict[str, Any]:
 
 
 def cost_of(objective: Objective, legs: Iterable[Leg]) -> float:
-    """What legs cost as an instance counts it: total ΔV [m/s], or when the last one ends [s]."""
+    """What legs cost as an instance counts it: total ΔV [m/s], or when the last one ends [s].
+
+    Tows count.
+    What chasers take is for :func:`.expense.cost_of_routes` to say.
+    """
     if objective.cost == "duration":
-        return max((leg.end_s for leg in legs), default=0.0)
-    return float(sum(leg.delta_v_m_s for leg in legs))
+        return max((leg.done_s for leg in legs), default=0.0)
+    return float(sum(leg.spent_m_s for leg in legs))
 
 
 def relative_gap(objective: float, upper_bound: float) -> float:

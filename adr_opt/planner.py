@@ -79,11 +79,20 @@ def get(name: str, group: str = PLANNERS) -> Planner:
     return planner if _options(planner) else _with_options(name, planner)
 
 
-_CAMPAIGN, _KITS = "campaign_form", "knows_kits"
+_CAMPAIGN, _KNOWN, _EVIDENCE = "campaign_form", "known_rules", "shows_evidence"
+
+KITS, LIMITS, EXPENSE = "kits", "stations that run empty", "expense"
+"""Rules of campaigns that not every method knows."""
+
+
+def shows_evidence(method: Method) -> Method:
+    """Decorate a method whose results say what their bounds rest on."""
+    setattr(method, _EVIDENCE, True)
+    return method
 
 
 def for_campaigns(
-    planner: Callable[..., Result], *, kits: bool = True
+    planner: Callable[..., Result], *, kits: bool = True, limits: bool = True, expense: bool = True
 ) -> Callable[[Method], Method]:
     """Decorate a method with the function that does the same for several chasers.
 
@@ -94,11 +103,16 @@ def for_campaigns(
         takes one, a route for each chaser.
     kits : bool
         Whether it plans with what chasers carry, where that counts (``rules.loads``).
+    limits : bool
+        Whether it keeps to what stations have for all chasers together.
+    expense : bool
+        Whether it plans for little expense.
     """
+    known = {KITS: kits, LIMITS: limits, EXPENSE: expense}
 
     def decorate(method: Method) -> Method:
         setattr(method, _CAMPAIGN, planner)
-        setattr(method, _KITS, kits)
+        setattr(method, _KNOWN, frozenset(word for word, knows in known.items() if knows))
         return method
 
     return decorate
@@ -110,9 +124,32 @@ def campaign_form(planner: Planner) -> Planner | None:
     return found
 
 
-def knows_kits(planner: Planner) -> bool:
-    """Whether a method plans with what chasers carry."""
-    return bool(getattr(planner, _KITS, False))
+def known_rules(planner: Planner) -> frozenset[str]:
+    """The rules of :data:`KITS`, :data:`LIMITS` and :data:`EXPENSE` that a method plans with."""
+    found: frozenset[str] = getattr(planner, _KNOWN, frozenset())
+    return found
+
+
+def has_evidence(planner: Planner) -> bool:
+    """Whether the results of a method say what their bounds rest on."""
+    return bool(getattr(planner, _EVIDENCE, False))
+
+
+_ALL_PAIRS = "bounds_all_pairs"
+
+
+def bounds_all_pairs(method: Method) -> Method:
+    """Decorate a method whose bounds hold of all pairs of bodies, whatever the timetable has.
+
+    For several chasers that is not asked of it.
+    """
+    setattr(method, _ALL_PAIRS, True)
+    return method
+
+
+def knows_all_pairs(planner: Planner) -> bool:
+    """Whether bounds of a method hold of all pairs of bodies."""
+    return bool(getattr(planner, _ALL_PAIRS, False))
 
 
 def options_of(planner: Planner) -> type[Options]:

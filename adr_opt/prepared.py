@@ -9,18 +9,21 @@ from itertools import takewhile
 from typing import Any, Self
 
 from .campaign import Campaign, Problem
-from .cargo import loads_of
+from .cargo import loads_of, what_counts
 from .errors import InputError
 from .generator import LARGEST_SEED
 from .options import read
 from .planner import (
     BOUNDS,
+    EXPENSE,
+    KITS,
+    LIMITS,
     PLANNERS,
     Planner,
     Progress,
     campaign_form,
     get,
-    knows_kits,
+    known_rules,
     names,
     options_of,
     silent,
@@ -134,6 +137,7 @@ class Prepared:
             mission, self.method, quick.routes,
             seed=result.seed, runtime_s=result.runtime_s,
             upper_bound=mission.worth(result.upper_bound),
+            evidence=result.evidence,
             counters=result.counters,
             notes=[*said, f"{self.method} ran out of time: the plan is that of {FALLBACK}"],
         )  # fmt: skip
@@ -219,35 +223,56 @@ def form_for(problem: Problem, name: str, function: Planner) -> Planner:
     Raises
     ------
     InputError
-        It plans for one chaser, and there are several; or knows no kits, and they count.
+        It plans for one chaser, and there are several; or does not know a rule that counts.
     """
     if not isinstance(problem, Campaign):
         return function
     instance, found = problem.instance, campaign_form(function)
-    loads = [loads_of(instance, chaser, problem.margin) for chaser in instance.chasers]
-    counts = any(each is not None for each in loads)
-    if found is not None and (knows_kits(function) or not counts):
+    counts = _rules_of(problem)
+    if found is not None and counts <= known_rules(function):
         return found
     able = ", ".join(
         f"{other} ({group.rsplit('.', 1)[1]})" if group == BOUNDS else other
         for group in (PLANNERS, BOUNDS)
         for other in names(group)
-        if _plans_campaigns(other, group, kits=counts)
+        if _plans_campaigns(other, group, counts)
     )
     chasers = len(instance.chasers)
     why = f"is for one chaser, and {instance.name!r} has {chasers}"
     if found is not None or chasers == 1:
-        why = f"knows no kits, and those of {instance.name!r} count"
+        unknown = sorted(counts - (known_rules(function) if found is not None else frozenset()))
+        word = what_counts(instance) if unknown[0] == KITS else unknown[0]
+        why = f"knows no {word}, and {_THEY[unknown[0]].format(instance.name)}"
     raise InputError(f"method {name!r} {why}; use one of: {able}")
 
 
-def _plans_campaigns(name: str, group: str, *, kits: bool) -> bool:
-    """Whether an installed method can be called for several chasers, and for their kits."""
+_THEY = {
+    KITS: "those of {!r} count",
+    LIMITS: "those of {!r} do",
+    EXPENSE: "that of {!r} is what plans are to have least of",
+}
+"""Why a rule counts for an instance of a name."""
+
+
+def _rules_of(problem: Campaign) -> frozenset[str]:
+    """The rules that count for a campaign, and that not every method knows."""
+    instance = problem.instance
+    loads = [loads_of(instance, chaser, problem.margin) for chaser in instance.chasers]
+    counts = {
+        KITS: any(each is not None for each in loads),
+        LIMITS: bool(problem.limits),
+        EXPENSE: instance.objective.cost == "expense",
+    }
+    return frozenset(word for word, does in counts.items() if does)
+
+
+def _plans_campaigns(name: str, group: str, counts: frozenset[str]) -> bool:
+    """Whether an installed method can be called for several chasers, by the rules that count."""
     try:
         method = get(name, group)
     except (ImportError, AttributeError):
         return False  # cannot be recommended; asked for by name, it says why
-    return campaign_form(method) is not None and (knows_kits(method) or not kits)
+    return campaign_form(method) is not None and counts <= known_rules(method)
 
 
 _warm: set[tuple[object, ...]] = set()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -14,7 +14,9 @@ from .kernels import burns as burn_kernels
 from .kernels.constants import SLACK_M_S
 from .mission import Mission
 from .plan import Burn, Leg, Reason, Unvisited
+from .plan import Tow as TowFlown
 from .routes import weighed
+from .tow import Tow, burn_vectors, tows_of
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -42,15 +44,17 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
         )
     priced: list[Leg] = []
     i, ready = mission.rules.start, mission.rules.ready
+    tows = tows_of(mission.instance)
     spared = 0.0  # of the tank by the model, other than by corrected connections
     for at, j in enumerate(moves):
-        transfer = _transfer(
+        transfer = transfer_of(
             mission, i, j, timing.departures[at], timing.arrivals[at], int(timing.revolutions[at])
         )
         delta_v = mission.connecting.modelled(
             i, j, int(timing.revolutions[at]), float(timing.delta_vs[at])
         )
-        spared = 0.0 if mission.rules.is_station[j] else spared + timing.delta_vs[at] - delta_v
+        spare = timing.delta_vs[at] - mission.connecting.spent_m_s(i) - delta_v
+        spared = 0.0 if mission.rules.is_station[j] else spared + spare
         priced.append(
             Leg(
                 kind=transfer.kind,
@@ -59,26 +63,40 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
                 ready_s=float(ready),
                 departure_s=transfer.departure,
                 arrival_s=float(timing.arrivals[at]),
-                end_s=float(timing.ends[at]),
+                end_s=float(timing.ends[at]) - (tows[j].time_s if j in tows else 0.0),
                 delta_v_m_s=delta_v,
                 delta_v_left_m_s=float(timing.lefts[at] - SLACK_M_S + spared) + mission.reserve_m_s,
                 phasing_revolutions=max(int(timing.revolutions[at]), 0),
                 eccentricity_delta_v_m_s=transfer.shape,
-                burns=tuple(
-                    Burn(
-                        time_s=float(time),
-                        delta_v_m_s=(float(vector[0]), float(vector[1]), float(vector[2])),
-                        phase=burn_kernels.PHASES[phase],  # type: ignore[arg-type]
-                    )
-                    for time, vector, phase in zip(*transfer.burns, strict=True)
-                ),
+                burns=burns_of(transfer),
             )
         )
         i, ready = j, timing.ends[at]
-    return weighed(mission.instance, mission.chaser, priced)
+    return weighed(mission.instance, mission.chaser, _towing(mission, tows, moves, priced))
 
 
-class _Transfer(NamedTuple):
+def _towing(
+    mission: Mission, tows: Mapping[int, Tow], moves: list[int], legs: list[Leg]
+) -> Iterator[Leg]:
+    """Legs with the tows that follow them: as late as the next leg allows."""
+    for at, (j, leg) in enumerate(zip(moves, legs, strict=True)):
+        tow = tows.get(j)
+        if tow is None:
+            yield leg
+            continue
+        end = legs[at + 1].leaves_s if at + 1 < len(legs) else leg.end_s + tow.time_s
+        start = end - tow.time_s
+        vectors = burn_vectors(mission.transfer_inputs[1][j], tow, start)
+        burns = tuple(
+            Burn(time_s=time, delta_v_m_s=tuple(vector.tolist()), phase="tow")
+            for time, vector in zip((start, end), vectors, strict=True)
+        )
+        yield leg.replace(
+            tow=TowFlown(start_s=start, end_s=end, delta_v_m_s=tow.delta_v_m_s, burns=burns)
+        )
+
+
+class Transfer(NamedTuple):
     """How a connection is flown.
 
     Attributes
@@ -98,29 +116,42 @@ class _Transfer(NamedTuple):
     burns: tuple[FloatArray, FloatArray, Iterable[int]]
 
 
-def _transfer(
+def burns_of(transfer: Transfer) -> tuple[Burn, ...]:
+    """The burns of a transfer, as plans state them."""
+    return tuple(
+        Burn(
+            time_s=float(time),
+            delta_v_m_s=(float(vector[0]), float(vector[1]), float(vector[2])),
+            phase=burn_kernels.PHASES[phase],  # type: ignore[arg-type]
+        )
+        for time, vector, phase in zip(*transfer.burns, strict=True)
+    )
+
+
+def transfer_of(
     mission: Mission, i: int, j: int, departure: float, arrival: float, revolutions: int
-) -> _Transfer:
+) -> Transfer:
+    """How a connection of a mission is flown."""
     nothing = np.empty(0)
     if i in mission.instance.launches:
-        return _Transfer("launch", float(departure), 0.0, (nothing, nothing, ()))
+        return Transfer("launch", float(departure), 0.0, (nothing, nothing, ()))
     if mission.connecting.given is not None:
-        return _Transfer("given", float(departure), 0.0, (nothing, nothing, ()))
-    orbits, extra, rule = mission.transfer_inputs
+        return Transfer("given", float(departure), 0.0, (nothing, nothing, ()))
+    leaving, orbits, extra, rule = mission.transfer_inputs
     if revolutions < 0:
-        flight = drift_burns.flown(orbits[i], orbits[j], rule, departure, arrival)
-        shape = drift_burns.shape_m_s(orbits[i], orbits[j], rule, departure, arrival)
+        flight = drift_burns.flown(leaving[i], orbits[j], rule, departure, arrival)
+        shape = drift_burns.shape_m_s(leaving[i], orbits[j], rule, departure, arrival)
         burns = flight.times, flight.vectors, drift_burns.PHASES
-        return _Transfer("drift", float(departure), shape, burns)
+        return Transfer("drift", float(departure), shape, burns)
     flown = burn_kernels.burns_between(
-        orbits[i], orbits[j], extra[i, j], rule, departure, arrival, revolutions
+        leaving[i], orbits[j], extra[i, j], rule, departure, arrival, revolutions
     )
     shape = float(
         burn_kernels.eccentric_share(
-            orbits[i], orbits[j], extra[i, j], rule, flown[0][0], arrival, revolutions
+            leaving[i], orbits[j], extra[i, j], rule, flown[0][0], arrival, revolutions
         )
     )
-    return _Transfer("short", float(flown[0][0]), shape, flown)
+    return Transfer("short", float(flown[0][0]), shape, flown)
 
 
 def unvisited(flown: Iterable[tuple[Mission, Iterable[int]]]) -> tuple[Unvisited, ...]:
@@ -147,7 +178,7 @@ def unvisited(flown: Iterable[tuple[Mission, Iterable[int]]]) -> tuple[Unvisited
 
 
 _FURTHEST: tuple[Reason, ...] = (
-    "no-transfer", "duration", "delta-v", "capacity", "not-worth-it",
+    "not-considered", "no-transfer", "duration", "delta-v", "capacity", "not-worth-it",
 )  # fmt: skip
 """What keeps a chaser from a target, the harder first."""
 
@@ -160,21 +191,23 @@ def _left_out(mission: Mission, moves: list[int]) -> Iterator[tuple[str, Reason]
     time = float(timing.ends[-1]) if moves else rules.ready
     left = float(timing.lefts[-1]) if moves else rules.budget
     heavy = mission.chaser.kit_mass_kg > 0.0
+    tows = tows_of(mission.instance)
     for j in sorted(set(range(rules.first_target, len(mission.names))) - set(moves)):
         reason: Reason
+        if not mission.timetable.holds(body, j):
+            yield mission.names[j], "not-considered"
+            continue
         found = mission.schedules.connections(body, j).after(time)
         ends = np.maximum(found.arrival, rules.opens[j]) + rules.service[j]
         in_time = ends <= rules.closes[j]
-        if not mission.has_transfer[j]:
-            reason = "no-transfer"
-        elif not in_time.any():
-            reason = "duration"
+        if not in_time.any():
+            reason = "duration" if mission.has_transfer[j] else "no-transfer"
         elif found.delta_v[in_time].min() > left:
             reason = "delta-v"
         elif _is_one_too_many(mission, moves, j):
             reason = "capacity"
-        elif heavy and mission.schedules.of((*moves, j)).made == len(moves):
-            reason = "delta-v"  # with its kit aboard from the start less is left
+        elif (heavy or j in tows) and mission.schedules.of((*moves, j)).made == len(moves):
+            reason = "delta-v"  # with its kit aboard from the start less is left; or to tow it
         else:
             reason = "not-worth-it"
         yield mission.names[j], reason

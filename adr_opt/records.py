@@ -23,6 +23,7 @@ LARGEST_LENGTH_M = 1e9
 LARGEST_ANGLE_DEG = 1e6
 LARGEST_DELTA_V_M_S = 1e9
 LARGEST_MASS_KG = 1e9
+LARGEST_EXPENSE = 1e12
 LARGEST_TIME_S = 1e12
 LARGEST_DURATION_S = 100 * 365.25 * DAY_S
 
@@ -61,6 +62,21 @@ class Record(BaseModel):
             return type(self)(**(values | changes))
         except ValidationError as error:
             raise InputError(sentence(error)) from None
+
+
+def without(content: dict[str, Any], *unset: str) -> dict[str, Any]:
+    """What is written of a record but for what nobody set, so that older files stay as they are.
+
+    Parameters
+    ----------
+    content : dict
+        All fields.
+    unset : str
+        Those that are left out where they are null.
+    """
+    return {
+        name: value for name, value in content.items() if value is not None or name not in unset
+    }
 
 
 def not_yet(is_later: Callable[[Any], bool], instead: str, what: str = "this") -> BeforeValidator:

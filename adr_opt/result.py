@@ -13,8 +13,10 @@ from typing import Any
 
 from .campaign import Problem
 from .errors import InputError
+from .evidence import Evidence
+from .expense import cost_of_routes
 from .mission import Mission
-from .plan import InstanceReference, Plan, Route, Status, cost_of, relative_gap
+from .plan import InstanceReference, Plan, Route, Status, relative_gap
 from .pricing import APPROXIMATE, legs, unvisited
 from .prizes import Prizes
 from .tolerance import meets, tolerance
@@ -65,6 +67,8 @@ class Result:
     routes : tuple of tuple of int
         Bodies in order for each chaser.
     versions : mapping
+    evidence : Evidence or None
+        What the upper bound rests on, where a method can tell.
     """
 
     method: str
@@ -79,6 +83,7 @@ class Result:
     notes: tuple[str, ...] = ()
     routes: tuple[tuple[int, ...], ...] = ()
     versions: Mapping[str, str] = field(default_factory=versions)
+    evidence: Evidence | None = None
 
     @property
     def gap(self) -> float:
@@ -149,6 +154,7 @@ def certify(
     runtime_s: float,
     upper_bound: float = math.inf,
     cost_bound: float | None = None,
+    evidence: Evidence | None = None,
     counters: Mapping[str, float] | None = None,
     notes: Iterable[str] = (),
 ) -> Result:
@@ -166,6 +172,8 @@ def certify(
         Proven bound on what plans are worth to a planner (:attr:`Prizes.bonus`), +inf for none.
     cost_bound : float, optional
         Proven: no plan that collects as much costs less. None if nobody asked.
+    evidence : Evidence, optional
+        What the upper bound rests on.
     counters, notes
         As in :class:`Result`.
 
@@ -177,7 +185,7 @@ def certify(
     routes = None if sequence is None else [sequence]
     return certify_routes(
         mission, method, routes, seed=seed, runtime_s=runtime_s, upper_bound=upper_bound,
-        cost_bound=cost_bound, counters=counters, notes=notes,
+        cost_bound=cost_bound, evidence=evidence, counters=counters, notes=notes,
     )  # fmt: skip
 
 
@@ -190,6 +198,7 @@ def certify_routes(
     runtime_s: float,
     upper_bound: float = math.inf,
     cost_bound: float | None = None,
+    evidence: Evidence | None = None,
     counters: Mapping[str, float] | None = None,
     notes: Iterable[str] = (),
 ) -> Result:
@@ -201,7 +210,7 @@ def certify_routes(
     method : str
     routes : iterable of sequences of int, or None
         Bodies in order for each chaser; no target twice.
-    seed, runtime_s, upper_bound, cost_bound, counters, notes
+    seed, runtime_s, upper_bound, cost_bound, evidence, counters, notes
         As :func:`certify` takes them.
 
     Raises
@@ -229,7 +238,7 @@ def certify_routes(
             said = (*said, _lacks(problem, lacking, status))
         return Result(
             method, None, None, -math.inf, upper_bound, status, dict(counters or {}), seed,
-            runtime_s, said,
+            runtime_s, said, evidence=evidence,
         )  # fmt: skip
     priced = tuple(
         Route(chaser=mission.chaser.name, legs=legs(mission, sequence))
@@ -237,8 +246,11 @@ def certify_routes(
     )
     objective = problem.prizes(moves)
     status = status_of(problem, objective, upper_bound)
-    cost = cost_of(problem.instance.objective, [leg for route in priced for leg in route.legs])
+    cost = cost_of_routes(problem.instance, priced)
     if cost_bound is not None:
+        if problem.instance.objective.cost == "delta-v":
+            # Walks pay for what was spent before the start, those that fly at all.
+            cost_bound = max(cost_bound - math.fsum(problem.instance.spent_m_s.values()), 0.0)
         cost_bound = min(cost_bound, cost)  # they may differ by rounding
     bounded = math.isfinite(upper_bound)
     plan = Plan(
@@ -261,7 +273,7 @@ def certify_routes(
     )
     return Result(
         method, moves, plan, objective, upper_bound, status, dict(counters or {}), seed, runtime_s,
-        said, tuple(sequence for _, sequence in flown),
+        said, tuple(sequence for _, sequence in flown), evidence=evidence,
     )  # fmt: skip
 
 

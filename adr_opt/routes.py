@@ -37,13 +37,13 @@ class Flown:
 
     @property
     def end_s(self) -> float:
-        """When its last service ends; 0 for one that flies nothing [s]."""
-        return self.legs[-1][1].end_s if self.legs else 0.0
+        """When its last service ends, or tow; 0 for one that flies nothing [s]."""
+        return self.legs[-1][1].done_s if self.legs else 0.0
 
     @property
     def delta_v_m_s(self) -> float:
-        """Of all its legs [m/s]."""
-        return sum(leg.delta_v_m_s for _, leg in self.legs)
+        """Of all its legs and tows [m/s]."""
+        return sum(leg.spent_m_s for _, leg in self.legs)
 
     @property
     def spent(self) -> list[tuple[str, float]]:

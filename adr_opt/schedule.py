@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from .chasers import Chaser, TankByMass
 from .connections import Connecting, Connections
 from .kernels import schedule as kernels
 from .kernels.rules import Rules
@@ -35,15 +36,15 @@ class Schedule:
     objective : float
         Sum of the prizes of the moves made.
     delta_v : float
-        Total ΔV of the moves made [m/s].
+        Total ΔV of the moves made, tows included [m/s].
     cost : float
         What the mission minimises among plans of the same prizes: that ΔV [m/s], or the end of
-        the last leg's service [s].
+        the last leg's service [s], or the expense of the chaser.
     departures, arrivals, ends : (made,) float64
         Of each leg, and the end of the service that follows it [s].
     delta_vs, lefts : (made,) float64
-        ΔV of each leg, and what is left after its service, as the rules count it: with the slack
-        that a tank may be overdrawn by [m/s].
+        ΔV of each leg without tows, and what is left after its service, as the rules count it: with
+        the slack that a tank may be overdrawn by [m/s].
     revolutions : (made,) int64
         Phasing revolutions of each leg.
     """
@@ -66,9 +67,12 @@ class Front(NamedTuple):
     Attributes
     ----------
     ready, left, cost : (labels,) float64
-        Since when the chaser is free there [s], ascending; ΔV left [m/s]; ΔV of all legs [m/s].
+        Since when the chaser is free there [s], ascending; ΔV left [m/s]; ΔV of all legs and tows
+        [m/s], or, where expenses count, what it has to carry at the start if it ends here [kg].
     parent, taken : (labels,) int64
         Label at the body before, and the connection taken from there.
+    spent : (labels,) float64
+        ΔV of all legs where expenses count masses, else empty [m/s].
     """
 
     ready: FloatArray
@@ -76,6 +80,7 @@ class Front(NamedTuple):
     cost: FloatArray
     parent: IntArray
     taken: IntArray
+    spent: FloatArray = np.empty(0)
 
 
 class Scheduler:
@@ -87,13 +92,19 @@ class Scheduler:
         Of the instance.
     rules : callable
         Gives the rules of the mission, once they are needed.
-    cost : {"delta-v", "duration"}
+    cost : {"delta-v", "duration", "expense"}
         What the best schedule of an order has least of.
+    chaser : Chaser
+        Who flies.
     """
 
-    def __init__(self, connecting: Connecting, rules: Callable[[], Rules], cost: str) -> None:
+    def __init__(
+        self, connecting: Connecting, rules: Callable[[], Rules], cost: str, chaser: Chaser
+    ) -> None:
         self._rules = rules
+        self._chaser = chaser
         self._by_time = cost == "duration"
+        self._by_expense = cost == "expense"
 
         def of_pair(i: int, j: int) -> Connections:
             return connecting.of_pair(i, j, connecting.planning_resolution_m_s)
@@ -107,10 +118,11 @@ class Scheduler:
         # threads may share it.
         self._last: tuple[tuple[int, ...], int, tuple[Front, ...]] = ((), 0, ())
 
-    def under(self, rules: Rules) -> Scheduler:
-        """The same under other rules; what is known of connections is shared."""
+    def under(self, rules: Rules, chaser: Chaser | None = None) -> Scheduler:
+        """The same under other rules, or of another chaser; connections are shared."""
         made = copy(self)
         made._rules = lambda: rules
+        made._chaser = chaser or self._chaser
         made._last = ((), 0, ())
         return made
 
@@ -139,11 +151,10 @@ class Scheduler:
             That are taken along; as many as are needed by default.
         """
         rules = self._rules()
-        loads = rules.loads
         if kits is None:
             kits = self.kits_for(order)
-            if loads is not None:
-                kits = min(kits, loads.full.size - 1)
+            if rules.loads is not None:
+                kits = min(kits, rules.loads.full.size - 1)
         before, with_kits, known = self._last
         common = 0
         while common < min(len(order), len(known) - 1) and order[common] == before[common]:
@@ -151,26 +162,13 @@ class Scheduler:
         fronts = list(known[: common + 1]) if kits == with_kits else []
         if not fronts:
             common = 0
-            nothing = np.zeros(1, dtype=np.int64)
-            ready = np.array([rules.ready])
-            full = rules.budget if loads is None else float(loads.full[kits])
-            fronts.append(Front(ready, np.array([full]), np.zeros(1), nothing, nothing))
+            fronts.append(self.beginning(kits))
         aboard = kits - self.kits_for(order[:common])
         for at in range(common, len(order)):
             i = order[at - 1] if at else rules.start
             j = order[at]
-            found = self.connections(i, j)
-            refill = -1.0
-            if rules.is_station[j]:
-                refill = rules.budget if loads is None else float(loads.full[aboard])
-            here = fronts[-1]
-            front = Front(
-                *kernels.follow(
-                    here.ready, here.left, here.cost,
-                    (found.departure, found.arrival, found.delta_v),
-                    rules.service[j], rules.opens[j], rules.closes[j], refill, loads, j, aboard,
-                )
-            )  # fmt: skip
+            refuelled = any(rules.is_station[body] for body in order[:at])
+            front = self.extended(fronts[-1], i, j, aboard, refuelled=refuelled)
             if not front.ready.size:
                 break
             aboard -= self.kits_for((j,))
@@ -178,13 +176,84 @@ class Scheduler:
         self._last = order, kits, tuple(fronts)
         return self._last[2]
 
+    def beginning(self, kits: int) -> Front:
+        """The label at the start, with so many kits aboard."""
+        rules, nothing, needed = self._rules(), np.zeros(1, dtype=np.int64), np.zeros(1)
+        full = rules.budget if rules.loads is None else float(rules.loads.full[kits])
+        if self._weighs:
+            needed[0] = kits * self._chaser.kit_mass_kg
+        ready = np.array([rules.ready])
+        return Front(ready, np.array([full]), needed, nothing, nothing, np.zeros(1))
+
+    def extended(self, here: Front, i: int, j: int, aboard: int, *, refuelled: bool) -> Front:
+        """The labels after a move.
+
+        Parameters
+        ----------
+        here : Front
+            Those at body i.
+        i, j : int
+        aboard : int
+            Kits on the way.
+        refuelled : bool
+            Whether it has refuelled before.
+        """
+        rules, found, refill = self._rules(), self.connections(i, j), -1.0
+        loads = rules.loads
+        if rules.is_station[j]:
+            refill = rules.budget if loads is None else float(loads.full[aboard])
+        flown = 0.0 if loads is None else float(loads.flown[j])
+        weight, price = self._paid(here, found.delta_v, aboard, refuelled, j)
+        front = Front(
+            *kernels.follow(
+                here.ready, here.left, here.cost, weight,
+                (found.departure, found.arrival, found.delta_v, price),
+                rules.service[j], rules.opens[j], rules.closes[j], refill, loads, j, aboard,
+            )
+        )  # fmt: skip
+        if self._weighs:
+            spent = here.spent[front.parent] + found.delta_v[front.taken] + flown
+            front = front._replace(spent=spent)
+        return front
+
+    @property
+    def _weighs(self) -> bool:
+        """Whether cost is what the chaser carries."""
+        return self._by_expense and self._chaser.priced.counts_mass
+
+    def _paid(
+        self, here: Front, delta_v: FloatArray, aboard: int, refuelled: bool, body: int
+    ) -> tuple[FloatArray, FloatArray]:
+        """What connections add to the cost of labels: weights of these, prices of those.
+
+        Weights are empty where all are one. Where expenses count, legs after the first refuelling
+        cost nothing, as do all of a chaser whose expense does not go by mass. A tow that follows
+        is flown with the mass of the object as well.
+        """
+        loads = self._rules().loads
+        flown = 0.0 if loads is None else float(loads.flown[body])
+        if not self._by_expense:
+            return np.empty(0), delta_v + flown
+        tank = self._chaser.tank
+        if refuelled or not self._weighs or not isinstance(tank, TankByMass):
+            return np.empty(0), np.zeros(delta_v.size)
+        empty_kg = tank.dry_mass_kg + aboard * self._chaser.kit_mass_kg
+        exhaust = tank.exhaust_m_s
+        lifts, price = np.exp(delta_v / exhaust), np.expm1(delta_v / exhaust)
+        if loads is not None and flown > 0.0:
+            kept, lost = loads.scale[body, aboard], loads.loss[body, aboard]
+            both = 1.0 + lost / (1.0 - kept)  # the mass of both, in that without propellant
+            price = price + lifts * both * math.expm1(flown / exhaust)
+        return empty_kg * np.exp(here.spent / exhaust), price
+
     def least_cost(self, order: tuple[int, ...]) -> float:
-        """No schedule of an order costs less: each leg at its least ΔV [m/s]; or 0 s."""
-        if self._by_time:
+        """No schedule of an order costs less: each leg at its least ΔV, and tows [m/s]; or 0."""
+        if self._by_time or self._by_expense:
             return 0.0
         rules = self._rules()
         way = (rules.start, *order)
-        return math.fsum(self._least(i, j) for i, j in pairwise(way))
+        flown = 0.0 if rules.loads is None else math.fsum(rules.loads.flown[list(order)])
+        return math.fsum(self._least(i, j) for i, j in pairwise(way)) + flown
 
     def of(self, order: tuple[int, ...]) -> Schedule:
         """The schedule of least cost: the earliest end of least ΔV, or the other way round."""
@@ -194,10 +263,12 @@ class Scheduler:
         last = fronts[-1]
         keys = (last.cost, last.ready) if self._by_time else (last.ready, last.cost)
         label = int(np.lexsort(keys)[0])
-        delta_v = float(last.cost[label])
-        cost = delta_v
+        cost = float(last.cost[label])
         if self._by_time:
             cost = float(last.ready[label]) if made else 0.0
+        elif self._by_expense:
+            cost = self._chaser.priced.of(cost) if made else 0.0
+        total = float(last.cost[label])
         departures, arrivals, ends, delta_vs, lefts = np.empty((5, made))
         revolutions = np.empty(made, dtype=np.int64)
         for at in range(made - 1, -1, -1):
@@ -212,7 +283,7 @@ class Scheduler:
         return Schedule(
             made,
             objective,
-            delta_v,
+            math.fsum(delta_vs) if self._by_expense else total,
             cost,
             departures,
             arrivals,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
@@ -19,23 +21,28 @@ from .records import (
     NonNegative,
     Positive,
     Record,
-    not_yet,
+    without,
 )
 
-SERVICE = ("service_revolutions", "service_s")
+NOT_WRITTEN = ("service_revolutions", "service_s", "disposal_altitude_m", "launch_separation_s")
+"""Fields that are not in the file where they are None."""
 
 
 class MissionSettings(Record):
     """How long the mission lasts, and the time spent at a body.
 
     Either ``service_revolutions``, in periods of the target, or ``service_s``; the other is None
-    and not in the file.
+    and not in the file. Nor is ``disposal_altitude_m``, that of the circles that objects are towed
+    to, where it is None. Chasers that are launched are so in the order of the file, each not less
+    than ``launch_separation_s`` after the one before it; that is not in the file either if None.
     """
 
     duration_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)]
     service_revolutions: NonNegative | None = 1.0
     service_s: NonNegative | None = None
     refuel_revolutions: NonNegative = 1.0
+    disposal_altitude_m: Length | None = None
+    launch_separation_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)] | None = None
 
     @model_validator(mode="before")
     @classmethod
@@ -56,13 +63,8 @@ class MissionSettings(Record):
         return self
 
     @model_serializer(mode="wrap")
-    def _without_the_other(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        content: dict[str, Any] = write(self)
-        return {
-            name: value
-            for name, value in content.items()
-            if not (name in SERVICE and value is None)
-        }
+    def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), *NOT_WRITTEN)
 
 
 class SequenceSettings(Record):
@@ -127,13 +129,18 @@ class TransferSettings(SequenceSettings):
 class Objective(Record):
     """What decides between plans that collect as much: the least cost of this kind.
 
-    ``delta-v`` is the sum over all legs [m/s], ``duration`` the end of the last service [s].
+    ``delta-v`` is the sum over all legs and tows [m/s], ``duration`` the end of the last service,
+    or tow [s], ``expense`` the sum of what the chasers that are used take
+    (:class:`.chasers.Expense`).
     """
 
-    cost: Annotated[
-        Literal["delta-v", "duration"],
-        not_yet(lambda word: word == "expense", 'write "delta-v" or "duration"'),
-    ] = "delta-v"
+    cost: Literal["delta-v", "duration", "expense"] = "delta-v"
+
+    def together(self, costs: Iterable[float]) -> float:
+        """What routes cost together that cost so much each."""
+        if self.cost == "duration":
+            return max(costs, default=0.0)
+        return math.fsum(costs)
 
 
 class KeepOutZone(Record):

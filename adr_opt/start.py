@@ -100,7 +100,7 @@ def legal_beginning(
     if timing.made < len(moves) and not repair:
         # Next to impossible for a plan that was checked: rounding at the very edge of the slack.
         raise InputError(
-            f"start plan: leg {timing.made + 1} {_why(mission, moves, timing.made)}; "
+            f"start plan: leg {timing.made + 1} {why_illegal(mission, moves, timing.made)}; "
             "correct it, or repair: keep the legal beginning only"
         )
     return tuple(moves[: timing.made])
@@ -121,7 +121,7 @@ def _refuse_violations(mission: Problem, plan: Plan) -> None:
         )
 
 
-def _why(mission: Mission, moves: list[int], made: int) -> str:
+def why_illegal(mission: Mission, moves: list[int], made: int) -> str:
     """What is wrong with the first illegal move of a sequence."""
     timing, rules = mission.time(moves[:made]), mission.rules
     body, time, left = rules.start, rules.ready, rules.budget
@@ -145,7 +145,8 @@ def _why(mission: Mission, moves: list[int], made: int) -> str:
     found = mission.schedules.connections(body, j).after(time)
     if not found.departure.size:
         return f"goes to {name}, to which there is no transfer any more"
-    cheapest = float(found.delta_v.min())
+    spent = mission.connecting.spent_m_s(body)
+    cheapest, left = float(found.delta_v.min()) - spent, left - spent
     if cheapest > left:
         return f"to {name} needs {cheapest:.6g} m/s, but only {left:.6g} m/s are left"
     end = max(float(found.arrival.min()), rules.opens[j]) + rules.service[j]

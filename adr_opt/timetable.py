@@ -25,7 +25,10 @@ from .errors import InputError
 from .given import Costs, of_function, of_matrices, of_rows
 from .instance import Instance
 from .kernels import timetable as kernels
+from .kernels import timetable_making as making
+from .kernels.timetable_making import Pairs
 from .limits import limits_of
+from .pairs import all_pairs, begun
 from .timetable_size import estimate, too_large
 
 FloatArray = npt.NDArray[np.float64]
@@ -73,12 +76,13 @@ class Timetable:
     instance : Instance
     threads : int, optional
         Threads to build with; all cores by default. The table does not depend on it.
-    order : sequence of int, optional
-        All bodies, the station first. With it, a table that does not fit into memory is built for
-        as many bodies, from the first on, as do.
+    pairs : Pairs, optional
+        Of which pairs, and in which order, where others need not be there; all by default.
+    most : int, optional
+        Of so many of them, from the first on.
     enough : callable, optional
-        Asked every few ten milliseconds with the share that is built. Once it says so, the table
-        is that of as many bodies of the order as are complete; the station alone may be.
+        Asked every few ten milliseconds with the share that is built of the table of all pairs.
+        Once it says so, the table is that of the pairs that are there by then.
     time_value_m_s_per_h : float, optional
         What an hour is worth: of all connections that depart at a time or later, the table holds
         the one with the least ΔV + value · (arrival − ready); the instance's by default [m/s].
@@ -91,10 +95,12 @@ class Timetable:
     Attributes
     ----------
     instance : Instance
-        The instance given, or the part of it that has the bodies built.
+    pairs : Pairs
+    built : int
+        So many of the pairs are there, from the first on.
     table : adr_opt.kernels.timetable.Table
         The read-only arrays, for kernels.
-    limits : adr_opt.kernels.timetable.Limits
+    limits : adr_opt.kernels.timetable_making.Limits
         Times at the bodies.
     names : tuple of str
         Bodies, the stations first.
@@ -102,7 +108,7 @@ class Timetable:
     Raises
     ------
     InputError
-        Without an order: there is not enough memory. Or a time value that is no number ≥ 0.
+        There is not enough memory. Or a time value that is no number ≥ 0.
     """
 
     def __init__(
@@ -110,7 +116,8 @@ class Timetable:
         instance: Instance,
         threads: int | None = None,
         *,
-        order: Sequence[int] | None = None,
+        pairs: Pairs | None = None,
+        most: int | None = None,
         enough: Callable[[float], bool] = lambda share: False,
         time_value_m_s_per_h: float | None = None,
         connecting: Connecting | None = None,
@@ -124,58 +131,47 @@ class Timetable:
             )
         corrections = NO_CORRECTIONS if connecting is None else connecting.corrections
         size = estimate(instance)
-        wanted = size.bodies**2
-        if order is None:
+        if pairs is None:
             if not size.fits:
                 raise InputError(too_large(instance, size))
-            order = range(size.bodies)
-        elif not size.fits:
-            while size.bodies > 1 and not size.fits:
-                size = replace(size, bodies=int(0.95 * size.bodies))
-            kept = sorted(order[: size.bodies])
-            instance = instance.part(kept)
-            order = [kept.index(body) for body in order[: size.bodies]]
-        turns = np.array(order, dtype=np.int64)
+            pairs = all_pairs(size.bodies)
+        chosen = pairs
+        wanted = size.bodies * (size.bodies - 1)
         limits = limits_of(instance, chaser)
-        pairs = size.bodies**2
+        most = chosen.near.size if most is None else most
         threads = threads or os.cpu_count() or 1
 
         def so_far(filled: int) -> bool:
-            return enough(filled / wanted)
+            return enough(filled / max(1, wanted))
 
         if connecting is None or connecting.instance is not instance:
             connecting = Connecting(instance, corrections)
         if not connecting.drifts:
-            table = kernels.allocate(size.bodies, size.events)
-            given = (*connecting.inputs[:2], instance.transfer_rule(time_value_m_s_per_h))
-            done = _in_slices(
-                lambda first, last: kernels.fill(first, last, turns, *given, limits, table),
-                pairs, max(1, SLICE_ENTRIES // size.events), threads, so_far,
+            table = making.allocate(size.bodies, size.events, making.slots_of(chosen))
+            given = (*connecting.inputs[:3], instance.transfer_rule(time_value_m_s_per_h))
+            making.space(given[0], table)
+            built = _in_slices(
+                lambda first, last: making.fill(first, last, chosen, *given, limits, table),
+                most, max(1, SLICE_ENTRIES // size.events), threads, so_far,
             )  # fmt: skip
-            whole = np.sort(turns[: max(1, math.isqrt(done))])
-            if done < pairs:
-                table = kernels.part(table, whole)
         else:
             chooser = connecting
             if not len(chooser.kept):  # else there was room, and it is taken by now
-                chooser.kept.limit(size.room_bytes)
-            done = _in_slices(
+                chooser.kept.limit(min(size.room_bytes, chooser.kept.room_bytes))
+            built = _in_slices(
                 lambda first, last: chooser.choose_pairs(
-                    turns, first, last, limits, time_value_m_s_per_h
+                    chosen, first, last, limits, time_value_m_s_per_h
                 ),
-                pairs, max(1, int(SLICE_ENTRIES / max(size.listed, size.events))), threads, so_far,
+                most, max(1, int(SLICE_ENTRIES / max(size.listed, size.events))), threads, so_far,
             )  # fmt: skip
-            whole = np.sort(turns[: max(1, math.isqrt(done))])
-        if done < pairs:
-            instance = instance.part(whole.tolist())
-            connecting = connecting.part(instance, whole.tolist())
-            limits = limits_of(instance, chaser)
-        if connecting.drifts:
-            table = connecting.table(limits.duration)
+            pairs = chosen = begun(chosen, built)
+            table = chooser.table(limits.duration, making.slots_of(chosen))
         for array in table:
             array.setflags(write=False)
         self.connecting = connecting
         self.instance = instance
+        self.pairs = pairs
+        self.built = built
         self.names = instance.names
         self.table = table
         self.limits = limits
@@ -277,6 +273,15 @@ class Timetable:
         return cls(instance.with_given(given, file))
 
     @property
+    def is_whole(self) -> bool:
+        """Whether all pairs are there."""
+        return self.built == len(self.names) * (len(self.names) - 1)
+
+    def holds(self, origin: int, destination: int) -> bool:
+        """Whether the table holds a pair, or all of them."""
+        return self.is_whole or bool(kernels.events(self.table, origin, destination) > 0)
+
+    @property
     def entries(self) -> int:
         """Number of (pair, departure event) entries."""
         return kernels.count_entries(self.table)
@@ -307,11 +312,11 @@ class Timetable:
         Returns
         -------
         delta_v, arrival : float
-            [m/s], [s]; both +inf where there is no transfer.
+            [m/s], [s]; both +inf where there is no transfer, or the table does not hold the pair.
         """
         i, j = self.index(origin), self.index(destination)
         delta_v, arrival = kernels.lookup(self.table, i, j, float(time_s))
-        return float(delta_v), float(arrival)
+        return float(delta_v) - self.connecting.spent_m_s(i), float(arrival)
 
     def connections(
         self,
@@ -350,7 +355,9 @@ class Timetable:
             if not (math.isfinite(value) and value >= 0.0):
                 raise InputError(f"{name} = {value!r}: must be a finite number ≥ 0")
         i, j = self.index(origin), self.index(destination)
-        return self.connecting.of_pair(i, j, float(resolution_m_s)).after(after)
+        found = self.connecting.of_pair(i, j, float(resolution_m_s)).after(after)
+        spent = self.connecting.spent_m_s(i)
+        return replace(found, delta_v=found.delta_v - spent) if spent else found
 
     def matrices(
         self, departures: Sequence[float] | FloatArray, choose: Choice | None = None
@@ -380,11 +387,19 @@ class Timetable:
         duration = np.empty_like(delta_v)
         if choose is None:
             kernels.sample(self.table, times, delta_v, duration)
+            self._without_spent(delta_v)
             words = f"{_words(self.time_value_m_s_per_h)}, service in time"
             return Matrices(times, self.names, delta_v, duration, words)
         weights = weights_of(choose)
         self.connecting.choose(times, *weights, delta_v, duration)
+        self._without_spent(delta_v)
         return Matrices(times, self.names, delta_v, duration, _words(choose))
+
+    def _without_spent(self, delta_v: FloatArray) -> None:
+        """Take out of costs by origin what was spent before the start."""
+        for i in range(len(self.names)):
+            others = np.arange(len(self.names)) != i
+            delta_v[:, i, others] -= self.connecting.spent_m_s(i)
 
 
 def _words(choose: Choice) -> str:
@@ -401,6 +416,8 @@ def _in_slices(
     enough: Callable[[int], bool],
 ) -> int:
     """Fill pairs slice by slice in threads; how many are filled, from the first on."""
+    if pairs == 0:
+        return 0
     fill(0, 1)  # compiles once, before the threads
     begun = done = 1
     running: deque[tuple[int, Future[None]]] = deque()

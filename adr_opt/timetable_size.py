@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .available_memory import available_bytes
-from .connections import Connecting
+from .connections import Connecting, are_listed
 from .instance import Instance
 from .kernels import timetable as kernels
 from .kernels.constants import DAY_S, MU_M3_S2
@@ -31,7 +31,10 @@ SAMPLED_PAIRS = 8
 SAMPLED_STEPS, SAMPLED_EVENTS = 1000, 5000
 """A sample is no finer than so many steps of the grid and departure events in a mission."""
 
-TEMPORARY_BYTES = 80
+TABLE_BYTES = 2**31
+"""Who can plan on the nearest pairs takes no more for a table."""
+
+TEMPORARY_BYTES = 8
 """Memory that working out the costs of eccentricity takes for each pair of bodies."""
 
 
@@ -69,7 +72,19 @@ class Size:
 
     @property
     def _table_bytes(self) -> int:
-        return kernels.size_of(self.bodies, self.events) + TEMPORARY_BYTES * self.bodies**2
+        return self._with(self.bodies)
+
+    def _with(self, slots: int) -> int:
+        """Memory that the table takes with room for so many destinations of each body."""
+        return kernels.size_of(self.bodies, self.events, slots) + TEMPORARY_BYTES * self.bodies**2
+
+    def slots(self, table_bytes: float = TABLE_BYTES) -> int:
+        """For how many destinations of each body there is room in so much memory."""
+        free = min(table_bytes, MEMORY_SHARE * available_bytes())
+        if self._table_bytes <= free:
+            return self.bodies
+        each = self._with(1) - self._with(0)
+        return max(1, min(self.bodies, int((free - self._with(0)) / each)))
 
     @property
     def room_bytes(self) -> float:
@@ -104,7 +119,7 @@ def estimate(instance: Instance) -> Size:
         most, rows = instance.given.sizes(instance.names)
         return Size(bodies, most + 1, rows / max(1, bodies * (bodies - 1)))
     shortest = _shortest_spacing_s(instance)
-    if not Connecting(instance).drifts:
+    if not are_listed(instance):
         return Size(bodies, int(duration / shortest) + 2)
     settings = instance.transfer
     events = duration / max(shortest, settings.departure_spacing_s) + 2

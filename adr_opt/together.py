@@ -195,6 +195,7 @@ def _join(mission: Problem, planned: Result, proven: Result, runtime_s: float) -
         seed=planned.seed,
         runtime_s=runtime_s,
         upper_bound=mission.worth(upper_bound),
+        evidence=min(planned, proven, key=lambda side: side.upper_bound).evidence,
         counters=counters,
         notes=[note for note in dict.fromkeys(notes) if note != APPROXIMATE],
     )

@@ -34,13 +34,22 @@ SIZES = {
     "sso": 20,
     "campaign": 20,
     "removal": 20,
+    "fragment-cloud": 5,
 }
 """Instances of each family: the seeds from 0."""
+
+CROWDS = 5
+"""Seeds of the family `large` with more targets than it has."""
+
+CROWD_SIZES = (500, 1000, 2000)
 
 
 def renewed(version: str) -> Library:
     """The library that the generator gives now."""
     made = [generate(name, seed) for name, size in SIZES.items() for seed in range(size)]
+    made += [
+        generate("large", seed, targets=count) for count in CROWD_SIZES for seed in range(CROWDS)
+    ]
     entries = tuple(Entry(name=instance.name, sha256=instance.sha256) for instance in made)
     return Library(version="0.0", instances=entries).replace(version=version)
 

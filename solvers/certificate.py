@@ -7,6 +7,7 @@ import threading
 from collections.abc import Iterable
 from typing import Any, Generic, Protocol, TypeVar
 
+from adr_opt.evidence import Evidence
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
 from adr_opt.prizes import Prizes
@@ -54,6 +55,7 @@ class CertificateOf(Generic[Found]):
         self._told = (-math.inf, math.inf)
         self._best = best
         self.bound = math.inf
+        self.evidence: Evidence | None = None
         self.lower(problem.total_worth)
 
     @property
@@ -91,13 +93,18 @@ class CertificateOf(Generic[Found]):
                 self._told = told
                 self._progress(*told)
 
-    def lower(self, bound: float) -> None:
-        """A bound that was proven, rounded down to the step of the prizes; −inf for no plan."""
+    def lower(self, bound: float, evidence: Evidence | None = None) -> None:
+        """A bound that was proven, rounded down to the step of the prizes; −inf for no plan.
+
+        What it rests on is kept; where nobody can tell, that of the last bound of which it is
+        known.
+        """
         bound = max(rounded_down(bound, self._mission.prize_step), self.incumbent)
         if bound < 0.0:
             bound = -math.inf  # every plan is worth at least nothing, so there is none
         if bound < self.bound:
             self.bound = bound
+            self.evidence = evidence or self.evidence
             self.tell(self.incumbent, self.bound)
 
     @property

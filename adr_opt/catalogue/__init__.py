@@ -15,10 +15,13 @@ kilometres by which an osculating orbit wiggles within each revolution.
 """
 
 from .assemble import Imported, to_instance
-from .crew import Crew, Demands
+from .crew import Crew
+from .criticality import criticality
+from .demands import Demands
 from .filters import Filters
 from .reading import read
 from .records import Catalogue, Dropped, Record
+from .wishes import Wish, read_wishes
 
 __all__ = [
     "Catalogue",
@@ -28,6 +31,9 @@ __all__ = [
     "Filters",
     "Imported",
     "Record",
+    "Wish",
+    "criticality",
     "read",
+    "read_wishes",
     "to_instance",
 ]

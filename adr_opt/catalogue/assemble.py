@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -24,12 +24,14 @@ from ..orbit import Orbit
 from ..settings import MissionSettings, TransferSettings
 from ..sizes import transfers_for
 from ..wording import counted
-from .crew import Crew, Demands, targets_of
+from .crew import Crew
+from .demands import Demands, check_musts, filled, targets_of, told_left_out, told_masses
 from .filters import Filters
+from .finding import find
 from .propagation import FLOAT, mean_elements, true_anomaly
 from .records import Catalogue, Dropped, Record
 from .selection import named, nearest, within_limits
-from .station import densest, find, parse_orbit
+from .station import densest, parse_orbit
 
 FAR_DAYS = 7.0
 """Elements farther than this from the epoch are warned of: SGP4 loses kilometres a day."""
@@ -118,6 +120,7 @@ def to_instance(
     refuelling: bool = True,
     crew: Crew | None = None,
     demands: Demands | None = None,
+    by_criticality: bool = False,
 ) -> Imported:
     """Propagate a catalogue to one epoch, filter it and make an instance of it.
 
@@ -149,6 +152,9 @@ def to_instance(
         The chasers; by default one, with ``delta_v_m_s``.
     demands : Demands, optional
         What is asked of some objects.
+    by_criticality : bool
+        Whether prizes are those of :func:`.criticality.criticality`, but where ``demands`` say
+        others; else all are 1.
 
     Returns
     -------
@@ -172,7 +178,9 @@ def to_instance(
 
     told = None if station is None else parse_orbit(station)
     host = find(records, station) if station is not None and told is None else None
-    candidates = named(records, host, filters, dropped)
+    demands = demands or Demands()
+    choice = demands.choice(records, host)
+    candidates = named(records, host, filters, dropped, choice)
     if not candidates:
         raise _nothing_left(len(records), dropped)
     moved = candidates if host is None else [host, *candidates]
@@ -184,18 +192,21 @@ def to_instance(
     dropped += failed
     if host is not None:
         told, elements = elements[0], elements[1:]
-    rows = within_limits(candidates, elements, filters, dropped)
+    rows = within_limits(candidates, elements, filters, dropped, choice)
     if rows.size == 0:
         raise _nothing_left(len(records), dropped)
     place = told if told is not None else densest(elements[rows])
     if max_targets is not None and rows.size > max_targets:
-        rows = nearest(candidates, elements, rows, place, max_targets, dropped)
+        rows = nearest(candidates, elements, rows, place, max_targets, dropped, choice)
 
     targets = [candidates[row] for row in rows]
     home = host.label if host else "station"
     if transfer is None:
         transfer = transfers_for(duration_s) if dynamics == "j2" else TransferSettings()
-    asked = (demands or Demands()).of(targets)
+    check_musts(choice, targets, candidates, dropped)
+    asked = demands.of(targets, records, choice)
+    crew = crew or Crew(Tank(delta_v_m_s=float(delta_v_m_s)))
+    fields = filled(asked, targets, records, crew, by_criticality=by_criticality)
     instance = _instance(
         name or _default_name(targets, len(rows)),
         epoch,
@@ -204,8 +215,8 @@ def to_instance(
         _unique([record.label for record in targets], {home} if refuelling else set()),
         elements[rows],
         duration_s,
-        crew or Crew(Tank(delta_v_m_s=float(delta_v_m_s))),
-        asked,
+        crew,
+        fields,
         dynamics=dynamics,
         transfer=transfer,
     )
@@ -214,7 +225,11 @@ def to_instance(
         instance=instance,
         read=len(records),
         dropped=tuple(dropped),
-        warnings=tuple(_warnings(targets, host, instance, epoch)),
+        warnings=(
+            *((told_masses(targets, fields),) if by_criticality else ()),
+            *((told_left_out(asked.left_out),) if asked.left_out else ()),
+            *_warnings(targets, host, instance, epoch),
+        ),
         station=LAUNCHED if 0 in instance.launches else placed,
     )
 
@@ -246,7 +261,7 @@ def _instance(
     elements: FLOAT,
     duration_s: float,
     crew: Crew,
-    asked: tuple[dict[int, float], set[int]],
+    fields: Mapping[int, Mapping[str, Any]],
     **settings: Any,
 ) -> Instance:
     try:
@@ -260,11 +275,16 @@ def _instance(
             name=name,
             epoch=epoch.astimezone(UTC),
             stations=stations,
-            targets=targets_of(names, orbits, crew.removal, asked),
+            targets=targets_of(names, orbits, crew, fields),
             chasers=crew.chasers(
                 start, [*(station.name for station in stations), *names], duration_s
             ),
-            mission=MissionSettings(duration_s=float(duration_s)),
+            mission=MissionSettings(
+                duration_s=float(duration_s),
+                launch_separation_s=crew.separation_s,
+                disposal_altitude_m=crew.disposal_altitude_m,
+            ),
+            objective=crew.objective,
             **settings,
         )
     except ValidationError as error:

@@ -1,23 +1,29 @@
-"""Who goes to the objects of a catalogue, and what is asked of some of these.
+"""Who goes to the objects of a catalogue.
 
 An import makes one chaser, at the station or where that would be. A :class:`Crew` says otherwise:
-launches at intervals, a tank by mass, kits. :class:`Demands` are what single objects have to have.
+launches at intervals, a tank by mass, kits, tows.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass, field
-from typing import Literal
 
-from ..bodies import Target
-from ..chasers import AnyTank, AtStation, Chaser, InOrbit, Tank, free_name
+from ..bodies import Removal
+from ..chasers import (
+    AnyTank,
+    AtStation,
+    Chaser,
+    Expense,
+    InOrbit,
+    Tank,
+    TankByMass,
+    free_name,
+)
 from ..errors import InputError
 from ..kernels.constants import DAY_S
-from ..orbit import Orbit
-from .records import Record
-from .station import find
+from ..settings import Objective
 
 APART_S = 365.0 * DAY_S
 """Between two launches, where nobody says how far apart they are."""
@@ -39,6 +45,14 @@ class Crew:
         The most that each carries, one for each target; None if targets are only visited.
     kit_mass_kg : float
         Of each kit.
+    expense : Expense, optional
+        Of each chaser; then plans are to take as little as they can.
+    separation_s : float, optional
+        Launches lie so far apart at least; then each may be at the epoch but for ``apart_s`` [s].
+    towed_kg : float, optional
+        Mass of each target, all of which are towed; None if they are not.
+    disposal_altitude_m : float, optional
+        Of the circles that they are towed to.
     """
 
     tank: AnyTank = field(default_factory=lambda: Tank(delta_v_m_s=3000.0))
@@ -46,6 +60,10 @@ class Crew:
     apart_s: float = APART_S
     kits: int | None = None
     kit_mass_kg: float = 0.0
+    expense: Expense | None = None
+    separation_s: float | None = None
+    towed_kg: float | None = None
+    disposal_altitude_m: float | None = None
 
     def __post_init__(self) -> None:
         if self.launches < 0:
@@ -54,10 +72,23 @@ class Crew:
             raise InputError(f"time between launches = {self.apart_s:g} s: must not be negative")
         if self.kit_mass_kg > 0.0 and self.kits is None:
             raise InputError(f"kit mass = {self.kit_mass_kg:g} kg: there are no kits; say how many")
+        if self.towed_kg is not None and self.kits is not None:
+            raise InputError("a target takes a kit or is towed; give kits or a mass to tow")
+        if (self.towed_kg is None) != (self.disposal_altitude_m is None):
+            raise InputError("a tow needs a mass and a disposal altitude; give both or none")
+        if self.towed_kg is not None and not isinstance(self.tank, TankByMass):
+            raise InputError("a tank that is counted in ΔV knows no masses, and cannot tow any")
 
     @property
-    def removal(self) -> Literal["visit", "kit"]:
+    def objective(self) -> Objective:
+        """What decides between plans that collect as much."""
+        return Objective() if self.expense is None else Objective(cost="expense")
+
+    @property
+    def removal(self) -> Removal:
         """What is done with each target."""
+        if self.towed_kg is not None:
+            return "tow"
         return "visit" if self.kits is None else "kit"
 
     def chasers(
@@ -81,11 +112,11 @@ class Crew:
         """
         one = Chaser(
             name=free_name(bodies), start=home, tank=self.tank, kits=self.kits,
-            kit_mass_kg=self.kit_mass_kg,
+            kit_mass_kg=self.kit_mass_kg, expense=self.expense,
         )  # fmt: skip
         if self.launches == 0:
             return (one,)
-        last_s = (self.launches - 1) * self.apart_s
+        last_s = (self.launches - 1) * max(self.apart_s, self.separation_s or 0.0)
         if last_s >= duration_s:
             raise InputError(
                 f"launch {self.launches} is on day {last_s / DAY_S:g}, and the mission ends on day "
@@ -99,64 +130,3 @@ class Crew:
             )
             for number in range(self.launches)
         )
-
-
-@dataclass(frozen=True)
-class Demands:
-    """What is asked of single objects, each by its number, name or designator.
-
-    Attributes
-    ----------
-    deadlines_s : mapping of str to float
-        When the service of an object has to be over, if it is serviced [s after the epoch].
-    required : collection of str
-        Objects that a plan has to service.
-    """
-
-    deadlines_s: Mapping[str, float] = field(default_factory=dict)
-    required: Collection[str] = ()
-
-    def __post_init__(self) -> None:
-        for said, deadline_s in self.deadlines_s.items():
-            if not 0.0 < deadline_s < math.inf:
-                raise InputError(f"--deadline {said}={deadline_s / DAY_S:g}: must be after day 0")
-
-    def of(self, records: Sequence[Record]) -> tuple[dict[int, float], set[int]]:
-        """The deadlines [s] by the numbers of the records, and the numbers of required ones.
-
-        Raises
-        ------
-        InputError
-            An object is not among the records or not the only one of its name, or has two
-            deadlines.
-        """
-        deadlines: dict[int, float] = {}
-        for said, deadline_s in self.deadlines_s.items():
-            number = _number(records, said, "--deadline")
-            if number in deadlines:
-                raise InputError(f"--deadline {said}: {records[number].label} has one already")
-            deadlines[number] = deadline_s
-        return deadlines, {_number(records, said, "--require") for said in self.required}
-
-
-def targets_of(
-    names: Sequence[str],
-    orbits: Iterable[Orbit],
-    removal: Literal["visit", "kit"],
-    asked: tuple[Mapping[int, float], Collection[int]],
-) -> tuple[Target, ...]:
-    """The targets, each with its name and orbit and what is asked of it by its number."""
-    deadlines, required = asked
-    return tuple(
-        Target(
-            name=name, orbit=orbit, removal=removal, required=number in required,
-            window_s=(0.0, deadlines.get(number)),
-        )
-        for number, (name, orbit) in enumerate(zip(names, orbits, strict=True))
-    )  # fmt: skip
-
-
-def _number(records: Sequence[Record], said: str, option: str) -> int:
-    """Which of the targets is meant."""
-    chosen = find(records, said, option, "one that is a target")
-    return next(number for number, record in enumerate(records) if record is chosen)

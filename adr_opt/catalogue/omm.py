@@ -26,14 +26,21 @@ UNITS = {
     "BSTAR": "1/er",
     "MEAN_MOTION_DOT": "rev/day**2",
     "MEAN_MOTION_DDOT": "rev/day**3",
+    "MASS": "kg",
 }
 """The only units there are; a file may repeat them."""
 
 FIELDS = frozenset(UNITS) | {
     "OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "REF_FRAME", "TIME_SYSTEM", "MEAN_ELEMENT_THEORY",
     "EPOCH", "ECCENTRICITY", "NORAD_CAT_ID", "ELEMENT_SET_NO", "REV_AT_EPOCH", "EPHEMERIS_TYPE",
-    "CLASSIFICATION_TYPE", "DECAY_DATE",
+    "CLASSIFICATION_TYPE", "DECAY_DATE", "RCS_SIZE",
 }  # fmt: skip
+
+USER_DEFINED = "USER_DEFINED_RCS_SIZE"
+"""How KVN writes the one field that is no keyword of the standard, and that is looked at."""
+
+SIZES = ("SMALL", "MEDIUM", "LARGE")
+"""Classes of the radar cross-section: below 0.1 m², up to 1 m², above."""
 
 THEORIES = {"SGP4", "SGP/SGP4", "SGP4/SDP4", "SDP4", "SGP"}
 FRAMES = {"TEME", "TEMEOFEPOCH", "TEME OF EPOCH"}
@@ -94,6 +101,8 @@ def record(fields: Mapping[str, Any], source: str, line: int, ordinal: int | Non
         revolution=_integer(fields, "REV_AT_EPOCH"),
         decayed=clean_name(_text(fields, "DECAY_DATE")),
         not_sgp4=not_sgp4,
+        mass_kg=_number(fields, "MASS", 0.0, 1e9, default=0.0) or None,
+        size=_size(fields),
         source=source,
         line=line,
         ordinal=ordinal,
@@ -126,6 +135,11 @@ def _why_not_sgp4(fields: Mapping[str, Any], theory: str) -> str:
     if _integer(fields, "EPHEMERIS_TYPE") == 4:
         return "EPHEMERIS_TYPE 4 is SGP4-XP, not SGP4"
     return ""
+
+
+def _size(fields: Mapping[str, Any]) -> str:
+    said = _text(fields, "RCS_SIZE").upper()
+    return said if said in SIZES else ""
 
 
 def _text(fields: Mapping[str, Any], key: str, default: str = "") -> str:

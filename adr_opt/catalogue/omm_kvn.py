@@ -34,6 +34,8 @@ def read_kvn(lines: Iterable[str], source: str) -> Iterator[Record | Dropped]:
                 raise RowError(f"{shown(line)!r} is not KEYWORD = value")
             if len(raw) > LONGEST_LINE:
                 raise RowError(f"the line is longer than {LONGEST_LINE} characters")
+            if key == omm.USER_DEFINED:
+                key = "RCS_SIZE"
             if key in omm.FIELDS:
                 if key in fields:
                     raise RowError(f"field {key} is given twice in one message")

@@ -44,6 +44,10 @@ class Record:
         When the object decayed, if the file says so.
     not_sgp4 : str
         Why SGP4 cannot propagate these elements; empty if it can.
+    mass_kg : float or None
+        Where the file says it.
+    size : str
+        Class of the radar cross-section, ``SMALL``, ``MEDIUM`` or ``LARGE``; empty if none is said.
     source : str
         The file.
     line : int
@@ -71,6 +75,9 @@ class Record:
     revolution: int = 0
     decayed: str = ""
     not_sgp4: str = ""
+    # Of the object and not of its orbit: most spellings have no place for them.
+    mass_kg: float | None = field(default=None, compare=False)
+    size: str = field(default="", compare=False)
     source: str = field(default="", compare=False)
     line: int = field(default=0, compare=False)
     ordinal: int | None = field(default=None, compare=False)

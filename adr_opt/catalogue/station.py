@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from ..errors import InputError
 from ..kernels.constants import EARTH_RADIUS_M
-from .records import Record, shown
+from .records import shown
 
 NEIGHBOUR_RAD = math.radians(2.0)
 """Planes nearer than this count as neighbours: some 260 m/s in low orbit."""
@@ -123,44 +122,3 @@ def parse_orbit(text: str) -> FLOAT | None:
             math.radians(latitude),
         ]
     )
-
-
-def find(
-    records: Sequence[Record],
-    text: str,
-    option: str = "--station",
-    instead: str = "one of the catalogue, or ALTITUDE_KM,INCLINATION,RAAN",
-) -> Record:
-    """The object among some that is meant by its number or name.
-
-    Parameters
-    ----------
-    records : sequence of Record
-    text : str
-    option, instead : str
-        Who asks, and what it takes, for the sentences of errors.
-
-    Raises
-    ------
-    InputError
-        There is none, or more than one.
-    """
-    wanted = text.strip().casefold()
-    if not wanted:
-        raise InputError(f"{option} '': give {instead}")
-    found = [record for record in records if wanted.isdigit() and str(record.number) == wanted]
-    found = found or [
-        record
-        for record in records
-        if wanted in (record.name.casefold(), record.label.casefold(), record.object_id.casefold())
-    ]
-    if not found:
-        raise InputError(
-            f"{option} {shown(text)!r}: no object has this number or name; give {instead}"
-        )
-    if len(found) > 1:
-        raise InputError(
-            f"{option} {shown(text)!r}: {len(found)} objects have this name; give the catalogue "
-            f"number, {found[0].number} for the first"
-        )
-    return found[0]

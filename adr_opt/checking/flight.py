@@ -21,20 +21,41 @@ from ..kernels.drift import POLAR
 from ..plan import Leg
 from .eccentric import Sequence, matching_cost, mean_perigee
 from .given import check_given
+from .tow import Towed, towed_bodies
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 
 
 class Physics(NamedTuple):
-    """What the transfers of an instance follow from, worked out once for all legs."""
+    """What the transfers of an instance follow from, worked out once for all legs.
+
+    Attributes
+    ----------
+    elements : (bodies, columns) float64
+        Of bodies as they are arrived at.
+    left : (bodies, columns + 1) float64
+        Of bodies as they are left, and the rate of the node after that, see :mod:`.tow` [rad/s].
+    rule : TransferRule
+    given : Given or None
+    towed : dict of str to Towed
+        The targets that are towed, by name.
+    """
 
     elements: npt.NDArray[np.float64]
+    left: npt.NDArray[np.float64]
     rule: transfer.TransferRule
     given: Given | None
+    towed: dict[str, Towed]
 
     @classmethod
     def of(cls, instance: Instance) -> Physics:
         """That of an instance."""
-        return cls(instance.orbits(), instance.transfer_rule(), instance.given)
+        elements = instance.orbits()
+        left = np.column_stack([elements, elements[:, orbits.RAAN_RATE]])
+        towed = towed_bodies(instance, elements)
+        for body, name in enumerate(instance.names):
+            if name in towed:
+                left[body] = towed[name].left
+        return cls(elements, left, instance.transfer_rule(), instance.given, towed)
 
 
 def check_transfer(
@@ -54,8 +75,8 @@ def check_transfer(
         return leg.arrival_s, leg.delta_v_m_s
     if leg.kind == "drift":
         return (yield from check_drift(instance, physics, number, leg, i, j, free))
-    elements, rule = physics.elements, physics.rule
-    pair = transfer.prepare(elements[i], elements[j], 0.0, rule)
+    origin, destination, rule = physics.left[i], physics.elements[j], physics.rule
+    pair = transfer.prepare(origin, destination, 0.0, rule)
     if instance.dynamics == "j2":
         sequence = yield from _check_drifting_planes(pair, rule, number, leg, free)
     else:
@@ -64,7 +85,7 @@ def check_transfer(
         return leg.arrival_s, leg.delta_v_m_s
     turn = 4.0 * math.sin(0.5 * sequence.theta) ** 2
     circles = float(transfer.turned_delta_v(pair, rule, sequence.laps, sequence.radius, turn, 0.0))
-    least = matching_cost(elements[i], elements[j], rule, leg.departure_s, sequence)
+    least = matching_cost(origin, destination, rule, leg.departure_s, sequence)
     extra = max(0.0, least - circles)
     delta_v = circles + extra
     yield from _check_figures(sequence, delta_v, extra, number, leg)
@@ -80,7 +101,7 @@ def check_transfer(
         number,
         leg,
         *burn_kernels.burns(
-            elements[i], elements[j], pair, rule, sequence.departure, sequence.laps, sequence.radius
+            origin, destination, pair, rule, sequence.departure, sequence.laps, sequence.radius
         ),
     )
     arrives_as_stated = abs(leg.arrival_s - sequence.arrival) <= TIME_TOLERANCE_S
@@ -116,7 +137,7 @@ def check_drift(
 ) -> Generator[Violation, None, tuple[float, float]]:
     """A leg that drifts costs what MODEL section 3 says, and its burns meet the target."""
     as_stated = leg.arrival_s, leg.delta_v_m_s
-    origin, destination = physics.elements[i], physics.elements[j]
+    origin, destination = physics.left[i], physics.elements[j]
     span, longest = leg.arrival_s - leg.departure_s, instance.transfer.max_drift_s
     if not 0.0 < span <= longest + TIME_TOLERANCE_S:
         yield Violation(
@@ -149,20 +170,21 @@ def drift_cost(
     """ΔV of a drift, and the part of it that eccentricity asks for, by the matrices of MODEL [m/s].
 
     Written out once more, with the matrices that :mod:`adr_opt.kernels.drift` has solved by hand.
+    The origin is as it is left, with the rate of its node after that in a last column.
     """
     span = leg.arrival_s - leg.departure_s
+    origin, rate_i = origin[:-1], origin[-1]
     mean = 0.5 * (origin + destination)
     radius, inclination = mean[orbits.RADIUS], mean[orbits.INCLINATION]
     speed = math.sqrt(MU_M3_S2 / radius)
     later = destination - origin
-    node = math.remainder(
-        later[orbits.RAAN] + later[orbits.RAAN_RATE] * leg.arrival_s, 2.0 * math.pi
-    )
+    node = orbits.node_at(destination, leg.arrival_s) - orbits.node_at(origin, leg.departure_s)
+    node = math.remainder(node - rate_i * span, 2.0 * math.pi)
     todo = speed * np.array([
         node * math.sin(inclination), 0.5 * later[orbits.RADIUS] / radius,
         later[orbits.INCLINATION],
     ])  # fmt: skip
-    rate = mean[orbits.RAAN_RATE]
+    rate = 0.5 * (rate_i + destination[orbits.RAAN_RATE])
     if abs(math.cos(inclination)) > POLAR:
         slope = rate * math.tan(inclination)
     else:

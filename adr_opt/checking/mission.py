@@ -15,8 +15,10 @@ from ..keep_out import crossed
 from ..kernels import orbits
 from ..kernels.constants import SLACK_M_S, SLACK_S
 from ..plan import Leg, Plan
+from .campaign import Drawn, launch_times
 from .flight import Physics, check_transfer
 from .tank import Tank
+from .tow import Towed, check_tow
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 
 MASS_TOLERANCE = 1e-9
@@ -44,6 +46,8 @@ class _Followed:
         Since when it is [s].
     tank : Tank
     chaser : Chaser
+    drawn : Drawn
+        What stations have given to anybody.
     since_refuelling : int
         Targets serviced since then.
     targets : int
@@ -54,6 +58,7 @@ class _Followed:
     free: float
     tank: Tank
     chaser: Chaser
+    drawn: Drawn
     since_refuelling: int = 0
     targets: int = 0
 
@@ -70,7 +75,8 @@ def check_routes(instance: Instance, plan: Plan) -> Iterator[Violation]:
 
 def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
     """Follow each chaser leg by leg: order, times, ΔV, burns. A target is done once, by one."""
-    bodies, physics = _Bodies(instance), Physics.of(instance)
+    bodies, physics, drawn = _Bodies(instance), Physics.of(instance), Drawn(instance)
+    launches = launch_times(instance)
     chasers = {chaser.name: chaser for chaser in instance.chasers}
     flown = [(chasers.pop(route.chaser, None), route.legs) for route in plan.routes]
     at_home: list[tuple[Chaser | None, tuple[Leg, ...]]] = [(each, ()) for each in chasers.values()]
@@ -82,7 +88,8 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
             continue
         kits = len({leg.destination for leg in route} & bodies.kits)
         tank = Tank(chaser, kits)
-        now = _Followed(chaser.start_name, chaser.available_s[0], tank, chaser)
+        free = launches.get(chaser.name, chaser.available_s[0])
+        now = _Followed(chaser.start_name, free, tank, chaser, drawn)
         if chaser.kits is not None and kits > chaser.kits:
             yield Violation(
                 None, "kits", f"{chaser.name!r} leaves {kits} kits, and may carry {chaser.kits}"
@@ -91,6 +98,7 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
         if leads_on:
             yield from _check_end(plan, now)
         whole = whole and leads_on
+    yield from drawn.violations()
     if not whole or plan.status not in ("optimal", "feasible"):
         return
     for target in instance.targets:
@@ -108,7 +116,8 @@ def _check_route(
     route: tuple[Leg, ...],
 ) -> Generator[Violation, None, bool]:
     """Follow one chaser, who is left at the end of its last leg; returns whether it got there."""
-    for number, leg in enumerate(route, start=first):
+    for at, leg in enumerate(route):
+        number, following = first + at, route[at + 1] if at + 1 < len(route) else None
         leads_on = yield from _check_order(bodies, now, visited, number, leg)
         if not leads_on:
             return False
@@ -121,17 +130,19 @@ def _check_route(
         i, j = bodies.number[leg.origin], bodies.number[leg.destination]
         arrival, delta_v = yield from check_transfer(instance, physics, number, leg, i, j, now.free)
         yield from _check_zones(instance, number, leg)
+        towed = physics.towed.get(leg.destination)
         end = yield from _check_service(
-            instance, bodies, now, number, leg, arrival, physics.elements[j]
+            instance, bodies, now, number, leg, arrival, physics.elements[j], towed
         )
-        yield from _check_tank(bodies, now, visited, number, leg, delta_v)
+        yield from check_tow(towed, number, leg, end, following)
+        yield from _check_tank(bodies, now, visited, number, leg, delta_v, towed)
         if leg.destination in bodies.stations:
             now.since_refuelling = 0
         else:
             now.since_refuelling += 1
             now.targets += leg.destination not in visited
             visited.add(leg.destination)
-        now.where, now.free = leg.destination, end
+        now.where, now.free = leg.destination, end + (towed.time_s if towed else 0.0)
     return True
 
 
@@ -184,20 +195,25 @@ def _check_service(
     leg: Leg,
     arrival: float,
     elements: npt.NDArray[np.float64],
+    towed: Towed | None,
 ) -> Generator[Violation, None, float]:
-    """The service lasts as long as it has to, within all limits; returns when it ends."""
+    """The service lasts as long as it has to, within all limits; returns when it ends.
+
+    Where the destination is towed there has to be time for that, too.
+    """
     opens, closes = bodies.windows.get(leg.destination, (0.0, None))
     at_station = leg.destination in bodies.stations
     end = max(arrival, opens) + _service_s(instance, elements, at_station)
     if abs(leg.end_s - end) > TIME_TOLERANCE_S:
         yield Violation(number, "service", f"end_s = {leg.end_s!r}, but it ends at {end!r}")
-    for rule, last in (
-        ("duration", instance.mission.duration_s),
-        ("availability", now.chaser.available_s[1]),
-        ("window", closes),
+    free = end + (towed.time_s if towed else 0.0)
+    for rule, ends, last in (
+        ("duration", free, instance.mission.duration_s),
+        ("availability", free, now.chaser.available_s[1]),
+        ("window", end, closes),
     ):
-        if last is not None and end > last + SLACK_S:
-            yield Violation(number, rule, f"ends at {end!r} s, after {last!r} s")
+        if last is not None and ends > last + SLACK_S:
+            yield Violation(number, rule, f"ends at {ends!r} s, after {last!r} s")
     return end
 
 
@@ -214,7 +230,13 @@ def _service_s(instance: Instance, elements: npt.NDArray[np.float64], at_station
 
 
 def _check_tank(
-    bodies: _Bodies, now: _Followed, visited: set[str], number: int, leg: Leg, delta_v: float
+    bodies: _Bodies,
+    now: _Followed,
+    visited: set[str],
+    number: int,
+    leg: Leg,
+    delta_v: float,
+    towed: Towed | None,
 ) -> Iterator[Violation]:
     """The ΔV suffices, and what is left then is as stated."""
     tank = now.tank
@@ -224,9 +246,17 @@ def _check_tank(
         )
     tank.burn(delta_v)
     if leg.destination in bodies.stations:
+        before = tank.mass_kg
         tank.fill()
+        now.drawn.fill(leg.destination, before, tank.mass_kg)
     elif leg.destination in bodies.kits - visited:
         tank.leave_kit()
+    elif towed is not None and leg.destination not in visited:
+        tank.tow(towed.delta_v_m_s, towed.mass_kg)
+        if tank.left_m_s < -SLACK_M_S:
+            yield Violation(
+                number, "delta-v", f"tows {leg.destination!r}, and has too little left for that"
+            )
     left = tank.left_m_s
     if abs(leg.delta_v_left_m_s - left) > DELTA_V_TOLERANCE_M_S:
         yield Violation(

@@ -27,6 +27,11 @@ class Tank:
         self.mass_kg: float | None = None
         self._left_m_s = 0.0
         self.fill()
+        if isinstance(self._tank, TankByMass):
+            if self._tank.initial_propellant_kg is not None:
+                self.mass_kg = self._empty_kg + self._tank.initial_propellant_kg
+        elif self._tank.initial_delta_v_m_s is not None:
+            self._left_m_s = self._tank.initial_delta_v_m_s
 
     @property
     def _empty_kg(self) -> float:
@@ -59,6 +64,12 @@ class Tank:
             self._left_m_s -= delta_v_m_s
         else:
             self.mass_kg *= math.exp(-delta_v_m_s / self._tank.exhaust_m_s)
+
+    def tow(self, delta_v_m_s: float, object_kg: float) -> None:
+        """Take a ΔV out of it, flown with an object that is left behind after it."""
+        assert self.mass_kg is not None
+        both = (self.mass_kg + object_kg) * math.exp(-delta_v_m_s / self._tank.exhaust_m_s)
+        self.mass_kg = both - object_kg
 
     def leave_kit(self) -> None:
         """Go on without one of the kits."""

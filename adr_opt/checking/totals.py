@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..instance import Instance
-from ..plan import Plan
+from ..plan import Leg, Plan
+from .campaign import expense
 from .violation import (
     DELTA_V_TOLERANCE_M_S,
+    EXPENSE_TOLERANCE,
     OBJECTIVE_TOLERANCE,
     TIME_TOLERANCE_S,
     Violation,
@@ -68,11 +70,15 @@ def check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
 
 def check_cost(instance: Instance, plan: Plan) -> Iterator[Violation]:
     """The cost, as the instance counts it, and what is said to be proven of it."""
-    if instance.objective.cost == "duration":
-        cost, slack = max([0.0, *(leg.end_s for leg in plan.legs)]), TIME_TOLERANCE_S
+    if instance.objective.cost == "expense":
+        cost = expense(instance, plan)
+        slack = EXPENSE_TOLERANCE * cost
+    elif instance.objective.cost == "duration":
+        cost, slack = max([0.0, *(_over_s(leg) for leg in plan.legs)]), TIME_TOLERANCE_S
     else:
-        cost = sum(leg.delta_v_m_s for leg in plan.legs)
-        slack = DELTA_V_TOLERANCE_M_S * len(plan.legs)
+        tows = [leg.tow.delta_v_m_s for leg in plan.legs if leg.tow is not None]
+        cost = sum(leg.delta_v_m_s for leg in plan.legs) + sum(tows)
+        slack = DELTA_V_TOLERANCE_M_S * (len(plan.legs) + len(tows))
     if abs(plan.cost - cost) > slack:
         yield Violation(None, "cost", f"cost = {plan.cost!r}, but it is {cost!r}")
     bound = plan.cost_bound
@@ -103,3 +109,8 @@ def check_cost(instance: Instance, plan: Plan) -> Iterator[Violation]:
         )
     elif plan.cost_status in ("infeasible", "unknown") and plan.legs:
         yield Violation(None, "cost-status", f"{plan.cost_status} is stated, but the plan has legs")
+
+
+def _over_s(leg: Leg) -> float:
+    """When a leg is over, with service and tow [s]."""
+    return leg.end_s if leg.tow is None else leg.tow.end_s

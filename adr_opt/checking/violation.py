@@ -12,6 +12,9 @@ DELTA_V_TOLERANCE_M_S = 1e-4
 OBJECTIVE_TOLERANCE = 1e-6
 """The same for objective and bound, relative; for the gap, which is a share, as it is."""
 
+EXPENSE_TOLERANCE = 1e-9
+"""The same for expenses, relative."""
+
 
 @dataclass(frozen=True)
 class Violation:

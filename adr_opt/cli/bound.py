@@ -6,6 +6,7 @@ import math
 
 import click
 
+from .certificates import certificate_option, check_certificate, save_certificate
 from .output import emit, emit_json, say
 from .parameters import (
     instance_argument,
@@ -23,6 +24,7 @@ from .parameters import (
     "--time-limit", type=float, metavar="S", help="Wall time, the timetable included; 60 s."
 )
 @run_options
+@certificate_option
 @json_option
 @quiet_option
 def command(
@@ -35,6 +37,7 @@ def command(
     jobs: int | None,
     start_path: str | None,
     assignments: tuple[str, ...],
+    certificate_path: str | None,
     as_json: bool,
     quiet: bool,
 ) -> int:
@@ -54,6 +57,9 @@ def command(
     options = parse_assignments(front.method_of(method, BOUNDS), assignments)
     instance = load(instance_path)
     start = None if start_path is None else load_plan(start_path)
+    check_certificate(
+        certificate_path, instance, method, None, instance_path, margin=margin, group=BOUNDS
+    )
 
     result = work(
         lambda stop, progress: front.run(
@@ -67,6 +73,8 @@ def command(
     if not quiet:
         for note in result.notes:
             say(f"note: {note}")
+    if certificate_path is not None:
+        save_certificate(certificate_path, instance, result, quiet, plan=False)
     if as_json:
         reference = {"name": instance.name, "sha256": instance.sha256}
         emit_json({"instance": reference, "margin": margin, **result.to_dict()})

@@ -13,8 +13,8 @@ import click
 
 from ..errors import InputError
 from .output import say
+from .signals import Aborted
 from .verbs import command
-from .work import Aborted
 
 DONE, WRONG, INTERRUPTED, READER_GONE = 0, 2, 128 + 2, 128 + 13
 

@@ -33,7 +33,7 @@ def command(
     """Draw an instance of FAMILY.
 
     One of tiny, nominal, reduced-time, reduced-fuel, campaign, cloud, large,
-    sso, rocket-bodies and removal.
+    sso, rocket-bodies, removal and fragment-cloud.
     """
     from ..files import write_text
     from ..generator import generate

@@ -26,7 +26,7 @@ LEAST_STEP_DAYS = 0.01
 MOST_LISTED = 20
 """Bad rows listed on standard error; --json lists all."""
 
-FILTERS = ("name", "altitude", "inclination", "raan", "max-targets")
+FILTERS = ("name", "exclude", "altitude", "inclination", "raan", "max-targets")
 """Reasons that the user asked for, which are counted and not listed."""
 
 
@@ -76,6 +76,11 @@ FILTERS = ("name", "altitude", "inclination", "raan", "max-targets")
 @click.option(
     "--resolution", type=float, metavar="M_S", help="Transfers that save less are left out, m/s."
 )
+@click.option(
+    "--criticality",
+    is_flag=True,
+    help="Prizes by mass, altitude and crowding, from 1 to 100: a ranking.",
+)
 @click.option("--skip-bad", is_flag=True, help="Keep the good rows and objects, list the rest.")
 @json_option
 @quiet_option
@@ -96,6 +101,7 @@ def command(
     max_drift_days: float | None,
     departure_spacing_days: float | None,
     resolution: float | None,
+    criticality: bool,
     skip_bad: bool,
     as_json: bool,
     quiet: bool,
@@ -110,7 +116,7 @@ def command(
     from ..catalogue.filters import parse_range
     from ..files import write_text
 
-    check_out(out, *files)
+    check_out(out, *files, crew_given["prizes_path"])
     if any(not name.strip() for name in names):
         raise InputError("--name '': give a part of a name or a pattern")
     for option, value, least in (
@@ -146,6 +152,7 @@ def command(
         refuelling=not no_refuelling,
         crew=crew,
         demands=demands,
+        by_criticality=criticality,
     )
     write_text(out, made.instance.to_json())
     if as_json:

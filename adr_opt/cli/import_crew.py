@@ -1,4 +1,4 @@
-"""What ``import`` has for chasers and for single objects: launches, tanks, kits and deadlines."""
+"""What ``import`` has for chasers and single objects: launches, tanks, kits, tows, deadlines."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..wording import counted
 
 if TYPE_CHECKING:
     from ..catalogue import Crew, Demands
-    from ..chasers import AnyTank
+    from ..chasers import AnyTank, Expense
     from ..instance import Instance
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -36,10 +36,24 @@ def crew_options(function: Function) -> Function:
             ),
             click.option("--kit-mass", type=float, metavar="KG", help="Of each kit; 0."),
             click.option(
+                "--tow", type=float, metavar="KG", help="Mass of each target, which is towed,"
+            ),
+            click.option(
+                "--disposal-altitude", type=float, metavar="KM", help="down to a circle there."
+            ),
+            click.option(
                 "--launches", type=int, metavar="N", help="N chasers, each onto its first target."
             ),
             click.option(
                 "--launch-every", type=float, metavar="DAYS", help="Between two launches; 365."
+            ),
+            click.option(
+                "--launch-separation", type=float, metavar="DAYS",
+                help="Between two launches at least, each as soon as it is worth it.",
+            ),
+            click.option(
+                "--expense", metavar="FIXED[,PER_KG[,PER_KG2]]",
+                help="Of each chaser that is used; of equal plans the least expense is best.",
             ),
             click.option(
                 "--deadline", "deadlines", multiple=True, metavar="OBJECT=DAYS",
@@ -48,6 +62,18 @@ def crew_options(function: Function) -> Function:
             click.option(
                 "--require", "required", multiple=True, metavar="OBJECT",
                 help="One that has to be serviced; may be repeated.",
+            ),
+            click.option(
+                "--must", "musts", multiple=True, metavar="OBJECT[,OBJECT...]",
+                help="The same, and kept whatever the filters say.",
+            ),
+            click.option(
+                "--exclude", "excluded", multiple=True, metavar="OBJECT[,OBJECT...]",
+                help="One that is to be no target; may be repeated.",
+            ),
+            click.option(
+                "--prizes", "prizes_path", metavar="FILE",
+                help="CSV: object, prize, required, window, mass, removal.",
             ),
         )
     ):  # fmt: skip
@@ -64,10 +90,17 @@ class CrewOptions(NamedTuple):
     isp: float | None
     kits: int | None
     kit_mass: float | None
+    tow: float | None
+    disposal_altitude: float | None
     launches: int | None
     launch_every: float | None
+    launch_separation: float | None
+    expense: str | None
     deadlines: tuple[str, ...]
     required: tuple[str, ...]
+    musts: tuple[str, ...]
+    excluded: tuple[str, ...]
+    prizes_path: str | None
 
     def crew(self) -> Crew:
         """The chasers.
@@ -83,22 +116,80 @@ class CrewOptions(NamedTuple):
         for option, value in (
             ("--delta-v", self.delta_v), ("--dry-mass", self.dry_mass),
             ("--propellant", self.propellant), ("--isp", self.isp), ("--kits", self.kits),
-            ("--kit-mass", self.kit_mass), ("--launches", self.launches),
-            ("--launch-every", self.launch_every),
+            ("--kit-mass", self.kit_mass), ("--tow", self.tow),
+            ("--disposal-altitude", self.disposal_altitude), ("--launches", self.launches),
+            ("--launch-every", self.launch_every), ("--launch-separation", self.launch_separation),
         ):  # fmt: skip
             if value is not None and not 0.0 < value < math.inf:
                 raise InputError(f"{option} = {value:g}: must be a positive number")
         if self.launch_every is not None and self.launches is None:
             raise InputError("--launch-every: nothing is launched; say how often with --launches")
+        if self.launch_separation is not None and self.launches is None:
+            raise InputError(
+                "--launch-separation: nothing is launched; say how often with --launches"
+            )
         if self.kit_mass is not None and self.kits is None:
             raise InputError("--kit-mass: there are no kits; say how many with --kits")
+        self._check_tow()
+        usual_s = APART_S if self.launch_separation is None else 0.0
+        separation = self.launch_separation
+        tank = self._tank()
         return Crew(
-            tank=self._tank(),
+            tank=tank,
             launches=self.launches or 0,
-            apart_s=APART_S if self.launch_every is None else DAY_S * self.launch_every,
+            apart_s=usual_s if self.launch_every is None else DAY_S * self.launch_every,
             kits=self.kits,
             kit_mass_kg=self.kit_mass or 0.0,
+            expense=self._expense(tank),
+            separation_s=None if separation is None else DAY_S * separation,
+            towed_kg=self.tow,
+            disposal_altitude_m=(
+                None if self.disposal_altitude is None else 1e3 * self.disposal_altitude
+            ),
         )
+
+    def _expense(self, tank: AnyTank) -> Expense | None:
+        from pydantic import ValidationError
+
+        from ..chasers import Expense, TankByMass
+        from ..files import sentence
+
+        if self.expense is None:
+            return None
+        try:
+            numbers = [float(part) for part in self.expense.split(",")]
+        except ValueError:
+            numbers = []
+        if not 1 <= len(numbers) <= 3:
+            raise InputError(
+                f"--expense {self.expense!r}: give one to three numbers, FIXED,PER_KG,PER_KG2"
+            )
+        named = dict(zip(("fixed", "per_kg", "per_kg_squared"), numbers, strict=False))
+        try:
+            expense = Expense(**named)
+        except ValidationError as error:
+            raise InputError(f"--expense {self.expense!r}: {sentence(error)}") from None
+        if expense.counts_mass and not isinstance(tank, TankByMass):
+            raise InputError(
+                "--expense: a tank that is counted in ΔV knows no masses; give --dry-mass, "
+                "--propellant and --isp, or one number"
+            )
+        return expense
+
+    def _check_tow(self) -> None:
+        if self.tow is None and self.disposal_altitude is not None:
+            raise InputError("--disposal-altitude: nothing is towed; say what mass with --tow")
+        if self.tow is None:
+            return
+        if self.disposal_altitude is None:
+            raise InputError("--tow: where to is not said; give --disposal-altitude")
+        if self.kits is not None:
+            raise InputError("--tow: a target takes a kit or is towed; leave --kits or --tow out")
+        if (self.dry_mass, self.propellant, self.isp) == (None, None, None):
+            raise InputError(
+                "--tow: a tank that is counted in ΔV knows no masses; give --dry-mass, "
+                "--propellant and --isp"
+            )
 
     def _tank(self) -> AnyTank:
         from ..chasers import Tank, TankByMass
@@ -133,9 +224,10 @@ class CrewOptions(NamedTuple):
         Raises
         ------
         InputError
-            A deadline is no object with a number of days, or an object has two.
+            A deadline is no object with a number of days, or an object has two; or the table of
+            prizes cannot be read.
         """
-        from ..catalogue import Demands
+        from ..catalogue import Demands, read_wishes
 
         found: dict[str, float] = {}
         for text in self.deadlines:
@@ -149,7 +241,8 @@ class CrewOptions(NamedTuple):
             if said in found:
                 raise InputError(f"--deadline {text!r}: {said} has one already")
             found[said] = deadline_s
-        return Demands(found, self.required)
+        wishes = () if self.prizes_path is None else read_wishes(self.prizes_path)
+        return Demands(found, self.required, self.musts, self.excluded, wishes)
 
 
 def told(instance: Instance) -> str | None:

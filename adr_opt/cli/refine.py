@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import signal
 import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from types import FrameType
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import click
@@ -15,7 +12,7 @@ from ..errors import InputError
 from ..wording import counted
 from .output import emit, emit_json, emit_rich, say, terminal_width
 from .parameters import check_out, instance_argument, json_option, plan_argument, quiet_option
-from .work import Aborted
+from .signals import signals_to
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -71,11 +68,11 @@ def command(
     from .live import wanted
 
     check_out(out, instance_path, plan_path)
-    instance, plan = load(instance_path), load_plan(plan_path)
+    instance, plan, stopped = load(instance_path), load_plan(plan_path), threading.Event()
     try:
-        with _interruptible() as enough, leg_bar(wanted(as_json, quiet), "refining") as show:
+        with signals_to(stopped.set), leg_bar(wanted(as_json, quiet), "refining") as show:
             refined = refine(
-                instance, plan, gravity=gravity, freedom=freedom, jobs=jobs, enough=enough,
+                instance, plan, gravity=gravity, freedom=freedom, jobs=jobs, enough=stopped.is_set,
                 report=show,
             )  # fmt: skip
     except InputError as error:
@@ -94,29 +91,6 @@ def command(
         for missing in refined.missing:
             emit(f"leg {missing.leg} is missing: {missing.reason}")
     return 1 if refined.missing else 0
-
-
-@contextmanager
-def _interruptible() -> Iterator[Callable[[], bool]]:
-    """Let the first SIGINT or SIGTERM be asked for; the second one aborts."""
-    stopped = threading.Event()
-
-    def hear(number: int, frame: FrameType | None) -> None:
-        if stopped.is_set():
-            raise Aborted(number)
-        stopped.set()
-
-    before = {}
-    if threading.current_thread() is threading.main_thread():
-        for number in (signal.SIGINT, signal.SIGTERM):
-            # Ignored signals, as in the background of a script, stay ignored.
-            if signal.getsignal(number) not in (signal.SIG_IGN, None):
-                before[number] = signal.signal(number, hear)
-    try:
-        yield stopped.is_set
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def _summary(refined: RefinedPlan) -> str:

@@ -9,14 +9,16 @@ from .parameters import json_option
 
 
 @click.command("schema")
-@click.argument("which", type=click.Choice(["instance", "plan", "refined"]))
+@click.argument("which", type=click.Choice(["instance", "plan", "refined", "certificate"]))
 @json_option
 def command(which: str, as_json: bool) -> int:
-    """Print the JSON Schema of the instance file, the plan file or the refined plan file."""
+    """Print the JSON Schema of a file: instance, plan, refined plan or certificate."""
     if which == "instance":
         from ..instance import json_schema
     elif which == "plan":
         from ..plan import json_schema
+    elif which == "certificate":
+        from ..certificate import json_schema
     else:
         from ..refining.plan import json_schema
     emit_json(json_schema())

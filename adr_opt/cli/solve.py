@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import InputError
+from .certificates import certificate_option, check_certificate, save_certificate
 from .output import emit, emit_json, emit_rich, say, terminal_width
 from .parameters import (
     check_out,
@@ -29,11 +30,19 @@ if TYPE_CHECKING:
     "--time-limit", type=float, metavar="S", help="Wall time, the timetable included; 10 s."
 )
 @run_options
+@click.option(
+    "--memory",
+    "memory_gib",
+    type=float,
+    metavar="GIB",
+    help="Most memory of the timetable; beyond it, the nearest pairs alone. 2 GiB.",
+)
 @click.option("--policy", metavar="FILE", help="Short for --option policy=FILE.")
 @click.option("--decode", metavar="HOW", help="Short for --option decode=HOW.")
 @click.option("--repair", is_flag=True, help="Keep the legal beginning of an illegal --start.")
 @click.option("--bound", "bound_name", metavar="NAME", help="Bound to run beside the planner.")
 @click.option("--out", metavar="FILE", help="Plan file to write.")
+@certificate_option
 @refine_options
 @json_option
 @quiet_option
@@ -47,11 +56,13 @@ def command(
     jobs: int | None,
     start_path: str | None,
     assignments: tuple[str, ...],
+    memory_gib: float | None,
     policy: str | None,
     decode: str | None,
     repair: bool,
     bound_name: str | None,
     out: str | None,
+    certificate_path: str | None,
     as_json: bool,
     quiet: bool,
     **refining_options: Any,
@@ -82,11 +93,22 @@ def command(
     instance = load(instance_path)
     start = None if start_path is None else load_plan(start_path)
     check_out(out, instance_path)
+    check_certificate(
+        certificate_path,
+        instance,
+        method,
+        bound_name,
+        instance_path,
+        out,
+        margin=margin,
+        refine=bool(refining_options["refine"]),
+    )
     refining = Refining(**refining_options)
     refining.check(instance_path, out)
     given: dict[str, Any] = {
         "time_limit": time_limit, "seed": seed, "start": start, "repair": repair, "jobs": jobs,
         "iterations": iterations, "bound": bound_name, "margin": margin, "options": options,
+        "memory_gib": memory_gib,
     }  # fmt: skip
     looped: RefinedResult | None = None
     live = wanted(as_json, quiet)
@@ -118,6 +140,8 @@ def command(
         if not quiet:
             why = f"{method} ended with status {result.status}" if looped is None else looped.reason
             say(f"no plan: {why}")
+        if certificate_path is not None and result.status == "infeasible":
+            save_certificate(certificate_path, instance, result, quiet)
         return 1
     not_written: InputError | None = None
     if out is not None:
@@ -131,6 +155,11 @@ def command(
     if looped is not None:
         try:
             save_refined(looped, refining.refined_out, quiet)
+        except InputError as error:
+            not_written = not_written or error
+    if certificate_path is not None:
+        try:
+            save_certificate(certificate_path, instance, result, quiet)
         except InputError as error:
             not_written = not_written or error
     if not as_json:

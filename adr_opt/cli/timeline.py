@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from ..cargo import carries
+from ..expense import carried_kg, expense_of
 from ..kernels.constants import DAY_S
 from ..routes import Flown, by_tank, routes_of, several
 from ..wording import counted, status_words
@@ -39,17 +40,18 @@ def timelines(instance: Instance, plan: Plan, width: int | None = None) -> list[
     """The legs of each chaser that flies as a table of at most ``width`` columns, names cut."""
     title = f"{instance.name}: {plan.method}, {status_words(plan.status)}"
     if not several(instance):
-        return [_timeline(instance, enumerate(plan.legs, start=1), width, title)]
+        return [timeline(instance, enumerate(plan.legs, start=1), width, title)]
     return [
-        _timeline(instance, flown.legs, width, f"{title}: {flown.chaser.name}")
+        timeline(instance, flown.legs, width, f"{title}: {flown.chaser.name}")
         for flown in routes_of(instance, plan)
         if flown.legs
     ]
 
 
-def _timeline(
+def timeline(
     instance: Instance, legs: Iterable[tuple[int, Leg]], width: int | None, title: str
 ) -> Table:
+    """The legs of a chaser, each after its number, as a table of at most ``width`` columns."""
     rows = []
     for number, leg in legs:
         refuels = leg.destination in instance.station_names
@@ -62,6 +64,8 @@ def _timeline(
             clock(leg.arrival_s),
         )
         destination = f"{leg.destination} (refuels)" if refuels else leg.destination
+        if leg.tow is not None:
+            destination = f"{leg.destination} (tows, {leg.tow.delta_v_m_s:.1f} m/s)"
         rows.append(Row(number, leg.origin, destination, texts, bold=refuels))
     headings = ("departs", "wait", "ΔV\nm/s", "left\nm/s", "k", "arrives")
     return leg_table(headings, rows, width, title)
@@ -70,15 +74,18 @@ def _timeline(
 def by_chaser(instance: Instance, plan: Plan) -> Iterator[str]:
     """What each chaser comes to and carries, and why targets are left out.
 
-    Nothing of one chaser alone that carries nothing.
+    Nothing of one chaser alone that carries nothing and takes nothing.
     """
-    if not (several(instance) or carries(instance)):
+    by_expense = instance.objective.cost == "expense"
+    if not (several(instance) or carries(instance) or by_expense):
         return
     for flown in routes_of(instance, plan):
         yield f"{flown.chaser.name}: {_comes_to(instance, flown)}"
         load = _carries(instance, flown) if flown.legs else None
         if load is not None:
             yield f"{flown.chaser.name}: {load}"
+        if flown.legs and (by_expense or flown.chaser.expense is not None):
+            yield f"{flown.chaser.name}: {_takes(instance, flown)}"
     yield from left_out(plan)
 
 
@@ -91,8 +98,8 @@ def _comes_to(instance: Instance, flown: Flown) -> str:
     parts = [f"visits {visits}", f"ΔV {flown.delta_v_m_s:.1f} m/s", f"done {clock(flown.end_s)}"]
     legs = by_tank([leg for _, leg in flown.legs], instance.station_names)
     for number, (of_tank, tank) in enumerate(zip(legs, worths, strict=False), start=1):
-        used = sum(leg.delta_v_m_s for leg in of_tank)
-        days = (of_tank[-1].end_s - of_tank[0].ready_s) / DAY_S
+        used = sum(leg.spent_m_s for leg in of_tank)
+        days = (of_tank[-1].done_s - of_tank[0].ready_s) / DAY_S
         parts.append(f"tank {number} {used:.1f} of {tank:.6g} m/s in {days:.2f} d")
     return ", ".join(parts)
 
@@ -110,6 +117,15 @@ def _carries(instance: Instance, flown: Flown) -> str | None:
         f"{starts} {load.mass_kg:.1f} kg with {held}, uses {used:.1f} kg, "
         f"ends with {load.end_mass_kg:.1f} kg and {load.left_kg:.1f} kg of propellant"
     )
+
+
+def _takes(instance: Instance, flown: Flown) -> str:
+    """The expense of a chaser, and what it goes by."""
+    expense = f"expense {expense_of(instance, flown.chaser, flown.spent):,.6g}"
+    carried = carried_kg(instance, flown.chaser, flown.spent)
+    if carried is None:
+        return expense
+    return f"{expense} with {carried:.1f} kg aboard, the least that its route can be flown with"
 
 
 def left_out(plan: Plan) -> Iterator[str]:
@@ -138,6 +154,7 @@ def summary(instance: Instance, plan: Plan) -> str:
         f"visits {len(plan.legs) - refuellings} of {len(instance.targets)}",
         f"prize {plan.objective:g}",
         f"ΔV {plan.delta_v_m_s:.1f} m/s",
+        *((f"expense {plan.cost:,.6g}",) if instance.objective.cost == "expense" else ()),
         f"refuellings {refuellings}",
         f"duration {used / DAY_S:.2f} of {instance.mission.duration_s / DAY_S:.2f} d",
         *proven,

@@ -11,8 +11,9 @@ from .. import __version__
 from ..errors import InputError
 
 VERBS = (
-    "generate", "import", "solve", "bound", "check", "fly", "refine", "matrix", "export", "report",
-    "train", "methods", "warm-up", "schema",
+    "generate", "import", "solve", "bound", "check", "verify", "price", "compare", "tradeoff",
+    "replan", "fly", "refine", "matrix", "export", "report", "train", "methods", "warm-up",
+    "schema",
 )  # fmt: skip
 
 

@@ -3,36 +3,21 @@
 from __future__ import annotations
 
 import math
-import signal
 import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from types import FrameType
+from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
 from .live import live_line
 from .output import say
+from .signals import signals_to
 
 if TYPE_CHECKING:
-    from ..stop import Interrupted, Stop
+    from ..stop import Stop
     from ..timetable_size import Size
 
 Found = TypeVar("Found")
 
 POLL_S = 0.1
-
-
-class Aborted(KeyboardInterrupt):
-    """The user asked a second time: leave at once.
-
-    Parameters
-    ----------
-    number : int
-    """
-
-    def __init__(self, number: int) -> None:
-        super().__init__()
-        self.number = number
 
 
 class Watch:
@@ -98,7 +83,7 @@ def work(task: Callable[[Stop, Watch], Found], *, live: bool, quiet: bool) -> Fo
             done.set()
 
     told = warned = sized = False
-    with _signals_set(stop), live_line(live) as show:
+    with signals_to(stop.interrupt), live_line(live) as show:
         threading.Thread(target=run, name="method", daemon=True).start()
         while not done.wait(POLL_S):
             compiling = not watch.begun and compiling_s() > 0.0
@@ -119,26 +104,3 @@ def work(task: Callable[[Stop, Watch], Found], *, live: bool, quiet: bool) -> Fo
     if stop.is_set and not quiet:
         say("interrupted: this is the best result until then")
     return results[0]
-
-
-@contextmanager
-def _signals_set(stop: Interrupted) -> Iterator[None]:
-    """Let SIGINT and SIGTERM set a stop; a second one raises :class:`Aborted`."""
-
-    def hear(number: int, frame: FrameType | None) -> None:
-        if stop.is_set:
-            raise Aborted(number)
-        stop.interrupt()
-
-    before = {}
-    # Only the main thread may set handlers, and only it hears signals.
-    if threading.current_thread() is threading.main_thread():
-        for number in (signal.SIGINT, signal.SIGTERM):
-            # Ignored signals, as in the background of a script, stay ignored.
-            if signal.getsignal(number) not in (signal.SIG_IGN, None):
-                before[number] = signal.signal(number, hear)
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

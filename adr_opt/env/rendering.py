@@ -54,7 +54,7 @@ def picture(
     (400, 400, 3) uint8
     """
     image = np.full((SIZE, SIZE, 3), BACKGROUND, dtype=np.uint8)
-    orbits = mission.transfer_inputs[0]
+    orbits = mission.transfer_inputs[1]
     nodes = orbits[:, RAAN] + orbits[:, RAAN_RATE] * state["time_s"]
     raan = (nodes - nodes[HOME] + np.pi) % (2.0 * np.pi) - np.pi
     across = raan * np.sin(orbits[HOME, INCLINATION])

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from ..cargo import what_counts
 from ..errors import InputError
 from ..instance import Instance
 from ..kernels import outlook as outlook_kernels
 from ..kernels import timetable as timetable_kernels
+from ..kernels import timetables
 from ..kernels.episodes import CLOSES, OPENS, PRIZE, SERVICE, Episodes, Pool, begin
 from ..kernels.orbits import ORBIT_COLUMNS
 from ..kernels.outlook import HOME
@@ -39,7 +41,7 @@ class FieldPool:
     """
 
     def __init__(self, slots: int, bodies: int, events: int, *, regular: bool = True) -> None:
-        tables, home = timetable_kernels.allocate_slots(slots, bodies, events, regular=regular)
+        tables, home = timetables.allocate_slots(slots, bodies, events, regular=regular)
         steps = timetable_kernels.most_steps(tables)
         self.arrays = Pool(
             bodies=np.zeros(slots, dtype=np.int32),
@@ -90,7 +92,7 @@ class FieldPool:
         arrays = self.arrays
         table = mission.timetable.table
         bodies = len(mission.names)
-        orbits = mission.transfer_inputs[0]
+        orbits = mission.transfer_inputs[1]
         arrays.bodies[slot] = bodies
         arrays.orbits[slot, :bodies] = orbits
         limits = arrays.limits[slot]
@@ -99,7 +101,7 @@ class FieldPool:
         limits[CLOSES, :bodies] = mission.rules.closes
         limits[PRIZE] = 0.0
         limits[PRIZE, :bodies] = in_mean_prizes(mission)
-        timetable_kernels.put(arrays.tables, slot, table)
+        timetables.put(arrays.tables, slot, table)
         outlook_kernels.fill(
             orbits,
             table,
@@ -109,7 +111,7 @@ class FieldPool:
                 arrays.near[slot],
                 arrays.near_angle[slot],
                 arrays.ahead[slot],
-                timetable_kernels.Column(*(part[slot] for part in arrays.home)),
+                timetables.Column(*(part[slot] for part in arrays.home)),
                 arrays.rate[slot],
             ),
         )
@@ -119,8 +121,8 @@ class FieldPool:
 def check_playable(mission: Mission) -> None:
     """Refuse a mission that episodes cannot play.
 
-    Episodes begin at the only station, at t = 0, may service any number of targets, know no kits,
-    and may end anywhere. Windows, prizes and zones are as they are.
+    Episodes begin at the only station, at t = 0, may service any number of targets, know no kits
+    and no tows, and may end anywhere. Windows, prizes and zones are as they are.
 
     Raises
     ------
@@ -133,7 +135,8 @@ def check_playable(mission: Mission) -> None:
         (rules.first_target != 1, "has an orbit that is neither a station's nor a target's"),
         (rules.ready > 0.0, "begins later than t = 0"),
         (rules.most_targets < rules.service.size - 1, "limits the number of targets"),
-        (rules.loads is not None, "has kits that count"),
+        (rules.loads is not None, f"has {what_counts(mission.instance)} that count"),
+        (any(each.is_limited for each in mission.instance.stations), "has stations that run empty"),
         (rules.returns, "must end at a station"),
         (not mission.instance.has_orbits, "has bodies without an orbit"),
     ):

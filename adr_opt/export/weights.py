@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from ..cargo import loads_of
+from ..cargo import loads_of, what_counts
 from ..errors import InputError
 from ..instance import Instance
 from ..timetable import FloatArray, Matrices
@@ -166,11 +166,11 @@ def check_one_depot(instance: Instance, path: Path) -> None:
 
 
 def check_no_kits(instance: Instance, path: Path) -> None:
-    """Raise :class:`InputError` where kits count, which a file of limits and prizes cannot say."""
+    """Raise :class:`InputError` where kits or tows count, which no such file can say."""
     if loads_of(instance, instance.chaser, 0.0) is not None:
         raise InputError(
-            f"{path}: a {path.suffix.lower()} file knows no kits, and those of {instance.name!r} "
-            "count; write transfers alone, as .npz, .nc or .parquet"
+            f"{path}: a {path.suffix.lower()} file knows no {what_counts(instance)}, and those of "
+            f"{instance.name!r} count; write transfers alone, as .npz, .nc or .parquet"
         )
 
 

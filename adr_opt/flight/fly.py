@@ -11,7 +11,7 @@ from ..cargo import tank_worths
 from ..errors import InputError
 from ..instance import Instance
 from ..orbit import Orbit
-from ..plan import Leg, Plan
+from ..plan import Leg, Plan, Tow
 from ..routes import Flown, routes_of, several
 from .corrected import fly_eccentric
 from .flyable import refuse_what_cannot_be_flown
@@ -23,7 +23,8 @@ from .two_body import State, TwoBody, distance
 def fly(instance: Instance, plan: Plan) -> Flight:
     """Fly the burns of a plan in the dynamics of its instance.
 
-    Each leg begins on the origin's own orbit; the burns are taken from the plan as they are.
+    Each leg begins on the origin's own orbit, or where the tow of the origin leads, which begins
+    there; the burns are taken from the plan as they are.
     Bodies move on the circles that the model plans with (MODEL section 1). In two-body motion a
     leg with an eccentric orbit is flown a second time on the true orbits. What that costs, and what
     the burns of legs that drift cost, is counted tank by tank.
@@ -45,18 +46,21 @@ def fly(instance: Instance, plan: Plan) -> Flight:
     refuse_what_cannot_be_flown(instance, plan)
     motion = MeanDynamics() if instance.dynamics == "j2" else TwoBody()
     orbits = dict(zip(instance.names, instance.body_orbits, strict=True))
-    flown = []
+    flown, tows = [], plan.tows_before
     for number, leg in enumerate(plan.legs, start=1):
+        before = _disposed(motion, orbits, number, leg, tows.get(number))
         ends = [orbits[leg.origin], orbits[leg.destination]]
         eccentric = None
         if leg.kind == "launch":
             ends = []
         if instance.dynamics == "two-body" and any(orbit.eccentricity > 0.0 for orbit in ends):
             origin, destination = (motion.true_at_epoch(orbit) for orbit in ends)
+            if before is not None:
+                origin = motion.coast(before, -leg.leaves_s)
             eccentric = fly_eccentric(
                 motion, origin, destination, leg, instance.transfer.standoff_m
             )
-        flown.append(_fly_leg(instance, motion, orbits, number, leg, eccentric))
+        flown.append(_fly_leg(instance, motion, orbits, number, leg, before, eccentric))
     worst = max((leg.miss_m for leg in flown), default=0.0)
     return Flight(
         worst,
@@ -81,7 +85,7 @@ def _tanks(instance: Instance, route: Flown, flown: list[LegFlight]) -> Iterator
     tank, first, planned, extra, known = 1, 0, 0.0, 0.0, True
     for (number, leg), more in zip(route.legs, extras, strict=True):
         first = first or number
-        planned += leg.delta_v_m_s
+        planned += leg.spent_m_s
         known, extra = known and more is not None, extra + (more or 0.0)
         if leg.destination in instance.station_names or number == route.legs[-1][0]:
             yield TankFlight(
@@ -110,12 +114,35 @@ def _extra_m_s(leg: Leg, flight: LegFlight) -> float | None:
     return extra
 
 
+def _disposed(
+    motion: TwoBody, orbits: dict[str, Orbit], number: int, leg: Leg, tow: Tow | None
+) -> State | None:
+    """Where a leg begins whose origin was towed; None where it was not.
+
+    The second burn of the tow and the first one of the leg are made together.
+    """
+    if tow is None:
+        return None
+    begin, end = tow.burns
+    try:
+        position, velocity = motion.body(orbits[leg.origin], begin.time_s)
+        towing = position, velocity + np.array(begin.delta_v_m_s)
+        position, velocity = motion.coast(towing, end.time_s - begin.time_s)
+        left = position, velocity + np.array(end.delta_v_m_s)
+        return motion.coast(left, leg.leaves_s - end.time_s)
+    except ArithmeticError as error:
+        raise InputError(
+            f"leg {number}: the tow before it cannot be flown: {error}; correct its burns"
+        ) from None
+
+
 def _fly_leg(
     instance: Instance,
     motion: TwoBody,
     orbits: dict[str, Orbit],
     number: int,
     leg: Leg,
+    before: State | None,
     eccentric: EccentricFlight | None,
 ) -> LegFlight:
     if leg.kind == "launch":
@@ -128,7 +155,7 @@ def _fly_leg(
     standoff = None
     try:
         now = leg.burns[0].time_s
-        chaser = motion.body(orbits[leg.origin], now)
+        chaser = motion.body(orbits[leg.origin], now) if before is None else before
         for burn in leg.burns:
             position, velocity = motion.coast(chaser, burn.time_s - now)
             now = burn.time_s

@@ -27,8 +27,15 @@ def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
     refuse_foreign(instance, plan)
     routes_of(instance, plan)
     bodies = set(instance.names)
+    tows = plan.tows_before
     for number, leg in enumerate(plan.legs, start=1):
         _refuse_leg(number, leg, bodies)
+        _refuse_tow(number, leg)
+        if number in tows and abs(tows[number].end_s - leg.leaves_s) > TIME_TOLERANCE_S:
+            raise InputError(
+                f"leg {number} leaves at {leg.leaves_s!r} s, but the tow before it ends at "
+                f"{tows[number].end_s!r} s; correct its times"
+            )
 
 
 def refuse_given(instance: Instance) -> None:
@@ -61,20 +68,33 @@ def refuse_broken_chain(instance: Instance, plan: Plan) -> None:
 
 
 def _refuse_broken_route(flown: Flown, who: str) -> None:
-    where, free_s = flown.chaser.start_name, 0.0
+    where, free_s, towed = flown.chaser.start_name, 0.0, False
     for number, leg in flown.legs:
         if leg.origin != where:
             raise InputError(
                 f"leg {number} begins at {leg.origin!r}, but {who} is at {where!r}; put the "
                 "legs in order"
             )
-        begins_s = min(leg.ready_s, leg.departure_s, *(burn.time_s for burn in leg.burns[:1]))
+        begins_s = min(leg.departure_s, leg.leaves_s)
+        if not towed:
+            begins_s = min(leg.ready_s, begins_s)  # after a tow nobody waits
         if begins_s < free_s - TIME_TOLERANCE_S:
             raise InputError(
                 f"leg {number} begins at {begins_s!r} s, but {who} is free at {free_s!r} s "
                 "only; correct its times"
             )
-        where, free_s = leg.destination, leg.end_s
+        where, free_s, towed = leg.destination, leg.done_s, leg.tow is not None
+
+
+def _refuse_tow(number: int, leg: Leg) -> None:
+    if leg.tow is None:
+        return
+    times = [burn.time_s for burn in leg.tow.burns]
+    if len(times) != 2 or not leg.end_s - TIME_TOLERANCE_S <= times[0] <= times[1]:
+        raise InputError(
+            f"leg {number}: a tow has two burns, the first one after end_s = {leg.end_s!r}; "
+            "correct them"
+        )
 
 
 def _refuse_leg(number: int, leg: Leg, bodies: set[str]) -> None:

@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.integrate import DOP853
 
-from ..errors import InputError, MissingExtra
+from ..errors import InputError
 from ..instance import Instance
 from ..kernels.constants import EARTH_RADIUS_M, J2, MU_M3_S2
 from ..kernels.gravity import J3, J4
@@ -56,8 +57,6 @@ def fly_refined(
     InputError
         The refined plan belongs to another instance, names an unknown body, or leads away from
         the Earth.
-    MissingExtra
-        SciPy is not installed.
     """
     refuse_strangers(instance, refined)
     world = _World(refined.gravity)
@@ -92,10 +91,6 @@ class _World:
     """Free motion, of many at once: states are columns, shape (6, n) [m, m/s]."""
 
     def __init__(self, gravity: str) -> None:
-        try:
-            from scipy.integrate import DOP853
-        except ImportError:
-            raise MissingExtra("flying a refined plan", "scipy", "astro") from None
         self._method = DOP853
         self._most = HARMONICS[gravity]
 

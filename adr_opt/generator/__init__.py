@@ -3,15 +3,15 @@
 Every number is drawn from raw PCG-64 output (whose stream NumPy guarantees) by IEEE arithmetic and
 rounded to the digits of the file, so one seed gives one file, byte for byte, on any machine.
 
-`belt` holds the field of the published study and `cloud` a fragmentation cloud, `rocket_bodies` and
-`sso` fields whose nodes drift; `families` lists what is drawn from them, with limits; `zones` draws
-keep-out zones.
+`belt` holds the field of the published study, `cloud` a fragmentation cloud and `fragments` a large
+one, `rocket_bodies` and `sso` fields whose nodes drift; `families` lists what is drawn from them,
+with limits; `zones` draws keep-out zones.
 """
 
 from __future__ import annotations
 
 from .families import FAMILIES, Family, family
-from .make import EPOCH, by_name, generate
+from .make import EPOCH, by_name, family_of, generate
 from .stream import LARGEST_SEED
 from .zones import draw_zones
 
@@ -23,5 +23,6 @@ __all__ = [
     "by_name",
     "draw_zones",
     "family",
+    "family_of",
     "generate",
 ]

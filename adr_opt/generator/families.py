@@ -10,7 +10,8 @@ from ..chasers import Chaser
 from ..errors import InputError
 from ..kernels.constants import DAY_S, HOUR_S
 from ..orbit import Orbit
-from . import belt, cloud, removal, rocket_bodies, sso
+from ..settings import TransferSettings
+from . import belt, cloud, fragments, removal, rocket_bodies, sso
 from .stream import Uniform
 
 
@@ -35,6 +36,8 @@ class Family:
         Draws the orbit where the chaser starts, before all targets, if that is not the station.
     drifts : bool
         Whether nodes drift: under J2, with the transfers of :func:`adr_opt.sizes.transfers_for`.
+    transfer : TransferSettings, optional
+        How transfers are laid out, where that does not follow from the duration.
     service_s : float, optional
         Time spent at a target, instead of a revolution [s].
     chasers : int
@@ -57,6 +60,7 @@ class Family:
     purpose: int = 0
     draw_start: Callable[[Uniform], Orbit] | None = None
     drifts: bool = False
+    transfer: TransferSettings | None = None
     service_s: float | None = None
     chasers: int = 1
     draw_chaser: Callable[[int], Chaser] | None = None
@@ -97,6 +101,11 @@ FAMILIES = {
             removal.TANK.delta_v_m_s, None, removal.draw_target, purpose=5, drifts=True,
             service_s=10.0 * DAY_S, chasers=removal.CHASERS, draw_chaser=removal.chaser,
             removal="kit", mass_kg=removal.mass_kg,
+        ),
+        Family(
+            "fragment-cloud", "1900 fragments, 60 days, 4 km/s",
+            (fragments.TARGETS, fragments.TARGETS), 60.0 * DAY_S, 4000.0, fragments.STATION,
+            fragments.draw_piece, purpose=6, drifts=True, transfer=fragments.TRANSFER,
         ),
     )
 }  # fmt: skip

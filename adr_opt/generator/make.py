@@ -99,7 +99,7 @@ def generate(
         ),
         chasers=chasers_of(kind, seed, chasers or kind.chasers, start, there),
         mission=_mission(kind),
-        transfer=transfers_for(kind.duration_s) if kind.drifts else TransferSettings(),
+        transfer=_transfers(kind),
         keep_out_zones=draw_zones(seed, zones, kind.duration_s),
     )
 
@@ -109,12 +109,24 @@ def _target(kind: Family, name: str, orbit: Orbit) -> Target:
     return Target(name=name, orbit=orbit, prize=1.0, mass_kg=mass_kg, removal=kind.removal)
 
 
+def _transfers(kind: Family) -> TransferSettings:
+    if kind.transfer is not None:
+        return kind.transfer
+    return transfers_for(kind.duration_s) if kind.drifts else TransferSettings()
+
+
 def _mission(kind: Family) -> MissionSettings:
     if kind.service_s is None:
         return MissionSettings(duration_s=kind.duration_s)
     return MissionSettings(
         duration_s=kind.duration_s, service_revolutions=None, service_s=kind.service_s
     )
+
+
+def family_of(name: str) -> str:
+    """The family that the name of an instance begins with."""
+    found = NAME.fullmatch(name)
+    return "" if found is None else found["family"]
 
 
 def by_name(name: str) -> Instance:

@@ -46,8 +46,10 @@ class DriftPair(NamedTuple):
         V̄, circular speed at the mean radius [m/s].
     sine : float
         sin ī.
-    lag, lag_rate : float
-        ΔΩ at t = 0 [rad], and how fast it grows if nothing is done [rad/s].
+    lag, lag_rate, lag_by_departure : float
+        ΔΩ at t = 0 [rad], how fast it grows if nothing is done [rad/s], and how much it is more for
+        every second that the departure is later: 0 but where the chaser leaves from another orbit
+        than its body's, whose node moves otherwise.
     climb, tilt : float
         v_y and v_z [m/s].
     by_radius, by_inclination : float
@@ -65,6 +67,7 @@ class DriftPair(NamedTuple):
     sine: float
     lag: float
     lag_rate: float
+    lag_by_departure: float
     climb: float
     tilt: float
     by_radius: float
@@ -86,7 +89,7 @@ def prepare(orbit_i, orbit_j, min_radius, max_radius, oblateness):
     Parameters
     ----------
     orbit_i, orbit_j : (columns,) float64
-        Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
+        Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`, the first one of a body as it is left.
     min_radius, max_radius : float
         Limits of the drift orbit [m].
     oblateness : float
@@ -101,7 +104,7 @@ def prepare(orbit_i, orbit_j, min_radius, max_radius, oblateness):
     inclination = 0.5 * (orbit_i[orbits.INCLINATION] + orbit_j[orbits.INCLINATION])
     speed = math.sqrt(MU_M3_S2 / mean_radius)
     sine, cosine = math.sin(inclination), math.cos(inclination)
-    rate_i, rate_j = orbit_i[orbits.RAAN_RATE], orbit_j[orbits.RAAN_RATE]
+    rate_i, rate_j = orbits.coasting_node_rate(orbit_i), orbit_j[orbits.RAAN_RATE]
     mean_rate = 0.5 * (rate_i + rate_j)
     if abs(cosine) > POLAR:
         per_cosine = mean_rate / cosine
@@ -114,6 +117,7 @@ def prepare(orbit_i, orbit_j, min_radius, max_radius, oblateness):
         sine,
         orbit_j[orbits.RAAN] - orbit_i[orbits.RAAN],
         rate_j - rate_i,
+        rate_i - orbit_i[orbits.RAAN_RATE],
         reach * (rj - ri),
         speed * (orbit_j[orbits.INCLINATION] - orbit_i[orbits.INCLINATION]),
         7.0 * mean_rate * sine,
@@ -131,8 +135,17 @@ def prepare(orbit_i, orbit_j, min_radius, max_radius, oblateness):
 
 @kernel
 def node_left(pair, arrival):
-    """v_x: what is left of the node on arrival if nothing is done before [m/s]."""
-    lag = pair.lag + pair.lag_rate * arrival
+    """v_x: what is left of the node on arrival if nothing is done before [m/s].
+
+    Whenever the chaser leaves; where that makes a difference ask :func:`node_left_from`.
+    """
+    return node_left_from(pair, 0.0, arrival)
+
+
+@kernel
+def node_left_from(pair, departure, arrival):
+    """The same of who leaves at a time [m/s]."""
+    lag = pair.lag + pair.lag_rate * arrival + pair.lag_by_departure * departure
     lag -= 2.0 * math.pi * math.ceil((lag - math.pi) / (2.0 * math.pi))
     return pair.speed * pair.sine * lag
 
@@ -186,7 +199,7 @@ def cost_of(pair, span, node, shape, climb):
 @kernel
 def delta_v(pair, departure, arrival):
     """ΔV of the long transfer between two times [m/s]."""
-    span, node = arrival - departure, node_left(pair, arrival)
+    span, node = arrival - departure, node_left_from(pair, departure, arrival)
     return cost_of(pair, span, node, shape_left(pair, arrival), climb_of(pair, span, node))
 
 
@@ -206,7 +219,7 @@ def is_blocked(pair, zones, departure, arrival):
     Nobody knows beforehand when its arcs are flown. So a zone forbids it that is closed at some
     moment of it, in a band that any of its orbits may touch.
     """
-    span, node = arrival - departure, node_left(pair, arrival)
+    span, node = arrival - departure, node_left_from(pair, departure, arrival)
     change = climb_of(pair, span, node) * (pair.radius_i + pair.radius_j) / pair.speed
     off, drifting = margin(change), pair.radius_i + change
     low = min(min(pair.radius_i, pair.radius_j), drifting - off)
@@ -301,6 +314,9 @@ def of_pair(
         if not reachable:
             continue
         last = min(begin + furthest, times - 1)
+        if pair.lag_by_departure != 0.0:
+            for t in range(begin + 1, last + 1):
+                node[t] = node_left_from(pair, begin * step, t * step)
         costs(pair, step, node, shape, begin, last, cost)
         cheapest = most + resolution
         for t in range(begin + 1, last + 1):

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import rules as rule_kernels
-from . import timetable
+from . import timetable, timetables
 from .compile import inlined, kernel
 from .constants import SLACK_M_S, SLACK_S
 from .memory import borrowed
@@ -54,7 +54,7 @@ class Pool(NamedTuple):
     near: np.ndarray
     near_angle: np.ndarray
     ahead: np.ndarray
-    home: timetable.Column
+    home: timetables.Column
     rate: np.ndarray
 
 
@@ -102,7 +102,7 @@ def rules_of(pool, episodes, e):
     """The rules of an episode."""
     slot = episodes.slot[e]
     return Rules(
-        timetable.in_slot(pool.tables, slot),
+        timetables.in_slot(pool.tables, slot),
         pool.limits[slot, SERVICE],
         pool.limits[slot, OPENS],
         pool.limits[slot, CLOSES],
@@ -131,7 +131,7 @@ def outlook_of(pool, slot):
         pool.near[slot],
         pool.near_angle[slot],
         pool.ahead[slot],
-        timetable.column_in_slot(pool.home, slot),
+        timetables.column_in_slot(pool.home, slot),
         pool.rate[slot],
     )
 

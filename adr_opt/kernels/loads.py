@@ -7,8 +7,12 @@ same off both of them,
 
     exp(v' / g₀ Isp) = (m_f exp(v / g₀ Isp) − m_kit) / (m_f − m_kit) ,
 
-and such maps of exp(v / g₀ Isp) that are affine, and rise, are all that planners know of masses:
-who is richer before a service is so after it.
+and towing an object of mass D with burns of ΔV x, which are flown with the mass of both,
+
+    exp(v' / g₀ Isp) = A exp(v / g₀ Isp) − (1 − A) D / m_f ,    A = exp(−x / g₀ Isp) .
+
+Such maps of exp(v / g₀ Isp) that are affine, and rise, are all that planners know of masses: who is
+richer before a service is so after it.
 """
 
 import math
@@ -36,6 +40,8 @@ class Loads(NamedTuple):
         kits aboard.
     heavy : bool
         Whether kits weigh anything.
+    flown : (bodies,) float64
+        ΔV that the service of each body takes itself: of tows; it counts to the cost [m/s].
     """
 
     exhaust: float
@@ -44,6 +50,7 @@ class Loads(NamedTuple):
     scale: np.ndarray
     loss: np.ndarray
     heavy: bool
+    flown: np.ndarray
 
 
 NOT_ENOUGH = -1.0
@@ -87,6 +94,14 @@ def after_service(loads, body, kits, left):
     if ratio <= 0.0:
         return NOT_ENOUGH, rest
     return loads.exhaust * math.log(ratio) + SLACK_M_S, rest
+
+
+@inlined
+def flown_in_service(loads, body):
+    """ΔV that a service takes itself [m/s]."""
+    if loads is None:
+        return 0.0
+    return loads.flown[body]
 
 
 @inlined

@@ -21,7 +21,8 @@ from .episodes import clip, outlook_of, rules_of
 from .memory import borrowed
 from .observation import LIMIT, PER_HOUR, PER_KM_S, PER_TEN, observe_transfer
 from .outlook import AHEAD, HOME, M_S_PER_HOUR, NOBODY
-from .timetable import lookup_in_column, steps_begun
+from .timetable import steps_begun
+from .timetables import lookup_in_column
 
 CHAINS = tuple((worth, share) for share in (0.0, 0.6) for worth in (200.0, 350.0, 600.0, 1200.0))
 """The chains: ΔV taken to be worth an hour [m/s], and how much of the cost of the cheapest move

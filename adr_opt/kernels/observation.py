@@ -19,7 +19,8 @@ from .episodes import clip, outlook_of, rules_of, turned
 from .memory import borrowed, fetch
 from .orbits import ARGUMENT_OF_LATITUDE, INCLINATION, RADIUS, node_at
 from .outlook import AHEAD, DELTA_V_UNIT_M_S, HOME, HOUR_UNIT, M_S_PER_HOUR, NEAR, NOBODY
-from .timetable import lookup_in_column, steps_begun
+from .timetable import steps_begun
+from .timetables import lookup_in_column
 
 LIMIT = 5.0
 """Every number of an observation lies in [−LIMIT, LIMIT]."""

@@ -21,6 +21,10 @@ ORBIT_COLUMNS = (
     ECCENTRICITY, PERIGEE, PERIGEE_RATE,
 ) = range(9)  # fmt: skip
 
+COASTING_RAAN_RATE = len(ORBIT_COLUMNS)
+"""One column more in rows of bodies as they are left: how fast the node of the chaser moves after
+that, where it leaves from another orbit than the body's; see :mod:`adr_opt.tow` [rad/s]."""
+
 COPLANAR_RAD = 1e-9
 """Nearer than this to equal or opposite, two planes have a line of nodes of free choice [rad]."""
 
@@ -83,6 +87,14 @@ def secular_rates(axis, eccentricity, inclination, oblateness):
 def node_at(orbit, time):
     """RAAN of a body at a time [rad]."""
     return orbit[RAAN] + orbit[RAAN_RATE] * time
+
+
+@inlined
+def coasting_node_rate(orbit):
+    """Rate of the node of who has left a body and stays on the orbit that he left from [rad/s]."""
+    if orbit.size > COASTING_RAAN_RATE:
+        return orbit[COASTING_RAAN_RATE]
+    return orbit[RAAN_RATE]
 
 
 @inlined

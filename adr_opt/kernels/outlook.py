@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import orbits, timetable
+from . import orbits, timetable, timetables
 from .compile import kernel
 from .memory import write
 
@@ -63,7 +63,7 @@ class Outlook(NamedTuple):
     near: np.ndarray
     near_angle: np.ndarray
     ahead: np.ndarray
-    home: timetable.Column
+    home: timetables.Column
     rate: np.ndarray
 
 
@@ -105,7 +105,7 @@ def fill(bodies, table, service, outlook):
                 bodies[j, orbits.INCLINATION], bodies[j, orbits.RAAN],
             )  # fmt: skip
             outlook.angle[i, j] = theta
-    timetable.fill_column(table, HOME, outlook.home)
+    timetables.fill_column(table, HOME, outlook.home)
     costs, items = np.empty(NEAR), np.empty(NEAR, dtype=np.int64)
     best, who = np.empty(AHEAD), np.empty(AHEAD, dtype=np.int64)
     for i in range(count):

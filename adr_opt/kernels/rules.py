@@ -20,7 +20,7 @@ import numpy as np
 
 from . import timetable
 from .compile import inlined, kernel
-from .loads import Loads, after_service, full_tank, most_kits
+from .loads import Loads, after_service, flown_in_service, full_tank, most_kits
 from .memory import borrowed
 
 
@@ -34,7 +34,8 @@ class Rules(NamedTuple):
     ----------
     table : Table
     service : (bodies,) float64
-        Time at each body after arrival: service, or refuelling at a station [s].
+        Time at each body after arrival: service, with the tow that follows, or refuelling at a
+        station [s].
     opens, closes : (bodies,) float64
         No service begins before, or ends after, with the slack [s].
     prize : (bodies,) float64
@@ -178,7 +179,7 @@ def step(rules, state, destination):
     -------
     legal : bool
     delta_v : float
-        [m/s], +inf where there is no transfer.
+        Of the transfer and of a tow [m/s], +inf where there is no transfer.
     after : State
         The state after the move; of no meaning if it is not legal.
     """
@@ -191,6 +192,7 @@ def step(rules, state, destination):
         since, serviced = state.since - state.since, state.serviced
     else:
         left, kits = after_service(rules.loads, destination, kits, left)
+        delta_v += flown_in_service(rules.loads, destination)
         legal = legal and state.serviced < rules.most_targets and left >= 0.0
     if rules.returns and legal and not rules.may_end[destination]:
         legal = _reaches_an_end(rules, destination, end, left)

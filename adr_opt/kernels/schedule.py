@@ -5,6 +5,15 @@ one. A *label* is a way to have got so far: (ready, ΔV left, cost). One that is
 no less left and cost no more makes another one superfluous, exactly, because a chaser may wait.
 So connections are gone through in order of departure, and each is taken by those labels only that
 are ready for it and that no other ready one beats in (ΔV left, cost).
+
+The cost is ΔV; or, where expenses count, the least mass that a chaser has to start with that ends
+here [kg], of what is left and the kits that are still aboard. A leg makes that one greater by what
+it weighs to have been flown so far: the mass without propellant, times exp(ΔV so far / g₀ Isp),
+times exp(ΔV / g₀ Isp) − 1. Of two ways that leave as many kits aboard, let one have no less left
+and need no more if it ended here. Whatever follows, it needs no more: for what has to be left for
+that the need of both is linear in the mass that has to be left, the first one needs no more at the
+least such mass, and at the greatest one that the second has it does not need its whole tank, as the
+second does.
 """
 
 import numpy as np
@@ -54,15 +63,50 @@ def _into(staircase_left, staircase_cost, names, size, left, cost, name):
 
 
 @kernel
-def follow(ready, left, cost, connections, service, opens, closes, refill, loads, body, kits):
+def undominated(ready, left, cost, count):
+    """The labels that none dominates that is ready before.
+
+    Of labels that are ready together a later one may beat an earlier one: harmless.
+
+    Parameters
+    ----------
+    ready, left, cost : (count or more,) float64
+    count : int
+
+    Returns
+    -------
+    order : (count,) int64
+        In order of the time ready; the first ``kept`` of it count.
+    kept : int
+    """
+    order = rising(ready, count)
+    best_left, best_cost = np.empty(count), np.empty(count)
+    names = np.empty(count, np.int64)
+    size, kept = 0, 0
+    for place in range(count):
+        which = order[place]
+        grown = _into(best_left, best_cost, names, size, left[which], cost[which], which)
+        if grown >= 0:
+            size = grown
+            order[kept] = which
+            kept += 1
+    return order, kept
+
+
+@kernel
+def follow(
+    ready, left, cost, weight, connections, service, opens, closes, refill, loads, body, kits
+):  # fmt: skip
     """Labels at the next body of an order.
 
     Parameters
     ----------
     ready, left, cost : (labels,) float64
-        Labels at the body before, in order of the time ready [s], [m/s], [m/s].
+        Labels at the body before, in order of the time ready [s], [m/s], [m/s or kg].
+    weight : (labels,) float64
+        What one of the price of a connection adds to the cost of each; empty for one.
     connections : tuple of (connections,) float64
-        Departure [s], arrival [s], ΔV [m/s] of the pair, in order of departure.
+        Departure [s], arrival [s], ΔV [m/s] and price of the pair, in order of departure.
     service : float
         Time at the next body [s].
     opens, closes : float
@@ -80,7 +124,8 @@ def follow(ready, left, cost, connections, service, opens, closes, refill, loads
     parent, taken : (labels,) int64
         Label before, and connection.
     """
-    departure, arrival, delta_v = connections
+    departure, arrival, delta_v, price = connections
+    alike = weight.size == 0
     room = 256
     ends, lefts, costs = np.empty(room), np.empty(room), np.empty(room)
     parents, takens = np.empty(room, np.int64), np.empty(room, np.int64)
@@ -97,7 +142,8 @@ def follow(ready, left, cost, connections, service, opens, closes, refill, loads
         end = max(arrival[c], opens) + service
         if end > closes:
             continue
-        # The stairs that can afford it; where the tank is filled the cheapest of them is enough.
+        # The stairs that can afford it; where the tank is filled the cheapest of them is enough, if
+        # all pay as much.
         low, high = 0, size
         while low < high:
             middle = (low + high) // 2
@@ -105,7 +151,7 @@ def follow(ready, left, cost, connections, service, opens, closes, refill, loads
                 low = middle + 1
             else:
                 high = middle
-        last = size if refill < 0.0 else min(low + 1, size)
+        last = size if refill < 0.0 or not alike else min(low + 1, size)
         for stair in range(low, last):
             rest = refill
             if refill < 0.0:
@@ -118,21 +164,11 @@ def follow(ready, left, cost, connections, service, opens, closes, refill, loads
                 room = ends.size
             ends[count] = end
             lefts[count] = rest
-            costs[count] = front_cost[stair] + delta_v[c]
+            paid = price[c] if alike else weight[front[stair]] * price[c]
+            costs[count] = front_cost[stair] + paid
             parents[count], takens[count] = front[stair], c
             count += 1
-    order = rising(ends, count)
-    best_left, best_cost = np.empty(count), np.empty(count)
-    names = np.empty(count, np.int64)
-    size, kept = 0, 0
-    for place in range(count):
-        which = order[place]
-        grown = _into(best_left, best_cost, names, size, lefts[which], costs[which], which)
-        if grown >= 0:
-            size = grown
-            order[kept] = which
-            kept += 1
-    # Of labels that are ready together a later one may beat an earlier one: harmless.
+    order, kept = undominated(ends, lefts, costs, count)
     return (
         chosen(ends, order, kept),
         chosen(lefts, order, kept),

@@ -26,6 +26,7 @@ from .nodes import nodes
 from .palette import COLOURS, LABELS, PHASES
 from .segments import Segment, segments
 from .space import earth, orbits, path
+from .tradeoff import tradeoff
 
 __all__ = [
     "COLOURS",
@@ -44,4 +45,5 @@ __all__ = [
     "path",
     "planes",
     "segments",
+    "tradeoff",
 ]

@@ -67,7 +67,7 @@ def _of_chaser(instance: Instance, flown: Flown) -> Budget:
         refuelled = leg.destination in instance.station_names
         if refuelled or leg.mass_kg is not None:
             left = leg.delta_v_left_m_s
-            rows.append((leg.end_s, left, number, refuelled))
+            rows.append((leg.done_s, left, number, refuelled))
     return Budget(*zip(*rows, strict=True))
 
 

@@ -6,11 +6,12 @@ background of the report.
 
 PHASES = (
     "wait", "hohmann-1", "drift", "phasing", "co-elliptic", "terminal", "approach", "transfer",
-    "service", "refuelling",
+    "service", "refuelling", "tow",
 )  # fmt: skip
 """The phases of burns (MODEL section 2), with the wait before them and the service after them.
 
-"transfer" is all of a leg that has no burns, because its costs are given.
+"transfer" is all of a leg that has no burns, because its costs are given; "tow" is the way of an
+object down to the disposal orbit.
 """
 
 LABELS = {
@@ -24,6 +25,7 @@ LABELS = {
     "transfer": "transfer",
     "service": "service",
     "refuelling": "refuelling",
+    "tow": "tow",
 }
 
 COLOURS = {
@@ -37,6 +39,7 @@ COLOURS = {
     "transfer": "#5a78d8",
     "service": "#5f9438",
     "refuelling": "#d2508f",
+    "tow": "#6a6fb5",
 }
 
 CHASERS = ("#6d5fe0", "#d9681d", "#1791b5", "#8a8f1e", "#c542c0", "#2f9a5d", "#d4486a", "#5f7d95")
@@ -54,6 +57,6 @@ REASONS = {
     "delta-v": "one more leg to it, in time, would need more ΔV than is left",
     "capacity": "its chaser has no kit left for it, or services as many as it may",
     "not-worth-it": "it could still be added at the end, and the plan does not",
-    "not-considered": "it was not planned with: the time or the memory did not allow it",
+    "not-considered": "nobody looked for a way: the time or the memory did not allow it",
 }
 """What the reasons of a plan's unvisited targets mean."""

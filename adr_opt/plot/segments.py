@@ -42,7 +42,8 @@ def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
 
     Read off the plan as it is: a burn begins its phase, which lasts until the next burn; without
     burns, where connections are given, the transfer is one phase. A chaser that has docked before a
-    window opens, or before the stated arrival, waits at its destination.
+    window opens, or before the stated arrival, waits at its destination; so does one that tows it,
+    and the next leg follows upon the tow without a wait.
 
     Parameters
     ----------
@@ -51,18 +52,19 @@ def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
         Need not be free of violations.
     """
     refuse_foreign(instance, plan)
+    tows = plan.tows_before
     return tuple(
         segment
         for number, leg in enumerate(plan.legs, start=1)
-        for segment in _of_leg(instance, number, leg)
+        for segment in _of_leg(instance, number, leg, waits=number not in tows)
         if segment.duration_s > 0.0
     )
 
 
-def _of_leg(instance: Instance, number: int, leg: Leg) -> Iterator[Segment]:
+def _of_leg(instance: Instance, number: int, leg: Leg, *, waits: bool) -> Iterator[Segment]:
     begins = service_begins(instance, leg)
     stay = "refuelling" if leg.destination in instance.station_names else "service"
-    if leg.kind != "launch":
+    if leg.kind != "launch" and waits:
         yield Segment(number, "wait", leg.ready_s, leg.leaves_s)
     for burn, after in pairwise(leg.burns):
         yield Segment(number, burn.phase, burn.time_s, after.time_s)
@@ -70,3 +72,6 @@ def _of_leg(instance: Instance, number: int, leg: Leg) -> Iterator[Segment]:
         yield Segment(number, "transfer", leg.leaves_s, leg.docked_s)
     yield Segment(number, "wait", leg.docked_s, begins)
     yield Segment(number, stay, begins, leg.end_s)
+    if leg.tow is not None:
+        yield Segment(number, "wait", leg.end_s, leg.tow.start_s)
+        yield Segment(number, "tow", leg.tow.start_s, leg.tow.end_s)

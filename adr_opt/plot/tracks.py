@@ -58,7 +58,7 @@ def tracks(instance: Instance, plan: Plan) -> tuple[Track, ...]:
     InputError
         The plan belongs to another instance or cannot be flown.
     """
-    total_s = sum(max(0.0, leg.end_s - leg.ready_s) for leg in plan.legs)
+    total_s = sum(max(0.0, leg.done_s - leg.ready_s) for leg in plan.legs)
     step_s = total_s / MOST_STEPS
     flown = sample(instance, plan, step_s if step_s > LONG_STEP_S else None)
     return tuple(_track(instance, path, arc) for path, arc in flown.arcs())

@@ -15,6 +15,7 @@ from ..instance import Instance
 from ..plan import InstanceReference, Plan
 from ..result import versions
 from ..routes import owners
+from ..tow import refuse_tows
 from .bodies import TrueBodies
 from .one_leg import refine_leg
 from .plan import (
@@ -91,6 +92,7 @@ def refine(
     freedom = _freedom(instance, freedom)
     if jobs is not None and jobs < 0:
         raise InputError(f"jobs = {jobs}: must not be negative; 0 is for all cores")
+    refuse_tows(instance, "refine")
     refuse_what_cannot_be_flown(instance, plan)
     refuse_broken_chain(instance, plan)
     began = time.monotonic()

@@ -8,10 +8,11 @@ from collections.abc import Iterator
 from ..campaign import Problem
 from ..chasers import AtStation
 from ..checking.violation import DELTA_V_TOLERANCE_M_S
+from ..expense import cost_of_routes
 from ..flight.result import tank_name
 from ..flight.tanks import legs_by_tank, tanks_of
 from ..instance import Instance
-from ..plan import Plan, Route, Unvisited, cost_of
+from ..plan import Plan, Route, Unvisited
 from ..result import status_of
 from ..routes import Flown, routes_of, weighed
 from .plan import RefinedLeg, RefinedPlan, reference
@@ -75,18 +76,19 @@ def beginning(
         if leg.destination not in instance.station_names
     )
     said = f"the first {len(kept)}" if len(routes) == 1 else f"{len(kept)}"
+    # Kits that are left behind by legs that are not flown are not taken along.
+    shown = tuple(
+        Route(
+            chaser=_route_name(plan, flown),
+            legs=weighed(instance, flown.chaser, (leg for _, leg in flown.legs[:held])),
+        )
+        for flown, held in routes
+    )
     shorter = plan.replace(
         objective=objective, status=status_of(problem, objective, math.inf),
         upper_bound=None, gap=None, cost_bound=None, cost_gap=None, cost_status=None,
-        cost=cost_of(instance.objective, legs),
-        routes=tuple(
-            # Kits that are left behind by legs that are not flown are not taken along.
-            Route(
-                chaser=_route_name(plan, flown),
-                legs=weighed(instance, flown.chaser, (leg for _, leg in flown.legs[:held])),
-            )
-            for flown, held in routes
-        ),
+        cost=cost_of_routes(instance, shown),
+        routes=shown,
         unvisited=(*plan.unvisited, *dropped),
         notes=(*plan.notes, f"of {len(plan.legs)} legs {said} hold when refined"),
     )  # fmt: skip

@@ -22,6 +22,7 @@ from ..planner import BOUNDS, PLANNERS, Progress, silent, takes_jobs
 from ..result import Result
 from ..routes import routes_of
 from ..stop import Stop
+from ..tow import refuse_tows
 from .all_legs import refine
 from .holding import beginning, troubles
 from .lessons import Lessons
@@ -209,6 +210,7 @@ def solve_refined(
         raise InputError(f"rounds = {rounds}: must be at least 1")
     mission = problem_of(instance)
     refuse_given(mission.instance)
+    refuse_tows(mission.instance, "refine")
     lessons, best, held = Lessons(spend_savings), _Best(), list[Round]()
 
     able = [method_of(method), *([method_of(bound, BOUNDS)] if bound else [])]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from datetime import UTC
 
-from ..chasers import AtStation, Chaser, InOrbit, TankByMass
+from ..chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
 from ..checking import Violation
 from ..flight import Flight
 from ..instance import Instance
@@ -311,10 +311,25 @@ def _asked(instance: Instance) -> list[str]:
         asked.append(f"{counted(required, 'target')} required")
     if windows:
         asked.append(f"{counted(windows, 'target')} with a window of time")
+    towed = sum(target.removal == "tow" for target in instance.targets)
+    if towed:
+        altitude_m = instance.mission.disposal_altitude_m or 0.0
+        asked.append(
+            f"{counted(towed, 'target')} to be towed down to {number(altitude_m / 1e3, 1)} km"
+        )
     if instance.mission.service_s is not None:
         asked.append(f"service takes {number(instance.mission.service_s, 1)} s")
     if instance.objective.cost == "duration":
         asked.append("of plans that collect as much the one that ends first is best")
+    if instance.objective.cost == "expense":
+        asked.append("of plans that collect as much the one of the least expense is best")
+    if instance.mission.launch_separation_s:
+        asked.append(f"launches lie {in_days(instance.mission.launch_separation_s)} apart at least")
+    for station in instance.stations:
+        if station.max_refuellings is not None:
+            asked.append(f"{station.name} refuels {counted(station.max_refuellings, 'time')}")
+        if station.max_propellant_kg is not None:
+            asked.append(f"{station.name} has {number(station.max_propellant_kg, 1)} kg to refuel")
     return asked
 
 
@@ -339,7 +354,19 @@ def _asked_of(instance: Instance, chaser: Chaser) -> Iterator[str]:
             f"{number(tank.isp_s, 1)} s of specific impulse and {number(tank.dry_mass_kg, 1)} kg "
             "without both"
         )
+    if chaser.expense is not None:
+        yield f"{it} takes {_prices(chaser.expense)}"
     if isinstance(chaser.end, AtStation):
         yield f"{it} has to end at {chaser.end.station}"
     if chaser.max_targets is not None:
         yield f"{it} may service {counted(chaser.max_targets, 'target')}"
+
+
+def _prices(expense: Expense) -> str:
+    """What an expense is made of."""
+    parts = [
+        number(expense.fixed, 6),
+        *([f"{expense.per_kg:g} a kg"] if expense.per_kg else []),
+        *([f"{expense.per_kg_squared:g} a kg²"] if expense.per_kg_squared else []),
+    ]
+    return " and ".join([", ".join(parts[:-1]), parts[-1]] if parts[1:] else parts) + " if used"

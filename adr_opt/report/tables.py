@@ -6,9 +6,10 @@ from collections.abc import Iterable
 
 from ..cargo import carries
 from ..chasers import AtStation, Chaser
+from ..expense import carried_kg, expense_of
 from ..instance import Instance
 from ..kernels.constants import DAY_S, EARTH_RADIUS_M
-from ..plan import Plan
+from ..plan import Leg, Plan
 from ..plot.axes import chaser_colours
 from ..plot.palette import REASONS
 from ..plot.traffic import also_there, stays
@@ -61,6 +62,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
     lengths = [(leg.departure_s - leg.ready_s, leg.arrival_s - leg.departure_s)
                for leg in plan.legs]  # fmt: skip
     weighed = any(leg.mass_kg is not None for leg in plan.legs)
+    towed = any(leg.tow is not None for leg in plan.legs)
     in_days = any(max(pair) >= LONG_S for pair in lengths)
 
     def told(duration_s: float) -> str:
@@ -84,6 +86,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
             ("n", told(leg.arrival_s - leg.departure_s)),
             ("n", clock(leg.arrival_s)),
             ("n", clock(leg.end_s)),
+            *([("n", _towing(leg))] if towed else []),
             ("n", fixed(leg.delta_v_left_m_s, 1)),
             *([("n", _kg(leg.mass_kg))] if weighed else []),
             ("n", "refuels" if refuels else number(prizes.get(leg.destination, 0.0), 3)),
@@ -97,10 +100,18 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
         (f"wait {unit}", "n"), ("departure", "n"), ("laps", "n"), ("ΔV m/s", "n"),
         *([("burns m/s", "n")] if drifts else []), *([("refined m/s", "n")] if refined else []),
         (f"flight {unit}", "n"), ("arrival", "n"),
-        ("end", "n"), ("ΔV left m/s", "n"), *([("mass kg", "n")] if weighed else []),
+        ("end", "n"), *([("tow until, m/s", "n")] if towed else []), ("ΔV left m/s", "n"),
+        *([("mass kg", "n")] if weighed else []),
         ("prize", "n"),
     )  # fmt: skip
     return (_refined(refined) if refined else "") + table("Legs", headings, rows)
+
+
+def _towing(leg: Leg) -> str:
+    """When a leg's tow ends, and what it takes."""
+    if leg.tow is None:
+        return NOTHING
+    return f"{clock(leg.tow.end_s)}, {fixed(leg.tow.delta_v_m_s, 1)}"
 
 
 def _refined(refined: RefinedPlan) -> str:
@@ -118,16 +129,18 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
     for leg in () if refined is None else refined.legs:
         burned[leg.chaser] = burned.get(leg.chaser, 0.0) + leg.flown_delta_v_m_s
     colours, rows = chaser_colours(instance), []
+    times = zip(instance.chasers, instance.available_s, strict=True)
+    since = {chaser.name: begin for chaser, (begin, _) in times}
     for flown in routes_of(instance, plan):
         name, tank = flown.chaser.name, flown.aboard(instance)[0].left_m_s
         refuellings = flown.refuellings(instance)
         used = [
-            fixed(sum(leg.delta_v_m_s for leg in of_tank), 1)
+            fixed(sum(leg.spent_m_s for leg in of_tank), 1)
             for of_tank in by_tank([leg for _, leg in flown.legs], instance.station_names)
         ]
         cells = (
             ("", f'<i class="dot" style="background:{colours[name]}"></i><b>{escape(name)}</b>'),
-            ("", escape(_where(flown.chaser))),
+            ("", escape(_where(flown.chaser, since[flown.chaser.name]))),
             ("n", str(len(flown.legs) - refuellings)),
             ("n", str(refuellings)),
             ("n", fixed(flown.delta_v_m_s, 1)),
@@ -147,21 +160,29 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
 
 
 def loads(instance: Instance, plan: Plan) -> str:
-    """One row per chaser: its masses, kits and propellant; nothing where none are counted."""
-    if not carries(instance):
+    """One row per chaser: its masses, kits, propellant and expense; nothing where none count."""
+    by_expense = instance.objective.cost == "expense" or any(
+        chaser.expense is not None for chaser in instance.chasers
+    )
+    if not (carries(instance) or by_expense):
         return ""
     rows = []
     for flown in routes_of(instance, plan):
         load, flies = flown.carried(instance), bool(flown.legs)
-        numbers = (
+        numbers: tuple[str, ...] = (
             _kg(load.mass_kg), str(load.kits), _kg(load.propellant_kg), _kg(load.used_kg),
             _kg(load.left_kg), _kg(load.end_mass_kg),
         )  # fmt: skip
+        if by_expense:
+            least = _kg(carried_kg(instance, flown.chaser, flown.spent))
+            expense = number(expense_of(instance, flown.chaser, flown.spent), 3)
+            numbers = (*numbers, least, expense)
         name = f"<b>{escape(flown.chaser.name)}</b>"
         rows.append(_row([("", name), *(("n", text if flies else NOTHING) for text in numbers)]))
     headings = (
         ("chaser", ""), ("mass at the start kg", "n"), ("kits", "n"), ("propellant kg", "n"),
         ("used kg", "n"), ("left kg", "n"), ("mass at the end kg", "n"),
+        *([("least aboard kg", "n"), ("expense", "n")] if by_expense else []),
     )  # fmt: skip
     return table("What chasers carry", headings, rows)
 
@@ -199,12 +220,11 @@ def _row(cells: Iterable[tuple[str, str]]) -> str:
     return f"<tr>{inside}</tr>"
 
 
-def _where(chaser: Chaser) -> str:
+def _where(chaser: Chaser, since: float) -> str:
     """Where a chaser starts, and from when on."""
     place = "its first target" if chaser.is_launched else "an orbit of its own"
     if isinstance(chaser.start, AtStation):
         place = chaser.start_name
-    since = chaser.available_s[0]
     return f"{place}, {clock(since)}" if since > 0.0 else place
 
 

@@ -72,8 +72,14 @@ def to_gmat(trajectory: Trajectory, frame: str) -> str:
     Raises
     ------
     InputError
-        GMAT has no such frame.
+        GMAT has no such frame, or the first leg leaves a disposal orbit.
     """
+    first = trajectory.legs[0].number
+    if first in trajectory.plan.tows_before:
+        raise InputError(
+            f"leg {first} leaves a disposal orbit, which a script of it alone does not know; "
+            "export the whole plan, or write .oem"
+        )
     if frame not in AXES:
         raise InputError(
             f"frame = {frame!r}: GMAT has no such axes; use one of {', '.join(AXES)}, or write .oem"
@@ -141,7 +147,7 @@ def _propagator(instance: Instance) -> Iterator[str]:
 
 def _impulses(path: LegPath, system: str) -> Iterator[str]:
     """The burns of a leg, to be made by its manoeuvres."""
-    for number, burn in enumerate(path.leg.burns, start=1):
+    for number, burn in enumerate(path.leg.all_burns, start=1):
         yield ""
         yield f"Create ImpulsiveBurn {_burn(path, number)};"
         yield f"GMAT {_burn(path, number)}.CoordinateSystem = {system};"
@@ -183,7 +189,14 @@ def _leg(
     yield f"Report Arrivals {CHASER}.UTCGregorian {' '.join(told)};"
     for axis in COMPONENTS:
         yield f"GMAT {CHASER}.{system}.{axis} = {goal}.{system}.{axis};"
-    return (yield from _coast(path, "service", crew, now, path.leg.end_s))
+    now = yield from _coast(path, "service", crew, now, path.leg.end_s)
+    tow = () if path.leg.tow is None else path.leg.tow.burns
+    phase = "wait"
+    for number, burn in enumerate(tow, start=1 + len(path.leg.burns)):
+        now = yield from _coast(path, phase, crew, now, burn.time_s)
+        yield f"Maneuver '{burn.phase}' {_burn(path, number)}({CHASER});"
+        phase = burn.phase
+    return now
 
 
 def _coast(

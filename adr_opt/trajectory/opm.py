@@ -50,7 +50,7 @@ def _lines(trajectory: Trajectory, frame: str) -> Iterator[str]:
     yield from comment("The mass is a placeholder that the format asks for: the plan has none")
     yield f"MASS = {MASS_KG:.3f} [kg]"
     for path in trajectory.legs:
-        for burn in path.leg.burns:
+        for burn in path.leg.all_burns:
             yield ""
             yield from comment(
                 f"leg {path.number}, {path.leg.origin} to {path.leg.destination}: {burn.phase}"

@@ -14,17 +14,20 @@ from ..flight.flyable import refuse_what_cannot_be_flown
 from ..instance import Instance
 from ..kernels.constants import DAY_S
 from ..limits import service_begins
-from ..plan import Leg, Plan
+from ..plan import Leg, Plan, Tow
 from .bodies import body_secular, body_states
 from .kepler import Array, drift, secular
 
 PHASES = (
     "wait", "hohmann-1", "drift", "phasing", "co-elliptic", "terminal", "approach", "service",
+    "tow",
 )  # fmt: skip
-"""Phases of a leg in their order: waiting at the origin, those of its burns, service at the end.
+"""Phases of a leg in their order: waiting at the origin, those of its burns, service at the end,
+and the tow of what was serviced, which the next leg follows upon without a wait.
 
 A leg has either phasing or a drift, or none of them. A chaser that has docked before a window
-opens, or before the arrival that a drift is planned with, waits once more, at its destination."""
+opens, or before the arrival that a drift is planned with, waits once more, at its destination; and
+there, after the service, one that tows it."""
 
 STEP_S, LONG_STEP_S, LONG_ARC_S = 60.0, 300.0, DAY_S
 """Time between two samples where nobody says: the first, and the second on arcs of more than the
@@ -146,10 +149,11 @@ class Trajectory:
 def sample(instance: Instance, plan: Plan, step_s: float | None = None) -> Trajectory:
     """Fly a plan in the dynamics of its instance and sample the flight.
 
-    As :func:`adr_opt.flight.fly` flies it: each leg begins on the origin's orbit, at its first
-    burn, and its burns are taken from the plan as they are. After the last the chaser is docked,
-    so that service, and the wait before the next leg, are on the destination's orbit; the step
-    there is the residual of the approach, a few centimetres. Orbits of bodies are the circles
+    As :func:`adr_opt.flight.fly` flies it: each leg begins on the origin's orbit, or where its tow
+    leads, at its first burn, and its burns are taken from the plan as they are. After the last the
+    chaser is docked, so that service, and the wait before the next leg, are on the destination's
+    orbit; the step there is the residual of the approach, a few centimetres. Orbits of bodies are
+    the circles
     that the plan is made with (MODEL section 1).
 
     Parameters
@@ -177,8 +181,9 @@ def sample(instance: Instance, plan: Plan, step_s: float | None = None) -> Traje
             f"a flight of {total_s:.3g} s, a state every {longest_s:g} s, would have more than "
             f"{MOST_SAMPLES:,} states; take a longer step, or correct the times of the plan"
         )
+    tows = plan.tows_before
     paths = [
-        LegPath(number, leg, _arcs(instance, number, leg, step_s))
+        LegPath(number, leg, _arcs(instance, number, leg, step_s, tows.get(number)))
         for number, leg in enumerate(plan.legs, start=1)
     ]
     legs = tuple(path for path in paths if path.arcs)
@@ -190,21 +195,26 @@ def sample(instance: Instance, plan: Plan, step_s: float | None = None) -> Traje
 
 def _span(leg: Leg) -> float:
     """From the first to the last of a leg's times, whatever their order in a spoiled plan [s]."""
-    times = [leg.ready_s, leg.leaves_s, leg.arrival_s, leg.end_s]
+    times = [leg.ready_s, leg.leaves_s, leg.arrival_s, leg.done_s]
     return max(times) - min(times)
 
 
-def _arcs(instance: Instance, number: int, leg: Leg, step_s: float | None) -> tuple[Arc, ...]:
+def _arcs(
+    instance: Instance, number: int, leg: Leg, step_s: float | None, before: Tow | None
+) -> tuple[Arc, ...]:
     if leg.kind == "launch":
         # Before it the chaser is nowhere.
         return tuple(_stay(instance, leg, step_s))
     found = []
     start = leg.leaves_s
-    times = _times(leg.ready_s, start, step_s)
-    if times is not None:
-        found.append(_at_body("wait", times, instance, leg.origin))
-    position, velocity = (state[0] for state in body_states(instance, leg.origin, start))
     try:
+        if before is not None:
+            position, velocity = _towed(instance, leg.origin, before, None)[1]
+        else:
+            times = _times(leg.ready_s, start, step_s)
+            if times is not None:
+                found.append(_at_body("wait", times, instance, leg.origin))
+            position, velocity = (state[0] for state in body_states(instance, leg.origin, start))
         for burn, after in pairwise(leg.burns):
             end = after.time_s
             velocity = velocity + np.array(burn.delta_v_m_s)
@@ -220,21 +230,47 @@ def _arcs(instance: Instance, number: int, leg: Leg, step_s: float | None) -> tu
                 )
             )  # fmt: skip
             position, velocity = positions[-1], velocities[-1]
+        found += _stay(instance, leg, step_s)
     except ArithmeticError as error:
         raise InputError(f"leg {number}: cannot be flown: {error}; correct its burns") from None
-    found += _stay(instance, leg, step_s)
     if not found:
         raise InputError(f"leg {number}: takes no time; correct its times")
     return tuple(found)
 
 
 def _stay(instance: Instance, leg: Leg, step_s: float | None) -> Iterator[Arc]:
-    """From the end of a transfer to the end of the service."""
+    """From the end of a transfer to the end of the service, or of the tow."""
     begins = service_begins(instance, leg)
     for phase, since, until in (("wait", leg.docked_s, begins), ("service", begins, leg.end_s)):
         times = _times(since, until, step_s)
         if times is not None:
             yield _at_body(phase, times, instance, leg.destination)
+    if leg.tow is None:
+        return
+    times = _times(leg.end_s, leg.tow.start_s, step_s)
+    if times is not None:
+        yield _at_body("wait", times, instance, leg.destination)
+    arc, _ = _towed(instance, leg.destination, leg.tow, step_s)
+    if arc is not None:
+        yield arc
+
+
+def _towed(
+    instance: Instance, body: str, tow: Tow, step_s: float | None
+) -> tuple[Arc | None, tuple[Array, Array]]:
+    """The arc of a tow, and where it leads to: position [m] and velocity [m/s]."""
+    begin, end = tow.burns
+    position, velocity = (state[0] for state in body_states(instance, body, begin.time_s))
+    velocity = velocity + np.array(begin.delta_v_m_s)
+    times = _times(begin.time_s, end.time_s, step_s)
+    if times is None:
+        return None, (position, velocity + np.array(end.delta_v_m_s))
+    oblateness = instance.oblateness_m2
+    positions, velocities = drift(position, velocity, times - begin.time_s, oblateness)
+    left = positions[-1], velocities[-1] + np.array(end.delta_v_m_s)
+    return (
+        _arc("tow", times, positions, velocities, *secular(position, velocity, oblateness)), left
+    )  # fmt: skip
 
 
 def _step(duration_s: float, step_s: float | None) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from adr_opt.mission import Mission
-from adr_opt.planner import Progress
+from adr_opt.planner import Progress, bounds_all_pairs, shows_evidence
 from adr_opt.practice import practises
 from adr_opt.result import Result
 from adr_opt.stop import Stop
@@ -17,7 +17,9 @@ class LagrangianOptions(ProofOptions, method="lagrangian"):
     """Options of the bound ``lagrangian``."""
 
 
+@bounds_all_pairs
 @practises(rounds=12)
+@shows_evidence
 def lagrangian(
     mission: Mission,
     *,
@@ -33,7 +35,9 @@ def lagrangian(
     little less than the bound. If the answer is a plan that meets the bound, it is optimal and is
     returned. Every value on the way is a valid bound and the least is kept; the trivial one is the
     sum of all prizes. Where all prizes are multiples of a step the bound is rounded down to one,
-    because the objective is.
+    because the objective is. Where the network of all connections takes too much memory there is a
+    bound all the same (:class:`solvers.relaxation.large.LargeProof`): by least times, then by walks
+    that pay for their ΔV over legs in whole numbers, and no search.
 
     Deterministic but for the time limit. An iteration is one evaluation of the bound, one search,
     or :data:`solvers.relaxation.routes.EFFORT` labels of a search. Ends by itself when the bound is

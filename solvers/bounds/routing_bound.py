@@ -61,9 +61,9 @@ def _least(j, departure, arrival, delta_v, rules):
 
 
 @kernel
-def _floor(i, j, orbits, extra_delta_v, transfer_rule, rules):
+def _floor(i, j, leaving, orbits, extra_delta_v, transfer_rule, rules):
     """The same in closed form, for sequences of whatever phase: less, and known at once."""
-    pair = transfer.prepare(orbits[i], orbits[j], extra_delta_v[i, j], transfer_rule)
+    pair = transfer.prepare(leaving[i], orbits[j], extra_delta_v[i, j], transfer_rule)
     approach = transfer_rule.approach_revolutions * transfer.TWO_PI / pair.rate_j
     if pair.floor_delta_v > rules.budget:
         return math.inf, math.inf

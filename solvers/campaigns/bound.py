@@ -11,15 +11,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from adr_opt.campaign import Campaign
+from adr_opt.evidence import Evidence
 
+from ..relaxation.facts import evidence_of, less_than
 from ..relaxation.walks import WalkBound
 
+Walks = TypeVar("Walks", bound=WalkBound)
 
-class CampaignBound:
+
+class CampaignBound(Generic[Walks]):
     """Best walks of all kinds of chasers for given multipliers, as a descent asks for them.
 
     Kinds that move on one network share its walks.
@@ -33,15 +38,19 @@ class CampaignBound:
         Threads.
     over : callable
         Asked now and then whether the time is over.
-    known : CampaignBound, optional
-        One whose networks are shared.
     kind : callable
         Makes the bounds of walks.
+    known : CampaignBound, optional
+        One whose networks are shared.
 
     Attributes
     ----------
+    walks : tuple of WalkBound
+        Of each network.
     of_kind : tuple of (WalkBound, int)
         That each kind is in, and its number there.
+    evidence : Evidence or None
+        What the least bound of all so far rests on.
     """
 
     def __init__(
@@ -51,23 +60,28 @@ class CampaignBound:
         *,
         jobs: int,
         over: Callable[[], bool],
-        known: CampaignBound | None = None,
-        kind: Callable[..., WalkBound] = WalkBound,
+        kind: Callable[..., Walks],
+        known: CampaignBound[Walks] | None = None,
     ) -> None:
-        bounds: list[WalkBound] = []
-        places: dict[int, tuple[WalkBound, int]] = {}
+        bounds: list[Walks] = []
+        places: dict[int, tuple[Walks, int]] = {}
         for number, kinds in enumerate(campaign.networks):
             earliest, *others = (campaign.kinds[kind].mission for kind in kinds)
-            network = None if known is None else known._bounds[number].network
+            network = None if known is None else known.walks[number].network
             bounds.append(
                 kind(
                     earliest, delta_v_slot_m_s, jobs=jobs, over=over, network=network, others=others
                 )
             )
             places |= {kind: (bounds[-1], start) for start, kind in enumerate(kinds)}
-        self._bounds: list[WalkBound] = bounds
+        self.walks: tuple[Walks, ...] = tuple(bounds)
+        for walks in bounds:
+            walks.is_paid = walks.is_target | walks.network.is_station
         self.of_kind = tuple(places[kind] for kind in range(len(campaign.kinds)))
         self._counts = [len(kind.chasers) for kind in campaign.kinds]
+        self._chasers = [kind.chasers for kind in campaign.kinds]
+        self._least = math.inf
+        self.evidence: Evidence | None = None
         # Multipliers that are exact in the coarsest unit are exact in all.
         self._coarsest_first = sorted(bounds, key=lambda bound: -bound.unit)
         first = bounds[0]
@@ -84,24 +98,23 @@ class CampaignBound:
             values[kind], walk = bound.best_from(start)
             slope -= self._counts[kind] * np.bincount(walk, minlength=slope.size)
         slope[~self.is_target] = 0.0
-        if np.isneginf(values).any():
-            return -math.inf, point, slope
-        return math.fsum([*point, *(self._counts * values)]), point, slope
-
-    def charge(self, worth_m_s: float) -> None:
-        """Let walks be worth so much for each unit of what they collect, less their ΔV.
-
-        For bounds of walks that pay.
-        """
-        for bound in self._bounds:
-            bound.charge(worth_m_s)
+        found = -math.inf
+        if not np.isneginf(values).any():
+            found = math.fsum([*point, *(self._counts * values)])
+        if found < self._least:
+            self._least = found
+            self.evidence = evidence_of(
+                point, self._chasers, [less_than(value, point) for value in values], None,
+                self.walks[0].slot,
+            )  # fmt: skip
+        return found, point, slope
 
     @property
     def largest_gain(self) -> float:
         """No target may be worth more to any of the walks."""
-        return min(bound.greatest_prize for bound in self._bounds)
+        return min(bound.greatest_prize for bound in self.walks)
 
     def close(self) -> None:
         """End the threads."""
-        for bound in self._bounds:
+        for bound in self.walks:
             bound.close()

@@ -17,6 +17,7 @@ import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
 
 from adr_opt.campaign import Campaign, Routes
+from adr_opt.station_limits import Use
 
 from ..relaxation.routes import Routes as Search
 from ..relaxation.walks import WalkBound
@@ -85,12 +86,13 @@ class Finish:
             Of the packing.
         """
         counts = [len(kind.chasers) for kind in self._campaign.kinds]
-        bound = math.fsum([*multipliers, *(counts * most_worth)])
+        total = self._campaign.limits.total(multipliers)
+        bound = math.fsum([total, *(counts * most_worth)])
         routes: list[tuple[int, tuple[int, ...]]] = []
         for kind, search in enumerate(self._searches):
             search.use(multipliers)
             # No route is worth less than all that it may pay: also where there is no plan yet.
-            least = max(most_worth[kind] - (bound - goal), -math.fsum(multipliers))
+            least = max(most_worth[kind] - (bound - goal), -total)
             least -= LEAST_OFF * self._largest
             finished, _, _, _ = search.search(search.total + least, most_labels, enough)
             if not finished:
@@ -104,11 +106,29 @@ class Finish:
     def _pack(
         self, goal: float, routes: list[tuple[int, tuple[int, ...]]], time_limit_s: float
     ) -> tuple[Answer, Routes | None]:
-        """Whether some of the routes make a plan that is worth the goal."""
+        """Whether some of the routes make a plan that is worth the goal.
+
+        Where stations have limits a route of the same targets may keep to them that was not
+        listed: then there is no plan only if there is none without limits.
+        """
         if not routes:
             return Answer.NONE, None
+        answer, taken = self._packed(
+            goal, routes, time_limit_s, limited=bool(self._campaign.limits)
+        )
+        if answer is Answer.NONE and self._campaign.limits:
+            if self._packed(goal, routes, time_limit_s, limited=False)[0] is not Answer.NONE:
+                answer = Answer.UNKNOWN
+        return answer, taken
+
+    def _packed(
+        self, goal: float, routes: list[tuple[int, tuple[int, ...]]], time_limit_s: float,
+        *, limited: bool,
+    ) -> tuple[Answer, Routes | None]:  # fmt: skip
+        """The same, of these very routes, with the limits of stations or without."""
         campaign, first = self._campaign, self._campaign.instance.first_target
         sets = [(kind, frozenset(j for j in route if j >= first)) for kind, route in routes]
+        uses = [self._use(*each) for each in routes] if limited else None
         scale = SCALE / self._largest
         worths = scale * np.array([campaign.collected(targets) for _, targets in sets])
         found = milp(
@@ -116,7 +136,7 @@ class Finish:
             integrality=np.ones(len(sets)),
             bounds=Bounds(0.0, 1.0),
             constraints=[
-                packing(campaign, sets),
+                packing(campaign, sets, uses, all_flown=True),
                 LinearConstraint(worths[None, :], scale * goal - PACKING_OFF, np.inf),
             ],
             options={"time_limit": max(time_limit_s, 0.1)},
@@ -127,3 +147,10 @@ class Finish:
             return Answer.UNKNOWN, None
         taken = [routes[at] for at in np.flatnonzero(found.x > 0.5).tolist()]
         return Answer.FOUND, dealt(campaign, taken)
+
+    def _use(self, kind: int, route: tuple[int, ...]) -> Use:
+        """What a route takes of stations."""
+        mission = self._campaign.kinds[kind].mission
+        moves = mission.closed(route)
+        schedule = mission.time(moves)
+        return self._campaign.use(mission, moves[: schedule.made], schedule.delta_vs)

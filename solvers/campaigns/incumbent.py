@@ -32,7 +32,6 @@ class CampaignIncumbent:
 
     def __init__(self, campaign: Campaign) -> None:
         self._campaign = campaign
-        self._by_time = campaign.instance.objective.cost == "duration"
         self.sequence: Routes | None = None
         self.objective = -math.inf
         self.cost = math.inf
@@ -49,13 +48,16 @@ class CampaignIncumbent:
         if worth < self.objective or moves == self.sequence:
             return False
         closed = campaign.closed(moves)
-        costs = []
+        costs, uses = [], []
         for mission, route in zip(campaign.missions, closed, strict=True):
             schedule: Schedule = mission.time(route)
             if schedule.made < len(route) or not mission.may_stop(route):
                 return False
             costs.append(schedule.cost)
-        cost = max(costs, default=0.0) if self._by_time else math.fsum(costs)
+            uses.append(campaign.use(mission, route, schedule.delta_vs))
+        if not campaign.limits.allow(uses):
+            return False
+        cost = campaign.instance.objective.together(costs)
         if worth == self.objective and cost >= self.cost:
             return False
         self.sequence, self.objective, self.cost = closed, worth, cost

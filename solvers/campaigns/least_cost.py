@@ -1,39 +1,44 @@
-"""The least ΔV of campaigns that collect as much: column generation over routes that pay for it.
+"""The least cost of campaigns that collect as much: column generation over routes that pay for it.
 
-With a price λ on worth in m/s, and multipliers π of "each target at most once", every campaign that
-is worth P or more costs at least
+With a price λ on worth, in m/s or as expenses are stated, and multipliers π of "each target at most
+once", every campaign that is worth P or more costs at least
 
-    λ P − Σ π − Σ over chasers of the most that Σ (λ worth_j − π_j) − ΔV comes to on a route.
+    λ P − Σ π − Σ over chasers of the most that Σ (λ worth_j − π_j) − cost comes to on a route.
 
 The master mixes known routes at least cost; its duals are λ and π. Labels that pay for their ΔV
-(:mod:`solvers.relaxation.cost`) find routes that it lacks, or prove how good any could be. What is
-left between the bound and the best plan is closed as for prizes: all routes that a cheaper plan
-could be made of are listed, and a set packing decides (:mod:`.finish`).
+(:mod:`solvers.relaxation.cost`), under one tariff or under several that are never more than the
+expense (:mod:`solvers.relaxation.tariffs`), find routes that it lacks, or prove how good any could
+be. What is left between the bound and the best plan is closed as for prizes: all sets of targets
+that a cheaper plan could be made of are listed, and set packing decides (:mod:`.cost_finish`).
+Limits of stations are not looked at: bounds are of campaigns whose stations never run empty.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Iterator
 from contextlib import suppress
 from functools import partial
 from typing import NamedTuple
 
-import highspy
 import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
 
 from adr_opt.campaign import Campaign
 from adr_opt.stop import Stop
 
-from ..relaxation.cost import COARSER, RELATIVE, PricedBound
+from ..relaxation.cost import COARSER, PricedBound
+from ..relaxation.cost_rounds import CostRounds, asked, is_least, settled
 from ..relaxation.proof import FIRST_LABELS, GROWTH, ProofOptions
 from ..relaxation.routes import Routes as Search
+from ..relaxation.tariffs import Tariff, most_expense, tariffs_of
 from ..relaxation.walks import TimeIsOver
 from .bound import CampaignBound
+from .cost_finish import CostFinish
+from .cost_master import CostMaster, Prices
 from .finish import MOST_ROUTES
 from .incumbent import CampaignCertificate
-from .pool import Column, Pool, dealt, packing
+from .pool import Pool, dealt, packing
 from .pricing import LabelPricing
 
 CENTRED = 0.5
@@ -46,86 +51,35 @@ GREATEST_TANKS = 4.0
 QUICK_LABELS = 200_000
 """Labels of a search that proves nothing."""
 
+LEAST_OFF = 1e-7
+"""Routes are asked for from so much below, as a share of what a plan costs; for rounding."""
+
 ATTRACTIVE = 1e-7
 """A route of use makes the master cheaper by so much, as a share of what it costs now."""
 
-SLACK_WORTH = 1e-9
-"""A little less is asked for, so that no rounding of a sum of prizes counts."""
 
-LEAST_OFF_M_S = 1e-4
-"""Routes are asked for from so much below; for rounding."""
-
-
-class Prices(NamedTuple):
-    """A solution of the master.
+class _Place(NamedTuple):
+    """Walks of a kind of chasers that pay by a tariff.
 
     Attributes
     ----------
-    cost : float
-        No mixture of the columns that is worth enough costs less [m/s].
-    worth : float
-        λ [m/s].
-    targets : (bodies,) float64
-        π [m/s].
-    kinds : (kinds,) float64
-        What one more chaser of a kind would save [m/s].
+    kind : int
+    tariff : Tariff
+    walks : PricedBound
+    start : int
+        Number of the kind there.
+    pricing : LabelPricing
     """
 
-    cost: float
-    worth: float
-    targets: np.ndarray
-    kinds: np.ndarray
+    kind: int
+    tariff: Tariff
+    walks: PricedBound
+    start: int
+    pricing: LabelPricing
 
 
-class CostMaster:
-    """Minimise the cost of a mixture of routes that is worth enough.
-
-    Parameters
-    ----------
-    campaign : Campaign
-    least_worth : float
-    """
-
-    def __init__(self, campaign: Campaign, least_worth: float) -> None:
-        self._bodies = len(campaign.names)
-        # Worths in tens of thousands would leave the tolerances of the solver behind.
-        self._scale = 1.0 / max(least_worth, 1e-300)
-        self._highs = highspy.Highs()
-        self._highs.setOptionValue("output_flag", False)
-        self._highs.setOptionValue("threads", 1)
-        none, nobody = np.empty(0), np.empty(0, dtype=np.int32)
-        for _ in range(self._bodies):
-            self._highs.addRow(-highspy.kHighsInf, 1.0, 0, nobody, none)
-        for kind in campaign.kinds:
-            self._highs.addRow(-highspy.kHighsInf, float(len(kind.chasers)), 0, nobody, none)
-        self._highs.addRow(least_worth * self._scale, highspy.kHighsInf, 0, nobody, none)
-        self._last = self._bodies + len(campaign.kinds)
-
-    def add(self, columns: list[Column]) -> None:
-        """More routes to mix."""
-        for column in columns:
-            rows = [*sorted(column.targets), self._bodies + column.kind, self._last]
-            values = np.ones(len(rows))
-            values[-1] = column.worth * self._scale
-            self._highs.addCol(
-                column.cost, 0.0, highspy.kHighsInf, len(rows), np.array(rows, dtype=np.int32),
-                values,
-            )  # fmt: skip
-
-    def solve(self) -> Prices:
-        """The cheapest mixture."""
-        self._highs.run()
-        duals = np.array(self._highs.getSolution().row_dual)
-        return Prices(
-            float(self._highs.getInfo().objective_function_value),
-            max(float(duals[self._last]), 0.0) * self._scale,
-            np.maximum(-duals[: self._bodies], 0.0),
-            np.maximum(-duals[self._bodies : self._last], 0.0),
-        )
-
-
-class CampaignCost:
-    """Rounds of column generation for the least ΔV of one campaign.
+class CampaignCost(CostRounds):
+    """Rounds of column generation for the least cost of one campaign.
 
     Parameters
     ----------
@@ -137,13 +91,6 @@ class CampaignCost:
     stop : Stop
         Its time alone counts here.
     options : ProofOptions
-
-    Attributes
-    ----------
-    bound : float
-        No plan worth as much costs less [m/s].
-    done : bool
-        Nothing is left to do.
     """
 
     def __init__(
@@ -157,14 +104,16 @@ class CampaignCost:
         self._campaign, self._certificate, self._pool = campaign, certificate, pool
         self._options, self._stop = options, stop
         self._worths = np.array(campaign.worths)
-        asked = certificate.incumbent
-        self._asked = asked - SLACK_WORTH * max(1.0, abs(asked))
+        self._over = lambda: stop.remaining_s() <= 0.0
+        self._asked = asked(certificate.incumbent)
         self._bounds = CampaignBound(
             campaign, COARSER * options.delta_v_slot_m_s, jobs=options.cores,
-            over=lambda: stop.remaining_s() <= 0.0,
-            kind=partial(PricedBound, greatest_tanks=GREATEST_TANKS),
+            over=self._over,
+            kind=partial(
+                PricedBound, greatest_tanks=GREATEST_TANKS, greatest=_greatest(campaign)
+            ),
         )  # fmt: skip
-        self._pricing = tuple(LabelPricing(*place) for place in self._bounds.of_kind)
+        self._places = tuple(self._all_places())
         self._counts = np.array([len(kind.chasers) for kind in campaign.kinds])
         self._master = CostMaster(campaign, self._asked)
         self._mixed: dict[tuple[int, frozenset[int]], float] = {}
@@ -184,35 +133,38 @@ class CampaignCost:
     @property
     def proven(self) -> bool:
         """Whether the cost known is the least."""
-        return self._certificate.cost <= self.bound * (1.0 + RELATIVE) + RELATIVE
+        return is_least(self._certificate.cost, self.bound)
 
-    def advance(self, enough: Callable[[], bool]) -> None:
+    def advance(self) -> None:
         """One iteration: solve the master, and look for routes that it lacks."""
         with suppress(TimeIsOver):
-            self._iterate(enough)
+            self._iterate()
         self.done = self.done or self.proven
 
-    def _iterate(self, enough: Callable[[], bool]) -> None:
+    def _iterate(self) -> None:
         self._mix()
         duals = self._master.solve()
         worth, targets = self._near(duals)
-        new, most, finished = False, np.zeros(len(self._pricing)), True
-        self._bounds.charge(worth)
+        new, most, finished = False, np.zeros(len(self._counts)), True
         paid = duals.kinds + ATTRACTIVE * max(duals.cost, 1.0)
-        keep = [partial(self._keep, duals, kind) for kind in range(len(self._pricing))]
+        keep = [partial(self._keep, duals, kind) for kind in range(len(self._counts))]
         found = 0
-        for kind, pricing in enumerate(self._pricing):
+        for place in self._places:
+            kind, prices = place.kind, self._prices(place, worth, targets)
             found += len(
-                pricing.quickly(targets, float(paid[kind]), QUICK_LABELS, enough, keep[kind])
+                place.pricing.quickly(
+                    prices, float(paid[kind]), QUICK_LABELS, self._over, keep[kind]
+                )
             )
         if found:
             return
-        for kind, pricing in enumerate(self._pricing):
-            answered, routes = pricing.search(
-                targets, float(paid[kind]), self._labels, enough, keep[kind]
+        for place in self._places:
+            kind, prices = place.kind, self._prices(place, worth, targets)
+            answered, routes = place.pricing.search(
+                prices, float(paid[kind]), self._labels, self._over, keep[kind]
             )
             new, finished = new or bool(routes), finished and answered
-            most[kind] = max(0.0, pricing.most_worth)
+            most[kind] = max(most[kind], place.pricing.most_worth)
         if finished:
             bound = worth * self._asked - math.fsum([*targets, *(self._counts * most)])
             if self._proven is None or bound > self._proven[3]:
@@ -228,8 +180,27 @@ class CampaignCost:
             self._centred = 0.0 if self._centred < 0.1 else 0.5 * self._centred
         else:
             self._offer()
-            self._finish(enough)
+            self._finish()
             self.done = True
+
+    def _all_places(self) -> Iterator[_Place]:
+        """All walks that there are to ask; those that are swept together one after the other."""
+        campaign = self._campaign
+        for kinds in campaign.networks:
+            # What they may fly and what that takes is the same for all of them.
+            for tariff in tariffs_of(campaign.kinds[kinds[0]].mission):
+                for kind in kinds:
+                    walks, start = self._bounds.of_kind[kind]
+                    yield _Place(kind, tariff, walks, start, LabelPricing(walks, start))
+
+    def _prices(self, place: _Place, worth: float, targets: np.ndarray) -> np.ndarray:
+        """Charge walks, and what they have to be asked with: multipliers, and fees at stations."""
+        place.walks.charge(worth, place.tariff)
+        if not place.tariff.fee:
+            return targets
+        prices = np.array(targets)
+        prices[place.walks.network.is_station] = place.walks.greatest_prize
+        return prices
 
     def _near(self, duals: Prices) -> tuple[float, np.ndarray]:
         """Prices between the best ones and the master's duals, at which walks can be counted."""
@@ -261,17 +232,11 @@ class CampaignCost:
         least = ATTRACTIVE * max(duals.cost, 1.0)
         return bool(gain - column.cost - duals.kinds[kind] > least)
 
-    def _offer(self) -> float:
-        """Offer the cheapest plan of the routes known.
-
-        Returns
-        -------
-        least : float
-            No plan of these routes costs less [m/s].
-        """
+    def _offer(self) -> None:
+        """Offer the cheapest plan of the routes known."""
         columns = self._pool.columns()
         if not columns:
-            return 0.0
+            return
         costs = np.array([column.cost for column in columns])
         worths = np.array([column.worth for column in columns])
         scale = 1.0 / max(self._asked, 1e-300)
@@ -280,51 +245,57 @@ class CampaignCost:
             integrality=np.ones(len(columns)),
             bounds=Bounds(0.0, 1.0),
             constraints=[
-                packing(self._campaign, [(column.kind, column.targets) for column in columns]),
+                packing(
+                    self._campaign,
+                    [(column.kind, column.targets) for column in columns],
+                    [column.use for column in columns],
+                ),
                 LinearConstraint(scale * worths[None, :], scale * self._asked, np.inf),
             ],
             options={"time_limit": max(self._stop.remaining_s(), 0.1), "mip_rel_gap": 1e-9},
         )
         if found.x is None:
-            return 0.0
+            return
         taken = [columns[at] for at in np.flatnonzero(found.x > 0.5).tolist()]
         self._certificate.offer(
             dealt(self._campaign, [(column.kind, column.route) for column in taken])
         )
-        return math.fsum(column.cost for column in taken) if found.status == 0 else 0.0
 
-    def _finish(self, enough: Callable[[], bool]) -> None:
+    def _finish(self) -> None:
         """List all routes that a cheaper plan could be made of, and ask for one."""
         if self.proven or self._proven is None:
             return
         worth, targets, most, bound = self._proven
+        finish = CostFinish(self._campaign, self._certificate, self._pool, self._asked, self._stop)
         gap = self._certificate.cost - bound
-        self._bounds.charge(worth)
-        routes: list[tuple[int, tuple[int, ...]]] = []
-        for kind, (walks, start) in enumerate(self._bounds.of_kind):
-            search = Search(walks, start=start, all_sets=True)
-            search.use(targets)
-            least = float(most[kind]) - gap - LEAST_OFF_M_S
+        for place in self._places:
+            search = Search(place.walks, start=place.start, all_sets=True)
+            prices = self._prices(place, worth, targets)
+            search.use(prices)
+            off = LEAST_OFF * max(self._certificate.cost, 1.0)
             finished, _, _, _ = search.search(
-                search.total + least, self._options.most_labels, enough
+                search.total + float(most[place.kind]) - gap - off,
+                self._options.most_labels,
+                self._over,
             )
             self._finishing += search.labels_made
-            found = search.plans(MOST_ROUTES + 1)
-            routes += [(kind, route) for route in found]
-            if not finished or len(routes) > MOST_ROUTES:
+            found = search.valued_plans(MOST_ROUTES + 1)
+            if not finished or finish.size + len(found) > MOST_ROUTES:
                 return
-        for kind, route in routes:
-            self._pool.add(kind, route)
+            for route, value in found:
+                finish.note(place.kind, route, worth * self._worths - prices, value)
         # All that could make a cheaper plan is there to choose from.
         before = self._certificate.cost
-        self.bound = max(self.bound, min(before, self._offer() * (1.0 - 0.1 * RELATIVE)))
+        self.bound = max(self.bound, min(before, finish.settle()))
+        self._offer()
 
     @property
     def counters(self) -> dict[str, float]:
         """What was done so far."""
         return {
-            "cost_searches": sum(pricing.searches for pricing in self._pricing),
-            "cost_labels": self._finishing + sum(pricing.labels_made for pricing in self._pricing),
+            "cost_searches": sum(place.pricing.searches for place in self._places),
+            "cost_labels": self._finishing
+            + sum(place.pricing.labels_made for place in self._places),
         }
 
     def close(self) -> None:
@@ -339,22 +310,20 @@ def prove_campaign_cost(
     stop: Stop,
     options: ProofOptions,
 ) -> tuple[float, dict[str, float]]:
-    """Prove how much ΔV the plans cost at least that are worth as much as the incumbent.
+    """Prove how much the plans cost at least that are worth as much as the incumbent.
 
     Returns
     -------
     bound : float
-        [m/s]
     counters : dict
     """
-
-    def over() -> bool:
-        return stop.remaining_s() <= 0.0
-
     proof = CampaignCost(campaign, certificate, pool, stop, options)
-    try:
-        while not proof.done and not over():
-            proof.advance(over)
-    finally:
-        proof.close()
-    return proof.bound, proof.counters
+    return settled(proof, lambda: stop.remaining_s() <= 0.0)
+
+
+def _greatest(campaign: Campaign) -> float | None:
+    """The most that a target may be worth to walks that pay expenses; None where they pay ΔV."""
+    if campaign.instance.objective.cost != "expense":
+        return None
+    most = max(most_expense(kind.mission) for kind in campaign.kinds)
+    return GREATEST_TANKS * (most or 1.0)

@@ -21,7 +21,7 @@ class Duals(NamedTuple):
     value : float
         No mixture of the columns is worth more.
     targets : (bodies,) float64
-        What is paid for one more of each target.
+        What is paid for one more of each target, and for one more refuelling at each station.
     kinds : (kinds,) float64
         And for one more chaser of each kind.
     """
@@ -33,6 +33,8 @@ class Duals(NamedTuple):
 
 class Master:
     """Maximise the worth of a mixture of routes: each target, and each chaser, once at most.
+
+    And no station refuels more often than it may. What propellant it has is not asked about.
 
     Parameters
     ----------
@@ -46,8 +48,8 @@ class Master:
         self._highs.setOptionValue("threads", 1)
         self._highs.changeObjectiveSense(highspy.ObjSense.kMaximize)
         none = np.empty(0)
-        for _ in range(self._bodies):
-            self._highs.addRow(-highspy.kHighsInf, 1.0, 0, none.astype(np.int32), none)
+        for most in campaign.limits.of_body:
+            self._highs.addRow(-highspy.kHighsInf, float(most), 0, none.astype(np.int32), none)
         for kind in campaign.kinds:
             most = float(len(kind.chasers))
             self._highs.addRow(-highspy.kHighsInf, most, 0, none.astype(np.int32), none)
@@ -55,10 +57,10 @@ class Master:
     def add(self, columns: Sequence[Column]) -> None:
         """More routes to mix."""
         for column in columns:
-            rows = np.array([*sorted(column.targets), self._bodies + column.kind], dtype=np.int32)
-            self._highs.addCol(
-                column.worth, 0.0, highspy.kHighsInf, rows.size, rows, np.ones(rows.size)
-            )
+            taken = column.taken
+            rows = np.array([*taken, self._bodies + column.kind], dtype=np.int32)
+            values = np.array([*taken.values(), 1.0])
+            self._highs.addCol(column.worth, 0.0, highspy.kHighsInf, rows.size, rows, values)
 
     def solve(self) -> Duals:
         """The best mixture."""

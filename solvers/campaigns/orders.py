@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from adr_opt.campaign import Campaign, Problem, Routes
 from adr_opt.mission import Mission
+from adr_opt.station_limits import Use
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -40,7 +41,55 @@ def one_after_another(campaign: Campaign, route_of: RouteOf) -> Routes:
         From the mission of a chaser that offers what is left to its route.
     """
     routes: list[tuple[int, ...]] = []
+    uses: list[Use] = []
     for mission in campaign.missions:
-        offered = mission.offering(left(campaign, targets_of(campaign, routes)))
-        routes.append(tuple(int(j) for j in route_of(offered)))
+        worths = left(campaign, targets_of(campaign, routes))
+        offered = mission.offering(without_empty(campaign, worths, uses))
+        route, use = trimmed(campaign, mission, [int(j) for j in route_of(offered)], uses)
+        routes.append(route)
+        uses.append(use)
     return tuple(routes)
+
+
+def without_empty(campaign: Campaign, worths: FloatArray, uses: Sequence[Use]) -> FloatArray:
+    """The same worths, but that nobody goes to stations at which nothing is left.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    worths : (bodies,) float64
+        Written.
+    uses : sequence of tuple of float
+        What others take of stations.
+    """
+    if campaign.limits:
+        worths[list(campaign.limits.exhausted(campaign.limits.left(uses)))] = -np.inf
+    return worths
+
+
+def trimmed(
+    campaign: Campaign, mission: Mission, route: Iterable[int], uses: Sequence[Use]
+) -> tuple[tuple[int, ...], Use]:
+    """As much of a route as stations have propellant for, and what it takes of them.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    mission : Mission
+        Of the chaser.
+    route : iterable of int
+    uses : sequence of tuple of float
+        What others take.
+    """
+    moves = tuple(route)
+    if not campaign.limits:
+        return moves, ()
+    while True:
+        closed = mission.closed(moves)
+        schedule = mission.time(closed)
+        use = campaign.use(mission, closed[: schedule.made], schedule.delta_vs)
+        if not moves or campaign.limits.allow([*uses, use]):
+            return moves, use
+        stops = [at for at, body in enumerate(moves) if mission.rules.is_station[body]]
+        # Without a stop on the way it is the one at the end that takes too much.
+        moves = moves[: stops[-1] if stops else -1]

@@ -16,6 +16,7 @@ from adr_opt.result import Result, certify_routes
 from adr_opt.stop import Stop
 
 from ..relaxation.proof import ProofOptions, bound_notes, fits_memory, set_up_s, sweep_s
+from .all_sets import lacks_plan, settle
 from .incumbent import CampaignCertificate
 from .least_cost import prove_campaign_cost
 from .orders import FloatArray
@@ -37,6 +38,11 @@ PACKING_S = 10.0
 
 LEAST_PROOF_S, LEAST_SET_UPS = 1.0, 2.0
 """With less time left, or less than so many times what setting it up takes, no proof is begun."""
+
+
+NOTHING_OF_TIME = (
+    "the cost is the end of the last service, which is planned for; nothing is proven of it"
+)
 
 
 class _Prover:
@@ -86,7 +92,7 @@ class _Prover:
         self._shared_pool.take(self._pool)
         if self._own.sequence is not None:
             self._shared.offer(self._own.sequence)
-        self._shared.lower(self._own.bound)
+        self._shared.lower(self._own.bound, self._own.evidence)
 
     @property
     def multipliers(self) -> FloatArray:
@@ -136,19 +142,27 @@ def plan(
     until_done : bool
         End when the proof can do no more.
     cost : bool
-        Go on to the least ΔV of plans that collect as much, once the prizes are proven.
+        Go on to the least cost of plans that collect as much, once the prizes are proven. Of the
+        end of the last service nothing is proven.
     """
     began = time.perf_counter()
     certificate, pool = CampaignCertificate(campaign, progress), Pool(campaign)
     search = RouteSearch(campaign, seed, stop, certificate, pool)
     search.begin(None if start is None else tuple(map(tuple, start)))
+    lacking = lacks_plan(campaign, certificate)
+    infeasible = lacking and settle(campaign, certificate, pool, stop)
     prover = None
     if proves and fits_memory(campaign):
         prover = _Prover(campaign, certificate, pool, seed, stop, options)
 
     def is_over() -> bool:
         ended = until_done and (prover is None or prover.done)
-        return ended or certificate.proven or stop(certificate.incumbent, certificate.bound)
+        return (
+            ended
+            or infeasible
+            or certificate.proven
+            or stop(certificate.incumbent, certificate.bound)
+        )
 
     rounds, most = 0, max(1, round(sweep_s(campaign) / USUAL_SWEEP_S))
     moves = FIRST_MOVES * most
@@ -175,12 +189,15 @@ def plan(
                 prover.deliver()
                 search.multipliers = prover.multipliers
             moves = min(2 * moves, MOST_MOVES * most)
+    if proves and campaign.limits and not (lacking or certificate.proven):
+        settle(campaign, certificate, pool, stop)
+        search.pack(PACKING_S)
     counters: dict[str, float] = {"rounds": rounds, **search.counters}
     if prover is not None:
         counters |= prover.counters
     cost_bound = None
-    by_delta_v = campaign.instance.objective.cost == "delta-v"
-    if cost and by_delta_v and certificate.proven and certificate.sequence is not None:
+    by_time = campaign.instance.objective.cost == "duration"
+    if cost and not by_time and certificate.proven and certificate.sequence is not None:
         cost_bound, counted = prove_campaign_cost(campaign, certificate, pool, stop, options)
         counters |= counted
     return certify_routes(
@@ -191,6 +208,10 @@ def plan(
         runtime_s=time.perf_counter() - began,
         upper_bound=certificate.stated,
         cost_bound=cost_bound,
+        evidence=certificate.evidence,
         counters=counters,
-        notes=bound_notes(campaign) if math.isfinite(certificate.stated) else (),
+        notes=(
+            *(bound_notes(campaign) if math.isfinite(certificate.stated) else ()),
+            *((NOTHING_OF_TIME,) if cost and by_time else ()),
+        ),
     )

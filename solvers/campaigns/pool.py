@@ -11,10 +11,19 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csc_array
 
 from adr_opt.campaign import Campaign, Routes
+from adr_opt.station_limits import Use
+
+from .orders import FloatArray
 
 LEAST_COST = 1e-3
 """Of two choices worth the same the cheaper one: all costs together count for less than so many
 steps of prize."""
+
+
+Stops = tuple[tuple[int, int], ...]
+
+Key = tuple[int, frozenset[int], Stops]
+"""Kind, targets, and refuellings at stations that have a limit."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +36,10 @@ class Column:
     targets : frozenset of int
     worth, cost : float
     route : tuple of int
+    use : tuple of float
+        What it takes of stations, see :class:`adr_opt.station_limits.StationLimits`.
+    stops : tuple of (int, int)
+        Stations that have a limit at which it refuels, by their numbers, and how often.
     """
 
     kind: int
@@ -34,27 +47,64 @@ class Column:
     worth: float
     cost: float
     route: tuple[int, ...]
+    use: Use = ()
+    stops: Stops = ()
+
+    @property
+    def key(self) -> Key:
+        """What columns are told apart by."""
+        return self.kind, self.targets, self.stops
+
+    @property
+    def taken(self) -> dict[int, float]:
+        """How often it takes what may be taken so often only: targets once, refuellings."""
+        return {**dict.fromkeys(sorted(self.targets), 1.0), **dict(self.stops)}
+
+    def paid(self, prices: FloatArray) -> float:
+        """What it pays for all that, at prices of shape (bodies,)."""
+        return math.fsum(prices[body] * times for body, times in self.taken.items())
 
 
-def packing(campaign: Campaign, columns: Sequence[tuple[int, frozenset[int]]]) -> LinearConstraint:
+def packing(
+    campaign: Campaign,
+    columns: Sequence[tuple[int, frozenset[int]]],
+    uses: Sequence[Use] | None = None,
+    *,
+    all_flown: bool = False,
+) -> LinearConstraint:
     """No target on two of the columns taken, and no more of a kind than there are chasers.
 
     Parameters
     ----------
     campaign : Campaign
     columns : sequence of (kind, targets)
+    uses : sequence of tuple of float, optional
+        What they take of stations, which is no more than there is; not asked about by default.
+    all_flown : bool
+        Whether one is taken for each chaser that has to fly, because it does not start at its end.
     """
-    bodies, kinds = len(campaign.names), len(campaign.kinds)
-    rows, ends = [], [0]
-    for kind, targets in columns:
+    bodies, kinds, limits = len(campaign.names), len(campaign.kinds), campaign.limits.most.size
+    rows, values, ends = [], [], [0]
+    for at, (kind, targets) in enumerate(columns):
         rows += [*sorted(targets), bodies + kind]
+        values += [1.0] * (len(targets) + 1)
+        if uses is not None:
+            rows += range(bodies + kinds, bodies + kinds + limits)
+            values += uses[at]
         ends.append(len(rows))
     matrix = csc_array(
-        (np.ones(len(rows)), np.array(rows), np.array(ends)), shape=(bodies + kinds, len(columns))
+        (np.array(values), np.array(rows), np.array(ends)),
+        shape=(bodies + kinds + limits, len(columns)),
     )
-    most = np.ones(bodies + kinds)
-    most[bodies:] = [len(kind.chasers) for kind in campaign.kinds]
-    return LinearConstraint(matrix, -np.inf, most)
+    most = np.ones(bodies + kinds + limits)
+    most[bodies : bodies + kinds] = [len(kind.chasers) for kind in campaign.kinds]
+    most[bodies + kinds :] = campaign.limits.most
+    least = np.full(most.size, -np.inf)
+    if all_flown:
+        for number, group in enumerate(campaign.kinds):
+            if not group.mission.may_stop(()):
+                least[bodies + number] = len(group.chasers)
+    return LinearConstraint(matrix, least, most)
 
 
 def dealt(campaign: Campaign, flown: Iterable[tuple[int, tuple[int, ...]]]) -> Routes:
@@ -69,6 +119,8 @@ def dealt(campaign: Campaign, flown: Iterable[tuple[int, tuple[int, ...]]]) -> R
 class Pool:
     """The cheapest route met for each set of targets and kind of chaser.
 
+    And for each number of refuellings where stations have limits.
+
     Parameters
     ----------
     campaign : Campaign
@@ -77,7 +129,7 @@ class Pool:
     def __init__(self, campaign: Campaign) -> None:
         self._campaign = campaign
         self._first = campaign.instance.first_target
-        self._columns: dict[tuple[int, frozenset[int]], Column] = {}
+        self._columns: dict[Key, Column] = {}
 
     def columns(self) -> list[Column]:
         """All of them, in the order in which their sets were met."""
@@ -86,16 +138,21 @@ class Pool:
     def take(self, other: Pool) -> None:
         """Keep the routes of another pool that are new or cheaper."""
         for column in other.columns():
-            known = self._columns.get((column.kind, column.targets))
+            known = self._columns.get(column.key)
             if known is None or column.cost < known.cost:
-                self._columns[column.kind, column.targets] = column
+                self._columns[column.key] = column
 
     def add(self, kind: int, route: Iterable[int]) -> Column | None:
         """Keep a route that a chaser of a kind can fly to an end; None if it cannot."""
         mission = self._campaign.kinds[kind].mission
         moves = mission.closed(route)
         targets = frozenset(j for j in moves if j >= self._first)
-        known = self._columns.get((kind, targets))
+        stops = tuple(
+            (station, moves.count(station))
+            for station in self._campaign.limits.stations
+            if station in moves
+        )
+        known = self._columns.get((kind, targets, stops))
         if known is not None and known.route == moves:
             return known
         schedule = mission.time(moves)
@@ -103,8 +160,12 @@ class Pool:
             return None
         if known is not None and known.cost <= schedule.cost:
             return known
-        column = Column(kind, targets, self._campaign.collected(targets), schedule.cost, moves)
-        self._columns[kind, targets] = column
+        use = self._campaign.use(mission, moves, schedule.delta_vs)
+        if not self._campaign.limits.allow([use]):
+            return None
+        worth = self._campaign.collected(targets)
+        column = Column(kind, targets, worth, schedule.cost, moves, use, stops)
+        self._columns[column.key] = column
         return column
 
     def best(self, columns: Sequence[Column], time_limit_s: float) -> Routes | None:
@@ -128,7 +189,12 @@ class Pool:
             -gain,
             integrality=np.ones(len(columns)),
             bounds=Bounds(0.0, 1.0),
-            constraints=packing(campaign, [(column.kind, column.targets) for column in columns]),
+            constraints=packing(
+                campaign,
+                [(column.kind, column.targets) for column in columns],
+                [column.use for column in columns],
+                all_flown=True,
+            ),
             options={"time_limit": time_limit_s},
         )
         if found.x is None:

@@ -27,6 +27,7 @@ def by_beam(
 ) -> tuple[int, ...]:
     """A route over the targets that are worth more than their multipliers."""
     worths = mission.worths - multipliers
+    worths[: mission.instance.first_target] = 0.0
     worths[mission.instance.first_target :][
         worths[mission.instance.first_target :] <= 0.0
     ] = -np.inf
@@ -48,6 +49,8 @@ class LabelPricing:
     ----------
     most_worth : float
         After :meth:`search`: no route is worth more, less the multipliers.
+    remembered : (bodies, words) int64
+        Of what walks need to remember for that.
     """
 
     def __init__(self, bound: WalkBound, start: int) -> None:
@@ -56,6 +59,7 @@ class LabelPricing:
         self._quick = Routes(bound, start=start)
         self._quick.neighbourhood[:], self._quick.compared[:] = -1, 0
         self.most_worth = math.inf
+        self.remembered = np.zeros_like(self._routes.neighbourhood)
 
     @property
     def labels_made(self) -> int:
@@ -118,15 +122,17 @@ class LabelPricing:
         """
         routes = self._routes
         value = routes.use(multipliers) - routes.total
-        self.most_worth = value
+        self.most_worth, self.remembered = value, np.zeros_like(routes.neighbourhood)
         if value < least:
             return True, []
         while True:
-            threshold = routes.total + least
+            threshold, remembered = routes.total + least, routes.neighbourhood.copy()
             finished, value, _, grown = routes.search(threshold, most_labels, enough)
             if not finished:
                 return False, []
-            self.most_worth = min(self.most_worth, max(value - routes.total, least))
+            most_worth = max(value - routes.total, least)
+            if most_worth < self.most_worth:
+                self.most_worth, self.remembered = most_worth, remembered
             found = [route for route in routes.plans(MOST_PLANS) if is_new(route)]
             if value < threshold or found or grown == 0:
                 return True, found

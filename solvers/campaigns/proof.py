@@ -23,16 +23,18 @@ from functools import partial
 import numpy as np
 
 from adr_opt.campaign import Campaign
+from adr_opt.evidence import Evidence
 from adr_opt.stop import Stop
 
+from ..relaxation.facts import evidence_of, less_than
 from ..relaxation.multipliers import Descent
 from ..relaxation.proof import COARSER, FIRST_LABELS, GROWTH, ProofOptions
-from ..relaxation.walks import TimeIsOver
+from ..relaxation.walks import TimeIsOver, WalkBound
 from .bound import CampaignBound
 from .finish import Answer, Finish
 from .incumbent import CampaignCertificate
 from .master import Duals, Master
-from .pool import Column, Pool
+from .pool import Column, Key, Pool
 from .pricing import LabelPricing, by_beam
 
 DESCENT = 30
@@ -89,13 +91,14 @@ class CampaignProof:
         self._rng = np.random.default_rng(seed)
         self._over = lambda: stop.remaining_s() <= 0.0
         self._coarse = CampaignBound(
-            campaign, COARSER * options.delta_v_slot_m_s, jobs=options.cores, over=self._over
-        )
+            campaign, COARSER * options.delta_v_slot_m_s, jobs=options.cores, over=self._over,
+            kind=WalkBound,
+        )  # fmt: skip
         self._descent = Descent(self._coarse)
         self._pricing: tuple[LabelPricing, ...] = ()
-        self._fine: CampaignBound | None = None
+        self._fine: CampaignBound[WalkBound] | None = None
         self._master = Master(campaign)
-        self._mixed: set[tuple[int, frozenset[int]]] = set()
+        self._mixed: set[Key] = set()
         self._counts = [len(kind.chasers) for kind in campaign.kinds]
         self._centre = np.zeros(len(campaign.names))
         self._centred = CENTRED
@@ -115,7 +118,7 @@ class CampaignProof:
                 if self._descent.done or self._certificate.proven or self._over():
                     break
                 self._descent.step()
-                self._certificate.lower(self._descent.value)
+                self._certificate.lower(self._descent.value, self._coarse.evidence)
         self._centre, self._least = self._descent.multipliers, self._descent.value
         self.done = self._certificate.proven or self._descent.value == -math.inf
 
@@ -130,7 +133,7 @@ class CampaignProof:
         if not self._pricing:
             self._fine = CampaignBound(
                 self._campaign, self._options.delta_v_slot_m_s, jobs=self._options.cores,
-                over=self._over, known=self._coarse,
+                over=self._over, kind=WalkBound, known=self._coarse,
             )  # fmt: skip
             self._pricing = tuple(LabelPricing(*place) for place in self._fine.of_kind)
         with suppress(TimeIsOver):
@@ -149,7 +152,7 @@ class CampaignProof:
         new, bound = self._by_labels(duals, multipliers, enough)
         if bound < self._least:
             self._least, self._centre = bound, multipliers
-            self._certificate.lower(bound)
+            self._certificate.lower(bound, self._evidence(multipliers))
         if math.isfinite(bound) and (self._priced is None or bound < self._priced[2]):
             most_worth = np.array([pricing.most_worth for pricing in self._pricing])
             self._priced = (multipliers, most_worth, bound)
@@ -166,6 +169,16 @@ class CampaignProof:
         else:
             # Nothing is missing at the duals themselves: the master is solved.
             self._finish(enough)
+
+    def _evidence(self, multipliers: np.ndarray) -> Evidence:
+        """What the bound rests on that labels have just proven."""
+        return evidence_of(
+            multipliers,
+            [kind.chasers for kind in self._campaign.kinds],
+            [less_than(pricing.most_worth, multipliers) for pricing in self._pricing],
+            [pricing.remembered for pricing in self._pricing],
+            self._options.delta_v_slot_m_s,
+        )
 
     def _finish(self, enough: Callable[[], bool]) -> None:
         """Ask for a plan that is better than the incumbent, until there is none."""
@@ -193,20 +206,20 @@ class CampaignProof:
         """Let the master know of routes that came into the pool."""
         new = [
             column for column in self._pool.columns()
-            if (column.kind, column.targets) not in self._mixed
+            if column.key not in self._mixed
         ]  # fmt: skip
-        self._mixed.update((column.kind, column.targets) for column in new)
+        self._mixed.update(column.key for column in new)
         self._master.add(new)
 
     def _attracts(self, duals: Duals, column: Column) -> bool:
         """Whether the master would take a column."""
-        paid = math.fsum(duals.targets[j] for j in column.targets) + duals.kinds[column.kind]
+        paid = column.paid(duals.targets) + duals.kinds[column.kind]
         return bool(column.worth - paid > ATTRACTIVE * self._largest)
 
     def _keep(self, duals: Duals, kind: int, route: tuple[int, ...]) -> bool:
         """Put a route into the pool; whether it is one that the master would take."""
         column = self._pool.add(kind, route)
-        if column is None or (kind, column.targets) in self._mixed:
+        if column is None or column.key in self._mixed:
             return False
         return self._attracts(duals, column)
 
@@ -238,7 +251,7 @@ class CampaignProof:
         self, duals: Duals, multipliers: np.ndarray, enough: Callable[[], bool]
     ) -> tuple[bool, float]:
         """Whether labels find such routes, and the bound that they prove; +inf if they gave up."""
-        bound, new = math.fsum(multipliers), False
+        bound, new = self._campaign.limits.total(multipliers), False
         for number, pricing in enumerate(self._pricing):
             paid = float(duals.kinds[number])
             finished, routes = pricing.search(

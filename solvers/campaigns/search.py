@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from adr_opt.campaign import Campaign, Routes
 from adr_opt.mission import Mission
+from adr_opt.station_limits import Use
 from adr_opt.stop import Stop
 
 from ..search.beams import BeamSettings, beam_search, hurried, usual_settings
 from ..search.greedy_order import guarded_sequence
 from ..search.varied_beams import varied
 from .incumbent import CampaignCertificate
-from .orders import left, one_after_another, targets_of
+from .orders import FloatArray, left, one_after_another, targets_of, trimmed, without_empty
 from .pool import Column, Pool, dealt
 
 FIRST_WIDTH = 200
@@ -28,6 +27,9 @@ ADRIFT = 100
 
 TOLERANCE = 0.3
 """Mean noise by which routes are preferred that are to be completed, in mean prizes."""
+
+WITHOUT_STATIONS = 0.3
+"""Share of routes that do without stations that have a limit."""
 
 LEAST_OFFER = 0.05
 """Share of its worth that a target keeps at least where it is worth something to others."""
@@ -114,18 +116,18 @@ class RouteSearch:
         for chaser in flown_anew:
             routes[chaser] = ()
         done = targets_of(campaign, routes)
+        uses = [self._use(chaser, route) for chaser, route in enumerate(routes)]
         for number, chaser in enumerate(flown_anew):
             worths = left(campaign, done)
             considerate = float(rng.uniform())
             if number < flown_anew.size - 1:
                 offered = worths - considerate * self.multipliers
                 worths = np.maximum(offered, LEAST_OFFER * worths)
-            mission = campaign.missions[chaser].offering(worths)
-            layer, settings, seed = varied(mission, width, rng)
-            if self._stop.remaining_s() <= 0.0:
+            found = self._fly(int(chaser), worths, uses, width)
+            if found is None:
                 return
-            routes[chaser] = self._beam(layer, settings, seed)
-            self._pool.add(self._kind_of[int(chaser)], routes[chaser])
+            routes[chaser] = found
+            uses[chaser] = self._use(int(chaser), found)
             done |= targets_of(campaign, [routes[chaser]])
         self.counters["recreations"] += 1
         worth = campaign.collected(done)
@@ -138,6 +140,42 @@ class RouteSearch:
         if self._idle >= ADRIFT and self._certificate.sequence is not None:
             self._meet(self._certificate.sequence)
             self._idle = 0
+
+    def _fly(
+        self, chaser: int, worths: FloatArray, uses: list[Use], width: int
+    ) -> tuple[int, ...] | None:
+        """A route of a chaser, by a beam with settings of its own; None if the time is over.
+
+        Parameters
+        ----------
+        chaser : int
+        worths : (bodies,) float64
+            Written.
+        uses : list of tuple of float
+            What others take of stations.
+        width : int
+        """
+        campaign, rng = self._campaign, self._rng
+        mission = campaign.missions[chaser]
+        if campaign.limits:
+            worths = without_empty(campaign, worths, uses)
+            if rng.random() < WITHOUT_STATIONS:
+                worths[list(campaign.limits.stations)] = -np.inf
+        layer, settings, seed = varied(mission.offering(worths), width, rng)
+        if self._stop.remaining_s() <= 0.0:
+            return None
+        route = self._beam(layer, settings, seed)
+        self._pool.add(self._kind_of[chaser], route)
+        return trimmed(campaign, mission, route, uses)[0]
+
+    def _use(self, chaser: int, route: tuple[int, ...]) -> Use:
+        """What a chaser takes of stations."""
+        campaign, mission = self._campaign, self._campaign.missions[chaser]
+        if not campaign.limits:
+            return ()
+        moves = mission.closed(route)
+        schedule = mission.time(moves)
+        return campaign.use(mission, moves[: schedule.made], schedule.delta_vs)
 
     def complete(self, width: int) -> None:
         """Let all chasers but one fly routes met that do not meet, and one go for the rest.
@@ -154,27 +192,28 @@ class RouteSearch:
         spare[self._kind_of[last]] -= 1
         noise = rng.exponential(TOLERANCE * self._mean_worth, len(columns))
         losses = noise - [self._less_multipliers(column) for column in columns]
-        done, taken = set[int](), list[Column]()
+        done, taken, uses = set[int](), list[Column](), list[Use]()
         for at in np.argsort(losses, kind="stable").tolist():
             column = columns[at]
-            if spare[column.kind] and done.isdisjoint(column.targets):
+            fits = spare[column.kind] and done.isdisjoint(column.targets)
+            if fits and campaign.limits.allow([*uses, column.use]):
                 spare[column.kind] -= 1
+                uses.append(column.use)
                 done |= column.targets
                 taken.append(column)
                 if not any(spare):
                     break
-        mission = campaign.missions[last].offering(left(campaign, done))
-        layer, settings, seed = varied(mission, width, rng)
-        if self._stop.remaining_s() <= 0.0:
+        found = self._fly(last, left(campaign, done), uses, width)
+        if found is None:
             return
-        added = self._pool.add(self._kind_of[last], self._beam(layer, settings, seed))
+        added = self._pool.add(self._kind_of[last], found)
         self.counters["completions"] += 1
         if added is not None:
             flown = [(column.kind, column.route) for column in (*taken, added)]
             self._certificate.offer(dealt(campaign, flown))
 
     def _less_multipliers(self, column: Column) -> float:
-        return column.worth - math.fsum(self.multipliers[j] for j in column.targets)
+        return column.worth - column.paid(self.multipliers)
 
     def pack(self, time_limit_s: float) -> None:
         """The best plan of the routes met."""

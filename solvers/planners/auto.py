@@ -15,15 +15,16 @@ import numpy as np
 from adr_opt.campaign import Campaign
 from adr_opt.mission import Mission
 from adr_opt.options import option
-from adr_opt.planner import Progress, for_campaigns
+from adr_opt.planner import Progress, bounds_all_pairs, for_campaigns, shows_evidence
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
 from ..campaigns.planner import plan
 from ..certificate import Certificate
 from ..incumbent import Incumbent
+from ..relaxation.large import LargeProof
 from ..relaxation.latest import Latest
-from ..relaxation.proof import Proof, ProofOptions, bound_notes, fits_memory, set_up_s
+from ..relaxation.proof import Proof, ProofOptions, proof_notes, proof_of
 from ..search.beams import USUAL, hurried, usual_settings
 from ..search.greedy_order import guarded_sequence
 from ..search.recreate import recreate
@@ -201,7 +202,7 @@ class _Prover:
         self._stop = stop
         self._options = options
         self._own = Certificate(mission, tell)
-        self._proof: Proof | None = None
+        self._proof: Proof | LargeProof | None = None
 
     @property
     def done(self) -> bool:
@@ -216,11 +217,11 @@ class _Prover:
     def advance(self) -> None:
         """One round; the first one is a first sweep alone."""
         if self._proof is None:
-            least_s = max(LEAST_PROOF_S, LEAST_SET_UPS * set_up_s(self._mission))
-            if self._stop.remaining_s() < least_s:
-                return
-            self._proof = Proof(self._mission, self._own, self._stop, self._options)
-            self._proof.begin()
+            self._proof = proof_of(
+                self._mission, self._own, self._stop, self._options, LEAST_PROOF_S, LEAST_SET_UPS
+            )
+            if self._proof is not None:
+                self._proof.begin()
             return
         self._proof.advance(lambda: self._stop.remaining_s() <= 0.0)
 
@@ -232,7 +233,7 @@ class _Prover:
         """Tell what the round has found."""
         if self._own.sequence is not None:
             self._shared.offer(self._own.sequence)
-        self._shared.lower(self._own.bound)
+        self._shared.lower(self._own.bound, self._own.evidence)
 
     @property
     def counters(self) -> dict[str, float]:
@@ -271,7 +272,9 @@ def _campaign(
     )  # fmt: skip
 
 
+@bounds_all_pairs
 @for_campaigns(_campaign)
+@shows_evidence
 def auto(
     mission: Mission,
     *,
@@ -306,7 +309,7 @@ def auto(
     if start is not None:
         certificate.offer(start)
     prover = None
-    if options.prove and fits_memory(mission):
+    if options.prove:
         prover = _Prover(mission, certificate, stop, options)
 
     def is_over() -> bool:
@@ -375,6 +378,7 @@ def auto(
         seed=seed,
         runtime_s=time.perf_counter() - began,
         upper_bound=certificate.stated,
+        evidence=certificate.evidence,
         counters=counters,
-        notes=bound_notes(mission) if math.isfinite(certificate.stated) else (),
+        notes=proof_notes(mission) if math.isfinite(certificate.stated) else (),
     )

@@ -19,7 +19,7 @@ import numpy as np
 from adr_opt.campaign import Campaign
 from adr_opt.mission import Mission
 from adr_opt.options import option
-from adr_opt.planner import Progress, for_campaigns
+from adr_opt.planner import Progress, bounds_all_pairs, for_campaigns, shows_evidence
 from adr_opt.practice import practises
 from adr_opt.result import Result, certify
 from adr_opt.stop import Clock, Stop
@@ -27,7 +27,7 @@ from adr_opt.stop import Clock, Stop
 from ..campaigns.planner import plan
 from ..certificate import Certificate
 from ..relaxation.latest import Latest
-from ..relaxation.proof import MOST_LABELS, ProofOptions, bound_notes, prove, prove_cost
+from ..relaxation.proof import MOST_LABELS, ProofOptions, proof_notes, prove, prove_cost
 from ..search.beams import hurried, usual_settings
 from ..search.greedy_order import guarded_sequence
 from ..search.timely_beams import PILOT_WIDTH, Beams
@@ -50,8 +50,8 @@ class ExactOptions(ProofOptions, method="exact"):
     most_labels: int = option(50_000_000, MOST_LABELS, least=1)
     cost: bool = option(
         False,
-        "Go on to prove, once the prizes are proven, that no plan that collects as much costs less "
-        "ΔV.",
+        "Go on to prove, once the prizes are proven, that no plan that collects as much costs "
+        "less: ΔV, or of campaigns the expense.",
     )
 
 
@@ -70,8 +70,10 @@ def _campaign(
     )  # fmt: skip
 
 
+@bounds_all_pairs
 @for_campaigns(_campaign)
 @practises(rounds=12)
+@shows_evidence
 def exact(
     mission: Mission,
     *,
@@ -133,6 +135,7 @@ def exact(
         runtime_s=time.perf_counter() - began,
         upper_bound=certificate.bound,
         cost_bound=cost_bound,
+        evidence=certificate.evidence,
         counters=counters,
-        notes=bound_notes(mission),
+        notes=proof_notes(mission),
     )

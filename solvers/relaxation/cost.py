@@ -28,13 +28,12 @@ import numpy.typing as npt
 
 from adr_opt.mission import Mission
 
+from .cost_rounds import RELATIVE, CostRounds, asked, is_least
 from .labels import Table
 from .network import Network
 from .routes import Routes
+from .tariffs import Tariff
 from .walks import LARGEST, TimeIsOver, WalkBound
-
-RELATIVE = 1e-6
-"""A cost is the least if it exceeds the bound by no more than this share of it."""
 
 GREATEST_TANKS = 2.0
 """Most that a service is worth to a walk [tanks]."""
@@ -59,7 +58,7 @@ LEAST_SHARE = 1.0 / 8.0
 
 
 class PricedBound(WalkBound):
-    """Walks that pay for their ΔV.
+    """Walks that pay for their ΔV, that of tows included.
 
     Parameters
     ----------
@@ -67,6 +66,8 @@ class PricedBound(WalkBound):
         As of :class:`WalkBound`.
     greatest_tanks : float
         Most that a service may be worth to a walk [tanks].
+    greatest : float, optional
+        The same in the unit of the tariffs that it will be charged with.
     """
 
     def __init__(
@@ -78,24 +79,42 @@ class PricedBound(WalkBound):
         network: Network | None = None,
         others: Sequence[Mission] = (),
         greatest_tanks: float = GREATEST_TANKS,
+        greatest: float | None = None,
     ) -> None:
         super().__init__(
             mission, delta_v_slot_m_s, jobs=jobs, over=over, network=network, parts=PARTS,
             others=others,
         )  # fmt: skip
         self.worths = np.array(mission.rules.prize)
-        self.price = 1.0
-        self.greatest_prize = greatest_tanks * max(self.budget, 1.0)
+        if self.loads is not None:
+            self.flown = np.array(self.loads.flown)
+        self.greatest_prize = greatest or greatest_tanks * max(self.budget, 1.0)
         self.greatest_price = self.greatest_prize / (float(self.worths.max(initial=0.0)) or 1.0)
         room = LARGEST / (1 << self.bits) / self.most_legs / self.greatest_prize
         self.unit = 2.0 ** -math.floor(math.log2(room))
-        most = LARGEST // (1 << self.bits) // 2
-        self.toll = np.minimum(np.floor(self.buckets.least / self.unit), most).astype(np.int32)
+        self._tariff: Tariff | None = None
+        self._worth = math.nan
+        if greatest is None:
+            self._pay(np.ones(1))
 
-    def charge(self, worth_m_s: float) -> None:
-        """Let a unit of worth be worth so much to walks from now on [m/s]."""
-        self.prize = worth_m_s * self.worths
-        self._kept = None
+    def _pay(self, price: np.ndarray) -> None:
+        """Let a m/s cost so much with so many kits aboard, or with any number."""
+        most = LARGEST // (1 << self.bits) // 2
+        paid = np.floor(price[:, None] * self.buckets.least / self.unit)
+        self.price, self.toll = price, np.minimum(paid, most).astype(np.int32)
+
+    def charge(self, worth: float, tariff: Tariff | None = None) -> None:
+        """Let a unit of worth be worth so much to walks from now on [m/s, or as of the tariff]."""
+        new = tariff is not None and tariff is not self._tariff
+        if not new and worth == self._worth:
+            return
+        self._kept, self._worth = None, worth
+        if tariff is not None and new:
+            alike = bool((tariff.price == tariff.price[0]).all())
+            self._pay(tariff.price[:1] if alike else tariff.price)
+            self._tariff, self.tank, self.constant = tariff, tariff.tank, tariff.constant
+        # What a service flies itself pays the price with no kits aboard at least.
+        self.prize = worth * self.worths - float(self.price.min()) * self.flown
 
     def cost_at(self, price: float, worth: float) -> tuple[float, float]:
         """The bound at a price of worth [m/s], and what the best walk is worth there."""
@@ -104,7 +123,7 @@ class PricedBound(WalkBound):
         return price * worth - value, float(self.worths[self.walk].sum())
 
 
-class CostProof:
+class CostProof(CostRounds):
     """Rounds of search for the least ΔV of plans that are worth enough.
 
     Parameters
@@ -124,13 +143,6 @@ class CostProof:
         Of walks that do not pay.
     most_labels : int
         Most labels of a search.
-
-    Attributes
-    ----------
-    bound : float
-        No plan worth as much costs less [m/s].
-    done : bool
-        Nothing is left to do.
     """
 
     def __init__(
@@ -152,8 +164,9 @@ class CostProof:
         self._walks = PricedBound(
             mission, COARSER * delta_v_slot_m_s, jobs, over, self._reach.network
         )
-        # A little less, so that no rounding of a sum of prizes counts.
-        self._worth = least_worth - 1e-9 * max(1.0, abs(least_worth))
+        self._worth = asked(least_worth)
+        # Of what the tank lacked before the start nothing is told, nor how exactly it is known.
+        self._spent = mission.connecting.spent_m_s(mission.rules.start)
         self._proving, self._finding = Routes(self._walks), Routes(self._walks)
         # All that was visited is remembered, so that each walk found is a plan; labels are told
         # apart by what proofs remember only, so that some are lost, but there are not too many.
@@ -170,7 +183,7 @@ class CostProof:
     @property
     def proven(self) -> bool:
         """Whether the cost known is the least."""
-        return self._cost() <= self.bound * (1.0 + RELATIVE) + RELATIVE
+        return is_least(self._cost() - self._spent, self.bound - self._spent)
 
     def advance(self) -> None:
         """One round: searches for plans that cost less, one that proves and one that finds."""
@@ -215,7 +228,8 @@ class CostProof:
     def _below(self, share: float) -> float:
         """A cost to ask for: at a share of the gap, less than that of the plan known."""
         cost = self._cost()
-        return min(self.bound + share * (cost - self.bound), cost * (1.0 - 0.5 * RELATIVE))
+        less = 0.5 * RELATIVE * (cost - self._spent)
+        return min(self.bound + share * (cost - self.bound), cost - less)
 
     def _search(self) -> None:
         """Ask for plans that cost no more than a share of the gap above the bound."""

@@ -90,8 +90,10 @@ class Search(NamedTuple):
         As in :class:`adr_opt.kernels.rules.Rules`.
     most_visits : int
         Services that a walk may make.
-    price : float
-        What a m/s takes off the value of a walk [fine units]; 0 where ΔV is not paid for.
+    price : (kits + 1,) float64
+        What a m/s takes off the value of a walk with so many kits aboard [fine units].
+    pays : bool
+        Whether ΔV is paid for.
     worths : (bodies,) float64
         What targets are worth, where it is; one each where labels of different targets are to be
         told apart, whatever they remember; else nothing.
@@ -112,7 +114,8 @@ class Search(NamedTuple):
     budget: float
     loads: Loads | None
     most_visits: int
-    price: float
+    price: np.ndarray
+    pays: bool
     worths: np.ndarray
     least_worth: float
     reach: Table
@@ -120,27 +123,27 @@ class Search(NamedTuple):
 
 
 @inlined
-def _layer_of(loads, table, kits):
+def _layer_of(loads, values, kits):
     """Where the layer of so many kits begins."""
     if loads is None:
         return 0
-    return kits * table.layer
+    return kits * values.layer
 
 
 @inlined
-def _place(loads, table, row, left, kits):
+def _place(loads, values, row, left, kits):
     """Where the completion values at a row with some ΔV left, and some kits, lie."""
-    slots = min(int(left / table.slot + SLACK), table.top)
-    return _layer_of(loads, table, kits) + (table.bucket[row] + 1) * table.width + slots
+    slots = min(int(left / values.slot + SLACK), values.top)
+    return _layer_of(loads, values, kits) + (values.bucket[row] + 1) * values.width + slots
 
 
 @inlined
-def _completion(table, kind, at, came_from):
+def _completion(values, kind, at, came_from):
     """Most that a walk can still collect without going back at once [units]."""
-    packed = table.best[kind, at]
-    if packed & ((1 << table.bits) - 1) == came_from:
-        packed = table.second[kind, at]
-    return np.int64(packed >> table.bits)
+    packed = values.best[kind, at]
+    if packed & ((1 << values.bits) - 1) == came_from:
+        packed = values.second[kind, at]
+    return np.int64(packed >> values.bits)
 
 
 @inlined
@@ -152,7 +155,7 @@ def _promises(search, row, left, kits, value, worth, came_from):
         most = value + (_completion(values, kind, at, came_from) << FINE)
         if most + np.int64(search.shift[kind] * worth) < search.need[kind]:
             return False
-    if search.price == 0.0:
+    if not search.pays:
         return True
     at = _place(search.loads, search.reach, row, left, kits)
     most_worth = _completion(search.reach, 0, at, came_from) * search.reach_unit
@@ -195,7 +198,7 @@ def _useful(network, search, row, value, left, kits, worth, i, j):
     rest, aboard = _rest(search, network.is_station[j], j, left, kits, least)
     if not is_possible(search.loads, rest):
         return first, first
-    most = value + search.gain[j] - np.int64(search.price * least)
+    most = value + search.gain[j] - np.int64(search.price[kits] * least)
     if not _promises(search, network.landing[first], rest, aboard, most, worth, i):
         return first, first
     begin, end = first + 1, last + 1
@@ -210,7 +213,7 @@ def _useful(network, search, row, value, left, kits, worth, i, j):
     while begin < end:
         middle = (begin + end) // 2
         cost = network.delta_v[middle]
-        most = value + search.gain[j] - np.int64(search.price * cost)
+        most = value + search.gain[j] - np.int64(search.price[kits] * cost)
         rest, aboard = _rest(search, network.is_station[j], j, left, kits, cost)
         possible = cost <= left and is_possible(search.loads, rest)
         if possible and _promises(search, network.landing[first], rest, aboard, most, worth, i):
@@ -297,7 +300,8 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                     continue
                 landing = network.landing[leg]
                 rest, aboard = _rest(search, to_station, j, left, kits, network.delta_v[leg])
-                then = value + search.gain[j] - np.int64(search.price * network.delta_v[leg])
+                paid = np.int64(search.price[kits] * network.delta_v[leg])
+                then = value + search.gain[j] - paid
                 if not _promises(search, landing, rest, aboard, then, collected, behind):
                     continue
                 cursor[2] += 1

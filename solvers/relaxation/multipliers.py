@@ -152,6 +152,7 @@ class Descent:
         self._slopes: list[np.ndarray] = []
         self._intercepts: list[float] = []
         self._weights = np.zeros(0)
+        self._last = np.empty(0)
 
     def step(self) -> float:
         """Evaluate the bound once; returns its value there."""
@@ -176,6 +177,11 @@ class Descent:
         if not slope.any():
             self.done = True  # every target once: the least of the bound
             return value
+        if np.array_equal(rounded, self._last):
+            # Weights may be such that all planes are met below 0 alone: then they lead nowhere.
+            self._weights[:], self._ambition = 0.0, 0.5 * self._ambition
+            return value
+        self._last = rounded
         self._slopes.append(slope)
         self._intercepts.append(value - float(slope @ rounded))
         self._weights = np.append(self._weights, 0.0)

@@ -144,7 +144,7 @@ def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
 
 
 @inlined
-def _reachable(i, j, rules, is_start):
+def reachable(i, j, rules, is_start):
     """Nobody goes to where he is, back to an orbit that is no body's, or to refuel unearned.
 
     Nor does he leave from where others start.
@@ -157,7 +157,7 @@ def _reachable(i, j, rules, is_start):
 
 
 @kernel
-def _found(i, j, orbits, extra_delta_v, transfer_rule, listed, last):
+def found_of(i, j, leaving, orbits, extra_delta_v, transfer_rule, listed, last):
     """The connections of a pair: worked out, or copied where they are listed.
 
     The same ones as schedules are made of: what a leg that comes too late dominates is gone.
@@ -165,7 +165,7 @@ def _found(i, j, orbits, extra_delta_v, transfer_rule, listed, last):
     # Compiled for one of the two: whether there are lists is told by a type.
     if listed is None:
         return connections.of_pair(
-            orbits[i], orbits[j], extra_delta_v[i, j], transfer_rule, last, 0.0
+            leaving[i], orbits[j], extra_delta_v[i, j], transfer_rule, last, 0.0
         )
     begin = listed.first[j]
     size = listed.first[j + 1] - begin if last > 0.0 else 0
@@ -178,16 +178,16 @@ def _found(i, j, orbits, extra_delta_v, transfer_rule, listed, last):
 
 
 @kernel
-def _from_body(i, orbits, extra_delta_v, transfer_rule, listed, rules, is_start):
+def _from_body(i, leaving, orbits, extra_delta_v, transfer_rule, listed, rules, is_start):
     """All legs of a body that fit into the mission: an :class:`Outgoing`."""
     bodies = rules.service.size
     departures, costs, numbers = [np.empty(0)], [np.empty(0)], [np.empty(0, np.int32)]
     ends, counts = [np.empty(0)], np.empty(bodies, np.int64)
     rows, legs, services, shortest = 0, 0, 0, np.inf
     for j in range(bodies):
-        last = rules.duration if _reachable(i, j, rules, is_start) else -1.0
-        departure, arrival, delta_v, _, crossing = _found(
-            i, j, orbits, extra_delta_v, transfer_rule, listed, last
+        last = rules.duration if reachable(i, j, rules, is_start) else -1.0
+        departure, arrival, delta_v, _, crossing = found_of(
+            i, j, leaving, orbits, extra_delta_v, transfer_rule, listed, last
         )
         crossings = 0
         for c in range(crossing.size):
@@ -289,7 +289,7 @@ def build(mission: Mission, *, others: Sequence[Mission] = (), jobs: int) -> Net
     with ThreadPoolExecutor(jobs) as pool:
         found = list(
             pool.map(
-                lambda i: _from_body(i, *inputs, _listed(mission, i), rules, is_start),
+                lambda i: _from_body(i, *inputs, listed_of(mission, i), rules, is_start),
                 range(bodies),
             )
         )
@@ -364,7 +364,7 @@ class Listed(NamedTuple):
     crossing: np.ndarray
 
 
-def _listed(mission: Mission, i: int) -> Listed | None:
+def listed_of(mission: Mission, i: int) -> Listed | None:
     """The connections of an origin that are listed; None where they are worked out one by one."""
     connecting = mission.connecting
     if not connecting.drifts:

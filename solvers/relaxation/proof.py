@@ -31,6 +31,10 @@ from adr_opt.tolerance import rounded_down
 
 from ..certificate import Certificate
 from .cost import CostProof
+from .cost_rounds import settled
+from .facts import evidence_of, less_than
+from .floors import floor_bound
+from .large import LargeProof
 from .latest import Latest, latest_of
 from .multipliers import Descent
 from .routes import Routes
@@ -68,6 +72,12 @@ CONNECTIONS_PER_EVENT = 10
 MEMORY_SHARE = 0.5
 """Part of the free memory that the network may take."""
 
+
+TOO_LARGE = (
+    "the network of all connections takes too much memory, so the bound is that of walks whose "
+    "ΔV is paid for, or of least times"
+)
+"""What is said of a bound that no network was made for."""
 
 MOST_LABELS = f"Most labels of one search: about {bytes_each()} bytes each."
 """What the option of this name means."""
@@ -145,9 +155,15 @@ class Proof:
         value = descent.step()
         if descent.evaluations == 1:
             self._first = value
-        self._certificate.lower(descent.value)
+        self._lower_by_walks(descent.value, descent.multipliers, self._bound)
         if self.latest is None and math.isfinite(value):
             self.latest = latest_of(self._bound, self._mission, descent.multipliers, value)
+
+    def _lower_by_walks(self, value: float, multipliers: np.ndarray, bound: WalkBound) -> None:
+        """A bound that walks without memory prove."""
+        most = less_than(value - math.fsum(multipliers), multipliers)
+        evidence = evidence_of(multipliers, [(0,)], [most], None, bound.slot)
+        self._certificate.lower(value, evidence)
 
     def advance(self, enough: Callable[[], bool]) -> None:
         """One round, with more effort than the one before.
@@ -220,12 +236,15 @@ class Proof:
         self, multipliers: np.ndarray, enough: Callable[[], bool]
     ) -> tuple[bool, float, float]:
         """Ask with some multipliers: done, least threshold that nothing reaches, labels it took."""
-        certificate, routes = self._certificate, self._routes
+        certificate, routes, fine = self._certificate, self._routes, self._fine
         assert routes is not None
-        certificate.lower(routes.use(multipliers))
+        assert fine is not None
+        value = routes.use(multipliers)
+        self._lower_by_walks(value, routes.multipliers, fine)
         least, took = math.inf, math.inf
         while not certificate.proven:
             threshold, before = certificate.threshold, routes.labels_made
+            remembered, used = routes.neighbourhood.copy(), routes.multipliers
             finished, value, plan, grown = routes.search(threshold, self._labels, enough)
             if not finished:
                 return False, least, took
@@ -234,7 +253,11 @@ class Proof:
             if plan is not None:
                 certificate.offer(plan)
             # Every plan left out of the search is worth less than the threshold.
-            certificate.lower(max(value, threshold))
+            most = threshold - routes.total
+            if value >= threshold:
+                most = less_than(value - routes.total, used)
+            evidence = evidence_of(used, [(0,)], [most], [remembered], fine.slot)
+            certificate.lower(max(value, threshold), evidence)
             if certificate.proven or enough():
                 return certificate.proven, least, took
             if value >= threshold and grown == 0:
@@ -263,6 +286,30 @@ class Proof:
             self._fine.close()
 
 
+def proof_of(
+    mission: Mission,
+    certificate: Certificate,
+    stop: Stop,
+    options: ProofOptions,
+    least_s: float = 0.0,
+    set_ups: float = 1.0,
+) -> Proof | LargeProof | None:
+    """The proof that there is memory for; None where there is no time to set it up.
+
+    Parameters
+    ----------
+    mission, certificate, stop, options
+        As :class:`Proof` takes them.
+    least_s, set_ups : float
+        There has to be so much time, and so many times what setting up takes [s].
+    """
+    if not fits_memory(mission):
+        return LargeProof(mission, certificate, stop, options.cores)
+    if stop.remaining_s() < max(least_s, set_ups * set_up_s(mission)):
+        return None
+    return Proof(mission, certificate, stop, options)
+
+
 def prove(
     mission: Mission,
     certificate: Certificate,
@@ -283,11 +330,12 @@ def prove(
     search : callable
         Looks for a better plan before each round.
     """
-    if certificate.proven or enough() or stop.remaining_s() < set_up_s(mission):
+    if certificate.proven or enough():
         return {"evaluations": 0, "searches": 0, "labels": 0}
-    if not fits_memory(mission):
+    proof = proof_of(mission, certificate, stop, options)
+    if proof is None:
+        certificate.lower(floor_bound(mission))
         return {"evaluations": 0, "searches": 0, "labels": 0}
-    proof = Proof(mission, certificate, stop, options)
     with closing(proof):
         proof.begin()
         while not proof.done and not enough():
@@ -319,10 +367,7 @@ def prove_cost(
         jobs=options.cores, delta_v_slot_m_s=options.delta_v_slot_m_s,
         most_labels=options.most_labels,
     )  # fmt: skip
-    with closing(proof):
-        while not proof.done and not over():
-            proof.advance()
-    return proof.bound, proof.counters
+    return settled(proof, over)
 
 
 def fits_memory(mission: Problem) -> bool:
@@ -347,7 +392,10 @@ def _entries(problem: Problem) -> float:
     Of each kind of chasers that has a network of its own.
     """
     kinds = len(problem.networks) if isinstance(problem, Campaign) else 1
-    entries, connecting = problem.missions[0].timetable.entries, problem.connecting
+    timetable, connecting = problem.missions[0].timetable, problem.connecting
+    if not timetable.is_whole:
+        return math.inf
+    entries = timetable.entries
     if not connecting.drifts:
         return kinds * entries
     return kinds * sum(connecting.counts.values()) / CONNECTIONS_PER_EVENT
@@ -380,15 +428,15 @@ def bounded(
         seed=seed,
         runtime_s=time.perf_counter() - began,
         upper_bound=certificate.bound,
+        evidence=certificate.evidence,
         counters=counters,
-        notes=bound_notes(mission),
+        notes=proof_notes(mission),
     )
 
 
 def bound_notes(mission: Problem) -> list[str]:
     """What a reader of a bound has to know."""
-    step = mission.prize_step
-    notes = [f"the bound is rounded down: all objectives are multiples of {step:g}"] if step else []
+    notes = _rounded(mission)
     if not fits_memory(mission):
         notes.append(
             f"nothing was proven: there is no memory for the network of about "
@@ -396,3 +444,13 @@ def bound_notes(mission: Problem) -> list[str]:
             "shorter mission"
         )
     return notes
+
+
+def proof_notes(mission: Mission) -> list[str]:
+    """The same where :func:`proof_of` chose how to prove."""
+    return [*_rounded(mission), *([] if fits_memory(mission) else [TOO_LARGE])]
+
+
+def _rounded(mission: Problem) -> list[str]:
+    step = mission.prize_step
+    return [f"the bound is rounded down: all objectives are multiples of {step:g}"] if step else []

@@ -31,6 +31,9 @@ FIRST_WAITING = 256
 FIRST_BLOCKS = 4096
 """Blocks of labels on their way before there has to be more room."""
 
+NOTHING = -(2.0**60)
+"""Value of a walk that cannot be begun [fine units]."""
+
 ANY_WORTH = -1e300
 """Less than anything is worth."""
 
@@ -68,8 +71,10 @@ class Routes:
     compared : (bodies, words) int64
         What of it tells labels apart there; all of it but in searches that prove nothing.
     greatest_prize : float
+    multipliers : (bodies,) float64
+        Those in use.
     total : float
-        Sum of the multipliers in use.
+        Their sum.
     labels_made, searches : int
     """
 
@@ -96,18 +101,19 @@ class Routes:
         self._labels = labels_room(1 << 16, self.neighbourhood.shape[1])
         self._gain = np.zeros(bodies, dtype=np.int64)
         self.total = 0.0
+        self.multipliers = np.zeros(bodies)
         self._unit = bound.unit * 2.0**-FINE
 
     def use(self, multipliers: np.ndarray) -> float:
         """Work out the completion values of some multipliers, and the bound that they give."""
         bound = self._bound
         # What is left of rounding to units would count for every target that is left out.
-        kept = np.where((multipliers < bound.unit) | ~bound.is_target, 0.0, multipliers)
+        kept = np.where((multipliers < bound.unit) | ~bound.is_paid, 0.0, multipliers)
         if not bound.holds(kept):
             bound.evaluate(kept, keep=True)
         value, _ = bound.best_from(self._start)
         self._gain = np.ceil((bound.prize - kept) / self._unit).astype(np.int64)
-        self.total = float(kept.sum())
+        self.multipliers, self.total = kept, float(kept.sum())
         return value + self.total
 
     def pay(self, values: Table, prices: np.ndarray, reach: WalkBound, least_worth: float) -> None:
@@ -128,15 +134,17 @@ class Routes:
         self._values, self._prices = values, prices
         self._reach, self._reach_unit, self.least_worth = table_of(reach), reach.unit, least_worth
         self._worths = bound.worths
-        self._gain = np.ceil(prices[0] * bound.worths / self._unit).astype(np.int64)
-        self.total = 0.0
+        gain = prices[0] * bound.worths - bound.flown
+        self._gain = np.ceil(gain / self._unit).astype(np.int64)
+        self.multipliers, self.total = np.zeros(self._gain.size), 0.0
 
     def _begin(self) -> None:
         """The labels at the start: one for each number of kits that may be taken along."""
         bound, labels, roots = self._bound, self._labels, slice(self._roots)
         labels.row[roots], labels.parent[roots] = bound.network.roots[self._start], -1
-        labels.value[roots], labels.memory[roots] = 0, 0
-        labels.left[roots] = bound.budget if bound.loads is None else bound.loads.full
+        labels.memory[roots], labels.left[roots] = 0, bound.tank
+        paid = np.floor(bound.constant / self._unit)
+        labels.value[roots] = np.where(bound.tank < 0.0, NOTHING, -paid)
         labels.visits[roots] = np.arange(self._roots) << KITS_BIT
         labels.came_from[roots], labels.worth[roots] = -1, 0.0
 
@@ -147,9 +155,10 @@ class Routes:
         # A walk that is asked for is worth the least at any price; shifts are rounded.
         needs = need + np.floor(shift * self.least_worth).astype(np.int64) - 2
         needs[0] = need
+        price = np.broadcast_to(bound.price / self._unit, self._roots).copy()
         search = Search(
             self._values, shift, needs, self._gain, self.neighbourhood, self.compared,
-            bound.budget, bound.loads, bound.most_targets, bound.price / self._unit, self._worths,
+            bound.budget, bound.loads, bound.most_targets, price, bool(price.any()), self._worths,
             self.least_worth, self._reach, self._reach_unit,
         )  # fmt: skip
         words = self.neighbourhood.shape[1]
@@ -182,6 +191,10 @@ class Routes:
         most : int
             No more than so many, no two of the same targets.
         """
+        return [plan for plan, _ in self.valued_plans(most)]
+
+    def valued_plans(self, most: int) -> list[tuple[tuple[int, ...], float]]:
+        """The same, each with what no route of its targets is worth more than less multipliers."""
         count, need = self._last
         network, labels = self._bound.network, self._labels
         path = np.empty(self._bound.most_legs + 1, dtype=np.int64)
@@ -190,13 +203,13 @@ class Routes:
             network, labels, self._body, count, need, self.least_worth, self._gain.size, path, at
         )
         at = at[:number]
-        seen, found = set[frozenset[int]](), []
+        seen, found = set[frozenset[int]](), list[tuple[tuple[int, ...], float]]()
         for label in at[np.argsort(-labels.value[at], kind="stable")]:
             route = path[: path_of(labels, self._body, label, path)].tolist()
             targets = frozenset(route)
             if targets not in seen:
                 seen.add(targets)
-                found.append(tuple(route))
+                found.append((tuple(route), float(labels.value[label]) * self._unit))
                 if len(found) == most:
                     break
         return found

@@ -133,7 +133,7 @@ def sweep_until(buckets, values, layers, code, toll, bits, width, top, begun, be
             full = top_of(layers, top, kits)
             _sweep_buckets(
                 buckets, best[kits], second[kits], landed_best[kits], landed_second[kits],
-                code, toll, bits, width, full, i, high, low,
+                code, toll[min(kits, toll.shape[0] - 1)], bits, width, full, i, high, low,
             )  # fmt: skip
         if layers is not None:
             _land(values, layers, width, i, buckets.start[i] + low, buckets.start[i] + high)
@@ -167,7 +167,7 @@ def trace(
                 ahead = landed_best[kits, (landing + 1) * width + rest]
                 if not buckets.is_station[body] and ahead & mask == body:
                     ahead = landed_second[kits, (landing + 1) * width + rest]
-                paid = toll[leg] if toll.size > 0 else 0
+                paid = toll[min(kits, toll.shape[0] - 1), leg] if toll.size > 0 else 0
                 if (ahead >> bits) + (code[j] >> bits) - paid == packed >> bits:
                     onward = landing
             leg += 1

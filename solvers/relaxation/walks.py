@@ -121,12 +121,21 @@ class WalkBound:
         No walk has more.
     unit : float
         Prize that one unit of value is worth.
-    price : float
-        What a m/s takes off the value of a walk; 0 for nothing.
+    price : (kits + 1 or 1,) float64
+        What a m/s takes off the value of a walk with so many kits aboard, or with any number.
+    tank : (kits + 1,) float64
+        What a walk starts with, with so many kits [m/s]; less than 0 where it cannot.
+    constant : (kits + 1,) float64
+        What it pays for starting.
     worths : (bodies,) float64
         What targets are worth in the mission.
-    toll : (legs kept,) int32
+    flown : (bodies,) float64
+        ΔV that each service takes itself, where walks pay for it [m/s].
+    toll : (kits + 1 or 1, legs kept) int32
         What a leg takes off a walk's value [units]; empty for nothing.
+    is_paid : (bodies,) bool
+        Which multipliers walks pay at each visit: of targets, unless somebody says otherwise who
+        counts how often a station may be gone to.
     walk : (legs,) int64
         Best walk of the last evaluation: bodies in order.
     """
@@ -146,6 +155,7 @@ class WalkBound:
         self._over = over
         self.prize = np.array(rules.prize)
         self.is_target = np.arange(self.prize.size) >= rules.first_target
+        self.is_paid = self.is_target
         self._starts = [each.rules.start for each in (mission, *others)]
         self.most_targets = rules.most_targets
         bodies = self.prize.size
@@ -178,18 +188,16 @@ class WalkBound:
         room = LARGEST / (1 << self.bits) / self.most_legs / self.greatest_prize
         # A power of two, so that units are exact numbers.
         self.unit = 2.0 ** -math.floor(math.log2(room))
-        self.toll = np.empty(0, dtype=np.int32)
-        self.price, self.worths = 0.0, self.prize
+        self.toll = np.empty((1, 0), dtype=np.int32)
+        self.price, self.worths, self.flown = np.zeros(1), self.prize, np.zeros(bodies)
+        self.tank = np.array([rules.budget]) if self.loads is None else np.array(self.loads.full)
+        self.constant = np.zeros(self.tank.size)
         self._begun = np.empty(bodies, dtype=np.int64)
         self._common: tuple[Any, ...] = ()
         self._kept: np.ndarray | None = None
         self._walk = np.empty(self.most_legs + 1, dtype=np.int64)
         self.walk = self._walk[:0]
         self._pool = ThreadPoolExecutor(jobs) if jobs > 1 else None
-
-    def charge(self, worth_m_s: float) -> None:
-        """Let a unit of worth be worth so much to walks from now on, for walks that pay [m/s]."""
-        raise NotImplementedError("these walks pay for nothing")
 
     @property
     def dimensions(self) -> int:
@@ -249,7 +257,8 @@ class WalkBound:
         Parameters
         ----------
         multipliers : (bodies,) float64
-            π of each target, at least 0 and at most its prize plus the largest prize.
+            π of each target, at least 0 and at most its prize plus the largest prize; and of each
+            refuelling at a station, where they are :attr:`is_paid`. Others count for nothing.
         keep : bool
             Take the multipliers as they are, and round what services are worth up to units, which
             relaxes; otherwise round the multipliers so that there is nothing to round.
@@ -275,7 +284,7 @@ class WalkBound:
             gain = np.rint((self.prize - multipliers) / self.unit)
             gain = np.clip(gain, least, whole)
             rounded = self.prize - gain * self.unit
-        gain[~self.is_target], rounded[~self.is_target] = 0.0, 0.0
+        gain[~self.is_paid], rounded[~self.is_paid] = 0.0, 0.0
         code = (gain.astype(np.int64) << self.bits) + np.arange(gain.size)
         code = code.astype(np.int32)
         self._kept = None
@@ -303,10 +312,13 @@ class WalkBound:
         −inf if there is no walk: the mission cannot end where it must.
         """
         tops = np.array([self.top]) if self.layers is None else self.layers.tops
+        tops = np.clip(np.floor(self.tank / self.slot + SLACK).astype(np.int64), 0, tops)
         root, start = int(self.buckets.roots[number]), self._starts[number]
         found = self.values.best[np.arange(tops.size), (root + 1) * self.width + tops] >> self.bits
-        kits = int(np.argmax(found))
-        if found[kits] < -LARGEST >> self.bits:
+        possible = (found >= -LARGEST >> self.bits) & (self.tank >= 0.0)
+        if not possible.any():
             return -math.inf, self._walk[:0]
+        worth = np.where(possible, found - np.floor(self.constant / self.unit), -np.inf)
+        kits = int(np.argmax(worth))
         length = trace(*self._common, root, start, kits, int(tops[kits]), self._walk)
-        return float(found[kits]) * self.unit, self._walk[:length].copy()
+        return float(worth[kits]) * self.unit, self._walk[:length].copy()

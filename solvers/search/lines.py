@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels import timetable as tables
+from adr_opt.kernels import timetable_making as making
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import HOUR_S
 from adr_opt.mission import Mission
@@ -53,7 +53,7 @@ def _mark(found, limits, j, values, taken, wanted):
     for c in range(wanted.size):
         wanted[c] = False
     for value in values:
-        count = tables.choose(found, limits, j, value, taken)
+        count = making.choose(found, limits, j, value, taken)
         for place in range(taken.size - count, taken.size):
             wanted[taken[place]] = True
 

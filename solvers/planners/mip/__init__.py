@@ -19,7 +19,7 @@ from ...models.course import MakeModel, ModelOptions, prove
 
 __all__ = ["mip"]
 
-PACKAGES = ("pyomo", "highspy", "scipy")
+PACKAGES = ("pyomo",)
 
 
 def _model() -> MakeModel:
@@ -71,7 +71,7 @@ def mip(
     Raises
     ------
     MissingExtra
-        Pyomo, highspy or SciPy is not installed.
+        Pyomo is not installed.
     InputError
         Highspy cannot be loaded.
     """

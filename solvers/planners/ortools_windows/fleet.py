@@ -43,9 +43,8 @@ class Fleet:
         self.orders = orders
         timings = [order.timing for order in orders]
         costs = [timing.cost for timing in timings]
-        by_time = problem.instance.objective.cost == "duration"
         self.objective = math.fsum(timing.objective for timing in timings)
-        self.cost = max(costs, default=0.0) if by_time else math.fsum(costs)
+        self.cost = problem.instance.objective.together(costs)
 
     @classmethod
     def flying(

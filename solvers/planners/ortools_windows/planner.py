@@ -87,7 +87,7 @@ def _campaign(
     return _plan(campaign, seed, stop, progress, start, options)
 
 
-@for_campaigns(_campaign, kits=False)
+@for_campaigns(_campaign, kits=False, limits=False, expense=False)
 def ortools(
     mission: Mission,
     *,

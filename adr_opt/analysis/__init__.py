@@ -1,0 +1,27 @@
+"""What a planner asks of a mission besides "plan it": orders of one's own, comparisons, trades.
+
+`price` times an order of bodies and says where it breaks; `compare` lays plans side by side;
+`tradeoff` plans and proves over budgets and durations; `replan` plans the rest anew.
+"""
+
+from .comparison import Comparison, compare
+from .orders import orders_of, read_orders
+from .priced import PricedOrder, PricedRoute, price
+from .replan import Replanned, replan
+from .trade import Axis, Tradeoff, parse_axis, tradeoff
+
+__all__ = [
+    "Axis",
+    "Comparison",
+    "PricedOrder",
+    "PricedRoute",
+    "Replanned",
+    "Tradeoff",
+    "compare",
+    "orders_of",
+    "parse_axis",
+    "price",
+    "read_orders",
+    "replan",
+    "tradeoff",
+]

@@ -1,0 +1,256 @@
+"""Plans of one instance side by side, and their differences leg by leg."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from difflib import SequenceMatcher
+from typing import Any, Literal
+
+from ..checking import check
+from ..errors import InputError
+from ..instance import Instance
+from ..plan import Leg, Plan
+from ..routes import Flown, routes_of
+
+SAME_S, SAME_M_S = 1.0, 0.01
+"""Legs that differ by no more in all times and in ΔV are told to be the same."""
+
+What = Literal["same", "retimed", "only", "moved"]
+
+
+@dataclass(frozen=True)
+class Side:
+    """What one of the plans comes to.
+
+    Attributes
+    ----------
+    name, method, status : str
+    objective : float
+    visits, required, refuellings : int
+        Targets, those of them that are required, and stops at stations.
+    cost : float
+        As the instance counts it.
+    delta_v_m_s, end_s : float
+        Of all legs; of the last service.
+    upper_bound, gap : float or None
+    violations : int
+        What `check` finds.
+    """
+
+    name: str
+    method: str
+    status: str
+    objective: float
+    visits: int
+    required: int
+    refuellings: int
+    cost: float
+    delta_v_m_s: float
+    end_s: float
+    upper_bound: float | None
+    gap: float | None
+    violations: int
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A leg of the first plan and that of another one to the same body, or one of them alone.
+
+    Attributes
+    ----------
+    what : {"same", "retimed", "only", "moved"}
+        The same leg; the same bodies at another time or cost; a leg of one plan to a target that
+        the other one leaves out; or to one to which the other goes at another place of its order.
+    chaser : str
+    first, other : (int, Leg) or None
+        With the number of the leg in its plan.
+    """
+
+    what: What
+    chaser: str
+    first: tuple[int, Leg] | None
+    other: tuple[int, Leg] | None
+
+    @property
+    def destination(self) -> str:
+        """Where it leads."""
+        return self._legs[0][1].destination
+
+    @property
+    def _legs(self) -> tuple[tuple[int, Leg], ...]:
+        return tuple(leg for leg in (self.first, self.other) if leg is not None)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields, for JSON; of legs number, times and ΔV."""
+        sides: dict[str, dict[str, Any] | None] = {}
+        for name, numbered in (("first", self.first), ("other", self.other)):
+            sides[name] = None
+            if numbered is not None:
+                number, leg = numbered
+                sides[name] = {
+                    "leg": number, "origin": leg.origin, "departure_s": leg.departure_s,
+                    "arrival_s": leg.arrival_s, "end_s": leg.end_s, "delta_v_m_s": leg.delta_v_m_s,
+                }  # fmt: skip
+        return {"what": self.what, "chaser": self.chaser, "destination": self.destination, **sides}
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A plan against the first one.
+
+    Attributes
+    ----------
+    name : str
+    pairs : tuple of Pair
+        All legs of both, in order, chaser by chaser.
+    gained, lost : tuple of str
+        Targets that this plan visits and the first one does not, and the other way round.
+    """
+
+    name: str
+    pairs: tuple[Pair, ...]
+    gained: tuple[str, ...]
+    lost: tuple[str, ...]
+
+    @property
+    def same(self) -> bool:
+        """Whether there is none."""
+        return all(pair.what == "same" for pair in self.pairs)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields, for JSON."""
+        return {
+            "name": self.name,
+            "gained": list(self.gained),
+            "lost": list(self.lost),
+            "legs": [pair.to_dict() for pair in self.pairs],
+        }
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Plans of one instance side by side.
+
+    Attributes
+    ----------
+    instance : Instance
+    plans : dict of str to Plan
+    sides : tuple of Side
+        Of each plan.
+    differences : tuple of Difference
+        Of each plan but the first, against that.
+    """
+
+    instance: Instance
+    plans: Mapping[str, Plan]
+    sides: tuple[Side, ...]
+    differences: tuple[Difference, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields, for JSON."""
+        return {
+            "instance": {"name": self.instance.name, "sha256": self.instance.sha256},
+            "plans": [asdict(side) for side in self.sides],
+            "differences": [each.to_dict() for each in self.differences],
+        }
+
+
+def compare(instance: Instance, plans: Mapping[str, Plan]) -> Comparison:
+    """Lay plans of one instance side by side, the others against the first one.
+
+    Parameters
+    ----------
+    instance : Instance
+    plans : mapping of str to Plan
+        What each is called.
+
+    Raises
+    ------
+    InputError
+        There is less than two, or one belongs to another instance.
+    """
+    if len(plans) < 2:
+        raise InputError("there is nothing to compare with; give two plans or more")
+    sides = []
+    for name, plan in plans.items():
+        try:
+            sides.append(_side(instance, name, plan))
+        except InputError as error:
+            raise InputError(f"{name}: {error}") from None
+    first, *others = plans.items()
+    differences = tuple(_difference(instance, first[1], name, plan) for name, plan in others)
+    return Comparison(instance, dict(plans), tuple(sides), differences)
+
+
+def _side(instance: Instance, name: str, plan: Plan) -> Side:
+    violations = check(instance, plan)
+    visited = set(plan.destinations)
+    return Side(
+        name=name,
+        method=plan.method,
+        status=plan.status,
+        objective=plan.objective,
+        visits=sum(target.name in visited for target in instance.targets),
+        required=sum(target.required and target.name in visited for target in instance.targets),
+        refuellings=sum(each in instance.station_names for each in plan.destinations),
+        cost=plan.cost,
+        delta_v_m_s=plan.delta_v_m_s,
+        end_s=max((leg.end_s for leg in plan.legs), default=0.0),
+        upper_bound=plan.upper_bound,
+        gap=plan.gap,
+        violations=len(violations),
+    )
+
+
+def _difference(instance: Instance, first: Plan, name: str, other: Plan) -> Difference:
+    routes = {flown.chaser.name: flown for flown in routes_of(instance, first)}
+    pairs: list[Pair] = []
+    visited = _targets(instance, first), _targets(instance, other)
+    for flown in routes_of(instance, other):
+        pairs += _pairs(routes[flown.chaser.name], flown, visited)
+    gained = tuple(body for body in visited[1] if body not in visited[0])
+    lost = tuple(body for body in visited[0] if body not in visited[1])
+    return Difference(name, tuple(pairs), gained, lost)
+
+
+def _targets(instance: Instance, plan: Plan) -> list[str]:
+    return [name for name in plan.destinations if name not in instance.station_names]
+
+
+def _pairs(first: Flown, other: Flown, visited: tuple[list[str], list[str]]) -> list[Pair]:
+    """The legs of a chaser, aligned along the longest runs of bodies that both plans have."""
+    chaser = other.chaser.name
+    one, two = first.legs, other.legs
+    matcher = SequenceMatcher(None, _order(one), _order(two), autojunk=False)
+
+    def alone(legs: Sequence[tuple[int, Leg]], *, in_first: bool) -> list[Pair]:
+        found = []
+        for leg in legs:
+            elsewhere = leg[1].destination in visited[1 if in_first else 0]
+            what: What = "moved" if elsewhere else "only"
+            found.append(Pair(what, chaser, leg if in_first else None, None if in_first else leg))
+        return found
+
+    pairs: list[Pair] = []
+    for tag, i, i_end, j, j_end in matcher.get_opcodes():
+        if tag == "equal":
+            for left, right in zip(one[i:i_end], two[j:j_end], strict=True):
+                what: What = "same" if _same(left[1], right[1]) else "retimed"
+                pairs.append(Pair(what, chaser, left, right))
+        else:
+            pairs += alone(one[i:i_end], in_first=True) + alone(two[j:j_end], in_first=False)
+    return pairs
+
+
+def _order(legs: Sequence[tuple[int, Leg]]) -> list[str]:
+    return [leg.destination for _, leg in legs]
+
+
+def _same(one: Leg, two: Leg) -> bool:
+    times = ("departure_s", "arrival_s", "end_s")
+    return (
+        one.origin == two.origin
+        and all(abs(getattr(one, each) - getattr(two, each)) <= SAME_S for each in times)
+        and abs(one.delta_v_m_s - two.delta_v_m_s) <= SAME_M_S
+    )

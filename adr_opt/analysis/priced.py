@@ -1,0 +1,200 @@
+"""An order of bodies, timed exactly: what can be flown of it, where it breaks, what mends it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ..campaign import Problem, problem_of
+from ..errors import InputError
+from ..instance import Instance
+from ..mission import Mission
+from ..plan import Leg, Plan
+from ..pricing import legs
+from ..result import certify_routes
+from ..start import why_illegal
+from .mending import Mending, Missing, mendings, missing
+
+NOTHING = Missing()
+
+METHOD = "by-hand"
+"""What plans say that are of an order that somebody gave."""
+
+
+@dataclass(frozen=True)
+class PricedRoute:
+    """What a chaser can fly of its order, at least cost.
+
+    Attributes
+    ----------
+    chaser : str
+    order : tuple of str
+        Names of the bodies.
+    legs : tuple of Leg
+        Of its beginning, as far as that can be flown.
+    reason : str
+        Why the next leg cannot be flown; empty where all can.
+    missing : Missing
+        With what more it could be flown.
+    mendings : tuple of Mending
+        Single changes after which it can be flown, the best first.
+    """
+
+    chaser: str
+    order: tuple[str, ...]
+    legs: tuple[Leg, ...]
+    reason: str = ""
+    missing: Missing = NOTHING
+    mendings: tuple[Mending, ...] = ()
+
+    @property
+    def holds(self) -> bool:
+        """Whether all of it can be flown."""
+        return not self.reason
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields, for JSON."""
+        return {
+            "chaser": self.chaser,
+            "order": list(self.order),
+            "legs": [leg.model_dump(mode="json") for leg in self.legs],
+            "breaks_at_leg": None if self.holds else len(self.legs) + 1,
+            "reason": self.reason or None,
+            "missing": None if self.holds else self.missing.to_dict(),
+            "mendings": [each.to_dict() for each in self.mendings],
+        }
+
+
+@dataclass(frozen=True)
+class PricedOrder:
+    """The orders of all chasers of an instance, timed.
+
+    Attributes
+    ----------
+    instance : Instance
+    routes : tuple of PricedRoute
+        Of each chaser.
+    objective : float
+        Sum of the prizes of what can be flown.
+    lacking : tuple of str
+        Required targets that no order goes to.
+    unended : tuple of str
+        Chasers whose orders can be flown, but end where they may not.
+    runtime_s : float
+    """
+
+    instance: Instance
+    routes: tuple[PricedRoute, ...]
+    objective: float
+    lacking: tuple[str, ...]
+    unended: tuple[str, ...]
+    runtime_s: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the orders are a plan: all of them can be flown, and nothing is lacking."""
+        return all(route.holds for route in self.routes) and not (self.lacking or self.unended)
+
+    def plan(self, problem: Problem | None = None) -> Plan:
+        """The plan of the orders; the timetable is built for it, where none is given.
+
+        Raises
+        ------
+        InputError
+            They are none.
+        """
+        if not self.holds:
+            raise InputError("the order cannot be flown as it is; mend it first")
+        problem = problem_of(self.instance) if problem is None else problem
+        flown = [
+            mission.numbers(route.order).tolist()
+            for mission, route in zip(problem.missions, self.routes, strict=True)
+        ]
+        made = certify_routes(problem, METHOD, flown, seed=0, runtime_s=self.runtime_s).plan
+        assert made is not None
+        return made
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields, for JSON."""
+        return {
+            "instance": {"name": self.instance.name, "sha256": self.instance.sha256},
+            "holds": self.holds,
+            "objective": self.objective,
+            "lacking": list(self.lacking),
+            "unended": list(self.unended),
+            "routes": [route.to_dict() for route in self.routes],
+        }
+
+
+def price(
+    instance: Instance, orders: Mapping[str, Iterable[str]], *, mend: bool = True
+) -> PricedOrder:
+    """Time orders of bodies with the exact scheduler, each at least cost.
+
+    Parameters
+    ----------
+    instance : Instance
+    orders : mapping of str to iterable of str
+        Names of bodies in order, by the name of the chaser.
+    mend : bool
+        Whether to look for what would mend an order that breaks.
+
+    Raises
+    ------
+    InputError
+        A name is none of a chaser or a body, or two chasers go to one target.
+    """
+    begun = time.perf_counter()
+    named = {name: tuple(order) for name, order in orders.items()}
+    _check(instance, named)
+    # Only the bodies of the orders: their connections are what they are among all.
+    wanted = {name for order in named.values() for name in order}
+    numbers = [number for number, name in enumerate(instance.names) if name in wanted]
+    problem = problem_of(instance.part(numbers))
+    routes, unended, prize = [], [], 0.0
+    for mission in problem.missions:
+        order = named.get(mission.chaser.name, ())
+        route = _route(mission, order, mend)
+        moves = mission.numbers(order[: len(route.legs)]).tolist()
+        prize += mission.prizes(moves)
+        if route.holds and not mission.may_stop(tuple(moves)):
+            unended.append(mission.chaser.name)
+        routes.append(route)
+    done = {leg.destination for route in routes for leg in route.legs}
+    lacking = tuple(
+        target.name
+        for target in instance.targets
+        if target.required and target.name not in wanted | done
+    )
+    return PricedOrder(
+        instance, tuple(routes), prize, lacking, tuple(unended), time.perf_counter() - begun
+    )
+
+
+def _check(instance: Instance, orders: Mapping[str, tuple[str, ...]]) -> None:
+    chasers, bodies = {chaser.name for chaser in instance.chasers}, set(instance.names)
+    whose: dict[str, str] = {}
+    for chaser, order in orders.items():
+        if chaser not in chasers:
+            raise InputError(f"{chaser!r} is no chaser of {instance.name!r}")
+        for name in order:
+            if name not in bodies:
+                raise InputError(f"{name!r} is not a body of {instance.name!r}")
+            if name not in instance.station_names and whose.setdefault(name, chaser) != chaser:
+                raise InputError(f"{name!r} is visited by {whose[name]!r} and by {chaser!r}")
+
+
+def _route(mission: Mission, order: tuple[str, ...], mend: bool) -> PricedRoute:
+    moves = tuple(mission.numbers(order).tolist())
+    made = mission.time(moves).made
+    flown = legs(mission, moves[:made])
+    name = mission.chaser.name
+    if made == len(moves):
+        return PricedRoute(name, order, flown)
+    reason = why_illegal(mission, list(moves), made)
+    if not mend:
+        return PricedRoute(name, order, flown, reason)
+    lacks = missing(mission, moves, made)
+    return PricedRoute(name, order, flown, reason, lacks, mendings(mission, moves))

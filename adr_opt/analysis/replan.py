@@ -1,0 +1,428 @@
+"""Plan the rest of a mission anew: from where its chasers are, with what has changed meanwhile."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from ..campaign import Problem, is_campaign, problem_of
+from ..errors import InputError
+from ..front import solve
+from ..instance import Instance
+from ..keep_out import crossed
+from ..kernels.constants import SLACK_M_S
+from ..limits import limits_of
+from ..mission import Mission
+from ..plan import Leg, Plan, Route
+from ..planner import PLANNERS, takes_start
+from ..prepared import method_of, prepare, warm_up
+from ..pricing import burns_of, transfer_of
+from ..result import Result, certify_routes
+from ..routes import weighed
+from ..settings import KeepOutZone
+from ..stop import AnyOf, MaxRuntime, Stop
+from ..tow import refuse_tows
+from .state import State, going_on, states_at
+
+QUICK, SEVERAL = "beam", "auto"
+"""Planners of the rest, where nobody names one: for one chaser and for several."""
+
+DEFAULT_TIME_LIMIT_S = 2.0
+
+HURRY = 110.0 / 75.0
+"""What an hour is worth to the quick planner, as a multiple of what it is usually worth."""
+
+NEAR_EMPTY = 0.5
+"""With less of a tank than this it is tried to refuel first."""
+
+Orders = tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class Replanned:
+    """The rest of a mission, planned anew.
+
+    Attributes
+    ----------
+    instance : Instance
+        What is left to do: chasers where they are, with what they have; without what is done or
+        lost; with the new zones.
+    result : Result
+        Of planning that; its plan belongs to that instance.
+    states : tuple of State
+        What is flown or fixed, and from where it goes on.
+    former : tuple of tuple of str
+        What the plan was about to do, for each chaser.
+    gained, dropped, lost : tuple of str
+        Targets that the former rest did not visit and the new one does; that it did, and which are
+        left out now though they could still be visited; and those that are lost.
+    prize_before, prize_after : float
+        Of the former rest, and of the new one.
+    kept : int
+        Legs at the beginning of the new rest that lead where the former ones led.
+    notes : tuple of str
+    runtime_s : float
+        All of it, timetables included.
+    """
+
+    instance: Instance
+    result: Result
+    states: tuple[State, ...]
+    former: Orders
+    gained: tuple[str, ...]
+    dropped: tuple[str, ...]
+    lost: tuple[str, ...]
+    prize_before: float
+    prize_after: float
+    kept: int
+    notes: tuple[str, ...]
+    runtime_s: float
+
+    @property
+    def plan(self) -> Plan | None:
+        """The new rest; None if there is none."""
+        return self.result.plan
+
+    def whole(self) -> tuple[Route, ...]:
+        """What each chaser flies from beginning to end: what is fixed, and the new rest."""
+        plan = self.plan
+        new = {} if plan is None else {route.chaser: route.legs for route in plan.routes}
+        routes = []
+        for state in self.states:
+            legs = list(state.legs)
+            for leg in new.get(state.chaser.name, ()):
+                where = legs[-1].destination if legs else state.chaser.start_name
+                free_s = legs[-1].end_s if legs else state.since_s
+                legs.append(leg.replace(origin=where, ready_s=free_s))
+            routes.append(Route(chaser=state.chaser.name, legs=tuple(legs)))
+        return tuple(routes)
+
+    def to_dict(self) -> dict[str, Any]:
+        """What has changed, for JSON."""
+        return {
+            "instance": {"name": self.instance.name, "sha256": self.instance.sha256},
+            "fixed": [
+                {
+                    "chaser": state.chaser.name, "legs": len(state.legs), "at": state.body,
+                    "free_s": state.free_s, "delta_v_left_m_s": state.left_m_s,
+                }
+                for state in self.states
+            ],
+            "prize_before": self.prize_before,
+            "prize_after": self.prize_after,
+            "upper_bound": self.result.to_dict()["upper_bound"],
+            "gained": list(self.gained),
+            "dropped": list(self.dropped),
+            "lost": list(self.lost),
+            "kept_legs": self.kept,
+            "notes": list(self.notes),
+            "runtime_s": self.runtime_s,
+        }  # fmt: skip
+
+
+def replan(
+    instance: Instance,
+    plan: Plan,
+    at_s: float,
+    *,
+    zones: Iterable[KeepOutZone] = (),
+    lost: Iterable[str] = (),
+    failed: int | None = None,
+    keep: int = 0,
+    method: str | None = None,
+    time_limit: float = DEFAULT_TIME_LIMIT_S,
+    seed: int = 0,
+    stop: Stop | None = None,
+) -> Replanned:
+    """Plan the rest of a mission anew.
+
+    What has begun is finished (:func:`.state.states_at`). A chaser that has serviced a target
+    since it refuelled last may refuel at once; to be full earlier is never worse, so that is one
+    more beginning, by the connection that arrives first. Where the former plan is about to do so
+    it is taken; where it had ended, or less than half a tank is left, both are tried. The rest of
+    the former plan, without what it cannot fly any more, is what the new one has to beat.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan
+        Of this instance.
+    at_s : float
+        Since the epoch [s].
+    zones : iterable of KeepOutZone
+        New ones, besides those of the instance.
+    lost : iterable of str
+        Targets that are not to be visited any more.
+    failed : int, optional
+        Number of a leg that is not flown as planned.
+    keep : int
+        So many legs of each chaser that have not begun are flown as planned.
+    method : str, optional
+        Planner of the rest; "beam" for one chaser and "auto" for several by default.
+    time_limit : float
+        Wall time of a run [s].
+    seed, stop
+        As :func:`adr_opt.solve` takes them.
+
+    Raises
+    ------
+    InputError
+        The plan is of another instance, the time is outside the mission, a name is no target or
+        one that is done, or a leg that is to be kept crosses a new zone.
+    """
+    began = time.perf_counter()
+    if plan.instance.sha256 != instance.sha256:
+        raise InputError("the plan belongs to another instance; give the one it was made for")
+    if instance.transfer.given is not None:
+        raise InputError(
+            f"{instance.name!r} has given connections, which lead from bodies and not from where "
+            "a chaser is; replan works on those of the model"
+        )
+    refuse_tows(instance, "replan")
+    for station in instance.stations:
+        if station.is_limited:
+            raise InputError(
+                f"{station.name!r} has a limit, and replan does not count what was taken there; "
+                "leave the limits out"
+            )
+    states = states_at(instance, plan, at_s, keep=keep, failed=failed)
+    zoned = instance.replace(keep_out_zones=(*instance.keep_out_zones, *zones))
+    notes = tuple(_crossings(zoned, states, at_s, len(instance.keep_out_zones)))
+    gone = tuple(dict.fromkeys(lost))
+    rest = _rest(zoned, states, gone, at_s)
+    former = _former(plan, states)
+    best: tuple[Instance, tuple[State, ...], Result] | None = None
+    for beginning, begun in _beginnings(rest, states, former):
+        orders = _orders(beginning, former, begun, states)
+        made = _planned(beginning, orders, method, time_limit, seed, stop)
+        if best is None or _is_better(made, best[2]):
+            best = beginning, begun, made
+    assert best is not None
+    return _told(instance, *best, former, gone, notes, began)
+
+
+def _crossings(zoned: Instance, states: Sequence[State], at_s: float, before: int) -> Iterator[str]:
+    """What is said of legs that cross new zones and cannot be helped.
+
+    Raises
+    ------
+    InputError
+        One has not begun.
+    """
+    for state in states:
+        for leg in state.legs:
+            new = [which for which in crossed(zoned, leg) if which >= before]
+            if not new or leg.end_s <= at_s:
+                continue
+            said = f"to {leg.destination!r} crosses new zone {new[0] - before + 1}"
+            if leg.leaves_s >= at_s:
+                raise InputError(f"the leg {said}, and is to be kept; keep fewer legs")
+            yield f"the leg under way {said}, and is finished all the same"
+
+
+def _rest(zoned: Instance, states: Sequence[State], lost: Sequence[str], at_s: float) -> Instance:
+    """The instance that is left, with chasers where they are."""
+    done = {leg.destination for state in states for leg in state.legs}
+    names = {target.name for target in zoned.targets}
+    for name in lost:
+        if name not in names:
+            raise InputError(f"lost {name!r}: not a target of {zoned.name!r}")
+        if name in done:
+            raise InputError(f"lost {name!r}: it is done by then, or the leg to it has begun")
+    targets = tuple(
+        target for target in zoned.targets if target.name not in done and target.name not in lost
+    )
+    chasers = tuple(going_on(zoned, state) for state in states)
+    name = f"{zoned.name}-from-{at_s:.0f}s"
+    return zoned.replace(name=name, targets=targets, chasers=chasers)
+
+
+def _former(plan: Plan, states: Sequence[State]) -> Orders:
+    """What the plan was about to do after what is fixed."""
+    flown = {route.chaser: route.legs for route in plan.routes}
+    if len(states) == 1:
+        flown = {states[0].chaser.name: plan.legs}
+    return tuple(
+        tuple(leg.destination for leg in flown.get(state.chaser.name, ())[len(state.legs) :])
+        for state in states
+    )
+
+
+def _beginnings(
+    rest: Instance, states: tuple[State, ...], former: Orders
+) -> Iterator[tuple[Instance, tuple[State, ...]]]:
+    """The instances that the rest may begin with: chasers as they are, or refuelled first."""
+    ways = []
+    for number, (state, order) in enumerate(zip(states, former, strict=True)):
+        about_to = bool(order) and order[0] in rest.station_names
+        low = not order or state.left_m_s < NEAR_EMPTY * state.chaser.tank.delta_v_m_s
+        more = list(_refuelled(rest, state, number)) if about_to or low else []
+        ways.append(more if about_to and more else [state, *more])
+    for chosen in product(*ways):
+        chasers = tuple(
+            rest.chasers[number] if one is states[number] else going_on(rest, one)
+            for number, one in enumerate(chosen)
+        )
+        yield rest.replace(chasers=chasers) if chasers != rest.chasers else rest, chosen
+
+
+def _refuelled(rest: Instance, state: State, number: int) -> Iterator[State]:
+    """The chaser as it is after refuelling first, at each station that it can reach."""
+    if state.since_refuelling == 0 or not rest.targets:
+        return
+    mission = Mission(rest, chaser=number)
+    connecting, limits = mission.connecting, limits_of(rest, number)
+    i, chaser = rest.starts[number], rest.chasers[number]
+    for station, name in enumerate(rest.station_names):
+        found = connecting.of_pair(i, station, connecting.planning_resolution_m_s)
+        found = found.after(state.free_s)
+        paid = found.delta_v <= chaser.tank.delta_v_m_s + SLACK_M_S
+        ends = np.where(paid, found.arrival, math.inf) + limits.service[station]
+        if not ends.size or ends.min() > limits.duration:
+            continue
+        taken = int(np.lexsort((found.delta_v, ends))[0])
+        revolutions = int(found.revolutions[taken])
+        flown = transfer_of(
+            mission, i, station, float(found.departure[taken]), float(found.arrival[taken]),
+            revolutions,
+        )  # fmt: skip
+        leg = Leg(
+            kind=flown.kind,
+            origin=state.body or chaser.name,
+            destination=name,
+            ready_s=state.legs[-1].end_s,
+            departure_s=flown.departure,
+            arrival_s=float(found.arrival[taken]),
+            end_s=float(ends[taken]),
+            delta_v_m_s=connecting.modelled(i, station, revolutions, float(found.delta_v[taken])),
+            delta_v_left_m_s=chaser.tank.delta_v_m_s,
+            phasing_revolutions=max(revolutions, 0),
+            eccentricity_delta_v_m_s=flown.shape,
+            burns=burns_of(flown),
+        )
+        (leg,) = weighed(rest, chaser.replace(kits=None), [leg])
+        yield replace(
+            state, legs=(*state.legs, leg), body=name, free_s=leg.end_s,
+            left_m_s=chaser.tank.delta_v_m_s, propellant_kg=None, since_refuelling=0,
+        )  # fmt: skip
+
+
+def _orders(
+    beginning: Instance, former: Orders, states: tuple[State, ...], before: tuple[State, ...]
+) -> list[list[str]]:
+    """The former rest as far as there are such bodies; a stop that is made already is left out."""
+    names, stations = set(beginning.names), beginning.station_names
+    orders = []
+    for order, state, former_state in zip(former, states, before, strict=True):
+        left = [name for name in order if name in names]
+        if state is not former_state and left and left[0] in stations:
+            left = left[1:]
+        orders.append(left)
+    return orders
+
+
+def _planned(
+    beginning: Instance, orders: list[list[str]], method: str | None, time_limit: float, seed: int,
+    stop: Stop | None,
+) -> Result:  # fmt: skip
+    """The best of what a planner finds and of what is left of the former rest."""
+    several = is_campaign(beginning)
+    quick = method is None and not several
+    if quick:
+        # One choice of connections for all that plans: a second timetable would take as long.
+        mission = Mission(beginning, time_value_m_s_per_h=HURRY * beginning.time_value_m_s_per_h)
+        problem: Problem = mission
+        flyable = _flyable(mission, orders)
+        found = _quickly(mission, time_limit, seed, stop)
+    else:
+        problem = problem_of(beginning)
+        flyable = _flyable(problem, orders)
+        method, more = method or SEVERAL, dict[str, Any]()
+        if takes_start(method_of(method)) and any(flyable):
+            start = flyable if len(beginning.chasers) > 1 else flyable[0]
+            more = {"start": start, "repair": True}
+        found = solve(problem, method, time_limit=time_limit, seed=seed, stop=stop, **more)
+    own = certify_routes(
+        problem, "former", [mission.numbers(order) for mission, order in
+                            zip(problem.missions, flyable, strict=True)],
+        seed=seed, runtime_s=found.runtime_s,
+    )  # fmt: skip
+    if own.plan is not None and (found.plan is None or own.objective > found.objective):
+        return own
+    return found
+
+
+_practised: set[bool] = set()
+"""For which kinds of timetable the quick planner has been compiled in this process."""
+
+
+def _quickly(problem: Mission, time_limit: float, seed: int, stop: Stop | None) -> Result:
+    """The plan of the quick planner, without all that takes longer than it does."""
+    drifts = problem.connecting.drifts
+    if drifts not in _practised:
+        warm_up(PLANNERS, QUICK, drifts=drifts)
+        _practised.add(drifts)
+    options = {"time_value_m_s_per_h": problem.time_value_m_s_per_h}
+    prepared = prepare(PLANNERS, QUICK, seed=seed, options=options)
+    limits = [MaxRuntime(time_limit), *([] if stop is None else [stop])]
+    return prepared(problem, AnyOf(*limits))
+
+
+def _flyable(problem: Problem, orders: list[list[str]]) -> list[list[str]]:
+    """The orders without the bodies that cannot be flown to any more, one after the other."""
+    kept = []
+    for mission, order in zip(problem.missions, orders, strict=True):
+        moves = mission.numbers(order).tolist()
+        while (made := mission.time(moves).made) < len(moves):
+            del moves[made]
+        kept.append([mission.names[j] for j in moves])
+    return kept
+
+
+def _is_better(made: Result, best: Result) -> bool:
+    """Whether it collects more."""
+    if made.plan is None or best.plan is None:
+        return made.plan is not None
+    return made.objective > best.objective
+
+
+def _told(
+    instance: Instance, chosen: Instance, states: tuple[State, ...], result: Result,
+    former: Orders, lost: tuple[str, ...], notes: tuple[str, ...], began: float,
+) -> Replanned:  # fmt: skip
+    prizes = {target.name: target.prize for target in instance.targets}
+    before = [name for order in former for name in order if name in prizes]
+    plan = result.plan
+    after = [] if plan is None else [n for n in plan.destinations if n in prizes]
+    kept = 0
+    routes = {} if plan is None else {route.chaser: route.legs for route in plan.routes}
+    for state, order in zip(states, former, strict=True):
+        new = tuple(leg.destination for leg in routes.get(state.chaser.name, ()))
+        kept += _common(new, order)
+    return Replanned(
+        instance=chosen,
+        result=result,
+        states=states,
+        former=former,
+        gained=tuple(name for name in after if name not in before),
+        dropped=tuple(name for name in before if name not in after and name not in lost),
+        lost=lost,
+        prize_before=sum(prizes[name] for name in before),
+        prize_after=sum(prizes[name] for name in after),
+        kept=kept,
+        notes=notes,
+        runtime_s=time.perf_counter() - began,
+    )
+
+
+def _common(one: Sequence[str], two: Sequence[str]) -> int:
+    for at, (left, right) in enumerate(zip(one, two, strict=False)):
+        if left != right:
+            return at
+    return min(len(one), len(two))

@@ -1,0 +1,171 @@
+"""Where a plan has led by a time: what is flown or fixed, and what each chaser goes on from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..cargo import kits_of
+from ..chasers import AtStation, Chaser, InOrbit, TankByMass
+from ..errors import InputError
+from ..instance import Instance
+from ..orbit import Orbit
+from ..plan import Leg, Plan
+from ..routes import Flown, routes_of
+
+
+@dataclass(frozen=True)
+class State:
+    """A chaser between what is fixed and what is planned anew.
+
+    Attributes
+    ----------
+    chaser : Chaser
+        As the instance has it.
+    legs : tuple of Leg
+        Flown, under way, or fixed.
+    body : str or None
+        Where it is once they are; None for one that is not launched yet.
+    free_s : float
+        Since when it is free there, at least the time asked for [s].
+    left_m_s : float
+        ΔV left then.
+    propellant_kg : float or None
+        Of tanks by mass.
+    kits : int or None
+        The most it may still have aboard; None where there is no limit.
+    since_refuelling : int
+        Targets serviced since the last one.
+    since_s : float
+        When it may fly at all [s].
+    """
+
+    chaser: Chaser
+    legs: tuple[Leg, ...]
+    body: str | None
+    free_s: float
+    left_m_s: float
+    propellant_kg: float | None
+    kits: int | None
+    since_refuelling: int
+    since_s: float
+
+    @property
+    def is_new(self) -> bool:
+        """Whether it has flown nothing."""
+        return not self.legs
+
+
+def states_at(
+    instance: Instance, plan: Plan, at_s: float, *, keep: int = 0, failed: int | None = None
+) -> tuple[State, ...]:
+    """Where each chaser is at a time.
+
+    A leg that has begun is finished: whoever has left cannot turn back. The legs after it that
+    have not begun are fixed too if ``keep`` says so, as many of each chaser.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan
+    at_s : float
+        Since the epoch [s].
+    keep : int
+    failed : int, optional
+        Number of a leg that is not flown, and none after it of its chaser; it may not have begun.
+
+    Raises
+    ------
+    InputError
+        The time is outside the mission, or the leg is none, or has begun.
+    """
+    if not 0.0 <= at_s <= instance.mission.duration_s:
+        raise InputError(
+            f"time {at_s:g} s: outside the mission, which lasts {instance.mission.duration_s:g} s"
+        )
+    if keep < 0:
+        raise InputError(f"keep = {keep}: must not be negative")
+    if failed is not None and not 1 <= failed <= len(plan.legs):
+        raise InputError(f"failed leg {failed}: the plan has the legs 1 to {len(plan.legs)}")
+    return tuple(_state(instance, flown, at_s, keep, failed) for flown in routes_of(instance, plan))
+
+
+def _state(instance: Instance, flown: Flown, at_s: float, keep: int, failed: int | None) -> State:
+    begun = sum(leg.leaves_s < at_s for _, leg in flown.legs)
+    fixed = flown.legs[: begun + keep]
+    for at, (number, leg) in enumerate(fixed):
+        if number == failed:
+            if at < begun:
+                raise InputError(
+                    f"failed leg {failed}: it has begun at {leg.leaves_s:.0f} s, before {at_s:g} "
+                    "s; tell a target that was not reached as lost"
+                )
+            fixed = fixed[:at]
+            break
+    chaser, stations = flown.chaser, instance.station_names
+    legs = tuple(leg for _, leg in fixed)
+    aboard = flown.aboard(instance)[len(legs)]
+    propellant = None
+    if isinstance(chaser.tank, TankByMass) and aboard.mass_kg is not None:
+        propellant = max(
+            aboard.mass_kg - chaser.tank.dry_mass_kg - aboard.kits * chaser.kit_mass_kg, 0.0
+        )
+    since = 0
+    for leg in legs:
+        since = 0 if leg.destination in stations else since + 1
+    kits = chaser.kits
+    if kits is not None:
+        kits -= kits_of(instance, (leg.destination for leg in legs))
+    body = legs[-1].destination if legs else None if chaser.is_launched else chaser.start_name
+    since_s, _ = instance.available_s[instance.chasers.index(chaser)]
+    free_s = max(at_s, legs[-1].end_s if legs else since_s)
+    left_m_s = max(aboard.left_m_s, 0.0)
+    return State(chaser, legs, body, free_s, left_m_s, propellant, kits, since, since_s)
+
+
+def going_on(instance: Instance, state: State) -> Chaser:
+    """The chaser of a state, as an instance that begins with it has it."""
+    chaser, stations = state.chaser, instance.station_names
+    done = sum(leg.destination not in stations for leg in state.legs)
+    changes: dict[str, object] = {"kits": state.kits}
+    if chaser.max_targets is not None:
+        changes["max_targets"] = max(chaser.max_targets - done, 0)
+    changes["available_s"] = (state.free_s, _end(chaser, state.free_s))
+    body = state.body
+    if body is None:
+        return chaser.replace(**changes)
+    if body in stations:
+        return chaser.replace(
+            **changes, start=AtStation(station=body), tank=_tank(chaser, None, None)
+        )
+    orbit = _orbits(instance)[body]
+    tank = chaser.tank if state.is_new else _tank(chaser, state.left_m_s, state.propellant_kg)
+    return chaser.replace(**changes, start=InOrbit(orbit=orbit), tank=tank)
+
+
+def _end(chaser: Chaser, free_s: float) -> float | None:
+    end = chaser.available_s[1]
+    return None if end is None else max(end, free_s)
+
+
+def _tank(
+    chaser: Chaser, left_m_s: float | None, propellant_kg: float | None
+) -> Mapping[str, float | None]:
+    """The same tank with so much in it at the start."""
+    tank = chaser.tank
+    if isinstance(tank, TankByMass):
+        return {
+            "dry_mass_kg": tank.dry_mass_kg, "propellant_kg": tank.propellant_kg,
+            "isp_s": tank.isp_s,
+            "initial_propellant_kg": None if propellant_kg is None
+            else min(propellant_kg, tank.propellant_kg),
+        }  # fmt: skip
+    full = tank.delta_v_m_s
+    return {
+        "delta_v_m_s": full,
+        "initial_delta_v_m_s": None if left_m_s is None else min(left_m_s, full),
+    }
+
+
+def _orbits(instance: Instance) -> dict[str, Orbit]:
+    return dict(zip(instance.names, instance.body_orbits, strict=True))

@@ -1,0 +1,218 @@
+"""Points of a trade-off: plans and bounds, and what each of them says about the others.
+
+Whoever has a larger tank or more time can fly every plan of who has less. So the best plan of a
+point counts for all larger ones, and a bound of a point for all smaller ones.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+from ...instance import Instance
+from ...tolerance import meets, tolerance
+from .axes import Axis, Limits
+
+Routes = tuple[tuple[str, ...], ...]
+"""Names of bodies in order, for each chaser."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """What is known of one variant of an instance.
+
+    Attributes
+    ----------
+    delta_v_m_s, duration_s : float
+        Its limits.
+    prize : float
+        Of the best plan; −inf without one.
+    upper_bound : float
+        No plan collects more; +inf if nothing is proven.
+    visits : int
+        Targets of the best plan.
+    cost : float
+        Of the best plan, as the instance counts it.
+    routes : tuple of tuple of str
+        The best plan: bodies in order, for each chaser.
+    methods : tuple of str
+        Planners that were run for this point; none where its neighbours say it all.
+    runtime_s, cpu_s : float
+        Wall time and processor time of these.
+    """
+
+    delta_v_m_s: float
+    duration_s: float
+    prize: float = -math.inf
+    upper_bound: float = math.inf
+    visits: int = 0
+    cost: float = math.nan
+    routes: Routes = ()
+    methods: tuple[str, ...] = ()
+    runtime_s: float = 0.0
+    cpu_s: float = 0.0
+
+    @property
+    def limits(self) -> Limits:
+        """Its place in the grid."""
+        return self.delta_v_m_s, self.duration_s
+
+    @property
+    def proven(self) -> bool:
+        """Whether no plan collects more than the best one known."""
+        return meets(self.prize, self.upper_bound)
+
+    @property
+    def status(self) -> str:
+        """As that of plans."""
+        if self.prize == -math.inf:
+            return "infeasible" if self.upper_bound == -math.inf else "unknown"
+        return "optimal" if self.proven else "feasible"
+
+    def beats(self, other: Point) -> bool:
+        """Whether its plan collects more than that of another one, or as much at less cost."""
+        if self.prize != other.prize:
+            return self.prize > other.prize
+        return self.cost < other.cost
+
+    def joined(self, other: Point) -> Point:
+        """What two runs for one point come to."""
+        best = other if other.beats(self) else self
+        return replace(
+            best,
+            upper_bound=min(self.upper_bound, other.upper_bound),
+            methods=(*self.methods, *other.methods),
+            runtime_s=self.runtime_s + other.runtime_s,
+            cpu_s=self.cpu_s + other.cpu_s,
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields, for JSON."""
+        return {
+            **asdict(self),
+            "status": self.status,
+            "routes": [list(route) for route in self.routes],
+            "methods": list(self.methods),
+        }
+
+
+class Impossible(RuntimeError):
+    """A plan collects more than a bound that claims to be proven: a method is broken."""
+
+
+@dataclass(frozen=True)
+class Tradeoff:
+    """A curve or a surface of plans and bounds.
+
+    Attributes
+    ----------
+    instance : Instance
+    axes : tuple of Axis
+    points : tuple of Point
+        Ascending, the ΔV first; each with what its neighbours say of it.
+    runtime_s, cpu_s : float
+        Of all runs.
+    """
+
+    instance: Instance
+    axes: tuple[Axis, ...]
+    points: tuple[Point, ...]
+    runtime_s: float = field(default=0.0, compare=False)
+    cpu_s: float = field(default=0.0, compare=False)
+
+    @property
+    def proven(self) -> int:
+        """How many points are proven."""
+        return sum(point.proven for point in self.points)
+
+    def along(self, kind: str) -> dict[float, tuple[Point, ...]]:
+        """The points by the value of the other limit, each row ascending in this one."""
+        rows: dict[float, list[Point]] = {}
+        for point in self.points:
+            key = point.duration_s if kind == "delta-v" else point.delta_v_m_s
+            rows.setdefault(key, []).append(point)
+        return {key: tuple(row) for key, row in rows.items()}
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields, for JSON."""
+        return {
+            "instance": {"name": self.instance.name, "sha256": self.instance.sha256},
+            "varied": {axis.kind: list(axis.values) for axis in self.axes},
+            "points": [point.to_dict() for point in self.points],
+            "proven": self.proven,
+            "runtime_s": self.runtime_s,
+            "cpu_s": self.cpu_s,
+        }
+
+
+class Board:
+    """What is known of all points, kept so that no point contradicts another.
+
+    Parameters
+    ----------
+    limits : iterable of Limits
+    slack_m_s : float
+        A bound counts for a smaller tank only if that is smaller by so much: what a plan may cost
+        more on the connections of the larger one (:func:`.shared.slack_m_s`).
+    """
+
+    def __init__(self, limits: Iterable[Limits], slack_m_s: float = 0.0) -> None:
+        self._slack_m_s = slack_m_s
+        self.points: dict[Limits, Point] = {each: Point(*each) for each in limits}
+
+    def add(self, found: Point) -> None:
+        """Take in what a run has found, and tell it to the other points.
+
+        Raises
+        ------
+        Impossible
+            A plan collects more than a bound allows.
+        """
+        self.points[found.limits] = self.points[found.limits].joined(found)
+        own = self.points[found.limits]
+        for limits, point in self.points.items():
+            if self.counts(own.limits, limits) and own.beats(point):
+                self.points[limits] = replace(
+                    point, prize=own.prize, visits=own.visits, cost=own.cost, routes=own.routes
+                )
+            if self.counts(limits, own.limits) and own.upper_bound < point.upper_bound:
+                self.points[limits] = replace(self.points[limits], upper_bound=own.upper_bound)
+        for point in self.points.values():
+            if point.prize > point.upper_bound + tolerance(point.upper_bound):
+                raise Impossible(
+                    f"at {point.limits} a plan of {point.prize!r} exceeds the bound "
+                    f"{point.upper_bound!r}: a method is broken, please report it"
+                )
+
+    def counts(self, smaller: Limits, larger: Limits) -> bool:
+        """Whether every plan of the smaller point is one of the larger one."""
+        if smaller[0] == larger[0]:
+            return smaller[1] <= larger[1]
+        return smaller[0] + self._slack_m_s <= larger[0] and smaller[1] <= larger[1]
+
+    def open(self, ran: Mapping[Limits, object]) -> Iterator[Limits]:
+        """Points that are worth a run, the most telling first.
+
+        On a plateau, where points have equally good plans, the largest comes first: if nothing
+        better is found there, it is proven for all of them.
+
+        Parameters
+        ----------
+        ran : mapping
+            Points that have had theirs.
+        """
+        waiting = [
+            point for point in self.points.values() if not point.proven and point.limits not in ran
+        ]
+
+        def above(point: Point) -> int:
+            return sum(
+                other.prize == point.prize and self.counts(point.limits, other.limits)
+                for other in waiting
+                if other is not point
+            )
+
+        for point in sorted(waiting, key=lambda each: (above(each), each.limits)):
+            yield point.limits

@@ -1,0 +1,317 @@
+"""Run the points of a trade-off, each from what is known of the others, on one core or several."""
+
+from __future__ import annotations
+
+import math
+import multiprocessing
+import os
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import dataclass
+from typing import Any
+
+from ...campaign import Problem
+from ...errors import InputError
+from ...front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, solve
+from ...instance import Instance
+from ...planner import PLANNERS, campaign_form, get, takes_jobs, takes_start
+from ...prepared import form_for, method_of
+from ...stop import MaxRuntime, Stop
+from ...tolerance import meets
+from .axes import Axis, Limits, grid
+from .points import Board, Point, Tradeoff
+from .results import ResultsFile
+from .shared import Shared, slack_m_s, variant
+
+QUICK = "beam"
+"""Planner of the first pass over all points, where it plans for the instance."""
+
+Told = Callable[[Point, "Board"], None]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a run takes besides the instance and the point.
+
+    Attributes
+    ----------
+    method : str
+    time_limit_s : float
+        For each run [s].
+    seed : int
+    quick : str or None
+        Planner of the first pass.
+    """
+
+    method: str
+    time_limit_s: float
+    seed: int
+    quick: str | None
+
+    def __str__(self) -> str:
+        return f"method {self.method}, {self.time_limit_s:g} s, seed {self.seed}"
+
+
+class _Reached:
+    """Enough once a plan is as good as a bound that is known from elsewhere."""
+
+    def __init__(self, upper_bound: float, stop: Stop | None) -> None:
+        self._upper_bound, self._stop = upper_bound, stop
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
+        stopped = self._stop is not None and self._stop(incumbent, bound)
+        return stopped or meets(incumbent, min(bound, self._upper_bound))
+
+    def remaining_s(self) -> float:
+        """Seconds that may still be used."""
+        return math.inf if self._stop is None else self._stop.remaining_s()
+
+
+def tradeoff(
+    instance: Instance,
+    axes: Sequence[Axis],
+    *,
+    method: str = DEFAULT_METHOD,
+    time_limit: float = DEFAULT_TIME_LIMIT_S,
+    seed: int = 0,
+    jobs: int = 1,
+    path: str | os.PathLike[str] | None = None,
+    stop: Stop | None = None,
+    told: Told = lambda point, board: None,
+) -> Tradeoff:
+    """Plans and bounds of an instance over budgets and durations.
+
+    Every point gets a quick plan first, which counts for all larger points too. Then ``method``
+    runs where plan and bound do not meet yet, the largest point of each plateau first: its bound
+    counts for all smaller ones. It begins with the best plan known, and ends when that meets the
+    least bound known.
+
+    Parameters
+    ----------
+    instance : Instance
+    axes : sequence of Axis
+        What is varied: one for a curve, two for a surface.
+    method : str
+        Name of a planner; bounds come from those that prove, as "auto" and "exact".
+    time_limit : float
+        Wall time of each run [s].
+    seed : int
+    jobs : int
+        Processes, each with one run at a time; 0 for as many as there are cores. With one all
+        happens in this process.
+    path : path, optional
+        File of the results, see :mod:`.results`: what is in it is not run again.
+    stop : Stop, optional
+        Ends all of it early.
+    told : callable
+        Called with each run's point and what is known of all points then.
+
+    Raises
+    ------
+    InputError
+        The axes, the method, or the file do not fit.
+    """
+    began, cpu_began = time.perf_counter(), time.process_time()
+    MaxRuntime(time_limit)
+    if jobs < 0:
+        raise InputError(f"jobs = {jobs}: must be 0, for all cores, or more")
+    limits = grid(instance, axes)
+    tanks = any(axis.kind == "delta-v" for axis in axes)
+    for each in limits:
+        variant(instance, each, tanks=tanks)  # what is not valid is refused before any work
+    shared = Shared(instance, max(duration for _, duration in limits), tanks=tanks)
+    problem = shared.problem(limits[0])
+    form_for(problem, method, method_of(method))
+    settings = Settings(method, time_limit, seed, _quick(problem, method))
+    file = None if path is None else ResultsFile(path, instance.sha256, str(settings))
+    board, ran = Board(limits, slack_m_s(instance)), dict[Limits, set[str]]()
+    for point in file.found if file is not None else ():
+        if point.limits in board.points:
+            board.add(point)
+            ran.setdefault(point.limits, set()).update(point.methods)
+    jobs = jobs or os.cpu_count() or 1
+    runner: _Here | _Beside = _Here(shared, settings, stop)
+    if jobs > 1:
+        runner = _Beside(instance, shared, settings, jobs, tanks)
+    with runner:
+        for quick in (True, False):
+            for point, used in runner.run(board, ran, quick=quick, stop=stop):
+                board.add(point)
+                if file is not None:
+                    file.append(point, used)
+                told(point, board)
+    points = tuple(board.points[each] for each in limits)
+    cpu_s = time.process_time() - cpu_began + runner.elsewhere_s
+    made = Tradeoff(instance, tuple(axes), points, time.perf_counter() - began, cpu_s)
+    if file is not None and not _is_over(stop):
+        file.finish(made)
+    return made
+
+
+def _quick(problem: Problem, method: str) -> str | None:
+    """The planner of the first pass; None where there is no other one than ``method``."""
+    try:
+        planner = get(QUICK, PLANNERS)
+    except (InputError, ImportError, AttributeError):
+        return None
+    plans = len(problem.missions) == 1 and problem.missions[0].rules.loads is None
+    return QUICK if method != QUICK and (plans or campaign_form(planner)) else None
+
+
+def _is_over(stop: Stop | None) -> bool:
+    return stop is not None and stop.remaining_s() <= 0.0
+
+
+def _next(board: Board, ran: dict[Limits, set[str]], method: str, quick: bool) -> Limits | None:
+    """The point that is to be run next; None where none is left."""
+    done = {limits: True for limits, methods in ran.items() if method in methods}
+    if not quick:
+        return next(board.open(done), None)
+    waiting = [each for each, point in board.points.items() if not point.proven]
+    return next((each for each in waiting if each not in done), None)
+
+
+def run_point(
+    problem: Problem,
+    settings: Settings,
+    known: Point,
+    *,
+    quick: bool,
+    alone: bool,
+    stop: Stop | None,
+) -> Point:
+    """Run one point.
+
+    Parameters
+    ----------
+    problem : Mission or Campaign
+    settings : Settings
+    known : Point
+        What is known of it.
+    quick : bool
+        Whether it is the first pass.
+    alone : bool
+        Whether the method may use all cores.
+    stop : Stop, optional
+    """
+    method = settings.quick if quick and settings.quick is not None else settings.method
+    planner = method_of(method)
+    more: dict[str, Any] = {}
+    if takes_start(planner) and any(known.routes):
+        routes = known.routes if len(problem.missions) > 1 else known.routes[0]
+        more = {"start": routes, "repair": True}
+    if not alone and takes_jobs(planner):
+        more["jobs"] = 1
+    began, cpu_began = time.perf_counter(), time.process_time()
+    result = solve(
+        problem, method, time_limit=settings.time_limit_s, seed=settings.seed,
+        stop=_Reached(known.upper_bound, stop), **more,
+    )  # fmt: skip
+    plan = result.plan
+    routes = tuple(tuple(problem.names[j] for j in route) for route in result.routes)
+    stations = problem.instance.station_names
+    upper_bound = result.upper_bound
+    if result.status == "infeasible":
+        upper_bound = -math.inf
+    return Point(
+        *known.limits,
+        prize=result.objective,
+        upper_bound=min(upper_bound, problem.total_prize),
+        visits=sum(name not in stations for route in routes for name in route),
+        cost=math.nan if plan is None else plan.cost,
+        routes=routes,
+        methods=(method,),
+        runtime_s=time.perf_counter() - began,
+        cpu_s=time.process_time() - cpu_began,
+    )
+
+
+class _Here:
+    """Runs in this process, one after the other."""
+
+    elsewhere_s = 0.0
+
+    def __init__(self, shared: Shared, settings: Settings, stop: Stop | None) -> None:
+        self._shared, self._settings, self._stop = shared, settings, stop
+
+    def __enter__(self) -> _Here:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        return None
+
+    def run(
+        self, board: Board, ran: dict[Limits, set[str]], *, quick: bool, stop: Stop | None
+    ) -> Iterator[tuple[Point, str]]:
+        """The runs of a pass, each chosen once the one before is on the board."""
+        method = self._settings.quick if quick else self._settings.method
+        while method is not None and not _is_over(stop):
+            limits = _next(board, ran, method, quick)
+            if limits is None:
+                return
+            ran.setdefault(limits, set()).add(method)
+            point = run_point(
+                self._shared.problem(limits), self._settings, board.points[limits],
+                quick=quick, alone=True, stop=self._stop,
+            )  # fmt: skip
+            yield point, method
+
+
+_mine: tuple[Shared, Settings] | None = None
+"""What a process of the pool works on."""
+
+
+def _settle(instance: Instance, longest_s: float, tanks: bool, settings: Settings) -> None:
+    global _mine
+    _mine = Shared(instance, longest_s, tanks=tanks), settings
+
+
+def _run_there(known: Point, quick: bool) -> Point:
+    assert _mine is not None
+    shared, settings = _mine
+    problem = shared.problem(known.limits)
+    return run_point(problem, settings, known, quick=quick, alone=False, stop=None)
+
+
+class _Beside:
+    """Runs in several processes; each keeps what points have in common."""
+
+    def __init__(
+        self, instance: Instance, shared: Shared, settings: Settings, jobs: int, tanks: bool
+    ) -> None:
+        self._settings, self._jobs = settings, jobs
+        self.elsewhere_s = 0.0
+        # A fork of a process that has threads may wait for a lock that nobody opens.
+        self._pool = ProcessPoolExecutor(
+            jobs, multiprocessing.get_context("spawn"), _settle,
+            (instance, shared.longest_s, tanks, settings),
+        )  # fmt: skip
+
+    def __enter__(self) -> _Beside:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._pool.shutdown(cancel_futures=True)
+
+    def run(
+        self, board: Board, ran: dict[Limits, set[str]], *, quick: bool, stop: Stop | None
+    ) -> Iterator[tuple[Point, str]]:
+        """The runs of a pass; the next one begins as soon as one has ended."""
+        method = self._settings.quick if quick else self._settings.method
+        running: set[Future[Point]] = set()
+        while method is not None:
+            while len(running) < self._jobs and not _is_over(stop):
+                limits = _next(board, ran, method, quick)
+                if limits is None:
+                    break
+                ran.setdefault(limits, set()).add(method)
+                running.add(self._pool.submit(_run_there, board.points[limits], quick))
+            if not running:
+                return
+            done, running = wait(running, return_when=FIRST_COMPLETED)
+            for each in done:
+                point = each.result()
+                self.elsewhere_s += point.cpu_s
+                yield point, method

@@ -1,0 +1,76 @@
+"""One timetable for the points of a trade-off, as far as it is the same one.
+
+Tanks have no part in the timetable of two-body motion: missions that differ in them share it as it
+is, whatever an hour is worth. Connections of a shorter mission are those of a longer one that
+arrive in time, exactly, since none is dominated by one that arrives later
+(:meth:`adr_opt.connections.Connecting.shortened`); only the choice among them is made anew. Where
+planes drift a larger tank may leave out what a smaller one needs: a connection that saves less
+than the resolution against one that only the larger tank can pay. So there each tank has
+connections of its own.
+"""
+
+from __future__ import annotations
+
+from ...campaign import Campaign, Problem, is_campaign
+from ...connections import Connecting
+from ...instance import Instance
+from ...mission import Mission
+from .axes import Limits
+
+
+def variant(instance: Instance, limits: Limits, *, tanks: bool) -> Instance:
+    """The instance of a point; its tanks stay as they are where they are not varied."""
+    delta_v_m_s, duration_s = limits
+    return instance.with_limits(duration_s, delta_v_m_s if tanks else None)
+
+
+def slack_m_s(instance: Instance) -> float:
+    """What a plan may cost more on the connections of a larger tank, at most [m/s].
+
+    Each leg as much as the resolution, where connections that save less are left out.
+    """
+    if not instance.nodes_drift and instance.transfer.departure_spacing_s == 0.0:
+        return 0.0
+    return instance.transfer.delta_v_resolution_m_s * (2 * len(instance.targets) + 2)
+
+
+class Shared:
+    """Problems for the points of one instance.
+
+    Parameters
+    ----------
+    instance : Instance
+    longest_s : float
+        The longest duration of all points [s].
+    tanks : bool
+        Whether tanks are varied.
+    """
+
+    def __init__(self, instance: Instance, longest_s: float, *, tanks: bool) -> None:
+        self._instance, self.longest_s, self._tanks = instance, longest_s, tanks
+        self._connecting: dict[float, Connecting] = {}
+        self._missions: dict[float, Mission] = {}
+
+    def problem(self, limits: Limits) -> Problem:
+        """What is planned at a point, with all that is known of its timetable."""
+        instance = variant(self._instance, limits, tanks=self._tanks)
+        connecting = self._of_tank(limits).shortened(instance)
+        if is_campaign(instance):
+            return Campaign(instance, connecting=connecting)
+        mission = Mission(instance, connecting=connecting)
+        if connecting.drifts:
+            return mission
+        twin = self._missions.setdefault(limits[1], mission)
+        if twin is mission or twin.time_value_m_s_per_h != mission.time_value_m_s_per_h:
+            return mission
+        return Mission(instance, connecting=connecting, twin=twin)
+
+    def _of_tank(self, limits: Limits) -> Connecting:
+        """The connections of the longest mission with such a tank."""
+        instance = variant(self._instance, (limits[0], self.longest_s), tanks=self._tanks)
+        key = limits[0] if Connecting(instance).depends_on_tank else 0.0
+        if key not in self._connecting:
+            if key:
+                self._connecting.clear()  # they are large, and tanks come one after the other
+            self._connecting[key] = Connecting(instance)
+        return self._connecting[key]

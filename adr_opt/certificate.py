@@ -1,0 +1,188 @@
+"""The certificate file ``adr-opt-certificate/1``: what a bound rests on, for others to verify."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import math
+import os
+import zlib
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from .errors import InputError
+from .evidence import Evidence, Walks
+from .files import parse_model, read_text, to_text, write_bytes
+from .instance import Instance
+from .plan import InstanceReference, Plan
+from .prizes import Prizes
+from .records import Name, NonNegative, Positive, Record
+from .result import Result
+from .tolerance import meets, rounded_down
+
+FORMAT: Literal["adr-opt-certificate/1"] = "adr-opt-certificate/1"
+
+LARGEST_WORTH = 1e100
+"""Sums are exact, whatever the numbers; this is far beyond any prize, and no float is exceeded."""
+
+Worth = Annotated[float, Field(ge=0.0, le=LARGEST_WORTH)]
+Names = Annotated[tuple[Name, ...], Field(strict=False)]
+
+
+class ProvenWalks(Record):
+    """What is said of the walks of chasers that can do the same.
+
+    No walk of one of ``chasers`` collects ``most``, where each service counts what the target is
+    worth less its multiplier. A walk may come back to a target that it has forgotten: when it
+    comes to a body, it goes on remembering those of ``neighbourhoods`` there and the target that it
+    comes from, and no others.
+    """
+
+    chasers: Names
+    most: Annotated[float, Field(ge=-LARGEST_WORTH, le=LARGEST_WORTH)]
+    neighbourhoods: dict[Name, Names] = Field(default_factory=dict)
+
+
+class Certificate(Record):
+    """What a bound rests on.
+
+    No plan collects more than ``upper_bound``; null says that no plan keeps to all rules. A target
+    is worth its prize, and ``required_worth`` more if it is required. ``multipliers`` are those of
+    "each target at most once", 0 where none is given; all prizes are multiples of ``prize_step``,
+    null for none. ``walks`` has every chaser once, or nothing where the prizes alone are the proof.
+    ``delta_v_slot_m_s`` is the slot of ΔV in which the method has looked ahead: what is true does
+    not depend on it, how long it takes to see it does. ``plan_sha256`` is that of the plan file
+    that was written beside it.
+    """
+
+    format: Literal["adr-opt-certificate/1"] = FORMAT
+    instance: InstanceReference
+    plan_sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")] | None = None
+    method: Name
+    upper_bound: NonNegative | None
+    required_worth: Worth = 0.0
+    prize_step: Positive | None = None
+    delta_v_slot_m_s: Positive = 20.0
+    multipliers: dict[Name, Worth] = Field(default_factory=dict)
+    walks: Annotated[tuple[ProvenWalks, ...], Field(strict=False)] = ()
+
+    def to_json(self) -> str:
+        """The certificate file."""
+        return to_text(self.model_dump(mode="json"))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the certificate file, whole or not at all; packed if its name ends in ``.gz``."""
+        content = self.to_json().encode()
+        write_bytes(path, gzip.compress(content, mtime=0) if _is_packed(path) else content)
+
+
+def load_certificate(path: str | os.PathLike[str]) -> Certificate:
+    """Read a certificate file.
+
+    Raises
+    ------
+    InputError
+        No such file, not JSON, or not a valid certificate. Whether what it says is true is for
+        :func:`adr_opt.verify` to find out.
+    """
+    if not _is_packed(path):
+        return parse_model(read_text(path), Certificate, str(path))
+    try:
+        text = gzip.decompress(Path(path).read_bytes()).decode()
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; check the path") from None
+    except (OSError, EOFError, zlib.error, UnicodeDecodeError):
+        raise InputError(f"{path}: not a whole file packed by gzip; write it again") from None
+    return parse_model(text, Certificate, str(path))
+
+
+def _is_packed(path: str | os.PathLike[str]) -> bool:
+    return os.fspath(path).endswith(".gz")
+
+
+def sha256_of(plan: Plan) -> str:
+    """SHA-256 of the plan file that :meth:`Plan.to_json` gives."""
+    return hashlib.sha256(plan.to_json().encode()).hexdigest()
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema of the certificate file."""
+    schema = Certificate.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+def certificate_of(instance: Instance, result: Result) -> Certificate:
+    """The certificate of what a method has proven.
+
+    Where the last step of a proof is one that nobody could verify more quickly than repeat, it is
+    that of the bound before.
+
+    Parameters
+    ----------
+    instance : Instance
+    result : Result
+        Of the whole instance.
+
+    Raises
+    ------
+    InputError
+        Nothing was proven, or the method does not say what its bound rests on.
+    """
+    prizes, evidence = Prizes(instance), result.evidence
+    # Of as many targets as may be serviced the required ones are worth most. A bound that says no
+    # more than that goes without saying.
+    most = prizes.shown(prizes.total_worth)
+    bound = min(result.upper_bound, most if result.status == "optimal" else math.inf)
+    if bound == math.inf:
+        raise InputError(f"{result.method} has proven nothing, so there is no certificate")
+    walks: tuple[ProvenWalks, ...] = ()
+    multipliers: dict[str, float] = {}
+    if not meets(bound, most):
+        if evidence is None:
+            raise InputError(
+                f"{result.method} does not say what its bound rests on, so there is no certificate"
+            )
+        proven = _proven(prizes, evidence)
+        bound = bound if meets(bound, proven) else proven
+        walks = tuple(_stated(instance, each) for each in evidence.walks)
+        multipliers = {
+            instance.names[j]: float(evidence.multipliers[j])
+            for j in np.flatnonzero(evidence.multipliers)
+        }
+    return Certificate(
+        instance=InstanceReference(name=instance.name, sha256=prizes.sha256),
+        plan_sha256=None if result.plan is None else sha256_of(result.plan),
+        method=result.method,
+        upper_bound=max(float(bound), 0.0) if bound > -math.inf else None,
+        required_worth=float(prizes.bonus) if prizes.required else 0.0,
+        prize_step=prizes.prize_step or None,
+        delta_v_slot_m_s=20.0 if evidence is None else float(evidence.delta_v_slot_m_s),
+        multipliers=multipliers,
+        walks=walks,
+    )
+
+
+def _stated(instance: Instance, walks: Walks) -> ProvenWalks:
+    """What was proven of walks, by the names of bodies and chasers."""
+    names = instance.names
+    remembered = {
+        names[i]: tuple(names[j] for j in np.flatnonzero(row))
+        for i, row in enumerate(walks.neighbourhoods)
+        if row.any()
+    }
+    chasers = tuple(instance.chasers[number].name for number in walks.chasers)
+    return ProvenWalks(chasers=chasers, most=float(walks.most), neighbourhoods=remembered)
+
+
+def _proven(prizes: Prizes, evidence: Evidence) -> float:
+    """The bound that evidence shows."""
+    parts = [len(each.chasers) * each.most for each in evidence.walks]
+    worth = rounded_down(math.fsum([*evidence.multipliers, *parts]), prizes.prize_step)
+    shown = prizes.shown(worth)
+    least = min((each.prize for each in prizes.instance.targets if each.prize), default=0.0)
+    if 0.0 <= shown < least:
+        return 0.0
+    return shown if shown >= 0.0 else -math.inf

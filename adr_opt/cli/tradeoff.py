@@ -1,0 +1,147 @@
+"""``tradeoff``: what budgets and durations buy, as a curve or a surface of plans and bounds."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from ..errors import InputError, MissingExtra
+from ..wording import counted
+from .output import emit_json, emit_rich, say
+from .parameters import check_out, instance_argument, json_option, quiet_option
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ..analysis.trade import Point, Tradeoff
+    from ..analysis.trade.points import Board
+
+
+@click.command("tradeoff", short_help="Plans and bounds over budgets and durations.")
+@instance_argument
+@click.option(
+    "--vary",
+    "varied",
+    multiple=True,
+    required=True,
+    metavar="NAME=LO:HI:STEP",
+    help="delta-v, m/s, or duration, days; or values with commas; may be repeated.",
+)
+@click.option("--method", metavar="NAME", help="Planner; 'methods' lists them and the default.")
+@click.option("--time-limit", type=float, metavar="S", help="Wall time of each run; 10 s.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same result.")
+@click.option("--jobs", type=int, default=1, metavar="N", help="Processes; 0 for all cores.")
+@click.option("--out", metavar="FILE", help="CSV; from an earlier call, it goes on with it.")
+@click.option("--page", "page_path", metavar="FILE", help="HTML file to write.")
+@click.option("--plot", "plot_path", metavar="FILE", help="Picture to write: .svg, .png or .pdf.")
+@json_option
+@quiet_option
+def command(
+    instance_path: str,
+    varied: tuple[str, ...],
+    method: str | None,
+    time_limit: float | None,
+    seed: int,
+    jobs: int,
+    out: str | None,
+    page_path: str | None,
+    plot_path: str | None,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Plan INSTANCE for every budget or duration, and prove how good that is.
+
+    Plans count for all larger points and bounds for all smaller ones. Ctrl-C asks for what there
+    is so far; with --out the same call goes on later. Exit status 1: a point has no plan.
+    """
+    from .. import front
+    from ..analysis.trade import parse_axis, tradeoff
+    from ..instance import load
+    from ..report.plain import check_page, write_page
+    from ..report.traded import traded_page
+    from .work import work
+
+    axes = [parse_axis(text) for text in varied]
+    instance = load(instance_path)
+    check_out(out, instance_path)
+    if page_path is not None:
+        check_page(page_path)
+        check_out(page_path, instance_path, out)
+    if plot_path is not None:
+        _check_plot(plot_path)
+        check_out(plot_path, instance_path, out, page_path)
+
+    def told(point: Point, board: Board) -> None:
+        if not quiet:
+            proven = sum(each.proven for each in board.points.values())
+            say(
+                f"{_called(point)}: {point.methods[-1]} {point.prize:g}, bound "
+                f"{board.points[point.limits].upper_bound:g}; {proven} of {len(board.points)} "
+                "points proven"
+            )
+
+    made = work(
+        lambda stop, progress: tradeoff(
+            instance, axes, method=method or front.DEFAULT_METHOD,
+            time_limit=front.DEFAULT_TIME_LIMIT_S if time_limit is None else time_limit,
+            seed=seed, jobs=jobs, path=out, stop=stop, told=told,
+        ),
+        live=False, quiet=quiet,
+    )  # fmt: skip
+    if page_path is not None:
+        write_page(page_path, traded_page(made))
+    if plot_path is not None:
+        _draw(made, plot_path)
+    for path in (out, page_path, plot_path):
+        if path is not None and not quiet:
+            say(f"wrote {path}")
+    if as_json:
+        emit_json(made.to_dict())
+    else:
+        emit_rich(_table(made))
+    return 0 if all(point.routes for point in made.points) else 1
+
+
+def _called(point: Point) -> str:
+    from ..kernels.constants import DAY_S
+
+    return f"{point.delta_v_m_s:g} m/s, {point.duration_s / DAY_S:g} d"
+
+
+def _check_plot(path: str) -> None:
+    if not path.lower().endswith((".svg", ".png", ".pdf")):
+        raise InputError(f"{path}: the picture is SVG, PNG or PDF; give a file that ends so")
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise MissingExtra("a picture", "matplotlib", "viz") from None
+
+
+def _draw(made: Tradeoff, path: str) -> None:
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    from ..files import write_whole
+    from ..plot.tradeoff import tradeoff
+
+    figure, ax = pyplot.subplots(figsize=(7.0, 4.2), layout="constrained")
+    tradeoff(ax, made).legend()
+    write_whole(path, figure.savefig)
+    pyplot.close(figure)
+
+
+def _table(made: Tradeoff) -> Table:
+    from rich.table import Table
+
+    from ..report.traded import HEADINGS, cells
+
+    said = f"{made.proven} of {counted(len(made.points), 'point')} proven"
+    table = Table(title=f"{made.instance.name}: {said}", title_justify="left")
+    for heading in HEADINGS:
+        table.add_column(heading, justify="right", no_wrap=True)
+    for point in made.points:
+        table.add_row(*cells(point))
+    return table

@@ -1,0 +1,53 @@
+"""What a proof rests on: the facts from which somebody else can conclude the same bound."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+
+@dataclass(frozen=True, eq=False)
+class Walks:
+    """What was proven of the walks of some chasers that can do the same.
+
+    A walk visits targets, again and again if it has forgotten them, and collects at each what the
+    target is worth less its multiplier.
+
+    Attributes
+    ----------
+    chasers : tuple of int
+        Their numbers.
+    most : float
+        No walk of one of them collects as much.
+    neighbourhoods : (bodies, bodies) bool
+        Whether a walk that comes to a body (row) still remembers another one (column). It remembers
+        where it comes from in any case.
+    """
+
+    chasers: tuple[int, ...]
+    most: float
+    neighbourhoods: npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What a bound rests on (MODEL section 8).
+
+    All plans together collect less than the sum of the multipliers and, for each chaser, the most
+    of its walks.
+
+    Attributes
+    ----------
+    multipliers : (bodies,) float64
+        At least 0, and 0 but for targets.
+    walks : tuple of Walks
+        Of all chasers, each once.
+    delta_v_slot_m_s : float
+        In which the proof has counted ΔV where it looks ahead [m/s].
+    """
+
+    multipliers: npt.NDArray[np.float64]
+    walks: tuple[Walks, ...]
+    delta_v_slot_m_s: float

@@ -1,0 +1,152 @@
+"""Which pairs of bodies a timetable is built of, and in which order: the nearest first.
+
+A chaser hardly ever flies to a target that a hundred others are nearer than. So where time or
+memory is short of the timetable of all pairs, it is that of the nearest destinations of every body.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import KDTree
+
+from .instance import Instance
+from .kernels.constants import MU_M3_S2
+from .kernels.orbits import ECCENTRICITY, INCLINATION, PERIGEE, RAAN, RAAN_RATE, RADIUS
+from .kernels.timetable_making import WAVE, Pairs
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def all_pairs(bodies: int) -> Pairs:
+    """All pairs, in the order of numbers."""
+    others = np.arange(bodies - 1)[None, :] + (np.arange(bodies - 1) >= np.arange(bodies)[:, None])
+    return Pairs(np.arange(bodies), others.astype(np.int32))
+
+
+def begun(pairs: Pairs, built: int) -> Pairs:
+    """The pairs of the waves that were begun, where so many were built, from the first on."""
+    waves = max(1, math.ceil(built / max(1, pairs.origins.size * WAVE)))
+    return Pairs(pairs.origins, pairs.near[:, : waves * WAVE])
+
+
+def nearest_pairs(instance: Instance, first: Sequence[str], ranks: int) -> Pairs:
+    """Pairs in the order in which a planner wants them.
+
+    Parameters
+    ----------
+    instance : Instance
+    first : sequence of str
+        Bodies that are wanted before all others; the others come in order of their distance from
+        where chasers start. The nearest of each are found by :func:`_places`.
+    ranks : int
+        So many destinations of each body.
+
+    Returns
+    -------
+    Pairs
+        Stations are the first destinations of all, and targets without a prize the last.
+    """
+    bodies = len(instance.names)
+    ranks = min(ranks, bodies - 1)
+    near = _given_near(instance) if instance.given is not None else _near(instance, ranks)
+    return Pairs(np.array(_from_start(instance, first)), near[:, :ranks].astype(np.int32))
+
+
+def _from_start(instance: Instance, first: Sequence[str]) -> list[int]:
+    """All bodies: stations and starts, those wanted first, then by the ΔV from a start.
+
+    Targets without a prize are last.
+    """
+    wanted = set(first)
+    unwanted = [name not in wanted for name in instance.names]
+    fixed = range(instance.first_target)
+    if instance.given is None:
+        places = _places(instance)
+        away = [np.linalg.norm(places - places[home], axis=1) for home in set(instance.starts)]
+    else:
+        away = [_given_from(instance, home) for home in set(instance.starts)]
+    nearest = np.min(np.stack(away), axis=0)
+    order = np.lexsort((nearest, _is_worthless(instance), np.array(unwanted)))
+    return [*fixed, *(int(body) for body in order if body not in fixed)]
+
+
+def _is_worthless(instance: Instance) -> npt.NDArray[np.bool_]:
+    """Which bodies are targets without a prize."""
+    worthless = [target.prize == 0.0 and not target.required for target in instance.targets]
+    return np.array([*(False for _ in range(instance.first_target)), *worthless])
+
+
+def _places(instance: Instance) -> FloatArray:
+    """Points whose distances are about the ΔV between bodies, shape (bodies, 7) [m/s].
+
+    The normal of the plane times the speed (a turn costs v Δ), half the relative height times the
+    speed (a Hohmann transfer costs v Δa / 2a), and half the eccentricity vector times the speed.
+    Where nodes drift planes are as they are in the middle of the mission.
+    """
+    orbits = instance.orbits()
+    time = 0.5 * instance.mission.duration_s
+    node = orbits[:, RAAN] + orbits[:, RAAN_RATE] * time
+    inclination, radius = orbits[:, INCLINATION], orbits[:, RADIUS]
+    middle = float(np.median(radius))
+    speed = math.sqrt(MU_M3_S2 / middle)
+    normal = np.stack(
+        [np.sin(inclination) * np.sin(node), -np.sin(inclination) * np.cos(node),
+         np.cos(inclination)], axis=1
+    )  # fmt: skip
+    across = np.stack([np.cos(node), np.sin(node), np.zeros_like(node)], axis=1)
+    ahead = np.cross(normal, across)
+    perigee = orbits[:, PERIGEE]
+    shape = np.cos(perigee)[:, None] * across + np.sin(perigee)[:, None] * ahead
+    half = 0.5 * speed
+    return np.concatenate(
+        [speed * normal, (half / middle * radius)[:, None],
+         half * orbits[:, ECCENTRICITY, None] * shape], axis=1
+    )  # fmt: skip
+
+
+def _near(instance: Instance, ranks: int) -> npt.NDArray[np.int64]:
+    """So many destinations of each body, the nearest first, shape (bodies, ranks)."""
+    places, bodies, first = _places(instance), len(instance.names), instance.first_target
+    stations, worthless = len(instance.stations), _is_worthless(instance)
+    # Stations are near to all, and what is worth nothing, or is the start of a chaser, to none.
+    some = np.flatnonzero(~worthless & (np.arange(bodies) >= first))
+    asked = min(ranks + 1, some.size)
+    rest = np.setdiff1d(np.arange(bodies), some)
+    rest = np.concatenate([rest[rest < stations], rest[rest >= stations]])
+    found = np.empty((bodies, 0), dtype=np.int64)
+    if asked:
+        found = some[KDTree(places[some]).query(places, k=np.arange(1, asked + 1), workers=-1)[1]]
+    everything = np.concatenate(
+        [np.tile(rest[:stations], (bodies, 1)), found,
+         np.tile(rest[stations:], (bodies, 1))], axis=1
+    )  # fmt: skip
+    # Without itself, which is among the first of its own row.
+    itself = everything == np.arange(bodies)[:, None]
+    order = np.argsort(itself, axis=1, kind="stable")
+    near: npt.NDArray[np.int64] = np.take_along_axis(everything, order, axis=1)[:, :ranks]
+    return near
+
+
+def _given_from(instance: Instance, home: int) -> FloatArray:
+    """Least cost from a body to each one, where costs are given; +inf for no connection."""
+    given = instance.given
+    assert given is not None
+    there = [given.of_pair(instance.names[home], name)[2] for name in instance.names]
+    return np.array([each.min(initial=math.inf) for each in there])
+
+
+def _given_near(instance: Instance) -> npt.NDArray[np.int64]:
+    """All destinations of each body, the nearest first, where costs are given."""
+    bodies, worthless = len(instance.names), _is_worthless(instance)
+    rows = []
+    for i in range(bodies):
+        ranked = np.lexsort((_given_from(instance, i), worthless, np.arange(bodies) == i))
+        stations = ranked < len(instance.stations)
+        rows.append(np.concatenate([ranked[stations], ranked[~stations]]))
+    near = np.array(rows)
+    itself = near == np.arange(bodies)[:, None]
+    return np.take_along_axis(near, np.argsort(itself, axis=1, kind="stable"), axis=1)

@@ -1,0 +1,147 @@
+"""Small charts as SVG in a page: lines, steps and bands, in the colours of the page's scheme."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from .text import escape, number
+
+WIDTH, HEIGHT = 720, 300
+LEFT, RIGHT, TOP, BOTTOM = 56, 14, 12, 42
+TICKS = 6
+
+_Place = Callable[[float, float], tuple[float, float]]
+"""Where a point lies in the picture."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of a chart.
+
+    Attributes
+    ----------
+    name : str
+    x, y : sequence of float
+    colour : str
+    step : bool
+        Whether it keeps its value until the next point.
+    dashed, dots : bool
+    below : sequence of float
+        Where given, the band between the line and this is filled.
+    """
+
+    name: str
+    x: Sequence[float]
+    y: Sequence[float]
+    colour: str
+    step: bool = False
+    dashed: bool = False
+    dots: bool = False
+    below: Sequence[float] = ()
+
+
+def chart(lines: Sequence[Line], x_title: str, y_title: str, caption: str) -> str:
+    """A figure of lines with axes from zero and a legend.
+
+    Parameters
+    ----------
+    lines : sequence of Line
+    x_title, y_title : str
+        With units.
+    caption : str
+        What it shows, for those who do not see it.
+    """
+    xs = [x for line in lines for x in line.x] or [0.0, 1.0]
+    ys = [y for line in lines for y in line.y] or [0.0, 1.0]
+    x_low, x_high = min(xs), max(xs)
+    if x_low == x_high:
+        x_low, x_high = x_low - 1.0, x_high + 1.0
+    y_ticks = ticks(0.0, max(*ys, 1e-9))
+    y_high = y_ticks[-1]
+
+    def place(x: float, y: float) -> tuple[float, float]:
+        across = LEFT + (x - x_low) / (x_high - x_low) * (WIDTH - LEFT - RIGHT)
+        return across, HEIGHT - BOTTOM - y / y_high * (HEIGHT - TOP - BOTTOM)
+
+    parts = [_axes(place, ticks(x_low, x_high), y_ticks, (x_low, x_high), x_title, y_title)]
+    for line in lines:
+        parts.append(_drawn(line, place))
+    legend = "".join(
+        f'<span><i class="dot" style="background:{line.colour}"></i>{escape(line.name)}</span> '
+        for line in lines
+    )
+    return (
+        f'<figure class="drawn"><svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
+        f'aria-label="{escape(caption)}">{"".join(parts)}</svg>'
+        f"<figcaption>{legend}</figcaption></figure>"
+    )
+
+
+def _drawn(line: Line, place: _Place) -> str:
+    points = list(zip(line.x, line.y, strict=True))
+    parts = []
+    if line.below:
+        back = list(zip(line.x, line.below, strict=True))[::-1]
+        outline = " ".join(_at(place(x, y)) for x, y in (*points, *back))
+        parts.append(f'<polygon points="{outline}" fill="{line.colour}" opacity=".18"/>')
+    if line.step:
+        points = [
+            point for one, two in pairwise(points) for point in (one, (two[0], one[1]))
+        ] + points[-1:]
+    path = " ".join(_at(place(x, y)) for x, y in points)
+    dash = ' stroke-dasharray="6 4"' if line.dashed else ""
+    parts.append(
+        f'<polyline points="{path}" fill="none" stroke="{line.colour}" stroke-width="2"{dash}/>'
+    )
+    if line.dots:
+        for x, y in zip(line.x, line.y, strict=True):
+            across, up = place(x, y)
+            parts.append(f'<circle cx="{across:.1f}" cy="{up:.1f}" r="3.5" fill="{line.colour}"/>')
+    return "".join(parts)
+
+
+def _axes(
+    place: _Place,
+    x_ticks: Sequence[float],
+    y_ticks: Sequence[float],
+    x_range: tuple[float, float],
+    x_title: str,
+    y_title: str,
+) -> str:
+    parts = []
+    for y in y_ticks:
+        (left, up), (right, _) = place(x_range[0], y), place(x_range[1], y)
+        parts.append(f'<path d="M{left:.1f} {up:.1f}H{right:.1f}" class="grid"/>')
+        parts.append(
+            f'<text x="{left - 8:.1f}" y="{up + 4:.1f}" text-anchor="end">{number(y, 3)}</text>'
+        )
+    for x in x_ticks:
+        if x_range[0] <= x <= x_range[1]:
+            across, up = place(x, 0.0)
+            parts.append(
+                f'<text x="{across:.1f}" y="{up + 18:.1f}" text-anchor="middle">'
+                f"{number(x, 3)}</text>"
+            )
+    middle = 0.5 * (LEFT + WIDTH - RIGHT)
+    parts.append(
+        f'<text x="{middle}" y="{HEIGHT - 6}" text-anchor="middle">{escape(x_title)}</text>'
+        f'<text transform="translate(13 {0.5 * (TOP + HEIGHT - BOTTOM)}) rotate(-90)" '
+        f'text-anchor="middle">{escape(y_title)}</text>'
+    )
+    return "".join(parts)
+
+
+def _at(point: tuple[float, float]) -> str:
+    return f"{point[0]:.1f},{point[1]:.1f}"
+
+
+def ticks(low: float, high: float) -> list[float]:
+    """Round numbers from at most ``low`` to at least ``high``, a few of them."""
+    rough = (high - low) / TICKS
+    power = 10.0 ** math.floor(math.log10(rough))
+    step = next(power * part for part in (1.0, 2.0, 5.0, 10.0) if power * part >= rough * 0.999)
+    first, last = math.floor(low / step + 1e-9), math.ceil(high / step - 1e-9)
+    return [round(step * n, 12) for n in range(first, last + 1)]

@@ -1,0 +1,107 @@
+"""What follows from a certificate once its walks are known: sums of exact numbers, and no more."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+from ..certificate import Certificate
+from ..errors import InputError
+from ..instance import Instance
+
+WHOLE = Fraction(1, 10**12)
+"""A prize is a multiple of the step if it misses one by no more than this share of it."""
+
+
+def check_names(instance: Instance, certificate: Certificate) -> None:
+    """See that a certificate speaks of the bodies and chasers of an instance, each chaser once.
+
+    Raises
+    ------
+    InputError
+        It does not, or belongs to another instance.
+    """
+    if certificate.instance.sha256 != instance.sha256:
+        raise InputError(
+            f"the certificate belongs to the instance {certificate.instance.name!r} "
+            f"(sha256 {certificate.instance.sha256[:12]}…), not to {instance.name!r} "
+            f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
+        )
+    targets = {target.name for target in instance.targets}
+    bodies = set(instance.names)
+    for name in certificate.multipliers:
+        if name not in targets:
+            raise InputError(f"field multipliers: {name!r} is not a target of the instance")
+    for number, walks in enumerate(certificate.walks):
+        strange = set(walks.neighbourhoods).union(*walks.neighbourhoods.values())
+        if not strange <= bodies:
+            raise InputError(
+                f"field walks[{number}].neighbourhoods: {min(strange - bodies)!r} is not a body of "
+                "the instance"
+            )
+    stated = sorted(name for walks in certificate.walks for name in walks.chasers)
+    if certificate.walks and stated != sorted(chaser.name for chaser in instance.chasers):
+        raise InputError("field walks: must name every chaser of the instance once")
+    step = certificate.prize_step
+    for target in instance.targets:
+        if step is not None and not _is_multiple(Fraction(target.prize), Fraction(step)):
+            raise InputError(
+                f"field prize_step = {step!r}: the prize of {target.name!r}, {target.prize!r}, is "
+                "no multiple of it"
+            )
+
+
+def _is_multiple(prize: Fraction, step: Fraction) -> bool:
+    return abs(prize - step * round(prize / step)) <= WHOLE * prize
+
+
+def gains(instance: Instance, certificate: Certificate) -> list[Fraction]:
+    """What each body is worth to walks: its worth less its multiplier."""
+    found = [Fraction(0)] * instance.first_target
+    for target in instance.targets:
+        worth = Fraction(target.prize)
+        if target.required:
+            worth += Fraction(certificate.required_worth)
+        found.append(worth - Fraction(certificate.multipliers.get(target.name, 0.0)))
+    return found
+
+
+def trivial_bound(instance: Instance) -> float:
+    """The prizes of as many targets as all chasers may service, required ones first; or −inf."""
+    targets = sorted(instance.targets, key=lambda each: (each.required, each.prize), reverse=True)
+    only_kits = all(target.removal == "kit" for target in instance.targets)
+    together = 0
+    for chaser in instance.chasers:
+        limits = [len(targets), chaser.max_targets, chaser.kits if only_kits else None]
+        together += min(limit for limit in limits if limit is not None)
+    if any(target.required for target in targets[together:]):
+        return -math.inf
+    return math.fsum(target.prize for target in targets[:together])
+
+
+def bound_of(instance: Instance, certificate: Certificate) -> float:
+    """What no plan exceeds if the walks collect less than they are said to; −inf for no plan.
+
+    Every plan is worth less than the sum of the multipliers and, for each chaser, the most of its
+    walks. What its required targets are worth beyond their prizes goes off that.
+    """
+    trivial = trivial_bound(instance)
+    if not certificate.walks:
+        return trivial
+    below = sum((Fraction(each) for each in certificate.multipliers.values()), Fraction(0))
+    below += sum(
+        (len(walks.chasers) * Fraction(walks.most) for walks in certificate.walks), Fraction(0)
+    )
+    required = sum(target.required for target in instance.targets)
+    below -= required * Fraction(certificate.required_worth)
+    if below <= 0:
+        return -math.inf
+    least = min((target.prize for target in instance.targets if target.prize), default=0.0)
+    if below <= Fraction(least):
+        return min(trivial, 0.0)  # nobody collects a part of a prize
+    if certificate.prize_step is None:
+        return min(trivial, math.nextafter(float(below), math.inf))
+    step = Fraction(certificate.prize_step)
+    # The largest whole number of steps that is less, however prizes miss their multiples.
+    steps = math.ceil(below / (step * (1 - WHOLE))) - 1
+    return min(trivial, float(steps * step))

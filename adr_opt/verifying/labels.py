@@ -1,0 +1,296 @@
+"""Whether any walk collects as much as is said: labels forwards in time, one for each walk.
+
+A *label* is the beginning of a walk: where it is and since when, exact ΔV left, what it has
+collected, how many targets it has serviced, and which it remembers. Labels are gone through in
+order of time. One is dropped if another one at its body is there no later, has as much left, has
+collected as much with no more services, and remembers nothing else: whatever the one can do later
+the other can. And one is not made whose value and the most that is still to be had
+(:mod:`.ahead`) together stay below what is asked for. If labels run out, no walk collects as much.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ..kernels.compile import inlined, kernel
+from ..kernels.constants import SLACK_S
+from .ahead import slots_in, still
+
+FINE = 16
+"""What labels have collected is counted in units finer by so many bits than those of values."""
+
+WORD = 63
+"""Targets remembered in one number."""
+
+BLOCK = 64
+"""Labels that are compared at once; such loops become vectors."""
+
+NONE, FOUND, FULL = 0, 1, 2
+
+
+class Labels(NamedTuple):
+    """Beginnings of walks.
+
+    Attributes
+    ----------
+    body, visits, came_from : (labels,) int32
+    time, left : (labels,) float64
+        Ready since [s], and what is left of the tank, with the slack of the model [m/s].
+    value : (labels,) int64
+        Collected [fine units].
+    memory : (labels, words) int64
+        Bit j % 63 of word j // 63: may not go to target j.
+    following : (labels,) int64
+        Next label that will be ready in the same step, −1 for none.
+    """
+
+    body: npt.NDArray[np.int32]
+    visits: npt.NDArray[np.int32]
+    came_from: npt.NDArray[np.int32]
+    time: npt.NDArray[np.float64]
+    left: npt.NDArray[np.float64]
+    value: npt.NDArray[np.int64]
+    memory: npt.NDArray[np.int64]
+    following: npt.NDArray[np.int64]
+
+
+class Kept(NamedTuple):
+    """The labels at each body that later ones are compared with.
+
+    Attributes
+    ----------
+    size : (bodies,) int64
+    left : (bodies, room) float64
+    value : (bodies, room) int64
+    visits, came_from : (bodies, room) int32
+    memory : (bodies, words, room) int64
+    """
+
+    size: npt.NDArray[np.int64]
+    left: npt.NDArray[np.float64]
+    value: npt.NDArray[np.int64]
+    visits: npt.NDArray[np.int32]
+    came_from: npt.NDArray[np.int32]
+    memory: npt.NDArray[np.int64]
+
+
+class Question(NamedTuple):
+    """What is asked of walks.
+
+    Attributes
+    ----------
+    gain : (bodies,) int64
+        What a service is worth less its multiplier, rounded up [fine units].
+    need : int
+        What a walk is to collect [fine units].
+    neighbourhoods : (bodies, words) int64
+        What a walk that comes to a body still remembers.
+    counts : bool
+        Whether services are to be counted.
+    """
+
+    gain: npt.NDArray[np.int64]
+    need: int
+    neighbourhoods: npt.NDArray[np.int64]
+    counts: bool
+
+
+@inlined
+def _first_at(times, time):
+    """First place in ascending times at or after a time."""
+    low, high = 0, times.size
+    while low < high:
+        middle = (low + high) // 2
+        if times[middle] < time:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@kernel
+def _is_dominated(kept, body, left, value, visits, memory):
+    """Whether a label that is ready by now makes another one superfluous."""
+    words = memory.size
+    lefts, values, counts = kept.left[body], kept.value[body], kept.visits[body]
+    memories = kept.memory[body]
+    for begin in range(0, kept.size[body], BLOCK):
+        end = min(begin + BLOCK, kept.size[body])
+        found = False
+        if words == 1:
+            beyond, own = ~memory[0], memories[0]
+            for k in range(begin, end):
+                found |= (
+                    (lefts[k] >= left) & (values[k] >= value) & (counts[k] <= visits)
+                    & (own[k] & beyond == 0)
+                )  # fmt: skip
+        else:
+            for k in range(begin, end):
+                if lefts[k] >= left and values[k] >= value and counts[k] <= visits:
+                    more = np.int64(0)
+                    for w in range(words):
+                        more |= memories[w, k] & ~memory[w]
+                    found |= more == 0
+        if found:
+            return True
+    return False
+
+
+@kernel
+def _forget_late(ahead, question, kept, body, step):
+    """Drop those kept at a body for whom it is too late: they dominate nothing that is not."""
+    size = 0
+    for k in range(kept.size[body]):
+        slots = slots_in(kept.left[body, k], ahead.slot)
+        most = still(ahead, step, body, slots, kept.came_from[body, k])
+        if kept.value[body, k] + (most << FINE) >= question.need:
+            kept.left[body, size] = kept.left[body, k]
+            kept.value[body, size] = kept.value[body, k]
+            kept.visits[body, size] = kept.visits[body, k]
+            kept.came_from[body, size] = kept.came_from[body, k]
+            for w in range(kept.memory.shape[1]):
+                kept.memory[body, w, size] = kept.memory[body, w, k]
+            size += 1
+    kept.size[body] = size
+
+
+@kernel
+def _extend(legs, ahead, question, labels, kept, head, count, label, memory):
+    """Make the labels that go on from one; returns how many there are then.
+
+    Parameters
+    ----------
+    head : (steps + 1,) int64
+        First label of each step, −1 for none; updated.
+    count : int
+        Labels made so far.
+    memory : (words,) int64
+        Desk.
+
+    Returns
+    -------
+    count : int
+        Less than 0 if there is no room for all: those made already will dominate their doubles.
+    """
+    bodies, words = question.gain.size, memory.size
+    i, time, left = labels.body[label], labels.time[label], labels.left[label]
+    came_from = np.int32(-1) if legs.is_station[i] else i
+    for j in range(bodies):
+        pair = i * bodies + j
+        low, high = legs.first[pair], legs.first[pair + 1]
+        to_station = legs.is_station[j]
+        if low == high:
+            continue
+        if not to_station and (
+            labels.memory[label, j // WORD] >> (j % WORD) & 1
+            or labels.visits[label] == legs.most_targets
+        ):
+            continue
+        value = labels.value[label] + question.gain[j]
+        visits = labels.visits[label] + (1 if question.counts and not to_station else 0)
+        for w in range(words):
+            memory[w] = labels.memory[label, w] & question.neighbourhoods[j, w]
+        if came_from >= 0:
+            memory[i // WORD] |= np.int64(1) << (i % WORD)
+        best = np.inf
+        for leg in range(low + _first_at(legs.end[low:high], time - SLACK_S), high):
+            step = _first_at(ahead.last, legs.end[leg] - SLACK_S)
+            # Not even with the cheapest of all later ones: then with none of them.
+            most_left = legs.tank if to_station else left - legs.cheapest[leg]
+            if most_left < 0.0:
+                break
+            most = still(ahead, step, j, slots_in(most_left, ahead.slot), came_from)
+            if value + (most << FINE) < question.need:
+                break
+            cost = legs.delta_v[leg]
+            if legs.departure[leg] < time - SLACK_S or cost >= best or cost > left:
+                continue
+            best = cost
+            rest = legs.tank if to_station else left - cost
+            most = still(ahead, step, j, slots_in(rest, ahead.slot), came_from)
+            if value + (most << FINE) < question.need:
+                continue
+            if _is_dominated(kept, j, rest, value, visits, memory):
+                continue
+            if count == labels.body.size:
+                return -count
+            labels.body[count], labels.visits[count] = j, visits
+            labels.came_from[count] = came_from
+            labels.time[count], labels.left[count] = legs.end[leg], rest
+            labels.value[count] = value
+            for w in range(words):
+                labels.memory[count, w] = memory[w]
+            labels.following[count], head[step] = head[step], count
+            count += 1
+    return count
+
+
+@kernel
+def search(legs, ahead, question, labels, kept, head, cursor, ready):
+    """Go through all labels, step by step.
+
+    Parameters
+    ----------
+    head : (steps + 1,) int64
+        First label that will be ready in each step; updated.
+    cursor : (4,) int64
+        Step, labels made, and those of the step that were gone through of how many; updated.
+    ready : (labels,) int64
+        Desk: the labels of the step in order of time.
+
+    Returns
+    -------
+    state : int
+        NONE if labels have run out, FOUND if one of them collects as much as is asked for, FULL if
+        there is no room.
+    """
+    bodies, memory = question.gain.size, np.empty(labels.memory.shape[1], np.int64)
+    while cursor[0] < head.size:
+        step = cursor[0]
+        if cursor[3] < 0:
+            size, label = 0, head[step]
+            while label >= 0:
+                ready[size] = label
+                size += 1
+                label = labels.following[label]
+            times = np.empty(size)
+            for k in range(size):
+                times[k] = labels.time[ready[k]]
+            order = np.argsort(times)
+            chosen = np.empty(size, np.int64)
+            for k in range(size):
+                chosen[k] = ready[order[k]]
+            for k in range(size):
+                ready[k] = chosen[k]
+            for body in range(bodies):
+                _forget_late(ahead, question, kept, body, step)
+            cursor[2], cursor[3] = 0, size
+        while cursor[2] < cursor[3]:
+            label = ready[cursor[2]]
+            body = labels.body[label]
+            if not _is_dominated(
+                kept, body, labels.left[label], labels.value[label], labels.visits[label],
+                labels.memory[label],
+            ):  # fmt: skip
+                if labels.value[label] >= question.need and legs.may_end[body]:
+                    return FOUND
+                at = kept.size[body]
+                if at == kept.left.shape[1]:
+                    return FULL
+                count = _extend(legs, ahead, question, labels, kept, head, cursor[1], label, memory)
+                cursor[1] = abs(count)
+                if count < 0:
+                    return FULL
+                kept.left[body, at], kept.value[body, at] = labels.left[label], labels.value[label]
+                kept.visits[body, at] = labels.visits[label]
+                kept.came_from[body, at] = labels.came_from[label]
+                for w in range(memory.size):
+                    kept.memory[body, w, at] = labels.memory[label, w]
+                kept.size[body] = at + 1
+            cursor[2] += 1
+        cursor[0] += 1
+        cursor[3] = -1
+    return NONE

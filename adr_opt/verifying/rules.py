@@ -1,0 +1,84 @@
+"""What the verifier knows of the rules: what it does not know is refused, and not ignored."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..bodies import Station, Target
+from ..chasers import Chaser
+from ..errors import InputError
+from ..instance import Instance
+from ..records import Record
+from ..settings import MissionSettings
+
+KNOWN: dict[type[Record], frozenset[str]] = {
+    Instance: frozenset({
+        "format", "name", "epoch", "dynamics", "stations", "targets", "chasers", "mission",
+        "transfer", "objective", "keep_out_zones",
+    }),
+    Station: frozenset({"name", "orbit"}),
+    Target: frozenset({
+        "name", "orbit", "prize", "required", "window_s", "mass_kg", "removal",
+    }),
+    Chaser: frozenset({
+        "name", "start", "available_s", "end", "max_targets", "tank", "kits", "kit_mass_kg",
+        "expense",
+    }),
+    MissionSettings: frozenset({
+        "duration_s", "service_revolutions", "service_s", "refuel_revolutions",
+        "disposal_altitude_m",
+    }),
+}  # fmt: skip
+"""Fields whose meaning the verifier knows. What is in ``transfer`` makes connections, and what is
+in ``objective`` decides between plans that collect as much. A disposal altitude is for tows, which
+are refused."""
+
+REFUSED: dict[type[Record], frozenset[str]] = {
+    Station: frozenset({"max_refuellings", "max_propellant_kg"}),
+    MissionSettings: frozenset({"launch_separation_s"}),
+}
+"""Fields that are refused where they are stated. So is any field that is in neither list."""
+
+
+def refuse_unknown(instance: Instance) -> None:
+    """Refuse an instance with rules that cannot be verified yet.
+
+    Raises
+    ------
+    InputError
+        The sentence says which rule.
+    """
+    for where, record in _records(instance):
+        for field, about in type(record).model_fields.items():
+            if field not in KNOWN[type(record)] and getattr(record, field) != about.default:
+                raise InputError(f"not yet verifiable: {where} with a field {field}")
+    takers = [target for target in instance.targets if target.removal == "kit"]
+    for target in instance.targets:
+        if target.removal not in ("visit", "kit"):
+            raise InputError(
+                f"not yet verifiable: {target.name!r} has the removal {target.removal!r}"
+            )
+    for chaser in instance.chasers:
+        if takers and chaser.kit_mass_kg > 0.0:
+            raise InputError(
+                f"not yet verifiable: {chaser.name!r} leaves kits of {chaser.kit_mass_kg:g} kg, "
+                "and what its tank is worth goes with them"
+            )
+        some = len(takers) < len(instance.targets)
+        if chaser.kits is not None and chaser.kits < len(takers) and some:
+            raise InputError(
+                f"not yet verifiable: {chaser.name!r} has kits for {chaser.kits} of "
+                f"{len(takers)} targets that take one, and others take none"
+            )
+
+
+def _records(instance: Instance) -> Iterator[tuple[str, Record]]:
+    """All parts of an instance that rules stand in, and what to call them."""
+    yield "an instance", instance
+    yield "a mission", instance.mission
+    for station in instance.stations:
+        yield "a station", station
+    for target in instance.targets:
+        yield "a target", target
+    for chaser in instance.chasers:
+        yield "a chaser", chaser

@@ -1,0 +1,189 @@
+"""Whether a plan is as good as its certificate says, found out by a program of its own.
+
+Nothing here is shared with planners and proofs but the connections of the timetable, and some of
+these are flown again by the physics of `check`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from ..certificate import Certificate, ProvenWalks, sha256_of
+from ..checking import OBJECTIVE_TOLERANCE, check
+from ..connections import Connecting
+from ..instance import Instance
+from ..plan import Plan
+from .claim import bound_of, check_names, gains
+from .legs import legs_of
+from .rules import refuse_unknown
+from .sampling import Sampled, sample_connections
+from .walks import walks_reach
+
+CONNECTIONS = 1000
+"""So many connections are flown again."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What was found out.
+
+    Attributes
+    ----------
+    reasons : tuple of str
+        Why the certificate is refused; none if it is verified.
+    upper_bound : float
+        What no plan exceeds, as far as it was verified; −inf if there is no plan, +inf if nothing
+        was.
+    objective : float or None
+        What the plan collects.
+    labels : int
+        How many labels that took.
+    connections, departures : int
+        Connections flown again, and departures at which all sequences were.
+    """
+
+    reasons: tuple[str, ...]
+    upper_bound: float
+    objective: float | None
+    labels: int
+    connections: int
+    departures: int
+
+    @property
+    def gap(self) -> float | None:
+        """What the plan may lack of the best one, as a share of the bound."""
+        if self.objective is None or not math.isfinite(self.upper_bound):
+            return None
+        lacking = max(0.0, self.upper_bound - self.objective)
+        return lacking / self.upper_bound if lacking > _off(self.upper_bound) else 0.0
+
+    @property
+    def verified(self) -> bool:
+        """Whether all that is claimed follows."""
+        return not self.reasons
+
+
+def verify(
+    instance: Instance,
+    plan: Plan | None,
+    certificate: Certificate,
+    *,
+    connections: int = CONNECTIONS,
+    seed: int = 0,
+) -> Verdict:
+    """Verify a certificate, and what a plan states of itself.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan or None
+        None to verify the bound alone.
+    certificate : Certificate
+    connections : int
+        So many connections are flown again by the physics of `check`, drawn by the seed, and for a
+        tenth as many departures it is asked whether there is a better one.
+    seed : int
+
+    Raises
+    ------
+    InputError
+        Something belongs to another instance, or it has rules that cannot be verified yet.
+    """
+    check_names(instance, certificate)
+    refuse_unknown(instance)
+    reasons = [] if plan is None else _judge(instance, plan, certificate)
+    if reasons:  # no proof makes a wrong plan right
+        return Verdict(tuple(reasons), math.inf, None, 0, 0, 0)
+    connecting = Connecting(instance)
+    sampled = Sampled(0, 0, ())
+    if certificate.walks:
+        sampled = sample_connections(instance, connecting, connections, seed)
+    reasons += sampled.faults
+    labels, refuted = 0, False
+    for walks in certificate.walks:
+        made, reached = _asked(instance, connecting, certificate, walks)
+        labels += made
+        if reached is not None:
+            reasons.append(reached)
+            refuted = True
+    bound = math.inf if refuted else bound_of(instance, certificate)
+    if not refuted:
+        reasons += _compare(plan, certificate, bound)
+    objective = None if plan is None else plan.objective
+    return Verdict(
+        tuple(reasons), bound, objective, labels, sampled.connections, sampled.departures
+    )
+
+
+def _judge(instance: Instance, plan: Plan, certificate: Certificate) -> list[str]:
+    """What is wrong with the plan itself."""
+    reasons = [f"the plan is not legal: {violation}" for violation in check(instance, plan)[:1]]
+    stated = certificate.plan_sha256
+    if not reasons and stated is not None and stated != sha256_of(plan):
+        reasons.append("the certificate was written beside another plan, or the plan was changed")
+    return reasons
+
+
+def _asked(
+    instance: Instance, connecting: Connecting, certificate: Certificate, walks: ProvenWalks
+) -> tuple[int, str | None]:
+    """How many labels it took, and what is wrong if a walk collects what none is said to."""
+    number = {name: body for body, name in enumerate(instance.names)}
+    neighbourhoods = np.zeros((len(number), len(number)), dtype=np.bool_)
+    for at, names in walks.neighbourhoods.items():
+        neighbourhoods[number[at], [number[name] for name in names]] = True
+    made, seen = 0, []
+    for chaser in instance.chasers:
+        alike = chaser.model_copy(update={"name": ""})
+        if chaser.name not in walks.chasers or alike in seen:
+            continue
+        if instance.given is None:  # given connections lead from a start by its name
+            seen.append(alike)
+        legs = legs_of(instance, chaser, connecting)
+        reached, labels = walks_reach(
+            legs, gains(instance, certificate), neighbourhoods, Fraction(walks.most),
+            certificate.delta_v_slot_m_s,
+        )  # fmt: skip
+        made += labels
+        if reached:
+            return made, (
+                f"a walk of {chaser.name!r} collects {walks.most:g} less multipliers, and none is "
+                "said to"
+            )
+    return made, None
+
+
+def _compare(plan: Plan | None, certificate: Certificate, bound: float) -> list[str]:
+    """What is claimed beyond what follows."""
+    reasons = []
+    said = "no plan exists" if bound == -math.inf else f"no plan collects more than {bound:.9g}"
+    if _is_less(certificate.upper_bound, bound):
+        claim = certificate.upper_bound
+        stated = "that there is no plan" if claim is None else f"{claim:.9g}"
+        reasons.append(f"the certificate states {stated}; what follows is that {said}")
+    if plan is None:
+        return reasons
+    if plan.upper_bound is not None and _is_less(plan.upper_bound, bound):
+        reasons.append(
+            f"the plan states the bound {plan.upper_bound:.9g}; what follows is that {said}"
+        )
+    if plan.status in ("optimal", "feasible") and bound < plan.objective - _off(plan.objective):
+        reasons.append(f"the plan collects {plan.objective:.9g}, but {said}: one of both is wrong")
+    elif plan.status == "optimal" and plan.objective < bound - _off(bound):
+        reasons.append(f"the plan is said to be optimal; what follows is that {said}")
+    return reasons
+
+
+def _is_less(claim: float | None, bound: float) -> bool:
+    """Whether a claim says more than what follows, up to the tolerance of `check`."""
+    if bound == -math.inf:
+        return False
+    return claim is None or claim < bound - _off(bound)
+
+
+def _off(bound: float) -> float:
+    return OBJECTIVE_TOLERANCE * abs(bound)

@@ -1,0 +1,69 @@
+"""What all proofs of the least ΔV have in common, be they of one chaser or of a campaign."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import closing
+from typing import Protocol
+
+RELATIVE = 1e-6
+"""A cost is the least if it exceeds the bound by no more than this share of it."""
+
+SLACK_WORTH = 1e-9
+"""A little less is asked for, so that no rounding of a sum of prizes counts."""
+
+
+class CostRounds(Protocol):
+    """A proof of the least ΔV of plans that are worth enough, round by round.
+
+    Attributes
+    ----------
+    bound : float
+        No plan worth as much costs less [m/s].
+    done : bool
+        Nothing is left to do.
+    """
+
+    bound: float
+    done: bool
+
+    def advance(self) -> None:
+        """One round."""
+
+    @property
+    def counters(self) -> dict[str, float]:
+        """What was done so far."""
+
+    def close(self) -> None:
+        """End the threads."""
+
+
+def asked(least_worth: float) -> float:
+    """What a plan has to be worth at least, of which a proof asks for the cost."""
+    return least_worth - SLACK_WORTH * max(1.0, abs(least_worth))
+
+
+def is_least(cost: float, bound: float) -> bool:
+    """Whether a cost is the least, for all that a bound lets it exceed the least by."""
+    return cost <= bound * (1.0 + RELATIVE) + RELATIVE
+
+
+def settled(proof: CostRounds, over: Callable[[], bool]) -> tuple[float, dict[str, float]]:
+    """Go through the rounds of a proof, and close it.
+
+    Parameters
+    ----------
+    proof : CostRounds
+    over : callable
+        Whether the time is over.
+
+    Returns
+    -------
+    bound : float
+        How much ΔV the plans cost at least that are worth enough [m/s].
+    counters : dict
+    """
+    with closing(proof):
+        while not proof.done and not over():
+            proof.advance()
+    return proof.bound, proof.counters
