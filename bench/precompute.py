@@ -51,13 +51,13 @@ def in_reference(table: adr_opt.Timetable, leg: tuple[int, int, float]) -> tuple
 
 
 @kernel
-def connections_from(i, orbits, extra_delta_v, rule, duration):  # type: ignore[no-untyped-def]
+def connections_from(i, leaving, orbits, extra_delta_v, rule, duration):  # type: ignore[no-untyped-def]
     """How many connections leave a body; all of them are worked out."""
     count = 0
     for j in range(orbits.shape[0]):
         if j != i:
             found = connections.of_pair(
-                orbits[i], orbits[j], extra_delta_v[i, j], rule, duration, 0.0
+                leaving[i], orbits[j], extra_delta_v[i, j], rule, duration, 0.0
             )
             count += found.departure.size
     return count

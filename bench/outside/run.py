@@ -1,13 +1,15 @@
 """What is known of a benchmark that others made, and what our planners make of it.
 
-    python bench/outside/run.py gtoc9 --data DIR
+    python bench/outside/run.py gtoc9 --data DIR [--time-limit S --seed N --bound-time-limit S]
+    python bench/outside/run.py gtoc9 --data DIR --fly MISSION [--plan FILE]
     python bench/outside/run.py optw --data DIR
-    python bench/outside/run.py kttsp --data DIR --solution FILE
+    python bench/outside/run.py kttsp --data DIR --solution FILE --time-limit SECONDS --cells FILE
     python bench/outside/run.py odrc --data DIR
 
 DIR is the folder of all data, or that of the benchmark; without --data, what ADR_OPT_EXTERNAL_DATA
-names. Published solutions are scored again. Exit status 0: done; 2: the call or a file is wrong, in
-one sentence.
+names. Published solutions are scored again. Of kttsp nothing is planned or proven with a time limit
+of 0, and no round of the proof begins after it; the proof is kept in --cells, and gone on with.
+Exit status 0: done; 2: the call or a file is wrong, in one sentence.
 """
 
 from __future__ import annotations
@@ -41,10 +43,41 @@ def folder_of(name: str, data: Path) -> Path:
     return inner if inner.is_dir() else data
 
 
-def report(name: str, folder: Path, solution: Path | None) -> str:
+def of_gtoc9_report(folder: Path, parsed: argparse.Namespace) -> str:
+    """What is known of GTOC9 and made of it, or a flown mission, in Markdown."""
+    limits = {"--time-limit": parsed.time_limit, "--bound-time-limit": parsed.bound_time_limit}
+    for flag, limit in limits.items():
+        if limit is not None and not 0.0 < limit < 1e7:
+            raise InputError(f"{flag} {limit:g}: give seconds above 0")
+    if parsed.seed < 0 or not 1 <= parsed.chains <= 256:
+        raise InputError("--seed is 0 or more, and --chains from 1 to 256")
+    if parsed.fly is not None:
+        plan = parsed.plan or folder / of_gtoc9.campaign.FILE
+        return of_gtoc9.flight(folder, plan, parsed.fly)
+    return of_gtoc9.report(
+        folder,
+        time_limit_s=parsed.time_limit,
+        seed=parsed.seed,
+        chains=parsed.chains,
+        write=parsed.write,
+        bound_limit_s=parsed.bound_time_limit,
+    )
+
+
+def report(
+    name: str,
+    folder: Path,
+    solution: Path | None,
+    time_limit_s: float | None = None,
+    cells: Path | None = None,
+) -> str:
     """What is known of a benchmark, in Markdown."""
+    if time_limit_s is not None and not (name == "kttsp" and time_limit_s >= 0.0):
+        raise InputError(f"--time-limit {time_limit_s:g}: only kttsp takes one, of 0 or more")
     if name == "kttsp":
-        return of_kttsp.report(folder, solution)
+        return of_kttsp.report(folder, solution, time_limit_s, cells)
+    if cells is not None:
+        raise InputError(f"--cells {cells}: only the proof of kttsp keeps any")
     if solution is not None:
         raise InputError(f"--solution {solution}: only solutions of kttsp can be scored so far")
     return {"gtoc9": of_gtoc9, "optw": of_optw, "odrc": of_odrc}[name].report(folder)
@@ -59,11 +92,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = os.environ.get("ADR_OPT_EXTERNAL_DATA")
     parser.add_argument("--data", type=Path, default=Path(given) if given else None)
     parser.add_argument("--solution", type=Path, help="of kttsp, as it is submitted")
+    parser.add_argument(
+        "--time-limit",
+        type=float,
+        metavar="SECONDS",
+        help="of the proof of kttsp; of gtoc9: plan, with so much processor time a chain",
+    )
+    parser.add_argument("--cells", type=Path, metavar="FILE", help="of the proof of kttsp")
+    parser.add_argument(
+        "--bound-time-limit", type=float, help="of gtoc9: prove a bound, in so much of it [s]"
+    )
+    parser.add_argument("--fly", type=int, help="of gtoc9: fly this mission of a campaign, from 0")
+    parser.add_argument("--plan", type=Path, help="of gtoc9: the campaign; without, the winner's")
+    parser.add_argument("--seed", type=int, default=0, help="of gtoc9")
+    parser.add_argument("--chains", type=int, default=2, help="of gtoc9: threads")
+    parser.add_argument("--write", type=Path, help="of gtoc9: where our campaign is written")
     parsed = parser.parse_args(arguments)
     try:
         if parsed.data is None:
             raise InputError("--data: no folder given; name that of the data")
-        text = report(parsed.name, folder_of(parsed.name, parsed.data), parsed.solution)
+        folder = folder_of(parsed.name, parsed.data)
+        if parsed.name == "gtoc9" and parsed.solution is None and parsed.cells is None:
+            text = of_gtoc9_report(folder, parsed)
+        else:
+            text = report(parsed.name, folder, parsed.solution, parsed.time_limit, parsed.cells)
     except InputError as error:
         print(error, file=sys.stderr)
         return 2

@@ -64,6 +64,7 @@ def retimed(
     step_d: float,
     begin_d: float | None = None,
     end_d: float | None = None,
+    least_d: float = 0.0,
 ) -> Removals:
     """The mission at its best times on a grid, by the estimate.
 
@@ -75,6 +76,8 @@ def retimed(
         Of the grid, which begins at ``begin_d``; stay and longest leg are whole numbers of it [d].
     begin_d, end_d : float, optional
         Between which it lies; those of the mission without [d, MJD2000].
+    least_d : float
+        Shorter transfers are none [d].
 
     Raises
     ------
@@ -93,6 +96,7 @@ def retimed(
     for one, other in zip(order[-2::-1], order[:0:-1], strict=True):
         pair = drift.prepare(rows[one], rows[other], *LIMITS_M, OBLATENESS_M2)
         pair_costs(pair, begin * DAY_S, times, within - stay, step_d * DAY_S, cost)
+        cost[:, : max(math.ceil(least_d / step_d - 1e-6) - 1, 0)] = np.inf
         earlier, leaves, arrives = np.empty(times), np.zeros(times, int), np.zeros(times, int)
         _before(mass, cost, stay, within, EXHAUST_M_S, KIT_KG, earlier, leaves, arrives)
         choices.append((leaves, arrives))

@@ -1,0 +1,59 @@
+"""From tours on a grid to missions in time, and their best times on a finer one."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from ..reading import FloatArray
+from .campaign import Removals, Stop
+from .retiming import retimed
+from .scoring import APART_D, FIRST_D, LAST_D, STAY_D
+
+
+def missions_of(
+    order: npt.NDArray[np.int64],
+    begins: npt.NDArray[np.bool_],
+    at: npt.NDArray[np.int64],
+    step_d: float,
+) -> tuple[Removals, ...]:
+    """Missions of a tour at its times on a grid."""
+    firsts = [*np.flatnonzero(begins), len(order)]
+    missions = []
+    for first, last in itertools.pairwise(firsts):
+        stops = []
+        for k in range(first, last):
+            arrival = FIRST_D + step_d * int(at[k])
+            stops.append(Stop(int(order[k]), arrival, arrival + STAY_D))
+        missions.append(Removals(tuple(stops)))
+    return tuple(missions)
+
+
+def better_times(
+    missions: Sequence[Removals], rows: FloatArray, step_d: float, rounds: int = 2
+) -> tuple[Removals, ...]:
+    """Missions at better times, each in turn between its neighbours.
+
+    Parameters
+    ----------
+    missions : sequence of Removals
+        In order of time; there must be a way through each on the grid.
+    rows : (debris, columns) float64
+    step_d : float
+        Of the grid, which begins anew for each mission [d].
+    rounds : int
+    """
+    found = list(missions)
+    for _ in range(rounds):
+        for place, mission in enumerate(found):
+            begin = found[place - 1].end_d + APART_D if place > 0 else FIRST_D
+            last = place + 1 == len(found)
+            end = LAST_D if last else found[place + 1].begin_d - APART_D
+            # Missions far apart need not be looked for everywhere.
+            begin, end = max(begin, mission.begin_d - 40.0), min(end, mission.end_d + 40.0)
+            if len(mission.stops) > 1:
+                found[place] = retimed(mission, rows, step_d, begin, end)
+    return tuple(found)
