@@ -66,6 +66,7 @@ class Browser:
         assert EXECUTABLE is not None
         self.requests: list[str] = []
         self.complaints: list[tuple[str, str]] = []
+        self._width = width
         self._count = 0
         self._rest = b""
         theirs_in, self._out = os.pipe()
@@ -137,6 +138,17 @@ class Browser:
         self.requests.clear()
         self.complaints.clear()
         self.call("Page.navigate", url=path.as_uri())
+
+    def open_report(self, path: Path) -> None:
+        """Go to a report and down it, until all is drawn: no error, no sideways scrolling."""
+        self.open(path)
+        self.wait_for("document.documentElement?.dataset.ready")
+        self.evaluate("document.getElementById('orbits').scrollIntoView()")
+        self.wait_for("document.documentElement?.dataset.complete")
+        errors = [text for level, text in self.complaints if level == "error"]
+        assert errors == [], errors
+        width = self.evaluate("document.documentElement.scrollWidth")
+        assert width == self._width, width
 
     def evaluate(self, expression: str) -> Any:
         """Value of an expression in the page; a promise is awaited."""

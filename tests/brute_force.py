@@ -10,9 +10,11 @@ import math
 
 import numpy as np
 
+from adr_opt.bodies import Target
 from adr_opt.campaign import Campaign
-from adr_opt.chasers import TankByMass
+from adr_opt.chasers import Chaser, Expense, TankByMass
 from adr_opt.connections import Connections
+from adr_opt.instance import Instance
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import SLACK_M_S, SLACK_S
 from adr_opt.mission import Mission
@@ -22,22 +24,30 @@ from adr_opt.orbit import Orbit
 @kernel
 def _enumerate(
     first_leg, departure, arrival, delta_v, service, opens, closes, first_target, stations, start,
-    begin, full, most, takes, kits, kit, dry, exhaust,
+    begin, full, at_start, most, takes, kits, kit, dry, exhaust, weighs, limited, tows, last,
 ):  # fmt: skip
     """All labels (set, body, time, left, cost, parent); lists of a set and a body are chained.
 
-    What is left is a ΔV, or the mass of a chaser that has ``exhaust`` m/s; ``full`` is that with
-    the kits still aboard.
+    What is left is a ΔV, or the mass of a chaser that has ``exhaust`` m/s; ``full`` is that of a
+    full tank with the kits still aboard, and ``at_start`` of the tank that it begins with. Where
+    expenses ``weigh`` masses the cost is what had to be carried: a
+    label has the ΔV of its first tank, and the mass at the start that kits and towed objects have
+    taken which are left behind, or all of it once that tank is done. Of stations that are
+    ``limited`` each label has how often it refuelled there, and by how many kilograms. ``tows`` are
+    time, ΔV and mass of what is towed, body by body, and no tow ends after ``last``.
     """
     bodies = service.size
     sets = 1 << (bodies - first_target)
     room = 1024
     where = np.empty((room, 3), np.int64)  # set, body, parent
     what = np.empty((room, 3))  # time, left, ΔV
+    more = np.zeros(
+        (room, 3 + 2 * stations)
+    )  # ΔV of the first tank, mass, whether it is done, uses
     chain = np.empty(room, np.int64)
     head = np.full((sets, bodies), -1)
     where[0, 0], where[0, 1], where[0, 2] = 0, start, -1
-    what[0, 0], what[0, 1], what[0, 2] = begin, full[kits], 0.0
+    what[0, 0], what[0, 1], what[0, 2] = begin, at_start[kits], 0.0
     chain[0] = -1
     head[0, start] = 0
     count = 1
@@ -75,6 +85,9 @@ def _enumerate(
                             end = max(arrival[c], opens[j]) + service[j]
                             if end > closes[j]:
                                 continue
+                            end += tows[j, 0]
+                            if end > last:
+                                continue
                             left, least = what[label, 1] - delta_v[c], 0.0
                             if exhaust > 0.0:
                                 left = what[label, 1] * math.exp(-delta_v[c] / exhaust)
@@ -82,13 +95,41 @@ def _enumerate(
                             if left < least:
                                 continue
                             left = full[aboard] if j < stations else left - kit * takes[j]
-                            cost = what[label, 2] + delta_v[c]
+                            if tows[j, 1] > 0.0:
+                                kept = math.exp(-tows[j, 1] / exhaust)
+                                left = (left + tows[j, 2]) * kept - tows[j, 2]
+                                if left < least:
+                                    continue
+                            cost = 0.0 if weighs else what[label, 2] + delta_v[c] + tows[j, 1]
+                            now = more[label].copy()
+                            if weighs and now[2] == 0.0:
+                                now[0] += delta_v[c]
+                                lifted = math.exp(now[0] / exhaust)
+                                now[1] += lifted * kit * takes[j]
+                                if tows[j, 1] > 0.0:
+                                    now[1] += lifted * tows[j, 2] * math.expm1(tows[j, 1] / exhaust)
+                                    now[0] += tows[j, 1]
+                                if j < stations:
+                                    now[1] += lifted * (dry + aboard * kit)
+                                    now[0], now[2] = 0.0, 1.0
+                            if j < stations and limited[j]:
+                                now[3 + 2 * j] += 1.0
+                                if exhaust > 0.0:
+                                    before = what[label, 1] * math.exp(-delta_v[c] / exhaust)
+                                    now[4 + 2 * j] += full[aboard] - before
                             other = head[after, j]
-                            while other >= 0 and not (
-                                what[other, 0] <= end
-                                and what[other, 1] >= left
-                                and what[other, 2] <= cost
-                            ):
+                            while other >= 0:
+                                if (
+                                    what[other, 0] <= end
+                                    and what[other, 1] >= left
+                                    and what[other, 2] <= cost
+                                    and more[other, 2] == now[2]
+                                ):
+                                    worse = False
+                                    for column in range(now.size):
+                                        worse = worse or more[other, column] > now[column]
+                                    if not worse:
+                                        break
                                 other = chain[other]
                             if other >= 0:
                                 continue
@@ -96,14 +137,16 @@ def _enumerate(
                                 where = np.concatenate((where, np.empty((room, 3), np.int64)))
                                 what = np.concatenate((what, np.empty((room, 3))))
                                 chain = np.concatenate((chain, np.empty(room, np.int64)))
+                                more = np.concatenate((more, np.empty((room, now.size))))
                                 room *= 2
                             where[count, 0], where[count, 1], where[count, 2] = after, j, label
                             what[count, 0], what[count, 1], what[count, 2] = end, left, cost
+                            more[count] = now
                             chain[count] = head[after, j]
                             head[after, j] = count
                             count += 1
                     label = chain[label]
-    return where[:count], what[:count]
+    return where[:count], what[:count], more[:count]
 
 
 def revolution_s(orbit: Orbit | None, dynamics: str) -> float:
@@ -127,13 +170,44 @@ def revolution_s(orbit: Orbit | None, dynamics: str) -> float:
     return 2.0 * math.pi / (perigee + anomaly)
 
 
+def tow_of(target: Target, instance: Instance) -> tuple[float, float, float]:
+    """Time [s], ΔV [m/s] and mass [kg] of a tow: half an ellipse between two circles."""
+    assert target.orbit is not None
+    assert target.mass_kg is not None
+    high, low = target.orbit.semi_major_axis_m, 6378137.0 + instance.mission.disposal_altitude_m
+    mu, axis = 398600.4418e9, 0.5 * (high + low)
+    delta_v = math.sqrt(mu / high) * (1.0 - math.sqrt(low / axis)) + math.sqrt(mu / low) * (
+        math.sqrt(high / axis) - 1.0
+    )
+    ellipse = target.orbit.replace(semi_major_axis_m=axis, eccentricity=0.0)
+    return 0.5 * revolution_s(ellipse, instance.dynamics), delta_v, target.mass_kg
+
+
 def labels_of(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
+    """Those of :func:`labels_and_uses`, for who does not ask about stations."""
+    return labels_and_uses(mission)[:2]
+
+
+def launch_s(mission: Mission) -> float:
+    """Since when a chaser may fly: launches of the file one after the other, so long apart [s]."""
+    instance, last = mission.instance, -math.inf
+    for chaser in instance.chasers:
+        since = chaser.available_s[0]
+        if chaser.start == "anywhere":
+            since = last = max(since, last + (instance.mission.launch_separation_s or 0.0))
+        if chaser == mission.chaser:
+            return since
+    raise AssertionError("no chaser of the instance")
+
+
+def labels_and_uses(mission: Mission) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """All ways worth having to have done a set of targets and be at a body, see _enumerate."""
     instance = mission.instance
     chaser, first = mission.chaser, instance.first_target
     bodies = len(instance.names)
     stations = len(instance.stations)
     service, opens, closes = np.zeros(bodies), np.zeros(bodies), np.zeros(bodies)
+    tows = np.zeros((bodies, 3))
     last = [instance.mission.duration_s]
     if chaser.available_s[1] is not None:
         last.append(chaser.available_s[1])
@@ -151,6 +225,8 @@ def labels_of(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
         opens[j] = target.window_s[0]
         if target.window_s[1] is not None:
             closes[j] = min(closes[j], target.window_s[1])
+        if target.removal == "tow":
+            tows[j] = tow_of(target, instance)
     # Where planes drift, what saves no more than the resolution is no part of the problem.
     resolution = 0.0
     if instance.dynamics == "j2":
@@ -182,24 +258,50 @@ def labels_of(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
             full.append(empty * math.exp(delta_v * (1.0 - mission.margin) / exhaust))
     else:
         full = [tank.delta_v_m_s * (1.0 - mission.margin) + SLACK_M_S] * (most_kits + 1)
-    wheres, whats, before = [], [], 0
+    wheres, whats, uses, before = [], [], [], 0
+    targets = len(instance.targets)
+    weighs = instance.objective.cost == "expense" and dry > 0.0
     for kits in range(most_kits + 1):
-        where, what = _enumerate(
+        where, what, more = _enumerate(
             first_leg,
             np.concatenate([pair.departure for pair in pairs]),
             np.concatenate([pair.arrival for pair in pairs]),
             np.concatenate([pair.delta_v for pair in pairs]),
             service, opens, closes + SLACK_S, first, stations,
-            instance.names.index(chaser.start_name), chaser.available_s[0], np.array(full),
+            instance.names.index(chaser.start_name), launch_s(mission), np.array(full),
+            np.array(_at_start(chaser, full)),
             bodies if chaser.max_targets is None else chaser.max_targets, takes, kits, kit, dry,
-            exhaust,
+            exhaust, weighs, np.array([each.is_limited for each in instance.stations], np.bool_),
+            tows, min(last) + SLACK_S,
         )  # fmt: skip
+        if instance.objective.cost == "expense":
+            price = chaser.expense or Expense()
+            aboard = kits - sum((where[:, 0] >> n & 1) * takes[first + n] for n in range(targets))
+            lifted = np.exp(more[:, 0] / exhaust) if weighs else 0.0
+            weight = more[:, 1] + (more[:, 2] == 0.0) * lifted * (dry + aboard * kit) - dry
+            what[:, 2] = price.fixed
+            if weighs:
+                what[:, 2] += price.per_kg * weight + price.per_kg_squared * weight**2
+            what[0, 2] = 0.0
         where[1:, 2] += before
         wheres.append(where)
         whats.append(what)
+        uses.append(more[:, 3:])
         before += len(where)
     # A chaser that brings kits back could have left them at home.
-    return np.concatenate(wheres), np.concatenate(whats)
+    return np.concatenate(wheres), np.concatenate(whats), np.concatenate(uses)
+
+
+def _at_start(chaser: Chaser, full: list[float]) -> list[float]:
+    """What is in the tank at the start: all of it, or what the chaser says."""
+    tank = chaser.tank
+    if isinstance(tank, TankByMass):
+        if tank.initial_propellant_kg is None:
+            return full
+        return [each - (tank.propellant_kg - tank.initial_propellant_kg) for each in full]
+    if tank.initial_delta_v_m_s is None:
+        return full
+    return [each - (tank.delta_v_m_s - tank.initial_delta_v_m_s) for each in full]
 
 
 def _as_given(mission: Mission) -> list[Connections]:
@@ -234,7 +336,8 @@ def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
         if (done & needed) != needed or end not in ("anywhere", instance.names[body]):
             continue
         prizes = math.fsum(t.prize for n, t in enumerate(instance.targets) if done >> n & 1)
-        cost = spent if instance.objective.cost == "delta-v" else (time if done else 0.0)
+        by_time = instance.objective.cost == "duration"
+        cost = (time if done else 0.0) if by_time else spent
         best = max(best, (prizes, -cost, label), key=lambda one: one[:2])
     sequence = []
     label = best[2]
@@ -242,6 +345,21 @@ def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
         sequence.append(int(where[label, 1]))
         label = int(where[label, 2])
     return best[0], -best[1], tuple(reversed(sequence))
+
+
+Ways = dict[int, list[tuple[float, tuple[float, ...]]]]
+
+
+def _keep(ways: Ways, done: int, cost: float, use: tuple[float, ...]) -> None:
+    """Keep a way to do a set unless another one costs and takes no more."""
+    known = ways.setdefault(done, [])
+    new = (cost, *use)
+    if any(all(a <= b for a, b in zip((c, *u), new, strict=True)) for c, u in known):
+        return
+    known[:] = [
+        (c, u) for c, u in known if not all(a >= b for a, b in zip((c, *u), new, strict=True))
+    ]
+    known.append((cost, use))
 
 
 def brute_force_campaign(campaign: Campaign) -> tuple[float, float]:
@@ -252,29 +370,41 @@ def brute_force_campaign(campaign: Campaign) -> tuple[float, float]:
     """
     instance = campaign.instance
     by_time = instance.objective.cost == "duration"
-    together = {0: 0.0}
+    limits = [math.inf] * (2 * len(instance.stations))
+    for number, station in enumerate(instance.stations):
+        if station.max_refuellings is not None:
+            limits[2 * number] = station.max_refuellings
+        if station.max_propellant_kg is not None:
+            limits[2 * number + 1] = station.max_propellant_kg
+    none = (0.0,) * len(limits)
+    # For each set the ways to do it worth having: what they cost, and take of stations.
+    together: Ways = {0: [(0.0, none)]}
     for mission in campaign.missions:
         end = (
             mission.chaser.end
             if isinstance(mission.chaser.end, str)
             else mission.chaser.end.station
         )
-        least: dict[int, float] = {}
-        for (done, body, _), (time, _, spent) in zip(*labels_of(mission), strict=True):
+        ways: Ways = {}
+        for (done, body, _), (time, _, spent), use in zip(*labels_and_uses(mission), strict=True):
             if end in ("anywhere", instance.names[body]):
                 cost = spent if not by_time else (time if done else 0.0)
-                least[int(done)] = min(least.get(int(done), math.inf), cost)
-        after: dict[int, float] = {}
-        for done, cost in together.items():
-            for more, added in least.items():
-                if not done & more:
-                    both = max(cost, added) if by_time else cost + added
-                    after[done | more] = min(after.get(done | more, math.inf), both)
+                _keep(ways, int(done), cost, tuple(use))
+        after: Ways = {}
+        for done, known in together.items():
+            for more, added in ways.items():
+                for cost, use in [] if done & more else known:
+                    for and_cost, and_use in added:
+                        taken = tuple(map(float.__add__, use, map(float, and_use)))
+                        both = max(cost, and_cost) if by_time else cost + and_cost
+                        if all(one <= most for one, most in zip(taken, limits, strict=True)):
+                            _keep(after, done | more, both, taken)
         together = after
     needed = sum(1 << n for n, target in enumerate(instance.targets) if target.required)
     best = (-math.inf, -math.inf)
-    for done, cost in together.items():
-        if done & needed == needed:
+    for done, known in together.items():
+        if known and done & needed == needed:
+            cost = min(cost for cost, _ in known)
             prizes = math.fsum(t.prize for n, t in enumerate(instance.targets) if done >> n & 1)
             best = max(best, (prizes, -cost))
     return best[0], -best[1]

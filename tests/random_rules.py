@@ -8,7 +8,7 @@ import numpy as np
 
 import adr_opt
 from adr_opt.bodies import Station, Target
-from adr_opt.chasers import AtStation, Chaser, InOrbit
+from adr_opt.chasers import AtStation, Chaser, InOrbit, Tank, TankByMass
 from adr_opt.given import of_rows
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import EARTH_RADIUS_M
@@ -329,3 +329,77 @@ def carrying(instance: Instance, seed: int) -> Instance:
     return instance.replace(
         name=f"{instance.name}-with-kits", targets=targets, chasers=tuple(chasers)
     )
+
+
+def priced(instance: Instance, seed: int) -> Instance:
+    """The same by expense: what chasers carry and cost, each part of it or not."""
+    rng = np.random.default_rng([10, seed])
+    chasers = []
+    for chaser in instance.chasers:
+        fixed = float(rng.choice([0.0, 20.0, 200.0]))
+        prices = {"fixed": fixed}
+        if isinstance(chaser.tank, TankByMass):
+            scale = 100.0 / (chaser.tank.propellant_kg + 1.0)
+            prices["per_kg"] = scale * float(rng.choice([0.0, 0.5, 2.0]))
+            prices["per_kg_squared"] = scale**2 * float(rng.choice([0.0, 0.01, 0.1]))
+        chasers.append(chaser.replace(expense=None if rng.random() < 0.1 else prices))
+    if len(chasers) > 1 and rng.random() < 0.4:
+        chasers[1] = chasers[0].replace(name=chasers[1].name)
+    return instance.replace(
+        name=f"{instance.name}-priced", chasers=tuple(chasers), objective=Objective(cost="expense")
+    )
+
+
+def limited(instance: Instance, seed: int) -> Instance:
+    """The same with stations that run empty, and launches that lie apart."""
+    rng = np.random.default_rng([11, seed])
+    by_mass = all(isinstance(chaser.tank, TankByMass) for chaser in instance.chasers)
+    stations = []
+    for station in instance.stations:
+        changes: dict[str, object] = {}
+        if rng.random() < 0.6:
+            changes["max_refuellings"] = int(rng.integers(0, 4))
+        if by_mass and rng.random() < 0.6:
+            most = max(chaser.tank.propellant_kg for chaser in instance.chasers)
+            changes["max_propellant_kg"] = float(rng.uniform(0.0, 2.0)) * most
+        stations.append(station.replace(**changes))
+    mission = instance.mission
+    if rng.random() < 0.7:
+        apart = float(rng.uniform(0.0, 0.5)) * mission.duration_s
+        mission = mission.replace(launch_separation_s=apart)
+    return instance.replace(
+        name=f"{instance.name}-limited", stations=tuple(stations), mission=mission
+    )
+
+
+def towing(instance: Instance, seed: int) -> Instance:
+    """The same with some targets towed down, by chasers whose tanks are by mass, and no zones."""
+    rng = np.random.default_rng([10, seed])
+    share = float(rng.choice([0.3, 0.6, 1.0]))
+    targets = tuple(
+        target.replace(
+            removal="tow" if rng.random() < share else target.removal,
+            mass_kg=float(rng.choice([5.0, 100.0, 1000.0, 8000.0]) * rng.uniform(0.5, 2.0)),
+        )
+        for target in instance.targets
+    )
+    chasers = []
+    for chaser in instance.chasers:
+        tank = chaser.tank
+        if isinstance(tank, Tank):
+            dry, isp = float(rng.uniform(100.0, 600.0)), float(rng.uniform(60.0, 320.0))
+            ratio = float(np.expm1(tank.delta_v_m_s / (isp * 9.80665)))
+            tank = TankByMass(dry_mass_kg=dry, propellant_kg=1.2 * dry * ratio, isp_s=isp)
+        chasers.append(chaser.replace(tank=tank))
+    lowest = min(target.orbit.semi_major_axis_m for target in targets) - EARTH_RADIUS_M
+    altitude = lowest - float(rng.choice([1e3, 10e3, 40e3, 150e3]) * rng.uniform(0.5, 1.5))
+    altitude = max(altitude, instance.transfer.min_altitude_m)
+    return instance.replace(
+        name=f"{instance.name}-with-tows", targets=targets, chasers=tuple(chasers),
+        mission=instance.mission.replace(disposal_altitude_m=altitude), keep_out_zones=(),
+    )  # fmt: skip
+
+
+def towing_mission(seed: int) -> Instance:
+    """A mission of one chaser that tows, by turns in two-body motion and under J2."""
+    return towing((random_mission, drifting_mission)[seed % 3 > 0](seed // 2), seed)

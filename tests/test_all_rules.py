@@ -12,7 +12,7 @@ from contextlib import closing
 import numpy as np
 import pytest
 from brute_force import brute_force
-from random_rules import drifting_mission, given_mission, random_mission
+from random_rules import drifting_mission, given_mission, random_mission, towing_mission
 
 import adr_opt
 from adr_opt.mission import Mission
@@ -29,32 +29,35 @@ DRIFTING = 90
 GIVEN = 80
 """And so many over connections that are given."""
 
-every_part = pytest.mark.parametrize(
-    ("draw", "seeds"),
+TOWING = 80
+"""And so many with tows."""
+
+PARTS, WITH_TOWS = (
     [
-        *(
-            pytest.param(random_mission, range(part, MISSIONS, 5), id=f"two-body-{part}")
-            for part in range(5)
+        pytest.param(draw, range(part, most, parts), id=f"{name}-{part}")
+        for name, draw, most, parts in kinds
+        for part in range(parts)
+    ]
+    for kinds in (
+        (
+            ("two-body", random_mission, MISSIONS, 5), ("j2", drifting_mission, DRIFTING, 3),
+            ("given", given_mission, GIVEN, 2),
         ),
-        *(
-            pytest.param(drifting_mission, range(part, DRIFTING, 3), id=f"j2-{part}")
-            for part in range(3)
-        ),
-        *(
-            pytest.param(given_mission, range(part, GIVEN, 2), id=f"given-{part}")
-            for part in range(2)
-        ),
-    ],
-)
+        (("tow", towing_mission, TOWING, 2),),
+    )
+)  # fmt: skip
+every_part = pytest.mark.parametrize(("draw", "seeds"), PARTS)
+every_part_and_tows = pytest.mark.parametrize(("draw", "seeds"), [*PARTS, *WITH_TOWS])
 either = pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_mission])
 
 KINDS = {
     random_mission: {"short"}, drifting_mission: {"short", "drift"}, given_mission: {"given"},
+    towing_mission: {"short", "drift"},
 }  # fmt: skip
 """Of the legs of their plans."""
 
 
-@every_part
+@every_part_and_tows
 def test_schedules_are_the_best_there_are(draw, seeds):
     """The schedule of the best order costs what enumeration says, and `check` agrees."""
     flown, kinds = 0, set()
@@ -75,7 +78,7 @@ def test_schedules_are_the_best_there_are(draw, seeds):
     assert kinds == KINDS[draw]
 
 
-@every_part
+@every_part_and_tows
 def test_bounds_hold_and_proofs_end_at_the_optimum(draw, seeds):
     """No plan that enumeration knows is above the bound, and `exact` proves the best one."""
     for seed in seeds:
@@ -89,7 +92,7 @@ def test_bounds_hold_and_proofs_end_at_the_optimum(draw, seeds):
         for multipliers in (np.zeros(worth.size), rng.uniform(0.0, 1.2, worth.size) * worth):
             value, _ = bound.evaluate(multipliers)
             assert mission.shown(value) >= prizes - 1e-9, seed
-        result = adr_opt.solve(mission, "exact", time_limit=60.0)
+        result = adr_opt.solve(mission.instance, "exact", time_limit=60.0)
         if math.isfinite(prizes):
             assert result.status == "optimal", (seed, result)
             assert result.objective == pytest.approx(prizes, abs=1e-9), seed

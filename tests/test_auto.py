@@ -215,6 +215,6 @@ def test_on_one_core_the_beam_comes_before_the_proof(monkeypatch):
     monkeypatch.setattr(auto_module._Search, "usual", searching)
     monkeypatch.setattr(auto_module._Prover, "advance", proving)
     mission = Mission(adr_opt.generate("nominal", 0, targets=30))
-    adr_opt.solve(mission, "auto", jobs=1, iterations=8, time_limit=60.0)
+    adr_opt.solve(mission, "auto", jobs=1, iterations=2, time_limit=60.0)
     assert "proof" in done
     assert done.index(auto_module.USUAL_WIDTH) < done.index("proof")

@@ -104,9 +104,10 @@ def flown(instance: Instance, routes: Routes) -> tuple[float, float]:
         for i, j in itertools.pairwise((instance.starts[number], *route)):
             assert j != i
             pair = connecting.of_pair(i, j, connecting.planning_resolution_m_s)
+            flown = (pair.departure, pair.arrival, pair.delta_v, pair.delta_v)
             ready, left, spent, _, _ = follow(
-                ready, left, spent, (pair.departure, pair.arrival, pair.delta_v), limits.service[j],
-                limits.opens[j], limits.closes[j], -1.0 if j >= first else budget, loads, j, kits,
+                ready, left, spent, np.empty(0), flown, limits.service[j], limits.opens[j],
+                limits.closes[j], -1.0 if j >= first else budget, loads, j, kits,
             )  # fmt: skip
             kits -= 0 if loads is None else int(loads.takes[j])
             assert ready.size

@@ -192,12 +192,7 @@ def test_in_a_browser(tmp_path: Path, width: int, dark: bool) -> None:
     """At desk and at phone width: no error, no sideways scrolling; a phase can be switched off."""
     (tmp_path / "page.html").write_text(page(campaign("j2"), planned("j2")), encoding="utf-8")
     with browser.Browser(tmp_path / "profile", width=width, dark=dark) as tab:
-        tab.open(tmp_path / "page.html")
-        tab.wait_for("document.documentElement?.dataset.ready")
-        tab.evaluate("document.getElementById('orbits').scrollIntoView()")
-        tab.wait_for("document.documentElement?.dataset.complete")
-        assert [text for level, text in tab.complaints if level == "error"] == []
-        assert tab.evaluate("document.documentElement.scrollWidth") == width
+        tab.open_report(tmp_path / "page.html")
         assert tab.evaluate("document.querySelectorAll('.chart.js-plotly-plot').length") == 8
         hidden = "document.getElementById('lanes').data.filter((t) => t.visible === false).length"
         tab.evaluate("document.querySelector('button[data-phase=\"service\"]').click()")

@@ -7,6 +7,7 @@ from itertools import permutations
 
 import numpy as np
 import pytest
+from against_enumeration import compared
 from brute_force import brute_force_campaign, labels_of
 from random_rules import (
     carrying,
@@ -16,6 +17,7 @@ from random_rules import (
     mixed_campaign,
     random_campaign,
     random_mission,
+    towing,
 )
 from test_proofs_hold import RARE, resonant
 
@@ -53,20 +55,10 @@ def test_plans_pass_and_bounds_hold(method, draw, seeds):
     planned = proven = 0
     for seed in seeds:
         campaign = Campaign(random_campaign(seed, draw))
-        prizes, cost = brute_force_campaign(campaign)
         result = adr_opt.solve(campaign, method, time_limit=30.0, iterations=8)
-        assert result.upper_bound >= prizes - 1e-9, seed
-        if result.plan is None:
-            assert math.isfinite(prizes) <= (result.status != "infeasible"), seed
-            continue
-        planned += 1
-        assert adr_opt.check(campaign.instance, result.plan) == (), seed
-        assert result.objective <= prizes + 1e-9, seed
-        if result.objective == pytest.approx(prizes):
-            assert result.plan.cost >= cost - 1e-6, seed
-        if result.status == "optimal":
-            assert result.objective == pytest.approx(prizes), seed
-            proven += 1
+        if compared(campaign, result, seed):
+            planned += 1
+            proven += result.status == "optimal"
     assert planned > 0.6 * len(seeds)
     if method in PROVING:
         assert proven == planned
@@ -81,22 +73,10 @@ def test_chasers_of_many_kinds(method, draw, seeds):
         instance, margin = mixed_campaign(seed, draw), 0.1 * (seed % 3 == 0)
         campaign = Campaign(instance, margin=margin)
         several += len(campaign.kinds) > 1
-        prizes, cost = brute_force_campaign(campaign)
         result = adr_opt.solve(instance, method, time_limit=30.0, iterations=8, margin=margin)
-        assert result.upper_bound >= prizes - 1e-9, seed
-        if result.plan is None:
-            assert math.isfinite(prizes) <= (result.status != "infeasible"), seed
-            continue
-        planned += 1
-        assert adr_opt.check(instance, result.plan) == (), seed
-        assert result.objective <= prizes + 1e-9, seed
-        for mission, route in zip(campaign.missions, result.routes, strict=True):
-            assert mission.time(route).made == len(route), seed  # also with the margin
-        if result.objective == pytest.approx(prizes):
-            assert result.plan.cost >= cost - 1e-6, seed
-        if result.status == "optimal":
-            assert result.objective == pytest.approx(prizes), seed
-            proven += 1
+        if compared(campaign, result, seed):
+            planned += 1
+            proven += result.status == "optimal"
     assert several > 0.7 * len(seeds)
     assert planned > 0.33 * len(seeds)
     if method in PROVING:
@@ -112,6 +92,8 @@ def test_the_least_cost_is_that_of_enumeration(make, draw, seeds):
         instance = make(seed, draw)
         if seed % 2:
             instance = carrying(instance, seed)
+        if seed % 3 == 0 and instance.given is None:
+            instance = towing(instance, seed)
         campaign = Campaign(instance)
         prizes, cost = brute_force_campaign(campaign)
         result = adr_opt.solve(campaign, "exact", time_limit=30.0, iterations=8, cost=True)

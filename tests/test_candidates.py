@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from pathlib import Path
@@ -14,7 +15,12 @@ import adr_opt
 from adr_opt import available_memory, candidates, front, timetable, timetable_size
 from adr_opt.errors import InputError
 from adr_opt.instance import Instance
+from adr_opt.kernels import timetable as tables
+from adr_opt.kernels import timetable_making as making
+from adr_opt.kernels.constants import MU_M3_S2
+from adr_opt.kernels.timetable_making import Pairs
 from adr_opt.mission import Mission
+from adr_opt.pairs import all_pairs, nearest_pairs
 from adr_opt.planner import BOUNDS, PLANNERS
 from adr_opt.result import Result
 from adr_opt.stop import Interrupted
@@ -57,29 +63,68 @@ def large(targets: int = 143, days: float = 365.0) -> Instance:
     return instance.with_limits(duration_s=86400.0 * days)
 
 
+def entries_of(table: timetable.Timetable, i: int, j: int) -> list[tuple[float, float, float]]:
+    """Departure, ΔV and arrival of all events of a pair."""
+    return [
+        (tables.departure_at(table.table, i, j, m), *tables.entry_at(table.table, i, j, m))
+        for m in range(tables.events(table.table, i, j))
+    ]
+
+
+def drawn_fields() -> list[Instance]:
+    """Fields where events are regular, and where they are not; with zones and windows."""
+    return [
+        adr_opt.generate("tiny", 3, targets=9, zones=2),
+        adr_opt.generate("tiny", 5, targets=9).replace(dynamics="j2"),
+        adr_opt.generate("campaign", 0, targets=9, chasers=1).with_limits(2 * 86400.0),
+    ]
+
+
 @pytest.mark.usefixtures("in_small_steps")
+@pytest.mark.parametrize("field", range(3))
 @pytest.mark.parametrize("share", [0.0, 0.1, 0.5, 0.9])
 @pytest.mark.parametrize("threads", [1, 2])
-def test_a_table_that_is_broken_off_is_whole_for_the_first_bodies(share, threads):
-    """It has the same bits as the table of the instance of these bodies alone."""
-    instance = adr_opt.generate("tiny", 3, targets=9, zones=2)
-    order = [0, 7, 2, 9, 4, 1, 3, 8, 6, 5]
-    part = timetable.Timetable(instance, threads, order=order, enough=lambda built: built > share)
-    count = len(part.names)
-    assert math.sqrt(share) * 10 - 1 <= count < 10
-    assert set(part.names) == {instance.names[body] for body in order[:count]}
-    assert [name for name in instance.names if name in part.names] == list(part.names)
-    alone = timetable.Timetable(part.instance, 1)
-    for one, other in zip(part.table, alone.table, strict=True):
-        assert one.flags.c_contiguous
-        events = alone.most_events
-        one = one[:, :events] if one.ndim > 2 else one
-        assert np.array_equal(one, other)
+def test_a_table_that_is_broken_off_holds_the_first_pairs(field, share, threads):
+    """The pairs that it has have the same bits as in the table of all, the others no event."""
+    instance = drawn_fields()[field]
+    bodies = len(instance.names)
+    for ranks in (4, bodies - 1):
+        pairs = nearest_pairs(instance, (), ranks)
+        part = timetable.Timetable(
+            instance, threads, pairs=pairs, enough=lambda built: built > share
+        )
+        whole = timetable.Timetable(instance, 1)
+        assert part.built >= min(share * bodies * (bodies - 1), pairs.near.size)
+        assert part.is_whole == (part.built == bodies * (bodies - 1))
+        there = [making.pair_at(number, pairs) for number in range(part.built)]
+        there = {(int(i), int(pairs.near[i, rank])) for i, rank in there}
+        assert len(there) == part.built
+        for i in range(bodies):
+            for j in range(bodies):
+                wanted = entries_of(whole, i, j) if (i, j) in there else []
+                assert entries_of(part, i, j) == wanted
+                for time_s in (0.0, 4e4):
+                    found = part.lookup(i, j, time_s)
+                    expected = whole.lookup(i, j, time_s) if (i, j) in there else (np.inf, np.inf)
+                    assert found == expected or i == j
+
+
+@pytest.mark.parametrize("bodies", [1, 2, 17, 40])
+@pytest.mark.parametrize("ranks", [0, 1, 16, 17, 39])
+def test_pairs_come_once_and_in_waves(bodies, ranks):
+    """Every origin has as many of its destinations, up to a wave, before any has more."""
+    ranks = min(ranks, bodies - 1)
+    pairs = Pairs(np.arange(bodies)[::-1], all_pairs(bodies).near[:, :ranks])
+    found = [making.pair_at(number, pairs) for number in range(bodies * ranks)]
+    assert len(set(found)) == bodies * ranks
+    waves = [rank // making.WAVE for _, rank in found]
+    assert waves == sorted(waves)
+    assert all(j != i for i in range(bodies) for j in pairs.near[i])
 
 
 @pytest.mark.usefixtures("in_small_steps")
-def test_a_plan_of_a_part_is_a_plan_of_the_whole():
-    """Interrupted half-way, the plan passes the check and says which targets it left out."""
+def test_a_plan_on_some_pairs_is_a_plan_of_the_whole():
+    """Interrupted half-way, the plan passes the check, proves nothing, and says what is missing."""
     instance = adr_opt.generate("nominal", 0, targets=20)
     result = broken_off(instance, 0.5)
     assert result.plan is not None
@@ -90,37 +135,62 @@ def test_a_plan_of_a_part_is_a_plan_of_the_whole():
     assert result.plan.upper_bound is None
     names = [instance.names[body] for body in result.sequence or ()]
     assert names == list(result.plan.destinations)
-    left_out = [entry for entry in result.plan.unvisited if entry.reason == "not-considered"]
     visited = {name for name in names if name != "station"}
     listed = {entry.target for entry in result.plan.unvisited}
     assert visited | listed == set(instance.names[1:])
     assert not visited & listed
-    count = 20 - len(left_out)
-    assert 12 <= count < 20
-    assert any(
-        note.startswith(f"planned with the nearest {count} of 20 targets")
-        for note in result.plan.notes
-    )
+    assert any("of 20 destinations of each body" in note for note in result.plan.notes)
     assert result.plan.notes == result.notes
 
 
-@pytest.mark.usefixtures("in_small_steps")
-def test_the_part_has_the_nearest_targets():
-    """Every target that was planned with is nearer to the station's orbit than those left out."""
+def test_a_target_that_no_pair_leads_to_was_not_considered():
+    """It is not said that there is no transfer to it where nobody has looked for one."""
     instance = adr_opt.generate("nominal", 0, targets=20)
-    order = candidates.nearest_first(instance, ())
-    assert order[0] == 0
-    result = broken_off(instance, 0.5)
+    mission = Mission(instance)
+    mission.build(nearest_pairs(instance, (), 3))
+    result = adr_opt.solve(mission, "beam", width=10)
     assert result.plan is not None
-    left_out = {entry.target for entry in result.plan.unvisited if entry.reason == "not-considered"}
-    assert left_out == {instance.names[body] for body in order[-len(left_out) :]}
+    reasons = {entry.target: entry.reason for entry in result.plan.unvisited}
+    near = set(np.unique(mission.timetable.pairs.near).tolist())
+    far = [instance.names[body] for body in range(1, 21) if body not in near]
+    assert far
+    assert {reasons[name] for name in far} == {"not-considered"}
+    assert "no-transfer" not in reasons.values()
+
+
+def delta_v_floor(instance: Instance, i: int, j: int) -> float:
+    """ΔV of turning the plane and changing the height, as it is at t = 0 [m/s]."""
+    one, other = instance.body_orbits[i], instance.body_orbits[j]
+    normals = []
+    for orbit in (one, other):
+        tilt, node = math.radians(orbit.inclination_deg), math.radians(orbit.raan_deg)
+        normals.append(
+            (math.sin(tilt) * math.sin(node), -math.sin(tilt) * math.cos(node), math.cos(tilt))
+        )
+    speed = math.sqrt(MU_M3_S2 / one.semi_major_axis_m)
+    turn = speed * math.dist(*normals)
+    climb = 0.5 * speed * (other.semi_major_axis_m / one.semi_major_axis_m - 1.0)
+    return math.hypot(turn, climb)
 
 
 def test_nearest_is_by_delta_v():
-    """Targets come by their change of plane and height, those without a prize last."""
+    """Of fifty drawn bodies each lists the others by what plane and height cost, stations first."""
+    instance = adr_opt.generate("nominal", 4, targets=50)
+    pairs = nearest_pairs(instance, (), 50)
+    for i in range(51):
+        listed = pairs.near[i].tolist()
+        assert sorted([*listed, i]) == list(range(51))
+        assert i == 0 or listed[0] == 0
+        costs = [delta_v_floor(instance, i, j) for j in listed if j != 0]
+        assert all(later >= 0.98 * earlier for earlier, later in itertools.pairwise(costs))
+
+
+def test_nearest_first_are_those_wanted_and_worthless_last():
+    """Origins come by their distance from the start; what is asked for first, worthless last."""
     instance = hand_made()
     north, beyond, south = (instance.names.index(name) for name in ("north", "beyond", "south"))
-    order = candidates.nearest_first(instance, ())
+    order = nearest_pairs(instance, (), 9).origins.tolist()
+    assert order[0] == 0
     assert order.index(beyond) > max(order.index(north), order.index(south))
     worthless = instance.replace(
         targets=[
@@ -128,13 +198,15 @@ def test_nearest_is_by_delta_v():
             for target in instance.targets
         ]
     )
-    assert candidates.nearest_first(worthless, ())[-1] == north
-    assert candidates.nearest_first(instance, ("beyond",))[1] == beyond
+    pairs = nearest_pairs(worthless, (), 9)
+    assert pairs.origins[-1] == north
+    assert pairs.near[0, -1] == north
+    assert nearest_pairs(instance, ("beyond",), 9).origins[1] == beyond
 
 
 @pytest.mark.usefixtures("in_small_steps")
 def test_all_prizes_by_a_part_are_optimal():
-    """Where only targets without a prize were left out, collecting all prizes is still a proof."""
+    """Where all prizes are collected on some pairs, that is still a proof."""
     instance = adr_opt.generate("tiny", 1)
     some = instance.replace(
         targets=[
@@ -143,16 +215,16 @@ def test_all_prizes_by_a_part_are_optimal():
         ]
     )
     result = broken_off(some, 0.3)
-    assert any("planned with the nearest" in note for note in result.notes)
+    assert any("so nothing is proven" in note for note in result.notes)
     assert result.objective == 1.0
     assert result.status == "optimal"
 
 
 @pytest.mark.usefixtures("in_small_steps")
 def test_a_start_plan_is_kept_by_a_part():
-    """The targets of a start plan are built first, so that it is never lost."""
+    """A start plan over pairs that the table does not hold is never lost."""
     instance = adr_opt.generate("nominal", 0, targets=20)
-    order = candidates.nearest_first(instance, ())
+    order = nearest_pairs(instance, (), 20).origins.tolist()
     far = instance.part([0, *order[-6:]])
     plan = adr_opt.solve(far, "beam").plan
     assert plan is not None
@@ -169,7 +241,7 @@ def test_a_start_plan_is_kept_by_a_part():
 def test_a_bound_of_a_part_is_no_bound():
     """A bound that was broken off during the build proves no more than the sum of all prizes."""
     instance = adr_opt.generate("tiny", 1)
-    result = broken_off(instance, 0.3, BOUNDS, "lagrangian")
+    result = broken_off(instance, 0.3, BOUNDS, "routing-bound")
     assert result.upper_bound == len(instance.targets)
     assert result.status == "unknown"
     assert "there was no time to begin" in result.notes[0]
@@ -204,7 +276,7 @@ def test_a_limit_holds_for_the_timetable():
     assert result.plan is not None
     assert adr_opt.check(instance, result.plan) == ()
     assert result.objective >= 1.0
-    assert any("of 143 targets" in note for note in result.notes)
+    assert any("of 143 destinations" in note for note in result.notes)
 
 
 def test_a_usual_field_is_never_cut():
@@ -232,20 +304,40 @@ def test_too_large_a_timetable_is_refused(monkeypatch):
     with pytest.raises(InputError, match=pattern):
         timetable.Timetable(instance)
     with pytest.raises(InputError, match=pattern):
-        adr_opt.bound(instance, "lagrangian")
+        adr_opt.bound(instance, "routing-bound")
 
 
-def test_memory_limits_the_candidates(monkeypatch):
-    """Where memory is short, the nearest targets that fit are planned with."""
+def test_memory_limits_the_pairs(monkeypatch):
+    """Where memory is short, the nearest destinations that fit are planned with, and no more."""
     instance = adr_opt.generate("nominal", 0, targets=20)
     half = timetable_size.estimate(instance).bytes / timetable_size.MEMORY_SHARE / 2.0
     monkeypatch.setattr(timetable_size, "available_bytes", lambda: half)
-    result = adr_opt.solve(instance, "beam")
+    mission = Mission(instance)
+    result = adr_opt.solve(mission, "beam")
     assert result.plan is not None
     assert adr_opt.check(instance, result.plan) == ()
     assert any("GiB of memory" in note for note in result.notes)
-    left_out = [entry for entry in result.plan.unvisited if entry.reason == "not-considered"]
-    assert 5 <= len(left_out) <= 8
+    held = sum(array.nbytes for array in mission.timetable.table)
+    assert 0.3 * half < held < timetable_size.MEMORY_SHARE * half
+    assert 7 <= mission.timetable.pairs.near.shape[1] <= 10
+    assert mission.with_time_value(200.0) is mission
+
+
+def test_memory_is_a_setting():
+    """A plan within so many GiB is made on a table that takes no more; nonsense is refused."""
+    instance = adr_opt.generate("nominal", 0, targets=20)
+    held = timetable_size.estimate(instance).bytes
+    mission = Mission(instance)
+    result = adr_opt.solve(mission, "beam", memory_gib=held / 2.0**31)
+    assert adr_opt.check(instance, result.plan) == ()
+    assert sum(array.nbytes for array in mission.timetable.table) <= held / 2.0
+    assert not mission.is_whole
+    drifting = Mission(adr_opt.generate("rocket-bodies", 0))
+    adr_opt.solve(drifting, "greedy", memory_gib=1e-3)
+    assert drifting.connecting.kept.bytes <= 2**20
+    for wrong in (0.0, -1.0, math.nan):
+        with pytest.raises(InputError, match=r"memory_gib = .*: must be a number above 0"):
+            adr_opt.solve(instance, memory_gib=wrong)
 
 
 def test_control_groups_limit_the_memory(tmp_path: Path):

@@ -184,4 +184,4 @@ def test_interrupted_while_the_timetable_is_built(tmp_path: Path) -> None:
     assert time.monotonic() - sent < 10.0
     assert process.returncode in (0, 1)
     assert b"Traceback" not in said
-    assert b"of 150 targets" in said or b"no time to begin" in said
+    assert b"of 150 destinations" in said or b"no time to begin" in said

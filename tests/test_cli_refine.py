@@ -27,8 +27,6 @@ from adr_opt.kernels.gravity import FIELDS
 from adr_opt.refining import all_legs
 from adr_opt.refining.ephemeris import tracks
 
-pytest.importorskip("scipy")
-
 
 @pytest.fixture
 def mission(cli: Cli) -> Instance:

@@ -144,10 +144,10 @@ def test_only_changes_that_a_kernel_can_reach_compile_it_anew(
 
 def test_kernels_of_the_rules_follow_the_orbits() -> None:
     """What fills the timetable is compiled anew when the orbits change; what reads it is not."""
-    from adr_opt.kernels import orbits, rules, timetable
+    from adr_opt.kernels import orbits, rules, timetable_making
 
     def digests() -> tuple[str, str]:
-        return kernel_cache.sources(timetable.fill), kernel_cache.sources(rules.replay)
+        return kernel_cache.sources(timetable_making.fill), kernel_cache.sources(rules.replay)
 
     before = digests()
     given = orbits.COPLANAR_RAD
@@ -337,6 +337,16 @@ def test_warm_up_says_what_it_has_done(capsys: pytest.CaptureFixture[str]) -> No
     assert [row["method"] for row in said["methods"]] == ["(all)", "greedy"]
     assert [row["problem"] for row in said["methods"]] == [None, None]
     assert Path(said["folder"]).is_dir()
+
+
+@pytest.mark.slow
+def test_warm_up_of_all_methods(capsys: pytest.CaptureFixture[str]) -> None:
+    """Without a name `warm-up` compiles for every planner and bound, and none has a problem."""
+    assert main(["warm-up", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)["methods"]
+    everything = dict.fromkeys((*names(PLANNERS), *names(BOUNDS)))
+    assert [row["method"] for row in rows] == ["(all)", *everything]
+    assert [row["problem"] for row in rows] == [None] * len(rows)
 
 
 @pytest.mark.parametrize(

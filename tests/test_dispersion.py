@@ -252,7 +252,6 @@ def test_wrong_parameters_are_one_sentence() -> None:
 
 def test_fly_tells_of_errors(cli: Cli) -> None:
     """`fly --samples` prints quantiles and JSON, and ends with 1 where 95 % break a tank."""
-    pytest.importorskip("scipy")
     instance, refined = mission()
     Path("my.json").write_text(instance.to_json(), encoding="utf-8")
     refined.save("refined.json")

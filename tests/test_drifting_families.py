@@ -12,7 +12,7 @@ import pytest
 
 import adr_opt
 from adr_opt.drift import node_rates
-from adr_opt.generator import FAMILIES, removal, rocket_bodies, sso
+from adr_opt.generator import FAMILIES, fragments, removal, rocket_bodies, sso
 from adr_opt.instance import json_schema
 from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M
 from adr_opt.orbit import Orbit
@@ -39,7 +39,7 @@ def stated(name: str) -> str:
 
 def test_all_families_that_drift_are_looked_at() -> None:
     """The families of the generator whose nodes drift are those of this file."""
-    looked_at = {*DRIFTING, "removal"}
+    looked_at = {*DRIFTING, "removal", "fragment-cloud"}
     assert looked_at == {family.name for family in FAMILIES.values() if family.drifts}
 
 
@@ -66,6 +66,28 @@ def test_removal_has_two_kinds_of_targets() -> None:
             number * removal.APART_S for number in range(4)
         ]
     assert min(counts) > 200
+
+
+def test_pieces_of_a_cloud_are_within_the_limits() -> None:
+    """All pieces cross the height of the event, near its inclination, in planes all round."""
+    orbits = [target.orbit for target in adr_opt.generate("fragment-cloud", 0).targets]
+    sizes_km = np.array([orbit.semi_major_axis_m for orbit in orbits]) / 1e3
+    swings_km = sizes_km * np.array([orbit.eccentricity for orbit in orbits])
+    perigees_km = sizes_km - swings_km - EARTH_RADIUS_M / 1e3
+    apogees_km = sizes_km + swings_km - EARTH_RADIUS_M / 1e3
+    tilts_deg = np.array([orbit.inclination_deg for orbit in orbits])
+    nodes_deg = np.array([orbit.raan_deg for orbit in orbits])
+    for values, low, high in (
+        (perigees_km, fragments.LOWEST_KM, fragments.EVENT_KM),
+        (apogees_km, fragments.EVENT_KM, fragments.HIGHEST_KM),
+        (tilts_deg - fragments.INCLINATION_DEG, -fragments.SPREAD_DEG, fragments.SPREAD_DEG),
+        (nodes_deg, 0.0, 360.0),
+    ):
+        assert low - 1e-3 <= values.min() < low + 0.1 * (high - low)
+        assert high - 0.1 * (high - low) < values.max() <= high + 1e-3
+    # The lesser of two uniform numbers lies below a half three times of four.
+    halfway_km = 0.5 * (fragments.EVENT_KM + fragments.HIGHEST_KM)
+    assert np.mean(apogees_km < halfway_km) == pytest.approx(0.75, abs=0.05)
 
 
 @pytest.mark.parametrize("name", DRIFTING)

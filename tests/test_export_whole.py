@@ -7,6 +7,7 @@ import json
 import re
 import sys
 from collections import defaultdict
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,38 +20,49 @@ from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 import adr_opt
 from adr_opt.export import models, parquet, write_timetable
 from adr_opt.export.write import ONE_DEPARTURE, SAMPLED, whole_suffixes
+from adr_opt.kernels.constants import DAY_S
 from adr_opt.mission import Mission
 from solvers.planners.mip import files
 
 MODELS = pytest.mark.parametrize("suffix", [".lp", ".mps"])
 
 
-def odd_missions() -> list[Mission]:
-    """Tiny missions with zones, unequal and non-integer prizes, and a small tank by turns."""
-    found = [Mission(hand_made(), threads=1)]
-    rng = np.random.default_rng(0)
-    for seed in range(12):
-        instance = adr_opt.generate("tiny", seed, targets=3 + seed % 4, zones=3 * (seed % 3 == 0))
-        prizes = rng.integers(0, 6, 9) * 2.0 if seed % 2 else np.round(rng.uniform(0.1, 3.0, 9), 3)
-        targets = tuple(
-            target.replace(prize=float(prize))
-            for target, prize in zip(instance.targets, prizes, strict=False)
-        )
-        found.append(
-            Mission(
-                instance.replace(targets=targets).with_limits(
-                    delta_v_m_s=float(rng.uniform(300.0, 1500.0))
-                ),
-                threads=1,
-            )
-        )
-    return found
+LONG = (2, 7, 10)
+"""Seeds of odd missions whose models take seconds to solve."""
 
 
-def crowded_mission() -> Mission:
+def odd_mission(seed: int) -> Mission:
+    """Make a tiny mission with zones, unequal and non-integer prizes, or a small tank by turns."""
+    rng = np.random.default_rng(seed)
+    instance = adr_opt.generate("tiny", seed, targets=3 + seed % 4, zones=3 * (seed % 3 == 0))
+    prizes = rng.integers(0, 6, 9) * 2.0 if seed % 2 else np.round(rng.uniform(0.1, 3.0, 9), 3)
+    targets = tuple(
+        target.replace(prize=float(prize))
+        for target, prize in zip(instance.targets, prizes, strict=False)
+    )
+    tank = float(rng.uniform(300.0, 1500.0))
+    return Mission(instance.replace(targets=targets).with_limits(delta_v_m_s=tank), threads=1)
+
+
+def crowded_mission(seed: int, targets: int, delta_v_m_s: float, days: float) -> Mission:
     """Make a mission in which several ways lead to the same leg, so that the rows of ΔV decide."""
-    instance = adr_opt.generate("nominal", 9, targets=7)
-    return Mission(instance.with_limits(delta_v_m_s=800.0, duration_s=2.0 * 86400.0), threads=1)
+    instance = adr_opt.generate("nominal", seed, targets=targets)
+    limited = instance.with_limits(delta_v_m_s=delta_v_m_s, duration_s=days * DAY_S)
+    return Mission(limited, threads=1)
+
+
+def small_missions() -> list[Mission]:
+    """Make missions whose models are solved at once."""
+    return [
+        Mission(hand_made(), threads=1),
+        *(odd_mission(seed) for seed in range(12) if seed not in LONG),
+        *(crowded_mission(seed, 5, 600.0, 1.2) for seed in (10, 12, 18, 27)),
+    ]
+
+
+def large_missions() -> list[Mission]:
+    """Make missions whose models take seconds."""
+    return [*(odd_mission(seed) for seed in LONG), crowded_mission(9, 7, 800.0, 2.0)]
 
 
 def solved(path: Path) -> tuple[float, tuple[int, ...]]:
@@ -67,10 +79,15 @@ def solved(path: Path) -> tuple[float, tuple[int, ...]]:
 
 
 @MODELS
-def test_the_optimum_of_the_file_is_the_optimum_of_the_mission(suffix: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "make", [small_missions, pytest.param(large_missions, marks=pytest.mark.slow)]
+)
+def test_the_optimum_of_the_file_is_the_optimum_of_the_mission(
+    suffix: str, make: Callable[[], list[Mission]], tmp_path: Path
+) -> None:
     """HiGHS, from the file alone, finds what brute force finds, and the names give the plan."""
     pytest.importorskip("pyomo")
-    for mission in (*odd_missions(), crowded_mission()):
+    for mission in make():
         optimum, _, _ = brute_force(mission)
         path = tmp_path / f"model{suffix}"
         write_timetable(mission, path)
@@ -99,9 +116,9 @@ def test_a_model_without_a_budget_is_caught(
     from solvers.planners.mip.constraints import Constraints
 
     monkeypatch.setattr(Constraints, "_delta_v_fits", lambda self: None)
-    mission = crowded_mission()
-    write_timetable(mission, tmp_path / "model.lp")
-    assert solved(tmp_path / "model.lp")[0] > brute_force(mission)[0] + 0.5
+    for mission in (crowded_mission(seed, 5, 600.0, 1.2) for seed in (10, 12, 18, 27)):
+        write_timetable(mission, tmp_path / "model.lp")
+        assert solved(tmp_path / "model.lp")[0] > brute_force(mission)[0] + 0.5
 
 
 def test_another_reader_and_solver_agree(tmp_path: Path) -> None:
@@ -109,7 +126,7 @@ def test_another_reader_and_solver_agree(tmp_path: Path) -> None:
     pytest.importorskip("pyomo")
     from ortools.linear_solver.python import model_builder
 
-    for mission in odd_missions()[:5]:
+    for mission in small_missions()[:5]:
         write_timetable(mission, tmp_path / "model.mps")
         model, solver = model_builder.Model(), model_builder.Solver("scip")
         assert model.import_from_mps_file(str(tmp_path / "model.mps"))

@@ -17,7 +17,8 @@ from adr_opt import Instance, Plan
 from adr_opt import instance as instance_module
 from adr_opt import plan as plan_module
 from adr_opt.bodies import Station
-from adr_opt.chasers import AtStation, Chaser, InOrbit, Tank, free_name
+from adr_opt.chasers import AtStation, Chaser, Expense, InOrbit, Tank, free_name
+from adr_opt.errors import InputError
 from adr_opt.kernels.orbits import ORBIT_COLUMNS
 from adr_opt.plan import cost_of
 from adr_opt.settings import MissionSettings, Objective, TransferSettings
@@ -38,7 +39,11 @@ def stated(draw: st.DrawFn) -> Instance:
     field = adr_opt.generate("tiny", draw(st.integers(0, 5)), zones=draw(st.integers(0, 2)))
     orbits = [target.orbit for target in field.targets]
     stations = tuple(
-        Station(name=f"station {number}", orbit=orbits[number])
+        Station(
+            name=f"station {number}",
+            orbit=orbits[number],
+            max_refuellings=draw(st.one_of(st.none(), st.integers(0, 9))),
+        )
         for number in range(draw(st.integers(0, 3)))
     )
     starts: list[Any] = [InOrbit(orbit=orbits[-1])]
@@ -68,16 +73,21 @@ def stated(draw: st.DrawFn) -> Instance:
                 end=draw(st.sampled_from(ends)),
                 max_targets=draw(st.one_of(st.none(), st.integers(0, 9))),
                 tank=Tank(delta_v_m_s=draw(st.floats(0.0, 1e4))),
+                expense=draw(st.one_of(st.none(), st.builds(Expense, fixed=st.floats(0.0, 1e3)))),
             ),
         ),
-        mission=MissionSettings(duration_s=draw(TIMES), **{service: draw(st.floats(0.0, 100.0))}),
+        mission=MissionSettings(
+            duration_s=draw(TIMES),
+            **{service: draw(st.floats(0.0, 100.0))},
+            launch_separation_s=draw(st.one_of(st.none(), st.floats(0.0, 1e6))),
+        ),
         transfer=TransferSettings(
             delta_v_resolution_m_s=draw(st.floats(0.0, 10.0)),
             departure_spacing_s=draw(st.floats(0.0, 1e5)),
             drift_step_s=draw(st.floats(1.0, 1e6)),
             max_drift_s=draw(st.floats(0.0, 1e9)) if dynamics == "j2" else 0.0,
         ),
-        objective=Objective(cost=draw(st.sampled_from(["delta-v", "duration"]))),
+        objective=Objective(cost=draw(st.sampled_from(["delta-v", "duration", "expense"]))),
         keep_out_zones=field.keep_out_zones,
     )
 
@@ -244,3 +254,34 @@ def test_routes_are_those_of_the_chasers(planned: tuple[Instance, Plan]) -> None
     assert rules(instance, plan.replace(routes=(route.replace(chaser="tug"),))) == {"chaser"}
     halves = (route.replace(legs=route.legs[:1]), route.replace(legs=route.legs[1:]))
     assert rules(instance, plan.replace(routes=halves)) == {"chaser"}
+
+
+def test_what_is_not_stated_of_money_and_limits_is_not_written() -> None:
+    """Files of instances without expense, limits and separation are the same bytes as before."""
+    instance = adr_opt.generate("tiny", 0)
+    text = instance.to_json()
+    assert not any(word in text for word in ("expense", "max_refuel", "propellant", "separation"))
+    stated = instance.replace(
+        chasers=(instance.chaser.replace(expense={"fixed": 2.0}),),
+        stations=tuple(each.replace(max_refuellings=0) for each in instance.stations),
+        mission=instance.mission.replace(launch_separation_s=0.0),
+    )
+    content = json.loads(stated.to_json())
+    assert content["chasers"][0]["expense"] == {
+        "fixed": 2.0, "per_kg": 0.0, "per_kg_squared": 0.0
+    }  # fmt: skip
+    assert content["stations"][0]["max_refuellings"] == 0
+    assert content["mission"]["launch_separation_s"] == 0.0
+
+
+@pytest.mark.parametrize("price", ["per_kg", "per_kg_squared"])
+def test_what_is_carried_is_priced_with_tanks_by_mass_alone(price: str) -> None:
+    """Prices of kilograms need a tank that knows them, and so does what a station gives out."""
+    instance = adr_opt.generate("tiny", 0)
+    with pytest.raises(InputError, match="expense counts what is carried"):
+        instance.chaser.replace(expense={price: 1.0})
+    instance.chaser.replace(expense={"fixed": 1.0})
+    with pytest.raises(InputError, match=r"stations\[0\].max_propellant_kg = 5.0: the tank of"):
+        instance.replace(
+            stations=tuple(each.replace(max_propellant_kg=5.0) for each in instance.stations)
+        )

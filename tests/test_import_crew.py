@@ -12,7 +12,7 @@ from conftest import Cli
 import adr_opt
 from adr_opt import catalogue
 from adr_opt.cargo import loads_of
-from adr_opt.chasers import Tank, TankByMass
+from adr_opt.chasers import Expense, Tank, TankByMass
 from adr_opt.kernels.constants import DAY_S
 
 pytest.importorskip("sgp4.io")
@@ -49,6 +49,24 @@ def test_launches_tanks_and_kits_reach_the_instance(imported) -> None:
     assert {target.removal for target in instance.targets} == {"kit"}
 
 
+def test_expenses_and_separate_launches_reach_the_instance(imported) -> None:
+    """Each chaser takes what is said, plans are to take little, and launches lie apart."""
+    outcome = imported(
+        "--no-refuelling", "--launches", "3", "--launch-separation", "2", *MASSES,
+        "--expense", "55,0,2e-6",
+    )  # fmt: skip
+    assert outcome.status == 0, outcome
+    assert "3 launches, on day 0, 2, 4\n" in outcome.err
+    instance = adr_opt.load("out.json")
+    assert instance.objective.cost == "expense"
+    assert instance.mission.launch_separation_s == 2 * DAY_S
+    for chaser in instance.chasers:
+        assert chaser.available_s == (0.0, None)
+        assert chaser.priced == Expense(fixed=55.0, per_kg_squared=2e-6)
+    assert imported("--expense", "3").status == 0
+    assert adr_opt.load("out.json").chaser.priced == Expense(fixed=3.0)
+
+
 def test_each_option_stands_for_itself(imported) -> None:
     """Launches keep the station, and kits or masses need no launches."""
     assert imported("--launches", "2", "--launch-every", "2").status == 0
@@ -63,6 +81,16 @@ def test_each_option_stands_for_itself(imported) -> None:
     assert chaser.tank == Tank(delta_v_m_s=900.0)
     assert imported(*MASSES).status == 0
     assert adr_opt.load("out.json").chaser.kits is None
+
+
+def test_tows_reach_the_instance(imported) -> None:
+    """Each target has the mass that is said, and is towed down to the disposal altitude."""
+    outcome = imported(*MASSES, "--tow", "900", "--disposal-altitude", "450.5")
+    assert outcome.status == 0, outcome
+    instance = adr_opt.load("out.json")
+    assert instance.mission.disposal_altitude_m == 450.5e3
+    assert {(target.removal, target.mass_kg) for target in instance.targets} == {("tow", 900.0)}
+    assert loads_of(instance, instance.chaser, 0.0) is not None
 
 
 def test_deadlines_and_requirements_reach_their_objects(imported) -> None:
@@ -89,8 +117,20 @@ def test_deadlines_and_requirements_reach_their_objects(imported) -> None:
         (("--launch-every", "9"), "--launch-every: nothing is launched"),
         (("--launches", "2"), "launch 2 is on day 365, and the mission ends on day 7"),
         (("--launches", "2", "--launch-every", "nan"), "--launch-every = nan"),
+        (("--launch-separation", "9"), "--launch-separation: nothing is launched"),
+        (("--launches", "3", "--launch-separation", "4"), "launch 3 is on day 8"),
+        (("--expense", "much"), "--expense 'much': give one to three numbers"),
+        (("--expense", "1,2,3,4"), "give one to three numbers"),
+        (("--expense", "-1"), "--expense '-1': "),
+        (("--expense", "1,2"), "--expense: a tank that is counted in ΔV knows no masses"),
         (("--kits", "-1"), "--kits = -1"),
         (("--kit-mass", "3"), "--kit-mass: there are no kits"),
+        (("--tow", "0"), "--tow = 0"),
+        (("--tow", "900"), "--tow: where to is not said"),
+        (("--tow", "900", "--disposal-altitude", "500"), "knows no masses"),
+        (("--tow", "9", "--disposal-altitude", "500", "--kits", "3"), "takes a kit or is towed"),
+        (("--disposal-altitude", "500"), "nothing is towed"),
+        ((*MASSES, "--tow", "9", "--disposal-altitude", "900"), "must be below"),
         (("--kits", "3", "--kit-mass", "3"), "knows no masses"),
         (("--dry-mass", "3"), "give all three"),
         ((*MASSES, "--delta-v", "3"), "--delta-v: the tank is given by its mass"),
@@ -149,6 +189,9 @@ def test_a_crew_in_python() -> None:
         lambda: catalogue.Crew(launches=-1),
         lambda: catalogue.Crew(apart_s=-1.0),
         lambda: catalogue.Crew(kit_mass_kg=1.0),
+        lambda: catalogue.Crew(towed_kg=1.0),
+        lambda: catalogue.Crew(towed_kg=1.0, disposal_altitude_m=5e5),
+        lambda: catalogue.Crew(kits=1, towed_kg=1.0, disposal_altitude_m=5e5),
         lambda: catalogue.Demands({"x": 0.0}),
     ):
         with pytest.raises(adr_opt.InputError):

@@ -32,8 +32,6 @@ def test_the_last_ones_asked_for_are_kept() -> None:
         assert ask(number).departure[0] == number
         assert kept.bytes == EACH_BYTES * len(kept) <= 3 * EACH_BYTES
     assert made == [1, 2, 3, 4, 2]
-    part = kept.part({(7, 8): (1, 0), (8, 7): (3, 0)})
-    assert (len(part), part.bytes) == (1, EACH_BYTES)
     kept.limit(0.0)
     assert (len(kept), kept.bytes) == (0, 0)
     assert ask(2).departure[0] == 2.0

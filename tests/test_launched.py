@@ -215,12 +215,7 @@ def test_the_page_looks_right_in_a_browser(tmp_path: Path, width: int) -> None:
 
     write_report(campaign(), planned(), tmp_path / "page.html")
     with browser.Browser(tmp_path / "profile", width=width) as tab:
-        tab.open(tmp_path / "page.html")
-        tab.wait_for("document.documentElement?.dataset.ready")
-        tab.evaluate("document.getElementById('orbits').scrollIntoView()")
-        tab.wait_for("document.documentElement?.dataset.complete")
-        assert [text for level, text in tab.complaints if level == "error"] == []
-        assert tab.evaluate("document.documentElement.scrollWidth") == width
+        tab.open_report(tmp_path / "page.html")
         assert tab.evaluate("document.querySelectorAll('.chart.js-plotly-plot').length") == 8
 
 

@@ -31,6 +31,9 @@ from solvers.planners.mip import mip
 RARE = (5034, 5065, 5505)
 """Where prizes come close to what a required target is worth, and where staying is best."""
 
+LONGEST = "tiny-006"
+"""Takes as long as all others of the family together."""
+
 exact_methods = pytest.mark.parametrize("method", [mip, cpsat])
 all_methods = pytest.mark.parametrize("method", [mip, cpsat, routing_bound])
 
@@ -40,7 +43,7 @@ def _mip_extra(request):
     """Tests of the mip method need its extra."""
     if "mip" in request.node.name:
         pytest.importorskip("pyomo")
-        pytest.importorskip("highspy")
+        pytest.importorskip("pyomo")
 
 
 def has_proven(result, mission, optimum):
@@ -57,7 +60,13 @@ def has_proven(result, mission, optimum):
 
 
 @exact_methods
-@pytest.mark.parametrize("path", TINY, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * (path.stem == LONGEST))
+        for path in TINY
+    ],
+)
 def test_tiny_family(method, path):
     """On every committed tiny instance the optimum is proven, with and without a start plan."""
     mission = Mission(adr_opt.load(path), threads=1)
@@ -294,13 +303,11 @@ def test_progress_is_monotone(method):
 
 
 def test_missing_extra(monkeypatch):
-    """Without highspy the method says which extra to install."""
+    """Without Pyomo the method says which extra to install."""
     module = sys.modules["solvers.planners.mip"]
     found = module.find_spec
-    monkeypatch.setattr(
-        module, "find_spec", lambda name: None if name == "highspy" else found(name)
-    )
-    with pytest.raises(MissingExtra, match=r"highspy.*\[mip\]"):
+    monkeypatch.setattr(module, "find_spec", lambda name: None if name == "pyomo" else found(name))
+    with pytest.raises(MissingExtra, match=r"pyomo.*\[mip\]"):
         prove(mip, Mission(hand_made()))
 
 

@@ -7,10 +7,7 @@ import json
 
 import numpy as np
 import pytest
-from from_outside import DATA, broken, external
-
-pytest.importorskip("scipy")
-
+from from_outside import BENCH, DATA, broken, external
 from outside.gtoc9.campaign import Removals, Stop, read_campaign
 from outside.gtoc9.debris import read_debris
 from outside.gtoc9.estimate import connections, legs_m_s, matrices
@@ -58,6 +55,14 @@ def test_the_estimate_of_the_winner_is_near_its_cost(rows, winner):
     """By the estimate at its own times the winner has J of 728, with all rules kept."""
     found = score(winner, [legs_m_s(mission, rows) for mission in winner], len(rows), slack_d=0.2)
     assert found.total_meur == pytest.approx(728.0, abs=1.0)
+    assert found.violations == ()
+
+
+def test_our_best_campaign_keeps_all_rules(rows):
+    """The campaign that is kept removes all debris by the rules, for a J by the estimate of 619."""
+    ours = read_campaign(BENCH / "outside" / "gtoc9" / "best.json")
+    found = score(ours, [legs_m_s(mission, rows) for mission in ours], len(rows))
+    assert found.total_meur == pytest.approx(618.946, abs=0.01)
     assert found.violations == ()
 
 

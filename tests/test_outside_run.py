@@ -36,7 +36,9 @@ def command():
             "odrc", "mcrdv", "*", ("44830.8 | 44830.8", "44278.7"), marks=external("mcrdv")
         ),
         pytest.param(
-            "kttsp", "kttsp", "*", ("49 targets", "| small | 111.960"), marks=external("kttsp")
+            "kttsp --time-limit 0", "kttsp", "*",
+            ("49 targets", "| small | 111.9600 | – | 111.7560"),
+            marks=external("kttsp"),
         ),
         pytest.param(
             "optw", "optw", "*tt?0.TXT 20.4.2.TXT 50.4.1.TXT optima.csv",
@@ -54,7 +56,7 @@ def test_what_is_known_is_printed(command, capsys, tmp_path, name, folder, files
             (tmp_path / folder / path.name).symlink_to(path.resolve())
     said = []
     for data in (tmp_path, tmp_path / folder):
-        assert command([name, "--data", str(data)]) == 0
+        assert command([*name.split(), "--data", str(data)]) == 0
         said.append(capsys.readouterr().out.split("\n\n", 1)[1])
     # Times are never twice the same.
     assert untimed(said[0]) == untimed(said[1])
@@ -75,6 +77,8 @@ def test_wrong_calls_are_refused(command, capsys, tmp_path, monkeypatch):
         (["odrc", "--data", str(tmp_path / "nowhere")], "no such folder"),
         (["kttsp", "--data", str(tmp_path)], "no such file"),
         (["optw", "--data", str(tmp_path), "--solution", "it"], "only solutions of kttsp"),
+        (["odrc", "--data", str(tmp_path), "--time-limit", "9"], "only kttsp takes one"),
+        (["kttsp", "--data", str(tmp_path), "--time-limit", "-1"], "of 0 or more"),
     )
     for arguments, sentence in calls:
         assert command(arguments) == 2

@@ -16,8 +16,6 @@ from adr_opt.refining.leg import Course, Flown, close, residual
 from adr_opt.refining.one_leg import planned_angles
 from adr_opt.refining.own_burns import settle
 
-pytest.importorskip("scipy")
-
 Case = tuple[Course, Flown, np.ndarray]
 
 

@@ -245,7 +245,6 @@ def test_rounding_to_the_bad_is_no_bound(peers, bounds):
 @pytest.mark.parametrize("solver", ["ipm", "simplex"])
 def test_linear_relaxation_bounds_the_mission(bounds, tiny, solver):
     """HiGHS's bound is at least brute force, and merging nodes does not tighten it."""
-    pytest.importorskip("highspy")
     for mission, optimum in tiny:
         fine, coarse = (
             bounds.highs_bound(mission, time_limit_s=10.0, solver=solver, bucket_s=bucket).value
@@ -256,7 +255,6 @@ def test_linear_relaxation_bounds_the_mission(bounds, tiny, solver):
 
 def test_best_plan_is_a_point_of_the_linear_relaxation(bounds):
     """The worked-out optimum, with its refuelling, keeps all rows of the linear relaxation."""
-    pytest.importorskip("highspy")
     mission = Mission(hand_made(), threads=1)
     for bucket in (0.0, 3600.0):
         bound = bounds.highs_bound(mission, time_limit_s=10.0, bucket_s=bucket)
@@ -265,7 +263,6 @@ def test_best_plan_is_a_point_of_the_linear_relaxation(bounds):
 
 def test_any_prices_give_a_bound(bounds, tiny):
     """The bound from dual values holds for wrong ones too."""
-    pytest.importorskip("scipy")
     rng = np.random.default_rng(0)
     for mission, optimum in tiny:
         relaxation = bounds.linear_relaxation(mission)

@@ -277,10 +277,10 @@ def test_departures_between_planes_that_nearly_coincide_are_found_again() -> Non
             transfer=TransferSettings(delta_v_resolution_m_s=0.1)
         )
         connecting = Connecting(instance)
-        orbits, extra, rule = connecting.inputs
+        leaving, orbits, extra, rule = connecting.inputs
         for i, j in ((1, 2), (2, 1)):
             found = connecting.find(i, j, 0.1)
-            pair = transfer.prepare(orbits[i], orbits[j], extra[i, j], rule)
+            pair = transfer.prepare(leaving[i], orbits[j], extra[i, j], rule)
             approach = rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
             for c in range(found.departure.size):
                 departure = precession.leaving(

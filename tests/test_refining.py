@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import sys
 from functools import cache
 from pathlib import Path
 
@@ -25,8 +24,6 @@ from adr_opt.refining.bodies import TrueBodies
 from adr_opt.refining.leg import Course, close, fly
 from adr_opt.refining.one_leg import planned_angles
 from adr_opt.refining.plan import RefinedLeg, RefinedPlan
-
-pytest.importorskip("scipy")
 
 ROOT = Path(__file__).parents[1]
 DATA = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", ROOT / "../shared/data"))
@@ -332,11 +329,3 @@ def test_an_empty_plan_is_refined_and_flown() -> None:
     one = adr_opt.refine(instance, with_legs(plan, ()))
     assert (one.status, one.legs) == ("complete", ())
     assert fly_refined(instance, one).holds
-
-
-def test_without_scipy_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Refining needs none; flying what was refined says how to install it."""
-    instance, _ = mission(0)
-    monkeypatch.setitem(sys.modules, "scipy.integrate", None)
-    with pytest.raises(adr_opt.MissingExtra, match=r"scipy.*\[astro\]"):
-        fly_refined(instance, refined())

@@ -13,8 +13,6 @@ from plans import solved
 import adr_opt
 from adr_opt.flight import fly_refined
 
-pytest.importorskip("scipy")
-
 DATA = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", Path(__file__).parents[1] / "../shared/data"))
 CLOUDS = (
     DATA / "tle" / "celestrak_2025-02_iridium-33-debris.txt",

@@ -27,8 +27,6 @@ from adr_opt.refining.loop import RefinedResult
 from adr_opt.refining.plan import reference
 from adr_opt.stop import Interrupted
 
-pytest.importorskip("scipy")
-
 QUICK = "greedy-guarded"
 
 

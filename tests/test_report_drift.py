@@ -245,12 +245,7 @@ def test_in_a_browser(tmp_path: Path, width: int) -> None:
     instance, plan = (make() for make in MISSION)
     write_report(instance, plan, tmp_path / "mission.html")
     with browser.Browser(tmp_path / "profile", width=width) as tab:
-        tab.open(tmp_path / "mission.html")
-        tab.wait_for("document.documentElement?.dataset.ready")
-        tab.evaluate("document.getElementById('orbits').scrollIntoView()")
-        tab.wait_for("document.documentElement?.dataset.complete")
-        assert [text for level, text in tab.complaints if level == "error"] == []
-        assert tab.evaluate("document.documentElement.scrollWidth") == width
+        tab.open_report(tmp_path / "mission.html")
         assert tab.evaluate("document.querySelectorAll('.chart.js-plotly-plot').length") == 7
         tab.evaluate("document.querySelector('tr[data-leg=\"1\"]').click()")
         reach = "document.getElementById('nodes').layout.xaxis.range"

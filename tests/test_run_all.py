@@ -27,7 +27,6 @@ Load = Callable[[str], ModuleType]
 @pytest.fixture(scope="module")
 def load() -> Iterator[Load]:
     """Import a module of the bench folder, which is no package."""
-    pytest.importorskip("scipy")
     pytest.importorskip("plotly")
     pytest.importorskip("matplotlib")
     sys.path.insert(0, str(BENCH))

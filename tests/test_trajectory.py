@@ -287,7 +287,7 @@ def test_propagation_refuses_what_is_not_closed() -> None:
 
 
 def test_the_phases_are_named_in_order() -> None:
-    """The names of phases are public: those of the burns between wait and service."""
+    """The names of phases are public: those of the burns between wait and service, then the tow."""
     assert trajectory.PHASES[0] == "wait"
-    assert trajectory.PHASES[-1] == "service"
-    assert sorted(trajectory.PHASES[1:-1]) == sorted(BURN_PHASES)
+    assert trajectory.PHASES[-2:] == ("service", "tow")
+    assert sorted(trajectory.PHASES[1:-2]) == sorted(BURN_PHASES)

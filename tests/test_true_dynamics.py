@@ -57,7 +57,6 @@ def energy(state: Array, gravity: str) -> float:
 @pytest.mark.parametrize("seed", range(3))
 def test_two_integrators_agree(gravity: str, seed: int) -> None:
     """Collocation and SciPy's DOP853, each with its own pull, end a day within a millimetre."""
-    pytest.importorskip("scipy")
     state = random_state(np.random.default_rng(seed))
     there = moved(state, DAY_S, gravity)
     other = _World(gravity).coast(state[:, None], 0.0, DAY_S)[:, 0]

@@ -34,7 +34,8 @@ def carrying(what: str) -> Loads | None:
     if what == "nothing":
         return None
     nothing = np.zeros((2, 2))
-    return Loads(3000.0, np.ones(2, np.int64), np.zeros(2), nothing, nothing, what == "weights")
+    kits, full, flown = np.ones(2, np.int64), np.zeros(2), np.zeros(2)
+    return Loads(3000.0, kits, full, nothing, nothing, what == "weights", flown)
 
 
 def dominates(

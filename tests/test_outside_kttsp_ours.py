@@ -1,0 +1,201 @@
+"""Our tours of ESA's travelling salesperson, and what is proven of them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from from_outside import DATA, external
+from outside.kttsp import arrivals, boxes, cells, costs, kepler, known, ours, proof, spans
+from outside.kttsp.reading import Problem, read_problem
+from outside.kttsp.scoring import score
+
+from adr_opt.errors import InputError
+from adr_opt.kernels.constants import DAY_S
+
+FOLDER = DATA / "kttsp"
+
+pytestmark = external("kttsp")
+
+PAIRS = [(8, 39, 100.0), (33, 14, 100.0), (16, 27, 100.0), (7, 8, 600.0), (27, 14, 600.0)]
+"""Neighbours high up, two in one plane, low ones, a jump, and from low to high."""
+
+
+@pytest.fixture(scope="module")
+def problem():
+    return read_problem(FOLDER / "small.kttsp")
+
+
+def some(problem, places):
+    """The instance of some targets."""
+    values = vars(problem) | {"name": "some", "elements": problem.elements[list(places)]}
+    return Problem(**values)
+
+
+def legs(problem, i, j, limit, count, seed):
+    """Legs within a limit at random times: departures and arrivals [s]."""
+    rng = np.random.default_rng(seed)
+    departures, flights = rng.uniform(0.0, 20.0, (count, 1)), rng.uniform(0.01, 6.0, (count, 50))
+    found = []
+    for departure, flight in zip(departures, flights, strict=True):
+        leaves, lands, _ = costs.connections(problem, i, j, departure, np.sort(flight), limit)
+        found += list(zip(leaves, lands, strict=True))
+    return found
+
+
+@pytest.mark.parametrize(("i", "j", "limit"), PAIRS)
+def test_no_box_of_a_leg_is_ruled_out(problem, i, j, limit):
+    """A box around a leg within the limit counts as possible, however wide it is."""
+    one, other = problem.elements[i], problem.elements[j]
+    normals = spans.normal_of(one), spans.normal_of(other)
+    between = math.acos(min(float(normals[0] @ normals[1]), 1.0))
+    rng = np.random.default_rng(1)
+    rows = np.empty((1, 10)), np.empty((1, 10))
+    met = 0
+    for leaves, lands in legs(problem, i, j, limit, 60, 2):
+        wide, long = 10.0 ** rng.uniform(0.0, 3.5, 2)
+        for elements, time, half, row in zip(
+            (one, other), (leaves, lands), (wide, long), rows, strict=True
+        ):
+            spans.spans(elements, np.array([time + rng.uniform(-1.0, 1.0) * half]), half, row)
+        flight = lands - leaves
+        low, high = max(flight - 2.0 * (wide + long), 86.4), flight + 2.0 * (wide + long)
+        assert boxes.possible(rows[0][0], rows[1][0], *normals, between, low, high, limit)
+        met += 1
+    assert met > 50
+
+
+@pytest.mark.parametrize(("i", "j", "limit"), PAIRS)
+def test_boxes_are_ruled_out_where_legs_are_dear(problem, i, j, limit):
+    """Of small boxes around legs that cost half as much again most are ruled out."""
+    one, other = problem.elements[i], problem.elements[j]
+    normals = spans.normal_of(one), spans.normal_of(other)
+    between = math.acos(min(float(normals[0] @ normals[1]), 1.0))
+    rng = np.random.default_rng(3)
+    rows = np.empty((1, 10)), np.empty((1, 10))
+    ruled_out = tried = 0
+    for leaves, flight in zip(rng.uniform(0, 20, 400), rng.uniform(0.2, 5, 400), strict=True):
+        if not costs.delta_v_m_s(problem, i, j, leaves, flight) > 1.5 * limit:
+            continue
+        spans.spans(one, np.array([leaves * DAY_S]), 20.0, rows[0])
+        spans.spans(other, np.array([(leaves + flight) * DAY_S]), 20.0, rows[1])
+        seconds = flight * DAY_S - 40.0, flight * DAY_S + 40.0
+        tried += 1
+        ruled_out += not boxes.possible(rows[0][0], rows[1][0], *normals, between, *seconds, limit)
+    assert tried > 50
+    assert ruled_out > 0.9 * tried
+
+
+@pytest.mark.parametrize(("i", "j", "limit"), PAIRS)
+def test_nobody_arrives_before_it_is_proven(problem, i, j, limit):
+    """No leg within the limit arrives before what cells prove for its departure."""
+    one, other = problem.elements[i], problem.elements[j]
+    normals = spans.normal_of(one), spans.normal_of(other)
+    between = math.acos(min(float(normals[0] @ normals[1]), 1.0))
+    step, count = 864.0, 2000
+    before = np.zeros(0)
+    for depth in (0, 2):
+        out = np.arange(count) * step + 86.4
+        cells.first_arrivals(
+            one, other, *normals, between, step, 5, depth, 86.4, 10 * DAY_S, limit, 0, count,
+            np.full(count, np.inf), out,
+        )  # fmt: skip
+        assert (np.diff(out) >= 0.0).all()
+        for leaves, lands in legs(problem, i, j, limit, 200, 4):
+            assert out[int(leaves / step)] <= lands
+        # Smaller parts prove more.
+        assert not before.size or (out >= before).all()
+        before = out
+
+
+@pytest.mark.parametrize(("i", "j", "limit"), PAIRS)
+def test_within_says_what_costs_say(problem, i, j, limit):
+    """An arc within a limit is found exactly where the cheapest one is within it."""
+    rng = np.random.default_rng(7)
+    one, other = problem.elements[i], problem.elements[j]
+    met = 0
+    for leaves, flight in zip(rng.uniform(0, 50, 500), rng.uniform(0.1, 8, 500), strict=True):
+        times = np.array([leaves * DAY_S]), np.array([(leaves + flight) * DAY_S])
+        r_1, v_1 = kepler.states_of(one, times[0])
+        r_2, v_2 = kepler.states_of(other, times[1])
+        cost = costs.delta_v_m_s(problem, i, j, leaves, flight)
+        if abs(cost - limit) < 1e-6:
+            continue
+        seconds = times[1][0] - times[0][0]
+        found = arrivals.within(r_1[0], v_1[0], r_2[0], v_2[0], seconds, limit)
+        assert found == (cost <= limit)
+        met += found
+    assert met
+
+
+def test_a_leg_ruled_out_by_momentum_is_dear(problem):
+    """No leg costs less than the change of angular momentum does."""
+    rng = np.random.default_rng(11)
+    for _ in range(200):
+        i, j = rng.choice(problem.targets, 2, replace=False)
+        least = spans.least_cost_m_s(problem.elements[i], problem.elements[j])
+        cost = costs.delta_v_m_s(problem, i, j, rng.uniform(0, 50), rng.uniform(0.1, 5))
+        assert cost >= least
+
+
+def by_all_orders(problem):
+    """The best of all orders and exceptions, every leg flown as early as it can be."""
+    best = math.inf
+    for order in itertools.permutations(range(problem.targets)):
+        ends = {0: 0.0}
+        for i, j in itertools.pairwise(order):
+            then: dict[int, float] = {}
+            for used, ready in ends.items():
+                for kind in range(2):
+                    if used + kind > problem.exceptions:
+                        continue
+                    _, end = arrivals.earliest_from(
+                        problem.elements[i], problem.elements[j], ready * DAY_S, 0.02 * DAY_S,
+                        86.4, (ready + 10.0) * DAY_S, ours.limit_m_s(problem, kind),
+                    )  # fmt: skip
+                    then[used + kind] = min(then.get(used + kind, math.inf), end / DAY_S)
+            ends = then
+        best = min(best, *ends.values())
+    return best
+
+
+def test_bound_and_plan_hold_the_best_of_all_orders(problem):
+    """On three targets the best of all orders lies between the bound and the plan, closely."""
+    few = Problem(**(vars(some(problem, (34, 23, 46))) | {"exceptions": 1}))
+    made = ours.plan(few, end_d=20.0)
+    assert score(few, made.tour).violations == ()
+    assert score(few, made.tour).duration_d == made.duration_d
+    proven = proof.bound(few, made.duration_d)
+    best = by_all_orders(few)
+    assert proven.duration_d <= best + 1e-6
+    assert best - 1e-2 <= made.duration_d
+    assert made.duration_d - proven.duration_d < 0.1
+
+
+def test_a_proof_goes_on_from_its_cells(problem, tmp_path):
+    """From cells that were kept the same bound follows as at once; other files are refused."""
+    few = Problem(**(vars(some(problem, (34, 23, 46))) | {"exceptions": 1}))
+    made = ours.plan(few, end_d=20.0)
+    whole = proof.bound(few, made.duration_d)
+    path = tmp_path / "cells"
+    steps = [proof.bound(few, made.duration_d, path=path, time_limit_s=0.0) for _ in range(2)]
+    assert steps[1].rounds > steps[0].rounds
+    assert proof.bound(few, made.duration_d, path=path).duration_d >= whole.duration_d - 0.1
+    assert [one.name for one in tmp_path.iterdir()] == ["cells"]
+    with pytest.raises(InputError, match="cells of another proof"):
+        proof.bound(few, made.duration_d + 1.0, path=path)
+    assert proof.bound(few, made.duration_d - 1.0, path=path).duration_d < made.duration_d
+    path.write_text("nothing", encoding="utf-8")
+    with pytest.raises(InputError, match="no cells of a proof"):
+        proof.bound(few, made.duration_d, path=path)
+
+
+def test_our_best_tour_is_legal(problem):
+    """The tour that is kept breaks no rule and is shorter than the best published one."""
+    tour = known.best_known(problem)
+    assert tour is not None
+    found = score(problem, tour)
+    assert found.violations == ()
+    assert found.duration_d < known.PUBLISHED_D

@@ -1,0 +1,296 @@
+"""``replan``: the rest of a mission, planned anew from where its chasers are."""
+
+from __future__ import annotations
+
+import json
+import math
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Cli, refused
+from hand_made import PERIOD_S, hand_made
+from two_chasers import campaign, planned
+
+import adr_opt
+from adr_opt.analysis import price
+from adr_opt.analysis.replan import Replanned, replan
+from adr_opt.analysis.state import states_at
+from adr_opt.chasers import TankByMass
+from adr_opt.errors import InputError
+from adr_opt.instance import Instance
+from adr_opt.kernels.constants import DAY_S
+from adr_opt.plan import InstanceReference, Plan, Unvisited, cost_of
+from adr_opt.settings import KeepOutZone
+
+ZONE = KeepOutZone(
+    min_altitude_m=700e3, max_altitude_m=760e3, start_s=0.9 * DAY_S, end_s=1.3 * DAY_S
+)
+
+
+@cache
+def tiny(seed: int = 0, *, by_mass: bool = False) -> tuple[Instance, Plan]:
+    """A tiny field of two days with a small tank, so that it has to refuel, and its plan."""
+    instance = adr_opt.generate("tiny", seed, targets=8).with_limits(2.0 * DAY_S, 500.0)
+    if by_mass:
+        tank = TankByMass(dry_mass_kg=400.0, propellant_kg=72.0, isp_s=310.0)
+        instance = instance.replace(chasers=(instance.chaser.replace(tank=tank),))
+    plan = adr_opt.solve(instance, "exact", time_limit=30.0).plan
+    assert plan is not None
+    return instance, plan
+
+
+def violations(instance: Instance, made: Replanned, zones=()) -> tuple:
+    """What `check` says of what is flown and planned together, on the instance with new zones."""
+    zoned = instance.replace(keep_out_zones=(*instance.keep_out_zones, *zones))
+    routes = made.whole()
+    legs = [leg for route in routes for leg in route.legs]
+    visited = {leg.destination for leg in legs}
+    objective = sum(target.prize for target in instance.targets if target.name in visited)
+    whole = made.plan.replace(
+        instance=InstanceReference(name=zoned.name, sha256=zoned.sha256), routes=routes,
+        objective=objective, upper_bound=None, gap=None, status="feasible", cost_bound=None,
+        cost_gap=None, cost_status=None, cost=cost_of(zoned.objective, legs),
+        unvisited=tuple(
+            Unvisited(target=target.name, reason="not-worth-it")
+            for target in instance.targets if target.name not in visited
+        ),
+    )  # fmt: skip
+    return adr_opt.check(zoned, whole)
+
+
+@pytest.mark.parametrize("by_mass", [False, True])
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_flown_and_the_rest_are_one_mission(seed: int, by_mass: bool) -> None:
+    """At any time, with a zone or without, both together pass `check` on the whole instance."""
+    instance, plan = tiny(seed, by_mass=by_mass)
+    for at_s in np.linspace(0.0, instance.mission.duration_s, 7):
+        for zones in ((), (ZONE,)):
+            if any(zone.start_s < at_s for zone in zones):
+                continue
+            made = replan(instance, plan, float(at_s), zones=zones)
+            assert adr_opt.check(made.instance, made.plan) == ()
+            assert violations(instance, made, zones) == (), (at_s, zones)
+            done = {leg.destination for state in made.states for leg in state.legs}
+            assert not done & {target.name for target in made.instance.targets}
+
+
+def test_nothing_new_is_nothing_worse() -> None:
+    """Without a change the rest collects what the plan was about to, and no prize is lost."""
+    for seed in range(4):
+        instance, plan = tiny(seed)
+        for share in (0.2, 0.5, 0.8):
+            made = replan(instance, plan, share * instance.mission.duration_s)
+            assert made.prize_after == made.prize_before
+            assert made.lost == ()
+
+
+def test_a_zone_is_planned_around_as_if_known() -> None:
+    """With a zone that falls in later, the whole collects as much as knowing it from the start.
+
+    Where what is flown by then is a beginning of an optimal plan with the zone; elsewhere no more.
+    """
+    as_much = 0
+    for seed in range(4):
+        instance, plan = tiny(seed)
+        zoned = instance.replace(keep_out_zones=(ZONE,))
+        known = adr_opt.solve(zoned, "exact", time_limit=30.0)
+        made = replan(instance, plan, 0.4 * DAY_S, zones=(ZONE,), method="exact", time_limit=30.0)
+        flown = sum(len(state.legs) for state in made.states)
+        targets = {target.name for target in instance.targets}
+        before = sum(leg.destination in targets for state in made.states for leg in state.legs)
+        assert flown > 0
+        assert before + made.prize_after <= known.objective + 1e-9
+        as_much += before + made.prize_after >= known.objective - 1e-9
+    assert as_much >= 3
+
+
+def test_a_leg_that_has_begun_is_finished() -> None:
+    """Within a leg the chaser is free at its end; while it waits it is where it was, from now."""
+    instance, plan = tiny()
+    legs = plan.legs
+    (state,) = states_at(instance, plan, 0.5 * (legs[1].leaves_s + legs[1].end_s))
+    assert state.legs == legs[:2]
+    assert state.body == legs[1].destination
+    assert state.free_s == legs[1].end_s
+    assert state.left_m_s == pytest.approx(legs[1].delta_v_left_m_s)
+    waiting = next(leg for leg in legs[1:] if leg.leaves_s > leg.ready_s + 60.0)
+    at_s = waiting.leaves_s - 1.0
+    (state,) = states_at(instance, plan, at_s)
+    assert state.body == waiting.origin
+    assert state.free_s == at_s
+    (start,) = states_at(instance, plan, 0.0)
+    assert start.legs == ()
+    assert start.body == instance.chaser.start_name
+
+
+def test_legs_are_kept_if_wanted() -> None:
+    """As many legs as asked for stay as they were, besides those that have begun."""
+    instance, plan = tiny()
+    at_s = plan.legs[1].leaves_s + 1.0
+    made = replan(instance, plan, at_s, keep=2)
+    (state,) = made.states
+    assert state.legs[:4] == plan.legs[:4]
+    assert made.plan is not None
+    assert violations(instance, made) == ()
+
+
+def test_lost_targets_are_left_out() -> None:
+    """They are no targets of the rest, and what the plan did after them is planned all the same."""
+    instance, plan = tiny()
+    lost = next(name for name in plan.destinations[2:] if name not in instance.station_names)
+    made = replan(instance, plan, 1.0, lost=[lost])
+    assert made.lost == (lost,)
+    assert lost not in made.instance.names
+    assert lost not in made.dropped
+    assert lost not in made.plan.destinations
+    assert violations(instance, made) == ()
+
+
+def test_a_failed_leg_is_planned_anew() -> None:
+    """It and what follows are not fixed, even if kept; one that has begun cannot fail."""
+    instance, plan = tiny()
+    at_s = plan.legs[0].leaves_s + 1.0
+    made = replan(instance, plan, at_s, keep=3, failed=3)
+    assert made.states[0].legs[:2] == plan.legs[:2]
+    assert plan.legs[2] not in made.states[0].legs
+    with pytest.raises(InputError, match="it has begun"):
+        replan(instance, plan, at_s, failed=1)
+
+
+def test_a_kept_leg_through_a_new_zone_is_refused() -> None:
+    """One that is under way is noted; one that has not begun cannot be kept."""
+    instance, plan = tiny()
+    leg = plan.legs[1]
+    all_over = KeepOutZone(
+        min_altitude_m=0.0, max_altitude_m=2000e3, start_s=leg.leaves_s + 10.0, end_s=leg.docked_s
+    )
+    with pytest.raises(InputError, match="keep fewer legs"):
+        replan(instance, plan, leg.leaves_s - 1.0, zones=[all_over], keep=1)
+    made = replan(instance, plan, leg.leaves_s + 5.0, zones=[all_over])
+    assert "the leg under way" in made.notes[0]
+
+
+def test_who_may_refuel_at_once_does() -> None:
+    """A chaser with an empty tank that has serviced a target goes to the station first.
+
+    Of the hand-made instance the optimum is south, station, north, beyond: so it is planned from
+    south on, and the stop is a leg of the whole.
+    """
+    instance = hand_made()
+    plan = price(instance, {"chaser": ("south", "station", "north", "beyond")}).plan()
+    made = replan(instance, plan, plan.legs[0].end_s)
+    assert made.prize_after == 2.0
+    (route,) = made.whole()
+    assert [leg.destination for leg in route.legs] == ["south", "station", "north", "beyond"]
+    assert violations(instance, made) == ()
+    short = plan.replace(routes=(plan.routes[0].replace(legs=plan.legs[:1]),))
+    made = replan(instance, short, plan.legs[0].end_s)
+    assert made.prize_after == 2.0
+    assert made.gained == ("north", "beyond")
+
+
+def test_campaigns_are_planned_on() -> None:
+    """Of several chasers each goes on from where it is, and the whole passes `check`."""
+    instance, plan = campaign(), planned()
+    for share in (0.0, 0.3, 0.6):
+        at_s = share * instance.mission.duration_s
+        made = replan(instance, plan, at_s, time_limit=5.0)
+        assert adr_opt.check(made.instance, made.plan) == ()
+        assert violations(instance, made) == ()
+        assert made.prize_after >= made.prize_before
+
+
+def test_drifting_missions_are_planned_on() -> None:
+    """Under J2, with months between legs, the whole passes `check` too."""
+    field = adr_opt.generate("rocket-bodies", 0, targets=5).with_limits(duration_s=90.0 * DAY_S)
+    plan = adr_opt.solve(field, "exact", time_limit=30.0).plan
+    assert len(plan.legs) >= 2
+    at_s = plan.legs[0].end_s + DAY_S
+    made = replan(field, plan, at_s)
+    assert violations(field, made) == ()
+    assert made.prize_after >= made.prize_before
+
+
+def test_the_verb_writes_the_rest(cli: Cli) -> None:
+    """Instance and plan of the rest fit each other; what changed is told, and as JSON."""
+    instance, plan = tiny()
+    instance.save("i.json")
+    plan.save("p.json")
+    Path("z.json").write_text(json.dumps([json.loads(ZONE.model_dump_json())]))
+    outcome = cli(
+        "replan", "i.json", "p.json", "--at", "9.6h", "--zones", "z.json", "--lost",
+        plan.destinations[-1], "--out", "r.json", "--out-instance", "ri.json",
+    )  # fmt: skip
+    assert outcome.status == 0, outcome
+    assert "flown or fixed" in outcome.out
+    assert f"lost: 1 target: {plan.destinations[-1]}" in outcome.out
+    assert cli("check", "ri.json", "r.json").status == 0
+    rest = adr_opt.load("ri.json")
+    assert rest.keep_out_zones == (ZONE,)
+    content = json.loads(
+        cli("replan", "i.json", "p.json", "--at", "2026-01-01T12:00:00Z", "--json").out
+    )
+    assert content["prize_after"] >= content["prize_before"]
+    again = replan(instance, plan, 0.5 * DAY_S)
+    assert content["fixed"][0]["legs"] == len(again.states[0].legs)
+
+
+def test_a_required_target_that_cannot_be_reached_is_the_answer_no(cli: Cli) -> None:
+    """Exit status 1 where the rest has no plan; nothing is written for it."""
+    instance = hand_made()
+    plan = price(instance, {"chaser": ("north", "beyond")}).plan()
+    required = instance.replace(
+        targets=tuple(t.replace(required=t.name == "beyond") for t in instance.targets)
+    )
+    plan = price(required, {"chaser": ("north", "beyond")}).plan()
+    required.save("i.json")
+    plan.save("p.json")
+    closed = KeepOutZone(min_altitude_m=0.0, max_altitude_m=2000e3, start_s=0.0, end_s=1e9)
+    Path("z.json").write_text(json.dumps([json.loads(closed.model_dump_json())]))
+    at_h = plan.legs[0].end_s / 3600.0
+    outcome = cli(
+        "replan", "i.json", "p.json", "--at", f"{at_h}h", "--zones", "z.json", "--out", "r.json"
+    )
+    assert outcome.status == 1, outcome
+    assert "no plan of the rest" in outcome.out
+    assert not Path("r.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (("--at", "soon"), "give days after the epoch"),
+        (("--at", "-1"), "outside the mission"),
+        (("--at", "1e3"), "outside the mission"),
+        (("--at", "0.1", "--zones", "none.json"), "none.json: no such file"),
+        (("--at", "0.1", "--zones", "bad.json"), "bad.json: zone 1: "),
+        (("--at", "0.1", "--zones", "i.json", "--lost", "nobody"), "'nobody' is not a body"),
+        (("--at", "0.1", "--lost", "station"), "not a target"),
+        (("--at", "14", "--lost", "south"), "it is done by then"),
+        (("--at", "0.1", "--keep", "-1"), "keep = -1"),
+        (("--at", "0.1", "--failed", "9"), "the plan has the legs 1 to 4"),
+        (("--at", "0.1", "--method", "no"), "'no'"),
+        (("--at", "0.1", "--out", "x.json", "--out-instance", "x.json"), "give each its own"),
+        (("--at", "0.1", "--out", "i.json"), "this is the input"),
+    ],
+)
+def test_a_wrong_call_is_one_sentence(cli: Cli, arguments, named: str) -> None:
+    """Exit status 2 and a sentence, and nothing is written."""
+    instance = hand_made()
+    instance.save("i.json")
+    price(instance, {"chaser": ("south", "station", "north", "beyond")}).plan().save("p.json")
+    Path("bad.json").write_text('[{"min_altitude_m": 2}]')
+    if arguments[1] == "14":
+        arguments = ("--at", f"{13.9 * PERIOD_S / DAY_S}", *arguments[2:])
+    refused(cli("replan", "i.json", "p.json", *arguments), named)
+    assert not Path("x.json").exists()
+
+
+def test_a_plan_of_another_instance_is_refused() -> None:
+    """The state of a plan is one of its own instance."""
+    _, plan = tiny(0)
+    with pytest.raises(InputError, match="another instance"):
+        replan(tiny(1)[0], plan, 0.0)
+    assert math.isfinite(plan.cost)

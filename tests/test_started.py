@@ -1,0 +1,187 @@
+"""Chasers that start with a tank that is not full, against plain enumeration."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+from brute_force import brute_force, brute_force_campaign
+from conftest import Cli, refused
+from hand_made import hand_made
+from random_rules import drifting_mission, random_campaign, random_mission, with_given_costs
+
+import adr_opt
+from adr_opt.campaign import Campaign
+from adr_opt.cargo import tank_worths
+from adr_opt.chasers import InOrbit, Tank, TankByMass
+from adr_opt.instance import Instance
+from adr_opt.mission import Mission
+from adr_opt.settings import Objective
+from solvers.relaxation.walks import WalkBound
+
+
+def begun(instance: Instance, seed: int) -> Instance:
+    """The same with chasers that start in orbits with some of their ΔV; some tanks by mass."""
+    rng = np.random.default_rng([12, seed])
+    chasers = []
+    for chaser in instance.chasers:
+        orbit = instance.targets[int(rng.integers(len(instance.targets)))].orbit
+        start = InOrbit(orbit=orbit.replace(true_anomaly_deg=float(rng.uniform(0.0, 360.0))))
+        full, share = chaser.tank.delta_v_m_s, float(rng.choice([0.0, 0.2, 0.5, 0.8, 1.0]))
+        tank: Tank | TankByMass = Tank(delta_v_m_s=full, initial_delta_v_m_s=share * full)
+        if rng.random() < 0.3:
+            propellant = 500.0 * math.expm1(full / (9.80665 * 250.0))
+            tank = TankByMass(
+                dry_mass_kg=500.0, propellant_kg=propellant, isp_s=250.0,
+                initial_propellant_kg=share * propellant,
+            )  # fmt: skip
+        chasers.append(chaser.replace(start=start, tank=tank))
+    return instance.replace(chasers=tuple(chasers))
+
+
+def of_two_bodies(seed: int) -> Instance:
+    return begun(random_mission(seed), seed)
+
+
+def of_drift(seed: int) -> Instance:
+    return begun(drifting_mission(seed), seed)
+
+
+def of_given(seed: int) -> Instance:
+    plain = random_mission(seed).replace(keep_out_zones=())
+    return with_given_costs(begun(plain, seed), np.random.default_rng([13, seed]))
+
+
+either = pytest.mark.parametrize(
+    ("draw", "count"), [(of_two_bodies, 40), (of_drift, 24), (of_given, 24)]
+)
+
+
+@either
+def test_optima_are_those_of_enumeration(draw, count: int) -> None:
+    """`exact` proves the best prizes and the least ΔV, `check` agrees, and bounds hold."""
+    flown = 0
+    for seed in range(count):
+        instance = draw(seed).replace(objective=Objective(cost="delta-v"))
+        mission = Mission(instance, threads=1)
+        prizes, cost, order = brute_force(mission)
+        bound, _ = WalkBound(mission, 20.0).evaluate(np.zeros(mission.rules.prize.size))
+        assert mission.shown(bound) >= prizes - 1e-9, seed
+        result = adr_opt.solve(mission, "exact", time_limit=60.0, cost=True)
+        if not math.isfinite(prizes):
+            assert result.status == "infeasible", seed
+            continue
+        assert result.status == "optimal", seed
+        plan = result.plan
+        assert plan.objective == pytest.approx(prizes, abs=1e-9), seed
+        assert adr_opt.check(instance, plan) == (), seed
+        assert plan.cost == pytest.approx(cost, abs=2e-3), seed
+        assert plan.cost_status == "optimal", seed
+        assert plan.cost_bound <= cost * (1.0 + 1e-9) + 1e-9, seed
+        assert plan.cost == pytest.approx(sum(leg.delta_v_m_s for leg in plan.legs))
+        flown += len(order)
+    assert flown >= 12
+
+
+@pytest.mark.parametrize("method", ["greedy-guarded", "beam", "mcts", "local-search", "auto"])
+@either
+def test_planners_keep_to_the_tank(method: str, draw, count: int) -> None:
+    """What a planner returns passes `check`, and is worth no more than the optimum."""
+    for seed in range(100, 100 + count // 3):
+        mission = Mission(draw(seed), threads=1)
+        prizes, _, _ = brute_force(mission)
+        result = adr_opt.solve(mission, method, time_limit=20.0, iterations=2)
+        if result.plan is not None:
+            assert adr_opt.check(mission.instance, result.plan) == (), seed
+            assert result.objective <= prizes + 1e-9, seed
+
+
+def test_campaigns_of_such_chasers_are_proven() -> None:
+    """Prizes of several chasers are those of enumeration, and no cost is below the bound."""
+    flown = 0
+    for seed in range(14):
+        instance = begun(random_campaign(seed), seed)
+        campaign = Campaign(instance, threads=1)
+        prizes, cost = brute_force_campaign(campaign)
+        result = adr_opt.solve(campaign, "exact", time_limit=60.0, cost=True)
+        if not math.isfinite(prizes):
+            assert result.plan is None, seed
+            continue
+        assert result.objective == pytest.approx(prizes), seed
+        assert adr_opt.check(instance, result.plan) == (), seed
+        if result.plan.cost_bound is not None:
+            assert result.plan.cost_bound <= cost + 1e-6, seed
+        flown += len(result.plan.legs)
+    assert flown >= 3
+
+
+def test_a_tank_that_is_said_to_be_full_is_a_full_one() -> None:
+    """The same plan comes out as without saying it."""
+    plain = adr_opt.generate("tiny", 0)
+    start = InOrbit(orbit=plain.targets[0].orbit)
+    full = plain.chaser.tank.delta_v_m_s
+    silent = plain.replace(chasers=(plain.chaser.replace(start=start),))
+    tank = Tank(delta_v_m_s=full, initial_delta_v_m_s=full)
+    said = plain.replace(chasers=(plain.chaser.replace(start=start, tank=tank),))
+    one, two = (adr_opt.solve(each, "exact", time_limit=20.0).plan for each in (silent, said))
+    assert [leg.model_dump() for leg in one.legs] == [leg.model_dump() for leg in two.legs]
+
+
+def test_files_without_it_stay_as_they_are() -> None:
+    """Nothing is written of a tank that is full at the start; what is written is read again."""
+    plain = hand_made()
+    assert "initial" not in plain.to_json()
+    said = json.loads(plain.to_json())
+    assert said["chasers"][0]["tank"] == {"delta_v_m_s": 300.0}
+    made = of_two_bodies(2)
+    assert "initial" in made.to_json()
+    assert Instance.from_json(made.to_json()) == made
+    assert Instance.from_json(made.to_json()).sha256 == made.sha256
+
+
+def test_the_first_tank_is_worth_what_it_holds() -> None:
+    """Budgets tank by tank begin with what there is, and go on with full tanks."""
+    instance = of_two_bodies(2)
+    chaser = instance.chaser.replace(tank=Tank(delta_v_m_s=500.0, initial_delta_v_m_s=120.0))
+    legs = [("debris-001", 50.0), (instance.station_names[0], 60.0), ("debris-002", 10.0)]
+    assert tank_worths(instance, chaser, legs) == (120.0, 500.0)
+
+
+def test_connections_are_told_as_they_are() -> None:
+    """What was spent before is no part of what a transfer costs, whoever asks."""
+    plain = of_two_bodies(4)
+    chaser = plain.chaser
+    less = Tank(delta_v_m_s=chaser.tank.delta_v_m_s, initial_delta_v_m_s=10.0)
+    tables = [
+        adr_opt.Timetable(plain.replace(chasers=(chaser.replace(tank=tank),)), threads=1)
+        for tank in (Tank(delta_v_m_s=less.delta_v_m_s), less)
+    ]
+    j = tables[0].names[-1]
+    pairs = [table.connections(chaser.name, j) for table in tables]
+    np.testing.assert_allclose(pairs[0].delta_v, pairs[1].delta_v, atol=1e-9)
+    costs = [table.matrices([0.0, 4000.0], choose="cheapest").delta_v for table in tables]
+    np.testing.assert_allclose(costs[0], costs[1], atol=1e-9)
+    costs = [table.matrices([0.0, 4000.0]).delta_v for table in tables]
+    np.testing.assert_allclose(costs[0], costs[1], atol=1e-9)
+    assert tables[0].lookup(chaser.name, j, 0.0) == pytest.approx(
+        tables[1].lookup(chaser.name, j, 0.0)
+    )
+
+
+@pytest.mark.parametrize(
+    ("changes", "named"),
+    [
+        ({"tank": {"delta_v_m_s": 300.0, "initial_delta_v_m_s": 301.0}}, "a full tank holds 300"),
+        ({"tank": {"delta_v_m_s": 300.0, "initial_delta_v_m_s": -1.0}}, "initial_delta_v_m_s"),
+        ({"tank": {"delta_v_m_s": 300.0, "initial_delta_v_m_s": 5.0}}, "at a station it is filled"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(cli: Cli, changes, named: str) -> None:
+    """More than a tank holds, less than nothing, or a start where tanks are filled."""
+    content = json.loads(hand_made().to_json())
+    content["chasers"][0] |= changes
+    with open("x.json", "w", encoding="utf-8") as file:
+        json.dump(content, file)
+    refused(cli("solve", "x.json"), named)

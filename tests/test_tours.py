@@ -1,0 +1,157 @@
+"""Campaigns as one tour through time: the search and the bound against trying everything."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from solvers.campaigns.tours.bound import Bounding, Linear, bound, memories, neighbourhoods
+from solvers.campaigns.tours.costs import FORBIDDEN, Expense, Grid
+from solvers.campaigns.tours.planner import Annealing, plan
+
+GRID = Grid(least_gap=1, apart=3, unit_m_s=1.0)
+EXPENSE = Expense(20.0, 0.0, 2e-6, 2000.0, 30.0, 3334.0, 5000.0)
+QUICK = Annealing(starts=2, chunk=20, most=4, wide=20, near=20, missions=2)
+
+
+def drawn(seed, targets=4, gaps=3, times=10):
+    """Costs by pair, gap and time that favour other pairs at other times; some legs are none."""
+    random = np.random.default_rng(seed)
+    cost = random.integers(50, 3000, (targets, targets, gaps, times)).astype(np.uint16)
+    cost[random.random(cost.shape) < 0.2] = FORBIDDEN
+    cost[range(targets), range(targets)] = FORBIDDEN
+    return cost
+
+
+def expense_of(legs):
+    """Expense of a mission by its legs; infinite beyond its tank."""
+    mass = EXPENSE.dry_kg + EXPENSE.kit_kg
+    for leg in reversed(legs):
+        mass = mass * math.exp(leg / EXPENSE.exhaust_m_s) + EXPENSE.kit_kg
+    carried = mass - EXPENSE.dry_kg
+    if carried - (len(legs) + 1) * EXPENSE.kit_kg > EXPENSE.most_propellant_kg:
+        return math.inf
+    return EXPENSE.fixed + EXPENSE.per_kg_squared * carried**2
+
+
+def every_tour(cost):
+    """Least expense of all orders, cuts and times, by trying them."""
+    targets, _, gaps, times = cost.shape
+
+    def rest(left, last, now, legs):
+        if not left:
+            return expense_of(legs)
+        best = math.inf
+        for one in left:
+            others = left - {one}
+            for gap in range(gaps):
+                then = now + GRID.least_gap + gap
+                if then < times and cost[last, one, gap, now] != FORBIDDEN:
+                    leg = float(cost[last, one, gap, now])
+                    best = min(best, rest(others, one, then, [*legs, leg]))
+            paid = expense_of(legs)
+            for then in range(now + GRID.apart, times):
+                best = min(best, paid + rest(others, one, then, []))
+        return best
+
+    every = frozenset(range(targets))
+    starts = itertools.product(every, range(times))
+    return min(rest(every - {one}, one, now, []) for one, now in starts)
+
+
+@pytest.fixture(scope="module", params=range(4))
+def tried(request):
+    cost = drawn(request.param, targets=3 + request.param % 2, times=8)
+    return cost, every_tour(cost)
+
+
+def judged_apart(cost, tour):
+    """Expense of a tour at its own times, with all its rules asked for."""
+    targets, _, gaps, times = cost.shape
+    assert sorted(tour.order) == list(range(targets))
+    assert tour.begins[0]
+    assert min(tour.at) >= 0
+    assert max(tour.at) < times
+    total, legs = 0.0, []
+    for k in range(1, targets):
+        step = tour.at[k] - tour.at[k - 1]
+        if tour.begins[k]:
+            assert step >= GRID.apart
+            total += expense_of(legs)
+            legs = []
+            continue
+        assert GRID.least_gap <= step < GRID.least_gap + gaps
+        units = cost[tour.order[k - 1], tour.order[k], step - GRID.least_gap, tour.at[k - 1]]
+        assert units != FORBIDDEN
+        legs.append(float(units))
+    return total + expense_of(legs)
+
+
+def test_the_search_finds_what_trying_everything_finds(tried):
+    """On tiny campaigns the tour is legal, costs what it says, and is the best one or near it."""
+    cost, least = tried
+    tour = plan(cost, GRID, EXPENSE, seed=3, settings=QUICK, iterations=2000)[0]
+    assert judged_apart(cost, tour) == pytest.approx(tour.expense, rel=1e-6)
+    assert tour.expense >= least - 1e-4
+    assert tour.expense <= 1.05 * least
+
+
+def test_the_search_is_the_same_again():
+    """A seed and a number of iterations give one tour, however often and in how many chains."""
+    cost = drawn(9, targets=6, times=20)
+    tours = [
+        plan(cost, GRID, EXPENSE, seed=5, chains=chains, settings=QUICK, iterations=300)
+        for chains in (1, 1, 2)
+    ]
+    first = tours[0][0]
+    for found in (tours[1][0], *tours[2]):
+        if found.expense == first.expense:
+            assert (found.order == first.order).all()
+            assert (found.at == first.at).all()
+    assert tours[1][0].expense == first.expense
+    assert tours[2][0].expense <= first.expense
+
+
+@pytest.mark.parametrize("remembered", [0, 1, 2])
+@pytest.mark.parametrize("carried_kg", [300.0, 1500.0, 4000.0])
+def test_no_bound_exceeds_the_best_tour(tried, remembered, carried_kg):
+    """Whatever is remembered and wherever the expense is made linear, bounds lie below the best."""
+    cost, least = tried
+    cells = np.ascontiguousarray(cost.transpose(3, 0, 1, 2))
+    linear = Linear.tangent(EXPENSE, GRID.unit_m_s, carried_kg, 0.3)
+    bit, carried = memories(neighbourhoods(cells, remembered))
+    found = bound(cells, GRID, linear, bit, carried, Bounding(rounds=60))
+    assert found.value <= least + 1e-9
+    again = bound(cells, GRID, linear, bit, carried, Bounding(rounds=0), found.prices)
+    assert again.value == pytest.approx(found.value, abs=1e-3)
+
+
+def test_prices_of_any_kind_give_bounds(tried):
+    """Random prices, also large and negative ones, never give more than the best tour costs."""
+    cost, least = tried
+    cells = np.ascontiguousarray(cost.transpose(3, 0, 1, 2))
+    bit, carried = memories(neighbourhoods(cells, 2))
+    random = np.random.default_rng(0)
+    for _ in range(30):
+        linear = Linear.tangent(
+            EXPENSE, 1.0, random.uniform(60.0, 6000.0), random.uniform(0.0, 1.0)
+        )
+        prices = random.normal(8.0, 12.0, cells.shape[1])
+        assert bound(cells, GRID, linear, bit, carried, Bounding(rounds=0), prices).value <= least
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_tangent_never_exceeds_the_expense(seed):
+    """Missions of any legs cost at least what the linear expense says."""
+    random = np.random.default_rng(seed)
+    linear = Linear.tangent(EXPENSE, 1.0, random.uniform(60.0, 6000.0), random.uniform(0.0, 1.0))
+    for count in range(1, 25):
+        legs = random.uniform(0.0, 400.0, count - 1)
+        mass = EXPENSE.dry_kg + EXPENSE.kit_kg
+        for leg in legs[::-1]:
+            mass = mass * math.exp(leg / EXPENSE.exhaust_m_s) + EXPENSE.kit_kg
+        true = EXPENSE.fixed + EXPENSE.per_kg_squared * (mass - EXPENSE.dry_kg) ** 2
+        assert linear.fixed + linear.kit * count + linear.slope * legs.sum() <= true + 1e-9

@@ -1,0 +1,387 @@
+"""Towing: what is refused, what it takes, where it leads, and plans against enumeration."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from brute_force import brute_force_campaign, tow_of
+from random_rules import (
+    carrying,
+    drifting_mission,
+    mixed_campaign,
+    random_campaign,
+    random_mission,
+    towing,
+)
+
+import adr_opt
+from adr_opt.campaign import Campaign
+from adr_opt.cargo import followed, loads_of
+from adr_opt.checking.tank import Tank
+from adr_opt.episodes import check_playable
+from adr_opt.errors import InputError
+from adr_opt.export import write_matrix
+from adr_opt.flight import fly
+from adr_opt.instance import Instance
+from adr_opt.kernels import drift, orbits
+from adr_opt.kernels.constants import SLACK_M_S
+from adr_opt.kernels.loads import after_service
+from adr_opt.mission import Mission
+from adr_opt.plan import Plan
+from adr_opt.planes import ahead, outward
+from adr_opt.plot.segments import segments
+from adr_opt.refining import refine
+from adr_opt.tow import leaving_orbits, tows_of
+from adr_opt.trajectory import sample, write_plan
+
+CASES = 96
+
+TANK = {"dry_mass_kg": 300.0, "propellant_kg": 600.0, "isp_s": 300.0}
+
+
+def field(dynamics: str = "two-body", every: int = 2) -> Instance:
+    """A tiny field, by turns with objects that are towed and that are not, and a heavy tank."""
+    drawn = adr_opt.generate("tiny", 0, targets=6)
+    return drawn.replace(
+        dynamics=dynamics,
+        targets=tuple(
+            target.replace(removal="tow" if number % every == 0 else "visit", mass_kg=250.0)
+            for number, target in enumerate(drawn.targets)
+        ),
+        chasers=(drawn.chaser.replace(tank=TANK),),
+        mission=drawn.mission.replace(disposal_altitude_m=450e3),
+    )
+
+
+@cache
+def planned(dynamics: str = "two-body") -> Plan:
+    """A plan of it with several tows."""
+    plan = adr_opt.solve(field(dynamics), "exact", time_limit=60.0).plan
+    assert plan is not None
+    assert len(plan.tows_before) > 0
+    return plan
+
+
+def drawn(seed: int) -> Instance:
+    """One chaser or several that tow, by turns with kits, in all dynamics."""
+    draw = drifting_mission if seed % 2 else random_mission
+    make = (draw, lambda n: random_campaign(n, draw), lambda n: mixed_campaign(n, draw))[seed % 3]
+    made = make(seed // 2)
+    return towing(carrying(made, seed) if seed % 4 < 2 else made, seed)
+
+
+every_part = pytest.mark.parametrize(
+    "seeds",
+    [
+        pytest.param(range(part, CASES, 4), id=f"{part}", marks=[pytest.mark.slow] if part else [])
+        for part in range(4)
+    ],
+)
+
+
+@every_part
+@pytest.mark.parametrize("method", ["auto", "exact", "greedy"])
+def test_plans_pass_and_bounds_hold(method, seeds):
+    """What is planned passes `check`, and enumeration knows nothing above what is proven."""
+    towed = planned = proven = 0
+    for seed in seeds:
+        instance, margin = drawn(seed), (0.0, 0.2, 0.0)[seed % 3]
+        campaign = Campaign(instance, margin=margin)
+        prizes, cost = brute_force_campaign(campaign)
+        asked = {"cost": True} if method == "exact" else {}
+        result = adr_opt.solve(campaign, method, time_limit=30.0, iterations=8, **asked)
+        assert result.upper_bound >= prizes - 1e-9, seed
+        plan = result.plan
+        if plan is None:
+            assert math.isfinite(prizes) <= (result.status != "infeasible"), seed
+            continue
+        planned += 1
+        towed += sum(leg.tow is not None for leg in plan.legs)
+        assert adr_opt.check(instance, plan) == (), seed
+        assert result.objective <= prizes + 1e-9, seed
+        if result.objective == pytest.approx(prizes):
+            assert plan.cost >= cost - 1e-6, seed
+        if result.status == "optimal":
+            assert result.objective == pytest.approx(prizes), seed
+            proven += 1
+        if plan.cost_bound is not None:
+            assert plan.cost_bound <= cost * (1.0 + 1e-9) + 1e-6, seed
+        if plan.cost_status == "optimal":
+            assert plan.cost == pytest.approx(cost, rel=2e-6, abs=1e-5), seed
+    assert towed > 0.3 * len(seeds)
+    if method != "greedy":
+        assert proven >= 0.8 * planned > 0.4 * len(seeds)
+
+
+def test_what_a_tow_takes_is_half_an_ellipse():
+    """Time, ΔV and mass of a tow are those of a Hohmann transfer, written down once more."""
+    for seed in range(30):
+        instance = drawn(seed)
+        first = instance.first_target
+        for body, tow in tows_of(instance).items():
+            wanted = tow_of(instance.targets[body - first], instance)
+            assert (tow.time_s, tow.delta_v_m_s, tow.object_kg) == pytest.approx(wanted, rel=1e-10)
+
+
+def test_what_is_left_is_what_masses_say():
+    """ΔV left after legs and tows is that of the masses, by the rocket equation, burn by burn."""
+    rng = np.random.default_rng(1)
+    enough = 0
+    for _ in range(500):
+        instance = field(every=1)
+        tank = {
+            "dry_mass_kg": float(rng.uniform(50.0, 2000.0)),
+            "propellant_kg": float(rng.uniform(10.0, 3000.0)),
+            "isp_s": float(rng.uniform(50.0, 4000.0)),
+        }
+        chaser = instance.chaser.replace(tank=tank)
+        mass_kg = float(rng.uniform(1.0, 9000.0))
+        targets = tuple(target.replace(mass_kg=mass_kg) for target in instance.targets)
+        instance = instance.replace(chasers=(chaser,), targets=targets)
+        loads = loads_of(instance, chaser, 0.0)
+        judged, left, spent = Tank(chaser, 0), float(loads.full[0]), []
+        for body, tow in tows_of(instance).items():
+            assert left - SLACK_M_S == pytest.approx(judged.left_m_s, rel=1e-9, abs=1e-7)
+            delta_v = float(rng.uniform(0.0, 0.3)) * judged.left_m_s
+            richer, _ = after_service(loads, body, 0, left - delta_v + 1e-3)
+            left, _ = after_service(loads, body, 0, left - delta_v)
+            judged.burn(delta_v)
+            for slower in tow.burns_m_s:
+                judged.tow(slower, mass_kg)
+            spent.append((instance.names[body], delta_v))
+            if left < 0.0:
+                assert judged.left_m_s < -SLACK_M_S
+                break
+            assert richer > left  # who is richer before is so after it
+            stage = followed(instance, chaser, spent)[-1]
+            assert stage.left_m_s == pytest.approx(judged.left_m_s, rel=1e-9, abs=1e-7)
+            assert stage.mass_kg == pytest.approx(judged.mass_kg)
+            enough += 1
+    assert enough > 300
+
+
+@pytest.mark.parametrize("dynamics", ["two-body", "j2"])
+def test_legs_out_of_a_disposal_orbit_can_be_flown(dynamics):
+    """The burns of a tow, and of the leg after it, lead to the stand-off behind the target."""
+    instance, plan = field(dynamics), planned(dynamics)
+    assert adr_opt.check(instance, plan) == ()
+    flight = fly(instance, plan)
+    assert flight.worst_miss_m < 1e-3
+    assert flight.broken_tanks == ()
+    (tank,) = flight.tanks
+    assert tank.planned_delta_v_m_s == pytest.approx(plan.delta_v_m_s)
+
+
+def test_drifts_out_of_a_disposal_orbit_can_be_flown():
+    """Under J2 chasers drift away from disposal orbits, as `check` says, and meet their targets."""
+    flown = 0
+    for seed in range(0, 40, 2):
+        instance = towing(drifting_mission(seed), seed)
+        plan = adr_opt.solve(instance, "greedy").plan
+        if plan is None or not plan.tows_before:
+            continue
+        assert adr_opt.check(instance, plan) == (), seed
+        legs = fly(instance, plan).legs
+        for number in plan.tows_before:
+            assert legs[number - 1].miss_m < 0.1, (seed, number)
+            flown += legs[number - 1].kind == "drift"
+    assert flown > 4
+
+
+def test_nodes_drift_as_the_disposal_orbit_does_after_the_departure():
+    """What is left of a node counts the object's rate before, and the lower orbit's after it."""
+    instance = field("j2", every=1)
+    leaving, rows, first = leaving_orbits(instance), instance.orbits(), instance.first_target
+    pair = drift.prepare(leaving[first], rows[first + 1], 6.7e6, 8.3e6, instance.oblateness_m2)
+    tow, i = tows_of(instance)[first], rows[first]
+    lower = orbits.node_rate(tow.radius_m, i[orbits.INCLINATION], instance.oblateness_m2)
+    assert abs(lower) > 1.05 * abs(i[orbits.RAAN_RATE])
+    for departure, arrival in ((0.0, 1e6), (3e5, 2e6), (1e6, 1e7)):
+        node = orbits.node_at(i, departure - tow.time_s) + tow.shift_rad
+        node += lower * (arrival - departure)
+        lag = math.remainder(orbits.node_at(rows[first + 1], arrival) - node, 2.0 * math.pi)
+        left = drift.node_left_from(pair, departure, arrival)
+        assert left == pytest.approx(pair.speed * pair.sine * lag, rel=1e-9)
+
+
+@pytest.mark.parametrize("dynamics", ["two-body", "j2"])
+def test_a_trajectory_goes_on_through_tows(dynamics):
+    """Sampled arcs of a plan with tows follow one another in time and place, tows among them."""
+    instance, plan = field(dynamics), planned(dynamics)
+    arcs = [arc for _, arc in sample(instance, plan).arcs()]
+    for one, other in pairwise(arcs):
+        assert one.end_s == pytest.approx(other.start_s, abs=1e-3)
+        assert np.linalg.norm(one.positions_m[-1] - other.positions_m[0]) < 1.0
+    tows = [arc for arc in arcs if arc.phase == "tow"]
+    assert len(tows) == sum(leg.tow is not None for leg in plan.legs)
+    for arc in tows:
+        radius_m = 6378137.0 + instance.mission.disposal_altitude_m
+        assert np.linalg.norm(arc.positions_m[-1]) == pytest.approx(radius_m, abs=0.1)
+    shown = segments(instance, plan)
+    assert [one.phase for one in shown].count("tow") == len(tows)
+    for one, other in pairwise(shown):
+        assert one.end_s == pytest.approx(other.start_s, abs=1e-6)
+
+
+def test_a_window_is_for_the_service_and_not_for_the_tow():
+    """A service may end as its window closes, before the tow; the mission has room for both."""
+    instance, plan = field(), planned()
+    at = _first_tow(plan)
+    order = [each.destination for each in plan.legs[: at + 1]]
+    leg, tow = plan.legs[at], tows_of(instance)[instance.names.index(order[-1])]
+
+    def made(last_s: float, **changes) -> int:
+        targets = tuple(
+            target.replace(**changes) if target.name == order[-1] else target
+            for target in instance.targets
+        )
+        limited = instance.with_limits(duration_s=last_s).replace(targets=targets)
+        return Campaign(limited).missions[0].time(order).made
+
+    enough = leg.end_s + tow.time_s + 1.0
+    assert made(enough) == at + 1
+    assert made(enough, window_s=(0.0, leg.end_s + 1.0)) == at + 1
+    soonest = Campaign(instance.replace(objective={"cost": "duration"})).missions[0].time(order)
+    end = float(soonest.ends[at])
+    assert made(end + 1.0) == at + 1
+    assert made(end - 1.0) == at
+    assert made(enough, window_s=(0.0, end - tow.time_s + 1.0)) == at + 1
+    assert made(enough, window_s=(0.0, end - tow.time_s - 1.0)) == at
+
+
+def _first_tow(plan: Plan) -> int:
+    return next(number for number, leg in enumerate(plan.legs) if leg.tow is not None)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda tow: None,
+        lambda tow: tow.replace(delta_v_m_s=tow.delta_v_m_s - 1.0),
+        lambda tow: tow.replace(start_s=tow.start_s - 1.0),
+        lambda tow: tow.replace(end_s=tow.end_s + 1.0),
+        lambda tow: tow.replace(burns=tow.burns[:1]),
+        lambda tow: tow.replace(burns=tow.burns[::-1]),
+        lambda tow: tow.replace(
+            burns=(tow.burns[0].replace(delta_v_m_s=(1.0, 2.0, 3.0)), tow.burns[1])
+        ),
+        lambda tow: tow.replace(
+            burns=(tow.burns[0], tow.burns[1].replace(time_s=tow.burns[1].time_s + 5.0))
+        ),
+    ],
+)
+def test_check_judges_tows(change):
+    """A tow that is left out, cheaper, at other times, or with other burns is found."""
+    instance, plan = field(), planned()
+    at = _first_tow(plan)
+    legs = list(plan.legs)
+    legs[at] = legs[at].replace(tow=change(legs[at].tow))
+    broken = plan.replace(routes=(plan.routes[0].replace(legs=tuple(legs)),))
+    assert ("tow", at + 1) in {(found.rule, found.leg) for found in adr_opt.check(instance, broken)}
+
+
+def test_check_counts_what_tows_take():
+    """A plan of an instance with a far heavier object breaks the tank, and the mass."""
+    instance, plan = field(), planned()
+    at = _first_tow(plan)
+    heavier = tuple(
+        target.replace(mass_kg=2e4) if target.name == plan.legs[at].destination else target
+        for target in instance.targets
+    )
+    other = instance.replace(targets=heavier)
+    moved = plan.replace(instance={"name": other.name, "sha256": other.sha256})
+    rules = {(found.rule, found.leg) for found in adr_opt.check(other, moved)}
+    assert {("delta-v", at + 1), ("mass", at + 1)} <= rules
+
+
+def test_burns_of_tows_are_against_the_motion():
+    """Both burns of a tow point against the motion of where they are made, and sum to its ΔV."""
+    instance, plan = field("j2"), planned("j2")
+    rows = dict(zip(instance.names, instance.orbits(), strict=True))
+    for leg in plan.legs:
+        if leg.tow is None:
+            continue
+        row, burn = rows[leg.destination], leg.tow.burns[0]
+        plane = (row[orbits.INCLINATION], orbits.node_at(row, burn.time_s))
+        motion = ahead(plane, outward(plane, orbits.latitude_at(row, burn.time_s)))
+        assert np.array(burn.delta_v_m_s) / burn.size_m_s == pytest.approx(-motion, abs=1e-9)
+        sizes = [burn.size_m_s for burn in leg.tow.burns]
+        assert math.fsum(sizes) == pytest.approx(leg.tow.delta_v_m_s)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda i: {"mission": i.mission.replace(disposal_altitude_m=None)}, "disposal_altitude_m"),
+        (lambda i: {"mission": i.mission.replace(disposal_altitude_m=100e3)}, "altitude limits"),
+        (lambda i: {"mission": i.mission.replace(disposal_altitude_m=900e3)}, "must be below"),
+        (
+            lambda i: {"targets": (i.targets[0].replace(mass_kg=None), *i.targets[1:])},
+            r"targets\[0\].mass_kg: missing",
+        ),
+        (
+            lambda i: {"chasers": (i.chaser.replace(tank={"delta_v_m_s": 900.0}),)},
+            "give its dry_mass_kg",
+        ),
+        (lambda i: {"keep_out_zones": adr_opt.generate("tiny", 0, zones=1).keep_out_zones},
+         "keep_out_zones"),
+    ],
+)  # fmt: skip
+def test_what_makes_no_sense_is_refused(change, words):
+    """Towing without a mass, an altitude below, tanks by mass, or with zones: one sentence."""
+    instance = field()
+    with pytest.raises(InputError, match=words):
+        instance.replace(**change(instance))
+
+
+def test_given_connections_know_no_tows():
+    """Where connections are given nobody knows where a tow leads, and it is refused."""
+    instance = field()
+    costs = np.ones((1, len(instance.names), len(instance.names)))
+    with pytest.raises(InputError, match="connections are given"):
+        adr_opt.Timetable.from_matrices(instance, [0.0], costs, costs)
+
+
+def test_files_without_tows_do_not_speak_of_them():
+    """Instances and plans without tows are written as before; those with tows are read again."""
+    plain = adr_opt.generate("tiny", 0)
+    assert "disposal" not in plain.to_json()
+    assert '"tow"' not in adr_opt.solve(plain, "greedy").plan.to_json()
+    instance, plan = field(), planned()
+    assert Instance.from_json(instance.to_json()) == instance
+    assert Plan.from_json(plan.to_json()) == plan
+
+
+def test_who_knows_no_tows_says_so():
+    """Methods and verbs that do not know tows refuse them in a sentence."""
+    instance, plan = field(), planned()
+    with pytest.raises(InputError, match="refine knows no tows yet"):
+        refine(instance, plan)
+    with pytest.raises(InputError, match="refine knows no tows yet"):
+        adr_opt.solve_refined(instance, "greedy", rounds=1)
+    with pytest.raises(InputError, match="knows no tows, and those of"):
+        adr_opt.solve(instance, "ortools")
+    with pytest.raises(InputError, match="has tows that count"):
+        check_playable(Mission(instance))
+
+
+def test_what_is_exported_has_the_burns_of_tows(tmp_path):
+    """Messages and scripts fly tows; a script of a leg that leaves a disposal orbit is refused."""
+    instance, plan = field(), planned()
+    tows = sum(leg.tow is not None for leg in plan.legs)
+    message, script = tmp_path / "a.opm", tmp_path / "a.script"
+    write_plan(instance, plan, message)
+    write_plan(instance, plan, script)
+    burns = sum(len(leg.all_burns) for leg in plan.legs)
+    assert message.read_text().count("MAN_EPOCH_IGNITION") == burns
+    assert script.read_text().count("Maneuver 'tow'") == 2 * tows
+    number = next(iter(plan.tows_before))
+    write_plan(instance, plan, tmp_path / "leg.oem", leg=number)
+    with pytest.raises(InputError, match="leaves a disposal orbit"):
+        write_plan(instance, plan, tmp_path / "leg.script", leg=number)
+    with pytest.raises(InputError, match="knows no tows"):
+        write_matrix(Mission(instance), tmp_path / "a.vrp", [0.0])

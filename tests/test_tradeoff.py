@@ -1,0 +1,308 @@
+"""``tradeoff``: plans and bounds over budgets and durations, on one timetable."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Cli, refused
+from hand_made import PERIOD_S, hand_made
+from two_chasers import campaign
+
+import adr_opt
+from adr_opt.analysis import Axis, parse_axis, tradeoff
+from adr_opt.analysis.trade.axes import grid
+from adr_opt.analysis.trade.points import Board, Impossible, Point
+from adr_opt.analysis.trade.shared import Shared, slack_m_s, variant
+from adr_opt.chasers import TankByMass
+from adr_opt.connections import Connecting
+from adr_opt.errors import InputError
+from adr_opt.kernels.constants import DAY_S
+from adr_opt.stop import MaxIterations
+
+TANKS = Axis("delta-v", (130.0, 140.0, 270.0, 300.0, 420.0, 700.0))
+DURATIONS = Axis("duration", tuple(round(n * PERIOD_S) * 1.0 for n in (4, 8, 11, 14)))
+
+
+@pytest.fixture(scope="module")
+def surface():
+    return tradeoff(hand_made(), [TANKS, DURATIONS], time_limit=20.0)
+
+
+def test_every_point_is_what_planning_it_alone_gives(surface) -> None:
+    """Prizes and proofs are those of the exact method at each point, and plans can be flown."""
+    assert len(surface.points) == 24
+    for point in surface.points:
+        instance = variant(surface.instance, point.limits, tanks=True)
+        alone = adr_opt.solve(instance, "exact", time_limit=20.0)
+        assert point.prize == alone.objective, point.limits
+        assert point.status == alone.status == "optimal"
+        assert point.upper_bound == alone.upper_bound
+        timing = adr_opt.Mission(instance, threads=1).time(point.routes[0])
+        assert timing.made == len(point.routes[0])
+        assert timing.objective == point.prize == point.visits
+
+
+def test_larger_points_are_no_worse(surface) -> None:
+    """Along both axes prizes and bounds do not fall, and the surface is no plane."""
+    for kind in ("delta-v", "duration"):
+        for row in surface.along(kind).values():
+            for one, two in pairwise(row):
+                assert one.prize <= two.prize
+                assert one.upper_bound <= two.upper_bound
+    assert len({point.prize for point in surface.points}) == 4
+
+
+def test_not_every_point_is_run(surface) -> None:
+    """Where neighbours say it all, the proving method is not asked."""
+    asked = [point for point in surface.points if "auto" in point.methods]
+    assert 0 < len(asked) < len(surface.points)
+
+
+def test_tanks_share_a_timetable_exactly() -> None:
+    """The table of a mission is bit by bit that of one with another tank, for any time value."""
+    instance = adr_opt.generate("tiny", 1)
+    shared = Shared(instance, instance.mission.duration_s, tanks=True)
+    duration = instance.mission.duration_s
+    first = shared.problem((900.0, duration))
+    assert first.timetable is first.timetable
+    other = shared.problem((400.0, duration))
+    assert other.timetable is first.timetable
+    for value in (75.0, 300.0):
+        alone = adr_opt.Mission(other.instance, threads=1).with_time_value(value)
+        table = other.with_time_value(value).timetable.table
+        for mine, own in zip(table, alone.timetable.table, strict=True):
+            np.testing.assert_array_equal(mine, own)
+        rules = other.with_time_value(value).rules
+        assert rules.budget == alone.rules.budget
+        assert rules.shortest_sortie == alone.rules.shortest_sortie
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("resolution", [0.1, 5.0])
+def test_connections_of_shorter_missions_are_those_in_time(seed: int, resolution: float) -> None:
+    """Under J2, with long transfers, those of a long one that arrive in time are all of them."""
+    field = adr_opt.generate("rocket-bodies", seed, targets=4)
+    settings = field.transfer.replace(
+        delta_v_resolution_m_s=resolution, drift_step_s=2.0 * DAY_S, max_drift_s=60.0 * DAY_S,
+        departure_spacing_s=DAY_S,
+    )  # fmt: skip
+    long = field.replace(transfer=settings).with_limits(duration_s=80.0 * DAY_S)
+    whole = Connecting(long)
+    for days in (20.0, 33.7, 79.0):
+        short = long.with_limits(duration_s=days * DAY_S)
+        mine, own = whole.shortened(short), Connecting(short)
+        for i in range(len(short.names)):
+            for j in range(len(short.names)):
+                if i == j:
+                    continue
+                shared, alone = mine.found(i, j), own.found(i, j)
+                for name in ("departure", "arrival", "delta_v", "revolutions"):
+                    np.testing.assert_array_equal(getattr(shared, name), getattr(alone, name))
+                order = np.argsort(alone.crossing, kind="stable")
+                assert (np.diff(shared.crossing[order]) >= 0).all()
+
+
+def test_larger_tanks_may_leave_out_connections_where_planes_drift() -> None:
+    """So each tank has its own there, and bounds count only for tanks that are smaller enough."""
+    field = adr_opt.generate("rocket-bodies", 0, targets=4).with_limits(duration_s=30.0 * DAY_S)
+    assert Connecting(field).depends_on_tank
+    assert slack_m_s(field) == pytest.approx(10.0 * field.transfer.delta_v_resolution_m_s)
+    assert slack_m_s(hand_made()) == 0.0
+    board = Board([(100.0, 1.0), (105.0, 1.0), (200.0, 1.0)], slack_m_s=10.0)
+    board.add(Point(200.0, 1.0, 5.0, 6.0))
+    board.add(Point(105.0, 1.0, 4.0, 5.0))
+    assert board.points[100.0, 1.0].upper_bound == 6.0
+    assert board.points[200.0, 1.0].prize == 5.0
+
+
+def test_a_drifting_field_is_traded_too() -> None:
+    """Durations and tanks of a mission whose planes drift give the values of planning alone."""
+    field = adr_opt.generate("rocket-bodies", 1, targets=4).with_limits(duration_s=60.0 * DAY_S)
+    axes = [Axis("delta-v", (300.0, 1500.0)), Axis("duration", (40.0 * DAY_S, 60.0 * DAY_S))]
+    made = tradeoff(field, axes, time_limit=20.0)
+    for point in made.points:
+        alone = adr_opt.solve(variant(field, point.limits, tanks=True), "exact", time_limit=20.0)
+        assert point.prize == alone.objective
+        assert point.upper_bound >= alone.objective
+
+
+def test_campaigns_are_traded_over_durations() -> None:
+    """Of several chasers with tanks of their own the duration is varied, and tanks stay."""
+    axis = Axis("duration", (DAY_S, 2.0 * DAY_S))
+    made = tradeoff(campaign(), [axis], time_limit=10.0)
+    assert [len(point.routes) for point in made.points] == [2, 2]
+    for point in made.points:
+        short = campaign().with_limits(duration_s=point.duration_s)
+        alone = adr_opt.solve(short, "exact", time_limit=20.0)
+        assert point.prize == alone.objective
+        assert point.upper_bound >= alone.objective
+
+
+def test_a_plan_above_a_bound_is_an_error() -> None:
+    """Points that contradict each other are not stored: a method is broken."""
+    board = Board([(100.0, 1.0), (200.0, 1.0)])
+    board.add(Point(200.0, 1.0, 3.0, 3.0))
+    with pytest.raises(Impossible):
+        board.add(Point(100.0, 1.0, 4.0, 9.0))
+
+
+def test_of_a_plateau_the_largest_is_run_first() -> None:
+    """Its bound counts for all of them."""
+    board = Board([(100.0, 1.0), (200.0, 1.0), (300.0, 1.0)])
+    board.add(Point(100.0, 1.0, 3.0, 9.0))
+    assert next(board.open({})) == (300.0, 1.0)
+    board.add(replace(board.points[300.0, 1.0], upper_bound=3.0))
+    assert list(board.open({})) == []
+
+
+def test_runs_go_on_where_they_were(tmp_path: Path) -> None:
+    """What is in the file is not run again, a torn row is dropped, and the end is the same."""
+    path = tmp_path / "r.csv"
+    ran: list[Point] = []
+    whole = tradeoff(hand_made(), [TANKS], path=path, told=lambda point, _: ran.append(point))
+    lines = path.read_text().splitlines(keepends=True)
+    assert len(lines) == 1 + len(TANKS.values)
+    path.write_text("".join(lines[:3]) + lines[3][: len(lines[3]) // 2])
+    before = len(ran)
+    again = tradeoff(hand_made(), [TANKS], path=path, told=lambda point, _: ran.append(point))
+    assert len(ran) - before < before
+    assert [point.prize for point in again.points] == [point.prize for point in whole.points]
+    assert [point.upper_bound for point in again.points] == [
+        point.upper_bound for point in whole.points
+    ]
+    before = len(ran)
+    tradeoff(hand_made(), [TANKS], path=path, told=lambda point, _: ran.append(point))
+    assert len(ran) == before
+    with path.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["delta_v_m_s"]) for row in rows] == list(TANKS.values)
+    assert [float(row["prize"]) for row in rows] == [point.prize for point in whole.points]
+    assert json.loads(rows[-1]["routes"]) == [list(whole.points[-1].routes[0])]
+
+
+def test_results_of_something_else_are_refused(tmp_path: Path) -> None:
+    """A file of another instance, of other settings, or of anything else is left as it is."""
+    path = tmp_path / "r.csv"
+    axis = Axis("delta-v", (300.0,))
+    tradeoff(hand_made(), [axis], path=path)
+    content = path.read_bytes()
+    with pytest.raises(InputError, match="of another instance"):
+        tradeoff(hand_made(periods=15.0), [axis], path=path)
+    with pytest.raises(InputError, match="use the same settings"):
+        tradeoff(hand_made(), [axis], path=path, seed=3)
+    assert path.read_bytes() == content
+    path.write_text("a,b\n1,2\n")
+    with pytest.raises(InputError, match="not a file of results"):
+        tradeoff(hand_made(), [axis], path=path)
+    assert path.read_text() == "a,b\n1,2\n"
+
+
+def test_a_stop_leaves_what_there_is(tmp_path: Path) -> None:
+    """Stopped early, all points have what is known of them, and the file has the runs."""
+
+    class Few(MaxIterations):
+        def remaining_s(self) -> float:
+            return 0.0 if len(ran) >= 3 else math.inf
+
+    ran: list[Point] = []
+    made = tradeoff(
+        hand_made(), [TANKS], path=tmp_path / "r.csv", stop=Few(10**9),
+        told=lambda point, _: ran.append(point),
+    )  # fmt: skip
+    assert len(made.points) == len(TANKS.values)
+    assert len(ran) == 3
+    assert len((tmp_path / "r.csv").read_text().splitlines()) == 4
+
+
+def test_processes_give_the_same_values(surface) -> None:
+    """Two processes prove what one does."""
+    two = tradeoff(hand_made(), [TANKS, DURATIONS], time_limit=30.0, jobs=2)
+    assert [point.prize for point in two.points] == [point.prize for point in surface.points]
+    assert two.proven == len(two.points)
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("delta-v=1000:3000:500", (1000.0, 1500.0, 2000.0, 2500.0, 3000.0)),
+        ("delta-v=0.1:0.35:0.1", (0.1, 0.2, 0.3)),
+        ("delta-v = 3,1,2", (1.0, 2.0, 3.0)),
+        ("duration=1:2:0.5", (DAY_S, 1.5 * DAY_S, 2.0 * DAY_S)),
+    ],
+)
+def test_axes_are_read(text: str, values) -> None:
+    """Ranges have both ends, lists any order, durations days."""
+    assert parse_axis(text).values == pytest.approx(values)
+
+
+def test_points_are_all_pairs() -> None:
+    """A surface has every tank with every duration."""
+    points = grid(hand_made(), [TANKS, DURATIONS])
+    assert len(set(points)) == len(TANKS.values) * len(DURATIONS.values)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (("--vary", "delta-v"), "give it as NAME=LO:HI:STEP"),
+        (("--vary", "mass=1:2:1"), "'mass' is unknown; use one of: delta-v, duration"),
+        (("--vary", "delta-v=1:2"), "give numbers, as LO:HI:STEP"),
+        (("--vary", "delta-v=a,b"), "give numbers"),
+        (("--vary", "delta-v=3:1:1"), "LO must not exceed HI"),
+        (("--vary", "delta-v=1:3:0"), "STEP must be positive"),
+        (("--vary", "delta-v=0,1"), "must be positive"),
+        (("--vary", "delta-v=5,5"), "each given once"),
+        (("--vary", "delta-v=1:1e9:1"), "more than the 10000 allowed"),
+        (("--vary", "delta-v=5", "--vary", "delta-v=6"), "varied twice"),
+        (("--vary", "delta-v=5", "--method", "no"), "'no'"),
+        (("--vary", "delta-v=5", "--time-limit", "0"), "time limit = 0"),
+        (("--vary", "delta-v=5", "--jobs", "-1"), "jobs = -1"),
+        (("--vary", "delta-v=5", "--page", "x.txt"), "ends in .html"),
+        (("--vary", "delta-v=5", "--plot", "x.gif"), "SVG, PNG or PDF"),
+        (("--vary", "delta-v=5", "--out", "h.json"), "this is the input"),
+    ],
+)
+def test_a_wrong_call_is_one_sentence(cli: Cli, arguments, named: str) -> None:
+    """Exit status 2 and a sentence, before any work."""
+    hand_made().save("h.json")
+    refused(cli("tradeoff", "h.json", *arguments), named)
+
+
+def test_a_tank_by_mass_with_kits_has_no_budget(cli: Cli) -> None:
+    """What cannot be varied is refused in a sentence."""
+    instance = hand_made()
+    tank = TankByMass(dry_mass_kg=500.0, propellant_kg=54.0, isp_s=300.0)
+    chaser = instance.chaser.replace(tank=tank, kits=2, kit_mass_kg=5.0)
+    instance.replace(chasers=(chaser,)).save("h.json")
+    refused(cli("tradeoff", "h.json", "--vary", "delta-v=100,200"), "kit_mass_kg")
+
+
+def test_the_verb_writes_what_it_tells(cli: Cli) -> None:
+    """Table, CSV, JSON, page and picture of one call."""
+    pytest.importorskip("matplotlib")
+    hand_made().save("h.json")
+    outcome = cli(
+        "tradeoff", "h.json", "--vary", "delta-v=130,300", "--vary", "duration=0.5,0.96",
+        "--out", "t.csv", "--page", "t.html", "--plot", "t.svg",
+    )  # fmt: skip
+    assert outcome.status == 0, outcome
+    assert "4 of 4 points proven" in outcome.out
+    page = Path("t.html").read_text(encoding="utf-8")
+    assert page.count("<svg") == 2
+    assert "<script" not in page
+    assert "<svg" in Path("t.svg").read_text(encoding="utf-8")
+    content = json.loads(
+        cli(
+            "tradeoff", "h.json", "--vary", "delta-v=130,300", "--vary", "duration=0.5,0.96",
+            "--out", "t.csv", "--json",
+        ).out
+    )  # fmt: skip
+    assert content["proven"] == 4
+    assert [point["status"] for point in content["points"]] == ["optimal"] * 4
