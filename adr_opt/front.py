@@ -223,19 +223,19 @@ def run(
         ready(BOUNDS, bound, *others)
     criteria: list[Stop] = [MaxRuntime(time_limit), *others]
     # Some methods look at all pairs by themselves: what they prove is proven of all.
-    of_all = knows_all_pairs(method_of(method, group)) and not isinstance(whole, Campaign)
-    hasty = of_all and group == BOUNDS
+    of_all = knows_all_pairs(method_of(method, group))
+    hasty = of_all and group == BOUNDS and not isinstance(whole, Campaign)
     chosen = candidates(
         whole,
         time_limit,
-        first=list(chain.from_iterable(destinations)) if group == PLANNERS or hasty else None,
+        first=list(chain.from_iterable(destinations)) if group == PLANNERS or of_all else None,
         interrupted=lambda: stop is not None and stop.remaining_s() <= 0.0,
         building=building,
         table_bytes=TABLE_BYTES if memory_gib is None else memory_gib * 2.0**30,
         hasty=hasty,
     )
     progress(-math.inf, math.inf)
-    if not chosen.all and not hasty and (chosen.none or group == BOUNDS):
+    if not chosen.all and not hasty and (chosen.none or (group == BOUNDS and not of_all)):
         return chosen.nothing(method, seed)
     if start is not None:
         prepared = prepared.beginning_from(whole, destinations, repair)

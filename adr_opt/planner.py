@@ -139,10 +139,7 @@ _ALL_PAIRS = "bounds_all_pairs"
 
 
 def bounds_all_pairs(method: Method) -> Method:
-    """Decorate a method whose bounds hold of all pairs of bodies, whatever the timetable has.
-
-    For several chasers that is not asked of it.
-    """
+    """Decorate a method whose bounds hold of all pairs of bodies, whatever the timetable has."""
     setattr(method, _ALL_PAIRS, True)
     return method
 

@@ -8,13 +8,26 @@ from contextlib import closing
 
 import numpy as np
 import pytest
-from brute_force import brute_force
-from random_rules import carrying, drifting_mission, given_mission, random_mission, towing_mission
+from against_enumeration import compared
+from brute_force import brute_force, brute_force_campaign
+from random_rules import (
+    carrying,
+    drifting_mission,
+    given_field,
+    given_mission,
+    mixed_campaign,
+    random_mission,
+    towing,
+    towing_mission,
+)
 
 import adr_opt
+from adr_opt import front
+from adr_opt.campaign import Campaign
 from adr_opt.mission import Mission
+from solvers.campaigns import planner
 from solvers.relaxation import large, proof
-from solvers.relaxation.floors import floor_bound, floors, knapsack
+from solvers.relaxation.floors import Sack, floor_bound, floors, knapsack
 from solvers.relaxation.large import LargeProof, layouts
 from solvers.relaxation.multipliers import Descent
 from solvers.relaxation.pooled import PooledBound
@@ -67,6 +80,25 @@ def test_least_times_bound_every_plan(draw):
         assert bound >= prizes - 1e-9, seed
         tight += bound < mission.total_prize - 1e-6
     assert tight > 0 or draw is given_mission  # whose few targets all fit the time, one by one
+
+
+@pytest.mark.parametrize(
+    "draw",
+    [
+        mixed_campaign,
+        lambda seed: mixed_campaign(seed, drifting_mission),
+        lambda seed: mixed_campaign(seed, given_field),
+        lambda seed: carrying(mixed_campaign(seed), seed),
+        lambda seed: towing(mixed_campaign(seed), seed),
+    ],
+    ids=["plain", "drifting", "given", "laden", "towing"],
+)
+def test_least_times_bound_every_plan_of_a_campaign(draw):
+    """No plan of several chasers is worth more than services at least time and ΔV of all tanks."""
+    for seed in range(SEEDS // 4):
+        campaign = Campaign(draw(seed))
+        prizes, _ = brute_force_campaign(campaign)
+        assert campaign.shown(floor_bound(campaign)) >= prizes - 1e-9, seed
 
 
 @every_kind
@@ -209,7 +241,8 @@ def test_a_knapsack_of_floors_is_never_below_a_choice():
             stops = max(0, math.ceil((picked @ cost) / budget - 1.0 - 1e-12))
             if picked @ took + stops * stop_s <= time_s:
                 best = max(best, float(picked @ prize))
-        assert knapsack(prize, took, cost, time_s, budget, stop_s) >= best - 1e-9
+        sack = Sack(prize, took, cost, time_s, budget, budget, stop_s)
+        assert knapsack(sack) >= best - 1e-9
 
 
 def test_too_little_room_is_said():
@@ -250,9 +283,20 @@ def test_without_room_for_legs_the_floors_remain(monkeypatch):
     assert bounds[0] < bounds[1] < mission.total_prize
 
 
-def test_a_plan_on_some_pairs_states_a_bound_of_all():
+@pytest.mark.parametrize("method", ["auto", "exact"])
+def test_campaigns_without_a_network_state_a_bound(method, monkeypatch):
+    """Planned without column generation, no plan of several chasers exceeds what is stated."""
+    monkeypatch.setattr(planner, "fits_memory", lambda campaign: False)
+    for seed in range(8):
+        campaign = Campaign(mixed_campaign(seed))
+        result = adr_opt.solve(campaign, method, time_limit=20.0, iterations=2)
+        compared(campaign, result, seed)
+
+
+@pytest.mark.parametrize("family", ["nominal", "campaign"])
+def test_a_plan_on_some_pairs_states_a_bound_of_all(family):
     """A plan on the timetable of the nearest pairs has the bound of all, and check agrees."""
-    instance = adr_opt.generate("nominal", 0, targets=50)
+    instance = adr_opt.generate(family, 0, targets=50)
     result = adr_opt.solve(instance, "auto", time_limit=20.0, iterations=2, memory_gib=3e-3)
     plan = result.plan
     assert any("planned on the timetable of the nearest" in note for note in result.notes)
@@ -269,6 +313,15 @@ def test_every_size_has_a_bound():
     )
     assert result.upper_bound == 34.0
     assert result.status == "unknown"
+
+
+def test_campaigns_of_every_size_have_a_bound(monkeypatch):
+    """Three chasers among 300 targets are bounded where there is memory for a few pairs only."""
+    campaign = Campaign(adr_opt.generate("campaign", 0, targets=300))
+    monkeypatch.setattr(front, "TABLE_BYTES", 2e7)
+    result = adr_opt.bound(campaign, "exact", time_limit=20.0, iterations=1)
+    assert not campaign.is_whole
+    assert result.objective <= result.upper_bound <= 44.0
 
 
 def test_a_proof_is_over_when_time_is(monkeypatch):

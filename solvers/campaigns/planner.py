@@ -15,7 +15,8 @@ from adr_opt.planner import Progress
 from adr_opt.result import Result, certify_routes
 from adr_opt.stop import Stop
 
-from ..relaxation.proof import ProofOptions, bound_notes, fits_memory, set_up_s, sweep_s
+from ..relaxation.floors import floor_bound
+from ..relaxation.proof import ProofOptions, fits_memory, proof_notes, set_up_s, sweep_s
 from .all_sets import lacks_plan, settle
 from .incumbent import CampaignCertificate
 from .least_cost import prove_campaign_cost
@@ -73,6 +74,7 @@ class _Prover:
         if self._proof is None:
             least_s = max(LEAST_PROOF_S, LEAST_SET_UPS * set_up_s(self._campaign))
             if self._stop.remaining_s() < least_s:
+                self._own.lower(floor_bound(self._campaign))
                 return
             self._proof = CampaignProof(
                 self._campaign, self._own, self._pool, self._seed, self._stop, self._options
@@ -154,6 +156,8 @@ def plan(
     prover = None
     if proves and fits_memory(campaign):
         prover = _Prover(campaign, certificate, pool, seed, stop, options)
+    elif proves:
+        certificate.lower(floor_bound(campaign))
 
     def is_over() -> bool:
         ended = until_done and (prover is None or prover.done)
@@ -164,7 +168,7 @@ def plan(
             or stop(certificate.incumbent, certificate.bound)
         )
 
-    rounds, most = 0, max(1, round(sweep_s(campaign) / USUAL_SWEEP_S))
+    rounds, most = 0, 1 if prover is None else max(1, round(sweep_s(campaign) / USUAL_SWEEP_S))
     moves = FIRST_MOVES * most
     with nullcontext() if prover is None else closing(prover), ThreadPoolExecutor(1) as threads:
         while not is_over():
@@ -211,7 +215,7 @@ def plan(
         evidence=certificate.evidence,
         counters=counters,
         notes=(
-            *(bound_notes(campaign) if math.isfinite(certificate.stated) else ()),
+            *(proof_notes(campaign) if math.isfinite(certificate.stated) else ()),
             *((NOTHING_OF_TIME,) if cost and by_time else ()),
         ),
     )

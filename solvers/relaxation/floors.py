@@ -4,10 +4,12 @@ A plan's legs follow one another, and so do their services. Hence with t_j the l
 departure to the end of the service of j, and c_j the least ΔV to come to j, from wherever it may
 be, the targets x_j that a plan services and its r refuellings keep to
 
-    Σ t_j x_j + t_s r ≤ T ,      Σ c_j x_j ≤ B (1 + r) .
+    Σ t_j x_j + t_s r ≤ T ,      Σ c_j x_j ≤ B + b r
 
-The most that x_j between 0 and 1 and r ≥ 0 can be worth is bounded by any prices τ, λ ≥ 0 of time
-and of ΔV with τ t_s ≥ λ B,
+where B is what there is at first and b = B a full tank. Of several chasers the sums hold with the
+times and the tanks of all of them together, the least t_j and c_j of any, and the largest b. The
+most that x_j between 0 and 1 and r ≥ 0 can be worth is bounded by any prices τ, λ ≥ 0 of time and
+of ΔV with τ t_s ≥ λ b,
 
     Σ prize_j x_j ≤ τ T + λ B + Σ max(0, prize_j − τ t_j − λ c_j) ,
 
@@ -18,9 +20,11 @@ pairs is looked at, but for costs that are given.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
+from adr_opt.campaign import Problem
 from adr_opt.instance import Instance
 from adr_opt.kernels import orbits, transfer
 from adr_opt.kernels.compile import kernel
@@ -38,53 +42,78 @@ ROUNDING = 1e-12
 """What the cosine of a turn is raised by against rounding: near 1 the guard does not cover it."""
 
 
-def floor_bound(mission: Mission) -> float:
-    """No plan of a mission is worth more than this.
+class Sack(NamedTuple):
+    """What there is of time and ΔV, and what each target is worth and takes of them at least.
 
-    Parameters
+    Attributes
     ----------
-    mission : Mission
+    prize, took, cost : (bodies,) float64
+        Worths, 0 where a body cannot be serviced; least times [s] and least ΔV [m/s], +inf there.
+    time_s : float
+        Of the mission [s].
+    budget, tank : float
+        ΔV at first, and of a full tank [m/s].
+    stop_s : float
+        What a refuelling takes at least, +inf where there is none [s].
+    """
+
+    prize: np.ndarray
+    took: np.ndarray
+    cost: np.ndarray
+    time_s: float
+    budget: float
+    tank: float
+    stop_s: float
+
+
+def floor_bound(problem: Problem) -> float:
+    """No plan of a mission, or of a campaign, is worth more than this.
 
     Returns
     -------
     float
         In worths, as :attr:`adr_opt.kernels.rules.Rules.prize` has them.
     """
+    missions = problem.missions
+    distinct = {id(mission): mission for mission in missions}
+    sacks = {key: sack_of(mission) for key, mission in distinct.items()}
+    every = [sacks[id(mission)] for mission in missions]
+    return knapsack(
+        Sack(
+            prize=np.max([sack.prize for sack in every], axis=0),
+            took=np.min([sack.took for sack in every], axis=0),
+            cost=np.min([sack.cost for sack in every], axis=0),
+            time_s=math.fsum(sack.time_s for sack in every),
+            budget=math.fsum(sack.budget for sack in every),
+            tank=max(sack.tank for sack in every),
+            stop_s=min(sack.stop_s for sack in every),
+        )
+    )
+
+
+def sack_of(mission: Mission) -> Sack:
+    """That of one chaser."""
     rules = mission.rules
     least_s, least_m_s = floors(mission)
     possible = (rules.opens + rules.service <= rules.closes) & np.isfinite(least_s)
     possible &= least_m_s <= rules.budget
     possible[: rules.first_target] = False
-    prize, took, cost = rules.prize[possible], least_s[possible], least_m_s[possible]
+    took, cost = (np.where(possible, least, math.inf) for least in (least_s, least_m_s))
     # Who is ready takes departures a slack before, once a leg.
     time_s, budget = max(0.0, rules.duration - rules.ready), rules.budget
     if rules.start in mission.instance.launches:
         # A launch takes no time and no ΔV.
-        time_s += float(took.max(initial=0.0))
-        budget += float(cost.max(initial=0.0))
+        time_s += float(took[possible].max(initial=0.0))
+        budget += float(cost[possible].max(initial=0.0))
     stop_s = float(least_s[: rules.stations].min(initial=math.inf))
-    return knapsack(prize, took, cost, time_s, budget, stop_s)
+    prize = np.where(possible, rules.prize, 0.0)
+    return Sack(prize, took, cost, time_s, budget, rules.budget, stop_s)
 
 
-def knapsack(
-    prize: np.ndarray,
-    took: np.ndarray,
-    cost: np.ndarray,
-    time_s: float,
-    budget: float,
-    stop_s: float,
-) -> float:
-    """The least bound of the prices tried.
-
-    Parameters
-    ----------
-    prize, took, cost : (targets,) float64
-        Worths, least times [s] and least ΔV [m/s].
-    time_s, budget : float
-        What there is of both [s], [m/s].
-    stop_s : float
-        What a refuelling takes at least, +inf where there is none [s].
-    """
+def knapsack(sack: Sack) -> float:
+    """The least bound of the prices tried."""
+    some = sack.prize > 0.0
+    prize, took, cost = sack.prize[some], sack.took[some], sack.cost[some]
     if not prize.size:
         return 0.0
     dear = cost > 0.0
@@ -96,11 +125,12 @@ def knapsack(
         rest = np.maximum(0.0, prize - price * cost)
         order = np.argsort(-rest / took)
         filled = np.cumsum(took[order])
-        full = int(np.searchsorted(filled, time_s, side="right"))
+        full = int(np.searchsorted(filled, sack.time_s, side="right"))
         per_s = float((rest / took)[order[full]]) if full < order.size else 0.0
-        if math.isfinite(stop_s):
-            per_s = max(per_s, price * budget / max(stop_s, GUARD))
-        value = per_s * time_s + price * budget + float(np.maximum(0.0, rest - per_s * took).sum())
+        if math.isfinite(sack.stop_s):
+            per_s = max(per_s, price * sack.tank / max(sack.stop_s, GUARD))
+        value = per_s * sack.time_s + price * sack.budget
+        value += float(np.maximum(0.0, rest - per_s * took).sum())
         least = min(least, value)
     return least * (1.0 + GUARD)
 

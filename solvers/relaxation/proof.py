@@ -446,7 +446,7 @@ def bound_notes(mission: Problem) -> list[str]:
     return notes
 
 
-def proof_notes(mission: Mission) -> list[str]:
+def proof_notes(mission: Problem) -> list[str]:
     """The same where :func:`proof_of` chose how to prove."""
     return [*_rounded(mission), *([] if fits_memory(mission) else [TOO_LARGE])]
 
