@@ -11,10 +11,11 @@ from contextlib import closing, nullcontext
 import numpy as np
 
 from adr_opt.campaign import Campaign
-from adr_opt.planner import Progress
+from adr_opt.planner import Progress, silent
 from adr_opt.result import Result, certify_routes
 from adr_opt.stop import Stop
 
+from ..least_end import prove_end
 from ..relaxation.floors import floor_bound
 from ..relaxation.proof import ProofOptions, fits_memory, proof_notes, set_up_s, sweep_s
 from .all_sets import lacks_plan, settle
@@ -39,11 +40,6 @@ PACKING_S = 10.0
 
 LEAST_PROOF_S, LEAST_SET_UPS = 1.0, 2.0
 """With less time left, or less than so many times what setting it up takes, no proof is begun."""
-
-
-NOTHING_OF_TIME = (
-    "the cost is the end of the last service, which is planned for; nothing is proven of it"
-)
 
 
 class _Prover:
@@ -144,8 +140,7 @@ def plan(
     until_done : bool
         End when the proof can do no more.
     cost : bool
-        Go on to the least cost of plans that collect as much, once the prizes are proven. Of the
-        end of the last service nothing is proven.
+        Go on to the least cost of plans that collect as much, once the prizes are proven.
     """
     began = time.perf_counter()
     certificate, pool = CampaignCertificate(campaign, progress), Pool(campaign)
@@ -200,9 +195,18 @@ def plan(
     if prover is not None:
         counters |= prover.counters
     cost_bound = None
-    by_time = campaign.instance.objective.cost == "duration"
-    if cost and not by_time and certificate.proven and certificate.sequence is not None:
-        cost_bound, counted = prove_campaign_cost(campaign, certificate, pool, stop, options)
+    if cost and certificate.proven and certificate.sequence is not None:
+        if campaign.instance.objective.cost == "duration":
+            cost_bound, counted = prove_end(
+                campaign, certificate, stop,
+                lambda sooner, within: plan(
+                    method, sooner, seed=seed, stop=within, progress=silent, options=options,
+                    until_done=True,
+                ),
+                lambda found: certificate.offer(found.routes),
+            )  # fmt: skip
+        else:
+            cost_bound, counted = prove_campaign_cost(campaign, certificate, pool, stop, options)
         counters |= counted
     return certify_routes(
         campaign,
@@ -214,8 +218,5 @@ def plan(
         cost_bound=cost_bound,
         evidence=certificate.evidence,
         counters=counters,
-        notes=(
-            *(proof_notes(campaign) if math.isfinite(certificate.stated) else ()),
-            *((NOTHING_OF_TIME,) if cost and by_time else ()),
-        ),
+        notes=proof_notes(campaign) if math.isfinite(certificate.stated) else (),
     )

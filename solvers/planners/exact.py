@@ -19,13 +19,14 @@ import numpy as np
 from adr_opt.campaign import Campaign
 from adr_opt.mission import Mission
 from adr_opt.options import option
-from adr_opt.planner import Progress, bounds_all_pairs, for_campaigns, shows_evidence
+from adr_opt.planner import Progress, bounds_all_pairs, for_campaigns, shows_evidence, silent
 from adr_opt.practice import practises
 from adr_opt.result import Result, certify
 from adr_opt.stop import Clock, Stop
 
 from ..campaigns.planner import plan
 from ..certificate import Certificate
+from ..least_end import prove_end
 from ..relaxation.latest import Latest
 from ..relaxation.proof import MOST_LABELS, ProofOptions, proof_notes, prove, prove_cost
 from ..search.beams import hurried, usual_settings
@@ -51,7 +52,7 @@ class ExactOptions(ProofOptions, method="exact"):
     cost: bool = option(
         False,
         "Go on to prove, once the prizes are proven, that no plan that collects as much costs "
-        "less: ΔV, or of campaigns the expense.",
+        "less: ΔV, the end of the last service, or of campaigns the expense.",
     )
 
 
@@ -121,11 +122,20 @@ def exact(
 
     counters = prove(mission, certificate, stop, enough, options, search=search)
     cost_bound = None
-    by_delta_v = mission.instance.objective.cost == "delta-v"
-    if options.cost and by_delta_v and certificate.proven and certificate.sequence is not None:
-        cost_bound, counted = prove_cost(
-            mission, certificate, stop, replace(options, delta_v_slot_m_s=COST_SLOT_M_S)
-        )
+    if options.cost and certificate.proven and certificate.sequence is not None:
+        if mission.instance.objective.cost == "duration":
+            cost_bound, counted = prove_end(
+                mission, certificate, stop,
+                lambda sooner, within: exact(
+                    sooner, seed=seed, stop=within, progress=silent,
+                    options=replace(options, cost=False),
+                ),
+                lambda found: certificate.offer(found.sequence or ()),
+            )  # fmt: skip
+        else:
+            cost_bound, counted = prove_cost(
+                mission, certificate, stop, replace(options, delta_v_slot_m_s=COST_SLOT_M_S)
+            )
         counters |= counted
     return certify(
         mission,

@@ -1,0 +1,121 @@
+"""The earliest end of plans that collect as much, proven by missions that end sooner.
+
+Where the cost is the end of the last service, a plan costs less than D exactly if it is a plan of
+the same mission with the duration D. So no plan worth as much ends before D if what a mission of
+that duration can collect is proven to be less: the question is one about prizes, which all that is
+known of them answers, for one chaser and for several, under every rule. The first such question
+is asked just below the plan's end. Where the time does not suffice for the answer, durations are
+halved for one that is easy to rule out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from adr_opt.campaign import Campaign
+from adr_opt.errors import InputError
+from adr_opt.mission import Mission
+from adr_opt.result import Result
+from adr_opt.stop import Stop
+
+from .certificate import CertificateOf
+from .relaxation.cost_rounds import RELATIVE, asked
+
+JUST_BELOW = 0.9 * RELATIVE
+"""The first duration asked about, below the end by so much of it: what counts as the same."""
+
+SHARE = 0.5
+"""Each question may take so much of the time that is left."""
+
+CLOSE = 0.01
+"""Halving ends when so much of the end is left between what is ruled out and what is not."""
+
+LEAST_S = 0.05
+"""With less time left nothing more is asked [s]."""
+
+Kind = TypeVar("Kind", Mission, Campaign)
+
+
+class _Answered:
+    """Enough as soon as it is known whether a shorter mission is worth as much."""
+
+    def __init__(self, goal: float, stop: Stop) -> None:
+        remaining_s = stop.remaining_s()
+        self._goal, self._stop = goal, stop
+        self._left_s = remaining_s - SHARE * remaining_s if math.isfinite(remaining_s) else 0.0
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
+        return incumbent >= self._goal or bound < self._goal or self.remaining_s() <= 0.0
+
+    def remaining_s(self) -> float:
+        """Seconds that may still be used."""
+        return self._stop.remaining_s() - self._left_s
+
+
+def shorter(problem: Kind, duration_s: float) -> Kind:
+    """The same problem for a mission that ends sooner, on what is known of connections.
+
+    Raises
+    ------
+    InputError
+        There is no such mission.
+    """
+    instance = problem.instance.with_limits(duration_s=duration_s)
+    connecting = problem.connecting.shortened(instance)
+    return type(problem)(instance, margin=problem.margin, connecting=connecting)
+
+
+def prove_end(
+    problem: Kind,
+    certificate: CertificateOf[Any],
+    stop: Stop,
+    solve: Callable[[Kind, Stop], Result],
+    offer: Callable[[Result], bool],
+) -> tuple[float, dict[str, float]]:
+    """Prove when the plans end at the earliest that are worth as much as the incumbent.
+
+    Parameters
+    ----------
+    problem : Mission or Campaign
+        Whose cost is the end of the last service.
+    certificate : Certificate
+        With a plan that is proven to be worth most.
+    stop : Stop
+        Its time alone counts here.
+    solve : callable
+        Plans and bounds a problem as far as a stop lets it.
+    offer : callable
+        Hands the plan of a result to the certificate; whether it is a better one.
+
+    Returns
+    -------
+    bound : float
+        No plan worth as much ends sooner [s].
+    counters : dict
+        ``ends_asked``: how many shorter missions were looked at.
+    """
+    goal = asked(certificate.incumbent)
+    ruled_out, open_from, asked_about = 0.0, math.inf, 0
+    while stop.remaining_s() > LEAST_S and certificate.cost > 0.0:
+        end = certificate.cost * (1.0 - JUST_BELOW)
+        if math.isfinite(open_from):
+            open_from = min(open_from, end)
+            if open_from - ruled_out <= CLOSE * end:
+                break
+            end = 0.5 * (ruled_out + open_from)
+        try:
+            problem_then = shorter(problem, end)
+        except InputError:
+            break  # somebody is there only later
+        asked_about += 1
+        found = solve(problem_then, _Answered(goal, stop))
+        if problem.worth(found.upper_bound) < goal:
+            ruled_out = end
+            if math.isinf(open_from):
+                break
+        elif found.plan is None or problem.worth(found.objective) < goal or not offer(found):
+            open_from = end
+    return ruled_out, {"ends_asked": asked_about}
