@@ -2,10 +2,12 @@
 
     python bench/cost.py nominal --limit 60 --out cost.jsonl
     python bench/cost.py removal --targets 12 --chasers 3 --expense 55,0,2e-3 --limit 60
+    python bench/cost.py nominal --duration --count 5
 
 With ``--targets`` and ``--chasers`` fields are smaller or larger than those of the family, and with
 ``--expense`` the cost is no ΔV, but what chasers take: each one so much if it is used, for each
-kilogram that it carries, and for each square of one.
+kilogram that it carries, and for each square of one. With ``--duration`` it is the end of the last
+service.
 
 Fields of a family by seed from ``--first``, ``--count`` of them. The time limit starts with a ready
 timetable and covers the proof of the prizes, too; ``cpu_s`` is the processor time that was spent,
@@ -33,6 +35,8 @@ def drawn(family: str, seed: int, asked: dict[str, Any]) -> adr_opt.Instance:
     """A field of a family, with a number of targets and chasers, and by expense."""
     sizes = {name: asked[name] for name in ("targets", "chasers") if asked.get(name) is not None}
     instance = adr_opt.generate(family, seed, **sizes)
+    if asked.get("duration"):
+        return instance.replace(objective={"cost": "duration"})
     if not asked.get("expense"):
         return instance
     names = ("fixed", "per_kg", "per_kg_squared")
@@ -73,8 +77,11 @@ def measure(family: str, seed: int, limit: float, asked: dict[str, Any]) -> dict
 
 def table(rows: list[dict[str, Any]]) -> str:
     """One field to a line, and what they come to."""
-    by_expense = any(row.get("expense") for row in rows)
-    what, unit = ("expense", "") if by_expense else ("ΔV", " m/s")
+    what, unit = "ΔV", " m/s"
+    if any(row.get("expense") for row in rows):
+        what, unit = "expense", ""
+    elif any(row.get("duration") for row in rows):
+        what, unit = "end", " s"
     lines = [
         f"| seed | prize | {what} | no plan below | gap | time | processor time |",
         "|---|---|---|---|---|---|---|",
@@ -110,16 +117,21 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="JSON lines, appended to")
     parser.add_argument("--targets", type=int)
     parser.add_argument("--chasers", type=int)
-    parser.add_argument("--expense", help="FIXED[,PER_KG[,PER_KG2]]")
+    cost = parser.add_mutually_exclusive_group()
+    cost.add_argument("--expense", help="FIXED[,PER_KG[,PER_KG2]]")
+    cost.add_argument("--duration", action="store_true")
     arguments = parser.parse_args()
     prices = arguments.expense and [float(part) for part in arguments.expense.split(",")]
-    asked = {"targets": arguments.targets, "chasers": arguments.chasers, "expense": prices}
+    asked = {
+        "targets": arguments.targets, "chasers": arguments.chasers, "expense": prices,
+        "duration": arguments.duration or None,
+    }  # fmt: skip
     rows: list[dict[str, Any]] = []
     if arguments.out and arguments.out.exists():
         rows = [json.loads(line) for line in arguments.out.read_text().splitlines()]
     rows = [row for row in rows if all(row.get(name) == asked[name] for name in asked)]
     done = {(row["family"], row["seed"], row["limit_s"]) for row in rows}
-    few = {"targets": 3, "chasers": arguments.chasers, "expense": prices}
+    few = {**asked, "targets": 3}
     measure("tiny" if prices is None else arguments.family, 0, 20.0, few)  # compile beforehand
     seeds = range(arguments.first, arguments.first + arguments.count)
     for seed in seeds:
