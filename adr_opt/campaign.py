@@ -183,6 +183,9 @@ def is_campaign(instance: Instance) -> bool:
 def problem_of(instance: Instance | Problem, threads: int | None = None) -> Problem:
     """An instance ready for planning, see :func:`is_campaign`.
 
+    A campaign of one chaser for whom nothing of that counts is its mission: same plans, same
+    proofs, same time.
+
     Raises
     ------
     InputError
@@ -194,6 +197,8 @@ def problem_of(instance: Instance | Problem, threads: int | None = None) -> Prob
             f"{instance.instance.name!r} is planned as a campaign, with all its chasers and what "
             "they carry, cost and take of stations; hand over the instance in place of a Mission"
         )
+    if isinstance(instance, Campaign) and not is_campaign(instance.instance):
+        return instance.missions[0]
     if not isinstance(instance, Instance):
         return instance
     if is_campaign(instance):

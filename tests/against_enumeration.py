@@ -32,3 +32,23 @@ def compared(campaign: Campaign, result: Result, case: int) -> bool:
     if result.status == "optimal":
         assert result.objective == pytest.approx(prizes), case
     return True
+
+
+def compared_cost(campaign: Campaign, result: Result, case: int) -> bool | None:
+    """Hold what is proven of the least cost against all plans; whether it is that of the plan.
+
+    None where nothing was asked: the prizes are not proven.
+    """
+    if result.status != "optimal" or result.plan is None:
+        assert result.plan is None or result.plan.cost_bound is None, case
+        return None
+    prizes, cost = brute_force_campaign(campaign)
+    plan = result.plan
+    assert adr_opt.check(campaign.instance, plan) == (), case
+    assert plan.objective == pytest.approx(prizes), case
+    assert plan.cost_bound <= cost * (1.0 + 1e-9) + 1e-6, case
+    assert plan.cost >= cost * (1.0 - 1e-9) - 1e-6, case
+    if plan.cost_status != "optimal":
+        return False
+    assert plan.cost == pytest.approx(cost, rel=2e-6, abs=1e-5), case
+    return True

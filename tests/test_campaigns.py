@@ -7,7 +7,7 @@ from itertools import permutations
 
 import numpy as np
 import pytest
-from against_enumeration import compared
+from against_enumeration import compared, compared_cost
 from brute_force import brute_force_campaign, labels_of
 from random_rules import (
     carrying,
@@ -87,7 +87,7 @@ def test_chasers_of_many_kinds(method, draw, seeds):
 @pytest.mark.parametrize("make", [random_campaign, mixed_campaign])
 def test_the_least_cost_is_that_of_enumeration(make, draw, seeds):
     """No bound on the cost lies above the least, and what is proven to be the least is."""
-    proven = asked = 0
+    closed = []
     for seed in seeds:
         instance = make(seed, draw)
         if seed % 2:
@@ -95,21 +95,10 @@ def test_the_least_cost_is_that_of_enumeration(make, draw, seeds):
         if seed % 3 == 0 and instance.given is None:
             instance = towing(instance, seed)
         campaign = Campaign(instance)
-        prizes, cost = brute_force_campaign(campaign)
         result = adr_opt.solve(campaign, "exact", time_limit=30.0, iterations=8, cost=True)
-        if instance.objective.cost == "expense" or result.status != "optimal":
-            assert result.plan is None or result.plan.cost_bound is None, seed
-            continue
-        plan = result.plan
-        assert adr_opt.check(instance, plan) == (), seed
-        assert plan.objective == pytest.approx(prizes), seed
-        asked += 1
-        assert plan.cost_bound <= cost * (1.0 + 1e-9) + 1e-6, seed
-        assert plan.cost >= cost - 1e-6, seed
-        if plan.cost_status == "optimal":
-            assert plan.cost == pytest.approx(cost, rel=2e-6, abs=1e-5), seed
-            proven += 1
-    assert proven >= 0.8 * asked > 0.2 * len(seeds)
+        closed.append(compared_cost(campaign, result, seed))
+    asked = [each for each in closed if each is not None]
+    assert sum(asked) >= 0.8 * len(asked) > 0.2 * len(seeds)
 
 
 @pytest.mark.parametrize("seed", [*RARE, *range(30)])

@@ -7,8 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from against_enumeration import compared
-from brute_force import brute_force_campaign
+from against_enumeration import compared, compared_cost
 from random_rules import (
     carrying,
     drifting_mission,
@@ -86,26 +85,15 @@ def test_plans_pass_and_bounds_hold(method, draw, seeds):
 @every_part
 def test_the_least_expense_is_that_of_enumeration(draw, seeds):
     """No bound on the cost lies above the least, and what is proven to be the least is."""
-    proven = asked = dear = 0
+    closed, dear = [], 0
     for seed in seeds:
-        instance = drawn(seed, draw)
-        campaign = Campaign(instance)
-        prizes, cost = brute_force_campaign(campaign)
+        campaign = Campaign(drawn(seed, draw))
         result = adr_opt.solve(campaign, "exact", time_limit=30.0, iterations=8, cost=True)
-        if instance.objective.cost == "duration" or result.status != "optimal":
-            assert result.plan is None or result.plan.cost_bound is None, seed
-            continue
-        plan = result.plan
-        assert adr_opt.check(instance, plan) == (), seed
-        assert plan.objective == pytest.approx(prizes), seed
-        asked += 1
-        assert plan.cost_bound <= cost * (1.0 + 1e-9) + 1e-6, seed
-        assert plan.cost >= cost * (1.0 - 1e-9) - 1e-6, seed
-        if plan.cost_status == "optimal":
-            assert plan.cost == pytest.approx(cost, rel=2e-6, abs=1e-5), seed
-            proven += 1
-            dear += cost > 0.0 and instance.objective.cost == "expense"
-    assert proven >= 0.8 * asked > 0.2 * len(seeds)
+        closed.append(compared_cost(campaign, result, seed))
+        by_expense = campaign.instance.objective.cost == "expense"
+        dear += bool(closed[-1]) and by_expense and result.plan.cost > 0.0
+    asked = [each for each in closed if each is not None]
+    assert sum(asked) >= 0.8 * len(asked) > 0.2 * len(seeds)
     assert dear >= 0.2 * len(seeds)
 
 

@@ -14,8 +14,7 @@ from hand_made import PERIOD_S, hand_made
 from two_chasers import campaign, planned
 
 import adr_opt
-from adr_opt.analysis import price
-from adr_opt.analysis.replan import Replanned, replan
+from adr_opt.analysis import Replanned, price, replan
 from adr_opt.analysis.state import states_at
 from adr_opt.chasers import TankByMass
 from adr_opt.errors import InputError

@@ -7,7 +7,8 @@
 from .comparison import Comparison, compare
 from .orders import orders_of, read_orders
 from .priced import PricedOrder, PricedRoute, price
-from .replan import Replanned, replan
+from .replan import replan
+from .replanned import Replanned
 from .trade import Axis, Tradeoff, parse_axis, tradeoff
 
 __all__ = [

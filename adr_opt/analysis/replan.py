@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from typing import Any
 
@@ -19,7 +19,7 @@ from ..keep_out import crossed
 from ..kernels.constants import SLACK_M_S
 from ..limits import limits_of
 from ..mission import Mission
-from ..plan import Leg, Plan, Route
+from ..plan import Leg, Plan
 from ..planner import PLANNERS, takes_start
 from ..prepared import method_of, prepare, warm_up
 from ..pricing import burns_of, transfer_of
@@ -28,6 +28,7 @@ from ..routes import weighed
 from ..settings import KeepOutZone
 from ..stop import AnyOf, MaxRuntime, Stop
 from ..tow import refuse_tows
+from .replanned import Orders, Replanned, compared
 from .state import State, going_on, states_at
 
 QUICK, SEVERAL = "beam", "auto"
@@ -40,90 +41,6 @@ HURRY = 110.0 / 75.0
 
 NEAR_EMPTY = 0.5
 """With less of a tank than this it is tried to refuel first."""
-
-Orders = tuple[tuple[str, ...], ...]
-
-
-@dataclass(frozen=True)
-class Replanned:
-    """The rest of a mission, planned anew.
-
-    Attributes
-    ----------
-    instance : Instance
-        What is left to do: chasers where they are, with what they have; without what is done or
-        lost; with the new zones.
-    result : Result
-        Of planning that; its plan belongs to that instance.
-    states : tuple of State
-        What is flown or fixed, and from where it goes on.
-    former : tuple of tuple of str
-        What the plan was about to do, for each chaser.
-    gained, dropped, lost : tuple of str
-        Targets that the former rest did not visit and the new one does; that it did, and which are
-        left out now though they could still be visited; and those that are lost.
-    prize_before, prize_after : float
-        Of the former rest, and of the new one.
-    kept : int
-        Legs at the beginning of the new rest that lead where the former ones led.
-    notes : tuple of str
-    runtime_s : float
-        All of it, timetables included.
-    """
-
-    instance: Instance
-    result: Result
-    states: tuple[State, ...]
-    former: Orders
-    gained: tuple[str, ...]
-    dropped: tuple[str, ...]
-    lost: tuple[str, ...]
-    prize_before: float
-    prize_after: float
-    kept: int
-    notes: tuple[str, ...]
-    runtime_s: float
-
-    @property
-    def plan(self) -> Plan | None:
-        """The new rest; None if there is none."""
-        return self.result.plan
-
-    def whole(self) -> tuple[Route, ...]:
-        """What each chaser flies from beginning to end: what is fixed, and the new rest."""
-        plan = self.plan
-        new = {} if plan is None else {route.chaser: route.legs for route in plan.routes}
-        routes = []
-        for state in self.states:
-            legs = list(state.legs)
-            for leg in new.get(state.chaser.name, ()):
-                where = legs[-1].destination if legs else state.chaser.start_name
-                free_s = legs[-1].end_s if legs else state.since_s
-                legs.append(leg.replace(origin=where, ready_s=free_s))
-            routes.append(Route(chaser=state.chaser.name, legs=tuple(legs)))
-        return tuple(routes)
-
-    def to_dict(self) -> dict[str, Any]:
-        """What has changed, for JSON."""
-        return {
-            "instance": {"name": self.instance.name, "sha256": self.instance.sha256},
-            "fixed": [
-                {
-                    "chaser": state.chaser.name, "legs": len(state.legs), "at": state.body,
-                    "free_s": state.free_s, "delta_v_left_m_s": state.left_m_s,
-                }
-                for state in self.states
-            ],
-            "prize_before": self.prize_before,
-            "prize_after": self.prize_after,
-            "upper_bound": self.result.to_dict()["upper_bound"],
-            "gained": list(self.gained),
-            "dropped": list(self.dropped),
-            "lost": list(self.lost),
-            "kept_legs": self.kept,
-            "notes": list(self.notes),
-            "runtime_s": self.runtime_s,
-        }  # fmt: skip
 
 
 def replan(
@@ -204,7 +121,7 @@ def replan(
         if best is None or _is_better(made, best[2]):
             best = beginning, begun, made
     assert best is not None
-    return _told(instance, *best, former, gone, notes, began)
+    return compared(instance, *best, former, gone, notes, began)
 
 
 def _crossings(zoned: Instance, states: Sequence[State], at_s: float, before: int) -> Iterator[str]:
@@ -390,39 +307,3 @@ def _is_better(made: Result, best: Result) -> bool:
     if made.plan is None or best.plan is None:
         return made.plan is not None
     return made.objective > best.objective
-
-
-def _told(
-    instance: Instance, chosen: Instance, states: tuple[State, ...], result: Result,
-    former: Orders, lost: tuple[str, ...], notes: tuple[str, ...], began: float,
-) -> Replanned:  # fmt: skip
-    prizes = {target.name: target.prize for target in instance.targets}
-    before = [name for order in former for name in order if name in prizes]
-    plan = result.plan
-    after = [] if plan is None else [n for n in plan.destinations if n in prizes]
-    kept = 0
-    routes = {} if plan is None else {route.chaser: route.legs for route in plan.routes}
-    for state, order in zip(states, former, strict=True):
-        new = tuple(leg.destination for leg in routes.get(state.chaser.name, ()))
-        kept += _common(new, order)
-    return Replanned(
-        instance=chosen,
-        result=result,
-        states=states,
-        former=former,
-        gained=tuple(name for name in after if name not in before),
-        dropped=tuple(name for name in before if name not in after and name not in lost),
-        lost=lost,
-        prize_before=sum(prizes[name] for name in before),
-        prize_after=sum(prizes[name] for name in after),
-        kept=kept,
-        notes=notes,
-        runtime_s=time.perf_counter() - began,
-    )
-
-
-def _common(one: Sequence[str], two: Sequence[str]) -> int:
-    for at, (left, right) in enumerate(zip(one, two, strict=False)):
-        if left != right:
-            return at
-    return min(len(one), len(two))

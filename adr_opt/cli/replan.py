@@ -20,7 +20,7 @@ from .parameters import (
 )
 
 if TYPE_CHECKING:
-    from ..analysis.replan import Replanned
+    from ..analysis.replanned import Replanned
     from ..instance import Instance
     from ..settings import KeepOutZone
 

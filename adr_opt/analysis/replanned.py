@@ -1,0 +1,149 @@
+"""What became of the rest of a mission that was planned anew."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..instance import Instance
+from ..plan import Plan, Route
+from ..result import Result
+from .state import State
+
+Orders = tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class Replanned:
+    """The rest of a mission, planned anew.
+
+    Attributes
+    ----------
+    instance : Instance
+        What is left to do: chasers where they are, with what they have; without what is done or
+        lost; with the new zones.
+    result : Result
+        Of planning that; its plan belongs to that instance.
+    states : tuple of State
+        What is flown or fixed, and from where it goes on.
+    former : tuple of tuple of str
+        What the plan was about to do, for each chaser.
+    gained, dropped, lost : tuple of str
+        Targets that the former rest did not visit and the new one does; that it did, and which are
+        left out now though they could still be visited; and those that are lost.
+    prize_before, prize_after : float
+        Of the former rest, and of the new one.
+    kept : int
+        Legs at the beginning of the new rest that lead where the former ones led.
+    notes : tuple of str
+    runtime_s : float
+        All of it, timetables included.
+    """
+
+    instance: Instance
+    result: Result
+    states: tuple[State, ...]
+    former: Orders
+    gained: tuple[str, ...]
+    dropped: tuple[str, ...]
+    lost: tuple[str, ...]
+    prize_before: float
+    prize_after: float
+    kept: int
+    notes: tuple[str, ...]
+    runtime_s: float
+
+    @property
+    def plan(self) -> Plan | None:
+        """The new rest; None if there is none."""
+        return self.result.plan
+
+    def whole(self) -> tuple[Route, ...]:
+        """What each chaser flies from beginning to end: what is fixed, and the new rest."""
+        plan = self.plan
+        new = {} if plan is None else {route.chaser: route.legs for route in plan.routes}
+        routes = []
+        for state in self.states:
+            legs = list(state.legs)
+            for leg in new.get(state.chaser.name, ()):
+                where = legs[-1].destination if legs else state.chaser.start_name
+                free_s = legs[-1].end_s if legs else state.since_s
+                legs.append(leg.replace(origin=where, ready_s=free_s))
+            routes.append(Route(chaser=state.chaser.name, legs=tuple(legs)))
+        return tuple(routes)
+
+    def to_dict(self) -> dict[str, Any]:
+        """What has changed, for JSON."""
+        return {
+            "instance": {"name": self.instance.name, "sha256": self.instance.sha256},
+            "fixed": [
+                {
+                    "chaser": state.chaser.name, "legs": len(state.legs), "at": state.body,
+                    "free_s": state.free_s, "delta_v_left_m_s": state.left_m_s,
+                }
+                for state in self.states
+            ],
+            "prize_before": self.prize_before,
+            "prize_after": self.prize_after,
+            "upper_bound": self.result.to_dict()["upper_bound"],
+            "gained": list(self.gained),
+            "dropped": list(self.dropped),
+            "lost": list(self.lost),
+            "kept_legs": self.kept,
+            "notes": list(self.notes),
+            "runtime_s": self.runtime_s,
+        }  # fmt: skip
+
+
+def compared(
+    instance: Instance, chosen: Instance, states: tuple[State, ...], result: Result,
+    former: Orders, lost: tuple[str, ...], notes: tuple[str, ...], began: float,
+) -> Replanned:  # fmt: skip
+    """What a new rest gains and loses against the former one.
+
+    Parameters
+    ----------
+    instance, chosen : Instance
+        The whole mission, and what is left of it.
+    states : tuple of State
+        Where chasers go on from.
+    result : Result
+        Of planning what is left.
+    former : tuple of tuple of str
+        What the plan was about to do, for each chaser.
+    lost, notes : tuple of str
+    began : float
+        When replanning began, by the performance counter [s].
+    """
+    prizes = {target.name: target.prize for target in instance.targets}
+    before = [name for order in former for name in order if name in prizes]
+    plan = result.plan
+    after = [] if plan is None else [n for n in plan.destinations if n in prizes]
+    kept = 0
+    routes = {} if plan is None else {route.chaser: route.legs for route in plan.routes}
+    for state, order in zip(states, former, strict=True):
+        new = tuple(leg.destination for leg in routes.get(state.chaser.name, ()))
+        kept += _common(new, order)
+    return Replanned(
+        instance=chosen,
+        result=result,
+        states=states,
+        former=former,
+        gained=tuple(name for name in after if name not in before),
+        dropped=tuple(name for name in before if name not in after and name not in lost),
+        lost=lost,
+        prize_before=sum(prizes[name] for name in before),
+        prize_after=sum(prizes[name] for name in after),
+        kept=kept,
+        notes=notes,
+        runtime_s=time.perf_counter() - began,
+    )
+
+
+def _common(one: Sequence[str], two: Sequence[str]) -> int:
+    for at, (left, right) in enumerate(zip(one, two, strict=False)):
+        if left != right:
+            return at
+    return min(len(one), len(two))
