@@ -96,9 +96,7 @@ def _connected(instance: Instance, connecting: Connecting) -> Problem:
 def _on_what_is_there(known: Problem, instance: Instance) -> Problem:
     """A problem on the timetable of one of as many targets, or more."""
     connecting = known.connecting.shortened(instance)
-    timetables = [
-        mission.timetable.of_variant(instance, connecting) for mission in known.missions
-    ]
+    timetables = [mission.timetable.of_variant(instance, connecting) for mission in known.missions]
     if is_campaign(instance):
         return Campaign(instance, timetables=timetables)
     # Other choices of connections are shared, too, as far as they are of the same bodies.

@@ -66,7 +66,9 @@ def test_a_variant_is_planned_on_the_timetable_that_is_there(fields, which: str)
         assert made.has_timetable
         assert made.instance == variant
         assert tables_agree(made, alone)
-        on_it, anew = (adr_opt.solve(each, "greedy-guarded", time_limit=60.0) for each in (made, alone))
+        on_it, anew = (
+            adr_opt.solve(each, "greedy-guarded", time_limit=60.0) for each in (made, alone)
+        )
         assert on_it.plan is not None
         assert anew.plan is not None
         assert on_it.plan.replace(runtime_s=0.0) == anew.plan.replace(runtime_s=0.0)
@@ -89,7 +91,7 @@ def test_what_makes_other_connections_is_built_anew(fields) -> None:
 
 
 def test_tanks_share_a_timetable_unless_connections_depend_on_them(fields) -> None:
-    """In two-body motion other tanks plan on the same table; under J2 they have one of their own."""
+    """In two-body motion other tanks plan on the same table; under J2 on one of their own."""
     for which, shared in (("one", True), ("several", True), ("drifting", False)):
         instance = fields[which]
         chasers = tuple(each.replace(tank=Tank(delta_v_m_s=900.0)) for each in instance.chasers)

@@ -221,8 +221,8 @@ def part_of(table: Table, limits: Limits, bodies: np.ndarray) -> tuple[Table, Li
         departure=table.departure[bodies][:, :, bodies],
         slot=NO_SLOTS,
     )
-    times = (each[bodies] for each in (limits.service, limits.opens, limits.closes))
-    return part, Limits(*times, limits.ready, limits.duration)
+    service, opens, closes = limits.service[bodies], limits.opens[bodies], limits.closes[bodies]
+    return part, Limits(service, opens, closes, limits.ready, limits.duration)
 
 
 @kernel
