@@ -276,10 +276,12 @@
       if (!points.length) continue;
       chart.append(drawn("polyline", { class: name, points: stairs(points).join(" ") }));
     }
-    chart.append(
-      drawn("text", { class: "name-bound", x: right, y: 11, "text-anchor": "end" }, "bound (dashed)"),
-      drawn("text", { class: "name-incumbent", x: right - 92, y: 11, "text-anchor": "end" }, "incumbent"),
+    const names = drawn("text", { x: right, y: 11, "text-anchor": "end" });
+    names.append(
+      drawn("tspan", { class: "name-incumbent" }, "incumbent"), "\u2003",
+      drawn("tspan", { class: "name-bound" }, "bound (dashed)"),
     );
+    chart.append(names);
   }
 
   function put(name, said) {
@@ -288,10 +290,17 @@
 
   function showWork() {
     const { phase, stopping, runs } = work;
-    put("phase", runs && stopping ? "Stopping: the best plan so far is on its way" : PHASES[phase]);
-    put("incumbent", text(work.incumbent));
-    put("bound-now", text(work.bound));
-    put("gap", work.gap === null ? NOTHING : `${(100 * work.gap).toFixed(1)} %`);
+    // Before the first run: what is known of the plan that came with the instance.
+    const given = phase === "idle" && state?.plan;
+    const known = given
+      ? { incumbent: given.objective, bound: given.upper_bound, gap: given.gap } : work;
+    let line = PHASES[phase];
+    if (given) line = "The plan that was given";
+    if (runs && stopping) line = "Stopping: the best plan so far is on its way";
+    put("phase", line);
+    put("incumbent", text(known.incumbent));
+    put("bound-now", text(known.bound));
+    put("gap", known.gap === null ? NOTHING : `${(100 * known.gap).toFixed(1)} %`);
     const built = phase === "timetable" ? `${Math.round(100 * work.built)} %` : null;
     put("elapsed", phase === "idle" ? NOTHING : built ?? `${work.elapsed_s.toFixed(1)} s`);
     put("said", phase === "failed" ? "" : work.said);
@@ -337,6 +346,7 @@
     showLimits();
     showTargets();
     showReport();
+    if (work) showWork();
     document.documentElement.dataset.revision = String(state.revision);
   }
 
