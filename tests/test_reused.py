@@ -126,5 +126,10 @@ def test_optimal_plans_of_edited_fields_are_those_of_fields_read_anew() -> None:
             made = adr_opt.solve(reuse.problem(variant), "exact", time_limit=60.0)
             alone = adr_opt.solve(variant, "exact", time_limit=60.0)
             assert (made.objective, made.status) == (alone.objective, "optimal")
+    # Beams of "auto" have timetables of other choices, which are shared as well.
+    for prize in (2.0, 3.0):
+        variant = edited(instance, 0, prize=prize)
+        made = adr_opt.solve(reuse.problem(variant), "auto", time_limit=60.0)
+        assert (made.objective, made.status) == (2.0 + prize, "optimal")
     assert isinstance(reuse.problem(instance), Mission)
     assert not isinstance(reuse.problem(instance), Campaign)

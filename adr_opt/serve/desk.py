@@ -18,7 +18,7 @@ from ..result import Result
 from ..wording import counted, status_words
 from .drafts import Draft, Edit, History, amount_of
 from .folder import Folder
-from .work import Look, Order, Work
+from .work import Look, Order, Work, in_percent
 
 PLANS_KEPT = 32
 """Plans of so many drafts are remembered: who undoes to one sees its plan again."""
@@ -169,6 +169,7 @@ class Desk:
             "objective": plan.objective,
             "upper_bound": plan.upper_bound,
             "gap": plan.gap,
+            "gap_words": in_percent(plan.gap),
             "status": status_words(plan.status),
             "method": plan.method,
             "visits": len(targets & set(plan.destinations)),

@@ -293,14 +293,14 @@
     // Before the first run: what is known of the plan that came with the instance.
     const given = phase === "idle" && state?.plan;
     const known = given
-      ? { incumbent: given.objective, bound: given.upper_bound, gap: given.gap } : work;
+      ? { ...given, incumbent: given.objective, bound: given.upper_bound } : work;
     let line = PHASES[phase];
     if (given) line = "The plan that was given";
     if (runs && stopping) line = "Stopping: the best plan so far is on its way";
     put("phase", line);
     put("incumbent", text(known.incumbent));
     put("bound-now", text(known.bound));
-    put("gap", known.gap === null ? NOTHING : `${(100 * known.gap).toFixed(1)} %`);
+    put("gap", known.gap_words);
     const built = phase === "timetable" ? `${Math.round(100 * work.built)} %` : null;
     put("elapsed", phase === "idle" ? NOTHING : built ?? `${work.elapsed_s.toFixed(1)} s`);
     put("said", phase === "failed" ? "" : work.said);

@@ -16,6 +16,7 @@ from ..instance import Instance
 from ..plan import Plan, relative_gap
 from ..planner import BOUNDS, PLANNERS, takes_start
 from ..prepared import method_of
+from ..report.text import NOTHING, number
 from ..result import Result
 from ..reused import Reused
 from ..start import start_destinations
@@ -113,6 +114,7 @@ class Look:
     def to_dict(self) -> dict[str, Any]:
         """As JSON can say it: null for what is not finite."""
         known = math.isfinite(self.incumbent) and math.isfinite(self.bound)
+        gap = relative_gap(self.incumbent, self.bound) if known else None
         return {
             "number": self.number,
             "phase": self.phase,
@@ -123,10 +125,16 @@ class Look:
             "built": round(self.built, 4),
             "incumbent": _finite(self.incumbent),
             "bound": _finite(self.bound),
-            "gap": relative_gap(self.incumbent, self.bound) if known else None,
+            "gap": gap,
+            "gap_words": in_percent(gap),
             "points": [[round(at, 3), _finite(a), _finite(b)] for at, a, b in self.points],
             "said": self.said,
         }
+
+
+def in_percent(gap: float | None) -> str:
+    """A gap as the report has it; nothing where there is none."""
+    return NOTHING if gap is None else f"{number(100.0 * gap)} %"
 
 
 def _finite(value: float) -> float | None:
