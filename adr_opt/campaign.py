@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -17,6 +17,7 @@ from .kernels.timetable_making import Pairs
 from .mission import Mission
 from .prizes import Prizes
 from .station_limits import StationLimits, Use
+from .timetable import Timetable
 
 Routes = tuple[tuple[int, ...], ...]
 """Bodies in order, for each chaser."""
@@ -47,6 +48,8 @@ class Campaign(Prizes):
         As :class:`Mission` takes them.
     connecting : Connecting, optional
         Of the instance, if there is one already.
+    timetables : sequence of Timetable
+        Of the instance, one for each chaser, if they are there already.
 
     Attributes
     ----------
@@ -66,20 +69,25 @@ class Campaign(Prizes):
         threads: int | None = None,
         margin: float = 0.0,
         connecting: Connecting | None = None,
+        timetables: Sequence[Timetable] = (),
     ) -> None:
         super().__init__(instance)
         self.margin = margin
         self.limits = StationLimits(instance)
         self._threads = threads
+        if timetables:
+            connecting = timetables[0].connecting
         self.connecting = connecting or Connecting(instance)
         # Chasers that are there at the same times choose the same transfers.
         there: dict[Any, Mission] = {}
         available = instance.available_s
         missions = []
         for number, _ in enumerate(instance.chasers):
+            twin = there.get(available[number])
             mission = Mission(
                 instance, threads=threads, margin=margin, chaser=number,
-                connecting=self.connecting, twin=there.get(available[number]),
+                connecting=self.connecting, twin=twin,
+                timetable=timetables[number] if timetables and twin is None else None,
             )  # fmt: skip
             there.setdefault(available[number], mission)
             missions.append(mission)

@@ -103,6 +103,7 @@ class Connecting:
         self._resolution = instance.transfer.delta_v_resolution_m_s
         self._end = instance.mission.duration_s + SLACK_S
         self._longer: Connecting | None = None
+        self._numbers: list[int] = []
 
     @property
     def drifts(self) -> bool:
@@ -143,7 +144,7 @@ class Connecting:
         if i in self._launches or j in self._launches:
             return self._launch(i, j)
         if self._longer is not None and resolution_m_s == self.planning_resolution_m_s:
-            known = self._longer.kept_of_model(i, j)
+            known = self._longer.kept_of_model(self._numbers[i], self._numbers[j])
             in_time = known.arrival <= self._end
             return known if in_time.all() else kernels.Found(*(part[in_time] for part in known))
         found: kernels.Found
@@ -192,10 +193,26 @@ class Connecting:
 
         A connection is dominated by none that arrives later, so those of the shorter mission are
         those that arrive in time. Tanks may differ unless connections :attr:`depends_on_tank`.
+        Prizes may, and targets may be left out: no pair knows of other bodies.
         """
         made = Connecting(instance, self.corrections)
-        made._longer = self if self.drifts else None
+        if self.drifts:
+            made._longer, made._numbers = self, self.numbers_of(instance)
         return made
+
+    def numbers_of(self, part: Instance) -> list[int]:
+        """The numbers here of the bodies of a part of the same field, in its order."""
+        number = {name: at for at, name in enumerate(self._names)}
+        return [number[name] for name in part.names]
+
+    def counted_as(self, longer: Connecting) -> None:
+        """Take over how many connections pairs have, for a table that is not made of them anew."""
+        back = {number: body for body, number in enumerate(longer.numbers_of(self.instance))}
+        self.counts |= {
+            (back[i], back[j]): count
+            for (i, j), count in longer.counts.items()
+            if i in back and j in back
+        }
 
     def modelled(self, i: int, j: int, revolutions: int, delta_v_m_s: float) -> float:
         """What a connection costs without the corrections, and what was spent before [m/s]."""

@@ -105,6 +105,17 @@ class Given:
         return int(np.bincount(pair[new]).max(initial=0)), int(time.size)
 
 
+def among(given: Given, names: Sequence[str]) -> Given:
+    """The connections between some of the bodies."""
+    left = set(names)
+    known = np.array([name in left for name in given.names], dtype=np.bool_)
+    mine = known[given.origin] & known[given.destination] if known.size else slice(0)
+    return _made(
+        given.origin[mine], given.destination[mine], given.departure[mine], given.arrival[mine],
+        given.cost[mine], given.names, "row {}",
+    )  # fmt: skip
+
+
 def of_rows(columns: Any, names: Sequence[str]) -> Given:
     """Connections row by row, in any order.
 

@@ -7,6 +7,7 @@ import os
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -176,6 +177,36 @@ class Timetable:
         self.table = table
         self.limits = limits
         self.time_value_m_s_per_h = time_value_m_s_per_h
+
+    def of_variant(self, instance: Instance, connecting: Connecting) -> Timetable:
+        """The same timetable for a variant of its instance, with nothing worked out again.
+
+        Parameters
+        ----------
+        instance : Instance
+            With other prizes, with other tanks, or with fewer targets, where that changes no
+            connection: :func:`adr_opt.reused.serves` says whether.
+        connecting : Connecting
+            Of that instance.
+
+        Raises
+        ------
+        ValueError
+            This is the timetable of some pairs only.
+        """
+        if not self.is_whole:
+            raise ValueError("only the timetable of all pairs has a part for every variant")
+        made = copy(self)
+        bodies = np.array(self.connecting.numbers_of(instance), dtype=np.int64)
+        connecting.counted_as(self.connecting)
+        made.connecting = connecting
+        made.table, made.limits = making.part_of(self.table, self.limits, bodies)
+        for array in (*made.table, *made.limits[:3]):
+            array.setflags(write=False)
+        made.instance, made.names = instance, instance.names
+        made.pairs = all_pairs(bodies.size)
+        made.built = bodies.size * (bodies.size - 1)
+        return made
 
     @classmethod
     def from_connections(

@@ -135,9 +135,13 @@ class Browser:
 
     def open(self, path: Path) -> None:
         """Go to a file."""
+        self.go(path.as_uri())
+
+    def go(self, address: str) -> None:
+        """Go to an address."""
         self.requests.clear()
         self.complaints.clear()
-        self.call("Page.navigate", url=path.as_uri())
+        self.call("Page.navigate", url=address)
 
     def open_report(self, path: Path) -> None:
         """Go to a report and down it, until all is drawn: no error, no sideways scrolling."""

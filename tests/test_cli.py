@@ -38,8 +38,8 @@ def test_verbs_are_listed_as_a_mission_goes(cli: Cli) -> None:
     assert tuple(listed) == VERBS
     assert set(VERBS) == {
         "generate", "import", "solve", "bound", "check", "verify", "price", "compare", "tradeoff",
-        "replan", "fly", "refine", "matrix", "export", "report", "train", "methods", "warm-up",
-        "schema",
+        "replan", "fly", "refine", "matrix", "export", "report", "serve", "train", "methods",
+        "warm-up", "schema",
     }  # fmt: skip
 
 

@@ -16,6 +16,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PICTURES = sorted(ROOT.glob("docs/pictures/*.svg"))
+TAKEN = sorted(ROOT.glob("docs/pictures/*.png"))
 PHONE = 390
 
 
@@ -134,13 +135,22 @@ def test_pictures_are_small_and_self_contained(picture: Path) -> None:
             assert not name.endswith("href") or value.startswith("#")
 
 
+def test_pictures_that_are_taken_are_small() -> None:
+    """Pictures of pages are PNG files of less than 100 kB; docs/draw_serve.py takes the one."""
+    assert [picture.name for picture in TAKEN] == ["serve.png"]
+    for picture in TAKEN:
+        assert picture.stat().st_size < 100_000
+        assert picture.read_bytes().startswith(b"\x89PNG\r\n")
+
+
 def test_every_picture_is_shown_with_a_text_for_those_who_do_not_see_it() -> None:
     """Each drawn picture is on a page, and each picture on a page says in words what it shows."""
     shown = {}
     for page in ROOT.glob("docs/*.md"):
         text = page.read_text(encoding="utf-8")
         shown |= {path: words for words, path in re.findall(r"!\[([^\]]*)\]\(([^)]+)\)", text)}
-    drawn = {f"pictures/{picture.name}" for picture in PICTURES} - {"pictures/icon.svg"}
+    pictures = [*PICTURES, *TAKEN]
+    drawn = {f"pictures/{picture.name}" for picture in pictures} - {"pictures/icon.svg"}
     assert set(shown) == drawn
     assert all(len(words.split()) > 5 for words in shown.values())
 

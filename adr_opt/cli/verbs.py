@@ -12,8 +12,8 @@ from ..errors import InputError
 
 VERBS = (
     "generate", "import", "solve", "bound", "check", "verify", "price", "compare", "tradeoff",
-    "replan", "fly", "refine", "matrix", "export", "report", "train", "methods", "warm-up",
-    "schema",
+    "replan", "fly", "refine", "matrix", "export", "report", "serve", "train", "methods",
+    "warm-up", "schema",
 )  # fmt: skip
 
 

@@ -206,6 +206,25 @@ def allocate(bodies: int, most: int, slot: np.ndarray, *, regular: bool = True) 
     )
 
 
+def part_of(table: Table, limits: Limits, bodies: np.ndarray) -> tuple[Table, Limits]:
+    """A table of all pairs, and its limits, for some of the bodies in an order of theirs.
+
+    What is chosen of a pair depends on no other body. The same arrays where it is all of them.
+    """
+    if bodies.size == table.spacing.size and bool((bodies == np.arange(bodies.size)).all()):
+        return table, limits
+    part = Table(
+        first=table.first[np.ix_(bodies, bodies)],
+        spacing=table.spacing[bodies],
+        total=table.total[np.ix_(bodies, bodies)],
+        entries=table.entries[bodies][:, :, bodies],
+        departure=table.departure[bodies][:, :, bodies],
+        slot=NO_SLOTS,
+    )
+    service, opens, closes = limits.service[bodies], limits.opens[bodies], limits.closes[bodies]
+    return part, Limits(service, opens, closes, limits.ready, limits.duration)
+
+
 @kernel
 def space(bodies, table):
     """Set the time between events, where they are regular, and that no body leads to itself."""

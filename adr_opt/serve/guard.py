@@ -1,0 +1,136 @@
+"""Who is let in: those who have the token, from this machine, in requests of a sensible size."""
+
+from __future__ import annotations
+
+import json
+import secrets
+from http.cookies import CookieError, SimpleCookie
+from urllib.parse import parse_qs
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+MOST_BYTES = 2**20
+"""Of a request: an edit that names 10,000 targets has half as many."""
+
+HEADERS = {
+    "Cache-Control": "no-store",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Permissions-Policy": "camera=(), geolocation=(), microphone=()",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+}
+"""Of every answer. There are none of CORS: no other page reads anything."""
+
+
+class TooLarge(Exception):
+    """A request has more bytes than it said, or than it may have."""
+
+
+class Guard:
+    """Lets requests through that may be answered, and refuses all others.
+
+    The host has to be this machine by one of the names that nobody else's name server can give
+    out: a page of somebody else whose name leads here (DNS rebinding) says another one. The token
+    is in the query or in a cookie that the browser sends to this page alone. What changes something
+    is a POST of JSON, from this page.
+
+    Parameters
+    ----------
+    app : ASGI application
+    token : str
+    port : int
+        That the server listens at.
+    """
+
+    def __init__(self, app: ASGIApp, token: str, port: int) -> None:
+        self._app = app
+        self._token = token.encode()
+        self._hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
+        self.cookie = f"adr-opt-{port}"
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request, or refuse it."""
+        if scope["type"] != "http":
+            return
+        headers = Headers(scope=scope)
+
+        async def answer(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                said = MutableHeaders(scope=message)
+                for name, value in HEADERS.items():
+                    said.setdefault(name, value)
+            await send(message)
+
+        refused = self._refused(scope, headers)
+        if refused is not None:
+            await _refuse(*refused, answer)
+            return
+        counted, started = 0, False
+
+        async def limited() -> Message:
+            nonlocal counted
+            message = await receive()
+            counted += len(message.get("body", b""))
+            if counted > MOST_BYTES:
+                raise TooLarge
+            return message
+
+        async def noted(message: Message) -> None:
+            nonlocal started
+            started = True
+            await answer(message)
+
+        try:
+            await self._app(scope, limited, noted)
+        except TooLarge:
+            if not started:
+                await _refuse(413, _TOO_LARGE, answer)
+
+    def _refused(self, scope: Scope, headers: Headers) -> tuple[int, str] | None:
+        """Status and sentence of a refusal."""
+        hosts = headers.getlist("host")
+        if len(hosts) != 1 or hosts[0] not in self._hosts:
+            return 403, "this is served to 127.0.0.1 only; open the address that was printed"
+        asked = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[-1]
+        if not self._knows(asked) and not self._knows(_cookie(headers, self.cookie)):
+            return 403, "the token is missing or wrong; open the address that was printed"
+        site, origin = headers.get("sec-fetch-site"), headers.get("origin")
+        # Another port of this machine is the same site, and gets the cookie, but is not this page.
+        foreign = site in ("same-site", "cross-site") and not self._knows(asked)
+        if foreign or origin not in (None, f"http://{hosts[0]}"):
+            return 403, "another page asked for this; open the address that was printed"
+        if scope["method"] == "POST":
+            if headers.get("content-type", "").partition(";")[0].strip() != "application/json":
+                return 415, "a request that changes something is JSON"
+            length = headers.get("content-length", "0")
+            if not length.isdigit() or len(length) > 12 or int(length) > MOST_BYTES:
+                return 413, _TOO_LARGE
+        elif scope["method"] not in ("GET", "HEAD"):
+            return 405, "only GET and POST are answered"
+        return None
+
+    def _knows(self, token: str) -> bool:
+        return secrets.compare_digest(token.encode(), self._token)
+
+
+_TOO_LARGE = f"the request is too large; the most is {MOST_BYTES} bytes"
+
+
+def _cookie(headers: Headers, name: str) -> str:
+    """The value of a cookie; nothing where there is none."""
+    try:
+        found = SimpleCookie(headers.get("cookie", "")).get(name)
+    except CookieError:
+        return ""
+    return "" if found is None else found.value
+
+
+async def _refuse(status: int, sentence: str, send: Send) -> None:
+    body = json.dumps({"error": sentence}).encode()
+    headers = [
+        (b"content-type", b"application/json"), (b"content-length", str(len(body)).encode())
+    ]  # fmt: skip
+    await send({"type": "http.response.start", "status": status, "headers": headers})
+    await send({"type": "http.response.body", "body": body})

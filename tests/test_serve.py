@@ -1,0 +1,579 @@
+"""``serve``: the desk behind the page, and who is let in."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import Cli, refused
+from hand_made import hand_made
+
+import adr_opt
+from adr_opt import front
+from adr_opt.chasers import InOrbit, Tank, TankByMass
+from adr_opt.errors import InputError
+from adr_opt.instance import Instance
+from adr_opt.result import Result
+from adr_opt.serve import drafts, work
+from adr_opt.serve.desk import Desk
+from adr_opt.serve.drafts import Draft, History, read_edit
+from adr_opt.serve.folder import Folder
+from adr_opt.serve.work import Order, Work
+
+pytest.importorskip("starlette")
+pytest.importorskip("uvicorn")
+testclient = pytest.importorskip("starlette.testclient")
+
+from adr_opt.serve import guard  # noqa: E402
+from adr_opt.serve.app import application, told  # noqa: E402
+
+TOKEN, PORT = "a-token", 8123
+GREEDY = {"method": "greedy-guarded", "time_limit_s": 20.0}
+
+
+def edited(draft: Draft, **edit: Any) -> Draft:
+    """A draft after an edit as the page sends it."""
+    return draft.edited(read_edit(json.dumps(edit)))
+
+
+def of(*names: str, **changes: Any) -> dict[str, Any]:
+    """An edit of some targets."""
+    return {"targets": {"names": names, **changes}}
+
+
+def test_edits_make_the_instance_that_is_planned() -> None:
+    """Prizes, requirements, exclusions and limits end up in it, and nothing else changes."""
+    first = Draft(hand_made())
+    assert first.instance is first.field
+    made = edited(first, **of("north", "far", prize=2.5))
+    made = edited(made, **of("beyond", required=True))
+    made = edited(made, **of("far", excluded=True))
+    made = edited(made, duration_s=50_000.0)
+    made = edited(made, budget={"chaser": "chaser", "amount": 450.0})
+    assert [(each.name, each.prize, each.required) for each in made.instance.targets] == [
+        ("north", 2.5, False), ("beyond", 1.0, True), ("south", 1.0, False)
+    ]  # fmt: skip
+    assert made.instance.mission.duration_s == 50_000.0
+    assert made.instance.chasers[0].tank == Tank(delta_v_m_s=450.0)
+    assert made.instance.replace(
+        targets=first.field.targets, mission=first.field.mission, chasers=first.field.chasers
+    ) == hand_made()  # fmt: skip
+    again = edited(made, **of("far", excluded=False))
+    assert [each.prize for each in again.instance.targets] == [2.5, 1.0, 1.0, 2.5]
+
+
+def test_the_last_word_counts_on_required_and_excluded() -> None:
+    """Who requires a target includes it, and who excludes one does not require it any more."""
+    made = edited(Draft(hand_made()), **of("north", excluded=True))
+    made = edited(made, **of("north", required=True))
+    assert made.excluded == frozenset()
+    made = edited(made, **of("north", excluded=True))
+    assert not made.field.targets[0].required
+    assert [each.name for each in made.instance.targets] == ["beyond", "south", "far"]
+
+
+def test_a_tank_by_mass_is_changed_by_its_propellant() -> None:
+    """Its budget is kilograms; a tank that is not full at the start holds no more than it can."""
+    tank = TankByMass(
+        dry_mass_kg=500.0, propellant_kg=80.0, isp_s=300.0, initial_propellant_kg=60.0
+    )
+    instance = hand_made()
+    start = InOrbit(orbit=instance.stations[0].orbit)
+    chaser = instance.chasers[0].replace(tank=tank, start=start)
+    draft = Draft(instance.replace(chasers=(chaser,)))
+    assert drafts.amount_of(draft.field.chasers[0]) == 80.0
+    made = edited(draft, budget={"chaser": "chaser", "amount": 50.0})
+    assert made.field.chasers[0].tank == tank.replace(
+        propellant_kg=50.0, initial_propellant_kg=50.0
+    )
+
+
+def test_excluded_targets_take_their_given_connections_along(tmp_path: Path) -> None:
+    """Where connections are given, those of excluded targets go; what is left can be read again."""
+    instance = hand_made()
+    ends = [(0, 1), (1, 2), (0, 3), (3, 1), (2, 4), (1, 0)]
+    columns = {
+        "origin": [i for i, _ in ends], "destination": [j for _, j in ends],
+        "departure_s": [100.0] * 6, "arrival_s": [5000.0] * 6, "delta_v_m_s": [10.0] * 6,
+    }  # fmt: skip
+    given = adr_opt.Timetable.from_connections(instance, columns).instance
+    made = edited(Draft(given), **of("beyond", excluded=True)).instance
+    assert made.given is not None
+    assert made.given.names == ("north", "south", "station")
+    assert made.given.departure.size == 4
+    assert [each.name for each in made.targets] == ["north", "south", "far"]
+    # The draft has connections of its own, beside those of the plan.
+    pytest.importorskip("pyarrow")
+    given.save(tmp_path / "my.json")
+    desk = Desk(given, None, Folder(tmp_path / "work", tmp_path / "my.json"))
+    desk.plan(Order("greedy-guarded", 20.0))
+    assert wait(desk).phase == "done"
+    desk.edit(read_edit(json.dumps(of("beyond", excluded=True))))
+    assert adr_opt.load(tmp_path / "work/instance.json").given.sha256 == given.given.sha256
+    assert adr_opt.load(tmp_path / "work/draft.json").given.sha256 == made.given.sha256
+    desk.undo()
+    assert sorted(files_under(tmp_path / "work")) == [
+        "connections.parquet", "instance.json", "plan.json"
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("edit", "named"),
+    [
+        (of("nobody", prize=1.0), "'nobody' is no target"),
+        (of("north", prize=-1.0), "prize"),
+        (of("north", prize=1e-13), "prize"),
+        (of("north", required=True, excluded=True), "required and excluded"),
+        (of(prize=1.0), "names"),
+        ({"targets": {"names": ["north"], "prize": "1"}}, "prize"),
+        ({"duration_s": -1.0}, "duration_s"),
+        ({"budget": {"chaser": "nobody", "amount": 1.0}}, "'nobody' is no chaser"),
+        ({"budget": {"chaser": "chaser", "amount": -1.0}}, "delta_v_m_s"),
+        ({}, "an edit changes one of"),
+        ({"duration_s": 1.0, "budget": {"chaser": "chaser", "amount": 1.0}}, "changes one of"),
+        ({"path": "/etc/passwd"}, "path"),
+        ([1], "object"),
+    ],
+)
+def test_a_wrong_edit_is_one_sentence_and_changes_nothing(edit: Any, named: str) -> None:
+    """What is no edit, or no valid value, is refused; the draft stays as it is."""
+    history = History(Draft(hand_made()))
+    with pytest.raises(InputError, match=named.replace("[", r"\[")) as told:
+        history.edit(read_edit(json.dumps(edit)))
+    assert "\n" not in str(told.value)
+    assert history.undoes is None
+    assert history.draft == Draft(hand_made())
+
+
+def test_edits_are_undone_and_done_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Undo goes back edit by edit, redo forth; a new edit forgets what was undone."""
+    history = History(Draft(hand_made()))
+    assert not history.undo()
+    for prize in (2.0, 3.0, 3.0):
+        history.edit(read_edit(json.dumps(of("north", prize=prize))))
+    assert history.undoes == "prize of north 3"
+    assert history.undo()
+    assert (history.undoes, history.redoes) == ("prize of north 2", "prize of north 3")
+    assert history.draft.field.targets[0].prize == 2.0
+    assert history.undo()
+    assert not history.undo()
+    assert history.draft.field == hand_made()
+    assert history.redo()
+    history.edit(read_edit(json.dumps(of("north", "far", excluded=True))))
+    assert history.redoes is None
+    assert not history.redo()
+    assert history.undoes == "2 targets excluded"
+    monkeypatch.setattr(drafts, "MOST_STEPS", 2)
+    for days in (1.0, 2.0, 3.0):
+        history.edit(read_edit(json.dumps({"duration_s": 86400.0 * days})))
+    assert [history.undo() for _ in range(3)] == [True, True, False]
+
+
+def files_under(folder: Path) -> dict[str, bytes]:
+    """All files below a folder with what is in them."""
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
+
+
+@pytest.fixture
+def world(tmp_path: Path) -> Path:
+    """A folder with an instance and files of others, of which none may change."""
+    hand_made().save(tmp_path / "my.json")
+    (tmp_path / "plan.json").write_text("somebody's")
+    (tmp_path / "draft.json").write_text("somebody's")
+    return tmp_path
+
+
+@pytest.fixture
+def desk(world: Path) -> Iterator[Desk]:
+    """A desk whose working folder is `work` in there; none of the other files may change."""
+    before = files_under(world)
+    made = Desk(hand_made(), None, Folder(world / "work", world / "my.json"))
+    yield made
+    assert made.close(60.0)
+    after = files_under(world)
+    assert {name: after[name] for name in before} == before
+    assert {Path(name).parts[0] for name in after.keys() - before.keys()} <= {"work"}
+
+
+def let_in(desk: Desk, **more: Any) -> Any:
+    """Somebody who has the token."""
+    app = application(desk, TOKEN, PORT, threading.Event())
+    client = testclient.TestClient(app, base_url=f"http://127.0.0.1:{PORT}", **more)
+    client.cookies.set(f"adr-opt-{PORT}", TOKEN)
+    return client
+
+
+def wait(desk: Desk) -> work.Look:
+    """The run once it is over."""
+    assert desk._work.wait(60.0)
+    return desk.look()
+
+
+def test_without_the_token_nothing_is_answered(desk: Desk) -> None:
+    """Every address, with no token or a wrong one, in the query or in the cookie: 403."""
+    client = let_in(desk)
+    client.cookies.clear()
+    gets = ("/", "/page.css", "/page.js", "/choices", "/state", "/events", "/report", "/other")
+    posts = ("/edit", "/undo", "/redo", "/plan", "/stop")
+    for wrong in ("", "?token=", "?token=A-token", "?token=é", "?tokens=a-token"):
+        for path in gets:
+            assert client.get(path + wrong).status_code == 403, path + wrong
+        for path in posts:
+            assert client.post(path + wrong, json={}).status_code == 403, path + wrong
+    client.cookies.set(f"adr-opt-{PORT}", "a-toke")
+    assert client.get("/state").status_code == 403
+    client.cookies.set(f"adr-opt-{PORT + 1}", TOKEN)
+    assert client.get("/state").status_code == 403
+    assert desk.revision == 0
+
+
+def test_the_token_opens_the_page_and_becomes_a_cookie(desk: Desk) -> None:
+    """The address that is printed gives the page, under a strict law; its cookie does the rest."""
+    client = let_in(desk)
+    client.cookies.clear()
+    page = client.get(f"/?token={TOKEN}")
+    assert page.status_code == 200
+    policy = page.headers["content-security-policy"]
+    assert "default-src 'none'" in policy
+    assert "unsafe" not in policy
+    cookie = page.headers["set-cookie"].lower()
+    assert "httponly" in cookie
+    assert "samesite=strict" in cookie
+    for path in ("/page.css", "/page.js", "/state", "/report", "/"):
+        answer = client.get(path)
+        assert answer.status_code == 200, path
+        assert answer.headers["cache-control"] == "no-store"
+        assert answer.headers["x-content-type-options"] == "nosniff"
+        assert not [name for name in answer.headers if name.startswith("access-control")]
+    assert client.get("/report").headers["content-security-policy"] == "frame-ancestors 'self'"
+    assert not any(word in page.text for word in ("<style", "onclick", "style=", TOKEN))
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"host": "evil.example"},
+        {"host": f"evil.example:{PORT}"},
+        {"host": "127.0.0.1"},
+        {"host": f"127.0.0.1:{PORT + 1}"},
+        {"host": f"127.0.0.1.evil.example:{PORT}"},
+        {"host": ""},
+        {"origin": "http://evil.example"},
+        {"origin": f"http://127.0.0.1:{PORT + 1}"},
+        {"origin": "null"},
+        {"sec-fetch-site": "cross-site"},
+        {"sec-fetch-site": "same-site"},
+    ],
+)
+def test_other_hosts_and_other_pages_are_refused(desk: Desk, headers: dict[str, str]) -> None:
+    """Names that lead here (DNS rebinding), and pages elsewhere, get 403 with a valid cookie."""
+    client = let_in(desk)
+    assert client.get("/state", headers=headers).status_code == 403
+    answer = client.post("/edit", json=of("north", prize=3.0), headers=headers)
+    assert answer.status_code == 403
+    assert desk.state()["undoes"] is None
+
+
+def test_what_changes_something_is_a_post_of_json_of_sensible_size(desk: Desk) -> None:
+    """Other methods, other types and too large requests are refused, and change nothing."""
+    client = let_in(desk)
+    for path in ("/edit", "/undo", "/redo", "/plan", "/stop"):
+        assert client.get(path).status_code == 405
+    for method in ("PUT", "DELETE", "PATCH", "OPTIONS"):
+        assert client.request(method, "/edit", json={}).status_code == 405
+    text = json.dumps(of("north", prize=3.0))
+    for kind in ("text/plain", "application/x-www-form-urlencoded", "multipart/form-data"):
+        assert client.post("/edit", content=text, headers={"content-type": kind}).status_code == 415
+    is_json = {"content-type": "application/json"}
+    large = text + " " * guard.MOST_BYTES
+    assert client.post("/edit", content=large, headers=is_json).status_code == 413
+
+    def unsaid() -> Iterator[bytes]:
+        yield text.encode()
+        for _ in range(17):
+            yield b" " * 2**16
+
+    assert client.post("/edit", content=unsaid(), headers=is_json).status_code == 413
+    for wrong in (b"", b"{", b"\xff", b"[]", b'{"duration_s": NaN}', b'{"duration_s": 1e999}'):
+        answer = client.post("/edit", content=wrong, headers=is_json)
+        assert answer.status_code == 422, wrong
+        assert list(answer.json()) == ["error"]
+    for path in ("/../my.json", "/%2e%2e/my.json", "/work/draft.json", "/draft.json"):
+        assert client.get(path).status_code == 404
+    assert desk.revision == 0
+
+
+def test_a_day_at_the_desk(desk: Desk, world: Path) -> None:
+    """Edit, plan, edit, undo: the page hears of it, and the folder holds a plan that is legal."""
+    pytest.importorskip("plotly")
+    client = let_in(desk)
+    assert "No plan yet" in client.get("/report").text
+    folder = world / "work"
+    assert list(files_under(folder)) == ["draft.json"]
+    assert client.post("/edit", json=of("far", excluded=True)).status_code == 200
+    assert client.post("/edit", json=of("north", prize=5.0)).status_code == 200
+    wrong = client.post("/edit", json=of("north", prize=-5.0))
+    assert wrong.status_code == 422
+    assert wrong.json()["error"].startswith("field prize = -5.0")
+    assert adr_opt.load(folder / "draft.json") == desk._history.draft.instance
+
+    assert client.post("/plan", json=GREEDY).status_code == 200
+    assert wait(desk).phase == "done"
+    state = client.get("/state").json()
+    assert state["plan"]["fits"]
+    assert state["plan"]["targets"] == 3
+    assert sorted(files_under(folder)) == ["instance.json", "plan.json"]
+    planned = adr_opt.load(folder / "instance.json")
+    plan = adr_opt.load_plan(folder / "plan.json")
+    assert [each.prize for each in planned.targets] == [5.0, 1.0, 1.0]
+    assert adr_opt.check(planned, plan) == ()
+    assert state["plan"]["objective"] == plan.objective >= 6.0
+    assert "1 January" in client.get("/report").text
+
+    # Edited on: the plan stays with its own instance, and the draft is kept beside it.
+    client.post("/edit", json={"duration_s": 60_000.0})
+    state = client.get("/state").json()
+    assert not state["plan"]["fits"]
+    assert sorted(files_under(folder)) == ["draft.json", "instance.json", "plan.json"]
+    assert adr_opt.load(folder / "instance.json") == planned
+    client.post("/plan", json=GREEDY)
+    assert wait(desk).phase == "done"
+    other = adr_opt.load_plan(folder / "plan.json")
+    assert other.instance.sha256 != plan.instance.sha256
+
+    # Undone: the former plan is there again, and that it was undone can be undone.
+    client.post("/undo", json={})
+    state = client.get("/state").json()
+    assert (state["plan"]["fits"], state["redoes"]) == (True, "duration 0.694444 d")
+    assert adr_opt.load_plan(folder / "plan.json") == plan
+    assert adr_opt.load(folder / "instance.json") == planned
+    client.post("/redo", json={})
+    assert adr_opt.load_plan(folder / "plan.json") == other
+
+
+def test_what_cannot_be_planned_is_said_on_the_page(desk: Desk) -> None:
+    """Unknown methods and limits are refused; a mission without a plan says why."""
+    client = let_in(desk)
+    for wrong, named in (
+        ({**GREEDY, "method": "nobody"}, "nobody"),
+        ({**GREEDY, "time_limit_s": 0.0}, "time limit"),
+        ({**GREEDY, "time_limit_s": 1e9}, "time limit"),
+        ({**GREEDY, "bound": "nobody"}, "nobody"),
+        ({**GREEDY, "folder": "/"}, "folder"),
+        ({"method": "greedy-guarded"}, "time_limit_s"),
+    ):
+        answer = client.post("/plan", json=wrong)
+        assert answer.status_code == 422
+        assert named in answer.json()["error"]
+    assert desk.look().phase == "idle"
+    client.post("/edit", json=of("far", required=True))
+    client.post("/plan", json=GREEDY)
+    look = wait(desk)
+    assert look.phase == "done"
+    assert look.said.startswith("no plan: ")
+    assert client.get("/state").json()["plan"] is None
+
+
+def heard(desk: Desk, until: str, seconds: float = 60.0) -> list[tuple[str, Any]]:
+    """Server-sent events, up to the one of a run in that phase."""
+
+    async def listen() -> list[tuple[str, Any]]:
+        found, end = [], time.monotonic() + seconds
+        async for text in told(desk, threading.Event()):
+            event, data = text.removesuffix("\n\n").split("\n")
+            found.append((event.removeprefix("event: "), json.loads(data.removeprefix("data: "))))
+            assert time.monotonic() < end
+            if event == "event: work" and found[-1][1]["phase"] == until:
+                return found
+        return found
+
+    return asyncio.run(listen())
+
+
+def test_incumbent_and_bound_are_told_as_they_come(desk: Desk) -> None:
+    """Events tell the state, then the run, in numbers that JSON knows, and the plan at the end."""
+    desk.plan(Order("exact", 60.0))
+    events = heard(desk, "done")
+    assert events[0][0] == "state"
+    last = events[-1][1]
+    assert (last["incumbent"], last["bound"], last["gap"]) == (3.0, 3.0, 0.0)
+    assert last["points"][-1][1:] == [3.0, 3.0]
+    assert last["said"].startswith("3 targets visited, optimal (of the model)")
+    assert desk.state()["plan"]["objective"] == 3.0
+    # One timetable for all that differ in prizes, targets and tanks.
+    known = desk._work._reused._built
+    desk.edit(read_edit(json.dumps(of("south", excluded=True))))
+    desk.plan(Order("exact", 60.0))
+    assert wait(desk).incumbent == 2.0
+    desk.edit(read_edit(json.dumps({"budget": {"chaser": "chaser", "amount": 1000.0}})))
+    desk.plan(Order("exact", 60.0))
+    assert wait(desk).phase == "done"
+    assert desk._work._reused._built is known
+
+
+@pytest.mark.usefixtures("methods")
+def test_stop_ends_a_run_and_a_second_press_the_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A run that would take an hour ends when it is told to; a second one waits for the first."""
+    monkeypatch.chdir(tmp_path)
+    results: list[tuple[str, float]] = []
+
+    def done(instance: Instance, result: Result) -> str:
+        results.append((instance.name, result.objective))
+        return "well"
+
+    made, field = Work(done), adr_opt.generate("tiny", 0)
+
+    def until(condition: Any) -> None:
+        end = time.monotonic() + 60.0
+        while not condition():
+            assert time.monotonic() < end, made.look()
+            time.sleep(0.01)
+
+    made.begin(field, Order("patient", 3600.0), None)
+    until(lambda: made.look().incumbent == 1.0)
+    look = made.look()
+    assert (look.phase, look.bound, look.runs, look.stopping) == ("planning", 4.0, True, False)
+    made.begin(field.replace(name="second"), Order("patient", 3600.0), None)
+    until(lambda: made.look().incumbent == 1.0)
+    assert made.look().number == 2
+    assert results == [("tiny-000", 3.0)]  # what every method falls back on
+    made.stop()
+    assert made.wait(60.0)
+    look = made.look()
+    assert (look.number, look.phase, look.said, look.stopping) == (2, "done", "well", True)
+    assert [name for name, _ in results] == ["tiny-000", "second"]
+    made.begin(field, Order("patient", 3600.0), None)
+    made.begin(field, Order("patient", 3600.0), None)
+    made.stop()
+    assert made.wait(60.0)
+    assert made.look().number == 4
+
+
+def test_a_planner_that_fails_is_heard_of(monkeypatch: pytest.MonkeyPatch, world: Path) -> None:
+    """Whatever goes wrong in a run is said, and the next run begins."""
+    made = Desk(hand_made(), None, Folder(world / "work", world / "my.json"))
+
+    def broken(*given: Any, **more: Any) -> Result:
+        raise ZeroDivisionError("by nothing")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("adr_opt.front.run", broken)
+        made.plan(Order("greedy-guarded", 10.0))
+        look = wait(made)
+    assert look.phase == "failed"
+    assert look.said == "greedy-guarded failed: ZeroDivisionError: by nothing"
+    made.plan(Order("greedy-guarded", 10.0))
+    assert wait(made).phase == "done"
+
+
+def test_a_plan_begins_from_the_one_before(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is left of the last plan is where the next one begins, unless somebody says not to."""
+    starts: list[Any] = []
+    run = front.run
+
+    def noting(*given: Any, start: Any, **more: Any) -> Result:
+        starts.append(start)
+        return run(*given, start=start, **more)
+
+    monkeypatch.setattr(front, "run", noting)
+    desk.plan(Order("exact", 60.0))
+    wait(desk)
+    desk.edit(read_edit(json.dumps(of("north", excluded=True))))
+    for order in (
+        Order("exact", 60.0),
+        Order("exact", 60.0, goes_on=False),
+        Order("greedy", 20.0),
+    ):
+        desk.plan(order)
+        assert wait(desk).phase == "done"
+    assert starts == [None, ("south", "station", "beyond"), None, None]
+
+
+def test_several_chasers_have_budgets_of_their_own(tmp_path: Path) -> None:
+    """Of a campaign each tank is changed by itself, and what comes out is a legal campaign."""
+    instance = adr_opt.generate("campaign", 0, targets=5)
+    desk = Desk(instance, None, Folder(tmp_path / "work", tmp_path / "my.json"))
+    second = instance.chasers[1].name
+    desk.edit(read_edit(json.dumps({"budget": {"chaser": second, "amount": 0.0}})))
+    desk.plan(Order("greedy-guarded", 20.0))
+    assert wait(desk).phase == "done"
+    planned = adr_opt.load(tmp_path / "work/instance.json")
+    plan = adr_opt.load_plan(tmp_path / "work/plan.json")
+    assert [each.tank.delta_v_m_s for each in planned.chasers] == [1000.0, 0.0, 1000.0]
+    assert adr_opt.check(planned, plan) == ()
+    assert plan.legs
+    assert not plan.routes[1].legs
+    assert [each["amount"] for each in desk.state()["chasers"]] == [1000.0, 0.0, 1000.0]
+
+
+def test_work_of_an_earlier_call_is_not_overwritten(world: Path, cli: Cli) -> None:
+    """A folder with work in it is taken by those who go on with it; links are not followed."""
+    plan = adr_opt.solve(hand_made(), "exact").plan
+    assert plan is not None
+    Desk(hand_made(), plan, Folder(world / "work", world / "my.json"))
+    with pytest.raises(InputError, match=r"holds instance\.json of an earlier call"):
+        Folder(world / "work", world / "my.json")
+    folder = Folder(world / "work", world / "work/instance.json")
+    with pytest.raises(InputError, match="belongs to another instance"):
+        Desk(hand_made(periods=15.0), plan, folder)
+    again = Desk(adr_opt.load(world / "work/instance.json"), plan, folder)
+    assert again.state()["plan"]["fits"]
+    assert sorted(files_under(world / "work")) == ["instance.json", "plan.json"]
+    (world / "work/draft.json").symlink_to(world / "my.json")
+    before = files_under(world)
+    again.edit(read_edit(json.dumps(of("north", prize=2.0))))
+    assert "a link" in again.state()["trouble"]
+    assert files_under(world) == before
+
+
+def test_wrong_calls_are_one_sentence_and_make_nothing(world: Path, cli: Cli) -> None:
+    """A missing file, a taken port or folder, a plan of another instance: exit 2, no folder."""
+    hand_made(periods=15.0).save(world / "other.json")
+    plan = adr_opt.solve(hand_made(periods=15.0), "greedy-guarded").plan
+    assert plan is not None
+    plan.save(world / "of-other.json")
+    before = sorted(path.name for path in world.iterdir())
+    for arguments, named in (
+        (["nobody.json"], "nobody.json: no such file"),
+        (["my.json", "nobody.json"], "nobody.json: no such file"),
+        (["my.json", "of-other.json"], "belongs to another instance"),
+        (["my.json", "--port", "70000"], "--port 70000"),
+        (["my.json", "--folder", "my.json"], "my.json: not a folder"),
+        (["my.json", "--folder", "no/where"], "no/where: the folder"),
+        (["my.json", "--folder", "."], "holds plan.json of an earlier call"),
+    ):
+        if named.startswith("holds"):
+            (world / "sub").mkdir()
+            (world / "sub/plan.json").touch()
+            arguments = ["my.json", "--folder", "sub"]
+            before.append("sub")
+        refused(cli("serve", *arguments, "--no-open"), named)
+        assert sorted(path.name for path in world.iterdir()) == sorted(before)
+
+
+def test_without_its_packages_the_verb_says_how_to_get_them(
+    world: Path, cli: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where Starlette or uvicorn is missing: one sentence with the extra, exit 2."""
+    for package in ("uvicorn", "starlette"):
+        with monkeypatch.context() as patch:
+            patch.setitem(sys.modules, package, None)
+            for name in list(sys.modules):
+                if name.startswith(("adr_opt.serve.server", "adr_opt.serve.app", f"{package}.")):
+                    patch.delitem(sys.modules, name)
+            refused(cli("serve", "my.json", "--no-open"), package, "'.[serve]'")
+    assert not os.path.lexists(world / "my-served")

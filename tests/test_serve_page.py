@@ -1,0 +1,178 @@
+"""``serve`` as a process, and its page in a browser."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import browser
+import pytest
+from hand_made import hand_made
+
+import adr_opt
+
+for package in ("plotly", "starlette", "uvicorn"):
+    pytest.importorskip(package)
+
+pytestmark = [
+    pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium"),
+    pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals"),
+]
+
+# Children of a script in the background inherit an ignored SIGINT; a user's shell does not do that.
+CHILD = (
+    "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    "from adr_opt.__main__ import main; sys.exit(main())"
+)
+
+
+@contextmanager
+def served(folder: Path, *arguments: str) -> Iterator[dict[str, Any]]:
+    """What `serve` says as JSON, while it runs; it ends well when it is interrupted."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", CHILD, "serve", *arguments, "--no-open", "--json"],
+        cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    assert process.stdout is not None
+    lines = []
+    while not lines or lines[-1] not in ("}\n", ""):
+        lines.append(process.stdout.readline())
+    try:
+        assert lines[-1], process.communicate()
+        yield json.loads("".join(lines))
+    finally:
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=90.0)
+    assert process.returncode == 0, err
+    assert "Traceback" not in err
+    assert err.startswith("adr-opt: serving 'hand-made', kept in ")
+
+
+def put(tab: browser.Browser, label: str, value: object) -> None:
+    """Change a field as somebody does who types and goes on."""
+    found = f"document.querySelector('[aria-label={json.dumps(label)}], {label}')"
+    if not label.startswith("#"):
+        found = f"document.querySelector('[aria-label={json.dumps(label)}]')"
+    tab.evaluate(
+        f"(() => {{ const field = {found}; field.value = {json.dumps(value)};"
+        " field.dispatchEvent(new Event('change', { bubbles: true })); })()"
+    )
+
+
+def click(tab: browser.Browser, name: str) -> None:
+    """Press a button."""
+    tab.evaluate(f"document.getElementById('{name}').click()")
+
+
+def text(tab: browser.Browser, name: str) -> str:
+    """What an element says."""
+    said: str = tab.evaluate(f"document.getElementById('{name}').textContent")
+    return said
+
+
+def on_page(tab: browser.Browser, key: str, value: object) -> None:
+    """Wait until the page says so of itself."""
+    tab.wait_for(f"document.documentElement?.dataset.{key} === {json.dumps(str(value))}")
+
+
+def in_report(tab: browser.Browser, expression: str) -> Any:
+    """Value of an expression in the report, which is a page of its own."""
+    mine = tab._session
+    tab._session = None
+    found = tab.call("Target.getTargets")["targetInfos"]
+    target = next(each["targetId"] for each in found if "/report?" in each["url"])
+    tab._session = tab.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+    try:
+        return tab.wait_for(expression)
+    finally:
+        tab._session = mine
+
+
+def test_prizes_are_changed_planned_and_undone(tmp_path: Path) -> None:
+    """Somebody changes a prize, plans, sees the bound come in and the report, and takes it back.
+
+    The browser asks this server alone, and files come to be in the working folder alone. On a
+    phone, in the dark, the page is as wide as the screen, and the report is behind a tab.
+    """
+    hand_made().save(tmp_path / "my.json")
+    work = tmp_path / "my-served"
+    with served(tmp_path, "my.json") as said, browser.Browser(tmp_path / "profile") as tab:
+        assert said["folder"] == str(work)
+        tab.go(said["url"])
+        on_page(tab, "reported", 0)
+        assert tab.evaluate("location.search") == ""
+        put(tab, "Prize of north", "5")
+        on_page(tab, "revision", 1)
+        assert adr_opt.load(work / "draft.json").targets[0].prize == 5.0
+        put(tab, "Prize of north", "-5")
+        tab.wait_for("!document.getElementById('error').hidden")
+        assert "prize = -5" in text(tab, "error")
+        assert tab.evaluate("document.querySelector('[aria-label=\"Prize of north\"]').value") == (
+            "5"
+        )
+
+        click(tab, "plan")
+        tab.wait_for("document.getElementById('bound-now').textContent === '7'")
+        on_page(tab, "phase", "done")
+        assert [text(tab, name) for name in ("incumbent", "gap")] == ["7", "0 %"]
+        assert tab.evaluate("document.querySelectorAll('#chart polyline').length") == 2
+        on_page(tab, "reported", 1)
+        assert in_report(tab, "document.documentElement?.dataset.ready")
+        assert "7" in in_report(tab, "document.querySelector('.headline').textContent")
+        assert tab.evaluate("document.querySelectorAll('tr.visited').length") == 3
+        assert tab.evaluate("document.getElementById('stale').hidden")
+
+        click(tab, "undo")
+        on_page(tab, "revision", 3)
+        assert not tab.evaluate("document.getElementById('stale').hidden")
+        assert tab.evaluate("document.querySelector('[aria-label=\"Prize of north\"]').value") == (
+            "1"
+        )
+        click(tab, "redo")
+        tab.wait_for("document.getElementById('stale').hidden")
+
+        put(tab, "#method", "local-search")
+        put(tab, "#limit", "3600")
+        click(tab, "plan")
+        on_page(tab, "phase", "planning")
+        click(tab, "stop")
+        on_page(tab, "phase", "done")
+        on_page(tab, "reported", 3)
+
+        tab.call("Page.reload")
+        tab.wait_for("document.documentElement?.dataset.phase === 'done'")
+        assert [text for level, text in tab.complaints if "status of 422" not in text] == []
+        assert {urlsplit(each).netloc for each in tab.requests if not each.startswith("data:")} == {
+            f"127.0.0.1:{said['port']}"
+        }
+        assert tab.evaluate("document.documentElement.scrollWidth") == 1280
+        tab.call("Emulation.setDeviceMetricsOverride",
+                 width=390, height=844, deviceScaleFactor=1, mobile=True)  # fmt: skip
+        tab.call(
+            "Emulation.setEmulatedMedia",
+            features=[{"name": "prefers-color-scheme", "value": "dark"}],
+        )
+        shown = "getComputedStyle(document.getElementById('view')).display"
+        assert tab.evaluate("document.documentElement.scrollWidth") == 390
+        assert tab.evaluate(shown) == "none"
+        click(tab, "to-report")
+        assert tab.evaluate(shown) == "block"
+        assert in_report(tab, "document.documentElement.scrollWidth") == 390
+        # Whoever ends the verb while it plans waits for what there is.
+        put(tab, "#method", "local-search")
+        put(tab, "#limit", "3600")
+        click(tab, "plan")
+        on_page(tab, "phase", "planning")
+    assert {path.name for path in tmp_path.iterdir()} == {"my.json", "my-served", "profile"}
+    assert (tmp_path / "my.json").read_text() == hand_made().to_json()
+    instance, plan = adr_opt.load(work / "instance.json"), adr_opt.load_plan(work / "plan.json")
+    assert adr_opt.check(instance, plan) == ()
+    assert plan.objective == 7.0
