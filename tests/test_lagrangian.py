@@ -237,6 +237,20 @@ def test_descent_beats_its_start_and_ends():
     assert descent.value < first - 0.2
 
 
+def test_a_required_target_is_no_reason_to_go_round(nominal):
+    """The first bound with a required target is no weaker than the first one without."""
+    instance = nominal.instance
+    required = instance.targets[3].replace(required=True)
+    targets = (*instance.targets[:3], required, *instance.targets[4:])
+    free, bound = (
+        WalkBound(Mission(each), 20.0) for each in (instance, instance.replace(targets=targets))
+    )
+    least, _, _ = free.at(free.first_point())
+    value, _, _ = bound.at(bound.first_point())
+    bonus = Mission(instance.replace(targets=targets)).bonus
+    assert value == pytest.approx(least + bonus, abs=0.01)
+
+
 @pytest.mark.parametrize("seed", range(40))
 def test_a_search_never_refutes_the_optimum(seed):
     """Asked for plans worth the optimum, with any multipliers, a search finds walks that are."""

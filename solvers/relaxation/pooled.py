@@ -28,7 +28,7 @@ from adr_opt.kernels.compile import kernel
 from adr_opt.mission import Mission
 
 from .stream import AHEAD, DEPARTURE, DESTINATION, FIELD, Stream, units_of
-from .walks import TimeIsOver
+from .walks import TimeIsOver, bonuses
 
 NEVER = -(2**60)
 """Value of what is not possible; far enough from −2⁶³ that adding to it cannot wrap around."""
@@ -168,6 +168,7 @@ class PooledBound:
         self._stream, self._jobs, self._over = stream, jobs, over
         self._worth = np.array(rules.prize)
         self.prize = np.append(self._worth, 0.0)
+        self._bonuses = bonuses(mission)
         bodies = self._worth.size
         self._is_target = np.arange(bodies) >= rules.first_target
         self._is_station, self._may_end = rules.is_station, rules.may_end
@@ -201,8 +202,8 @@ class PooledBound:
         return 10.0 * self._greatest
 
     def first_point(self) -> np.ndarray:
-        """Multipliers to begin with: none."""
-        return np.zeros(self.dimensions)
+        """Multipliers to begin with: bonuses, as walks have them, and no price."""
+        return np.append(self._bonuses, 0.0)
 
     def allowed(self, point: np.ndarray) -> np.ndarray:
         """The nearest multipliers at which the bound can be evaluated."""

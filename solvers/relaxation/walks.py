@@ -84,6 +84,11 @@ class TimeIsOver(Exception):
     """An evaluation was broken off."""
 
 
+def bonuses(mission: Mission) -> np.ndarray:
+    """What required targets are worth besides their prizes, shape (bodies,)."""
+    return np.where(mission.is_required, np.minimum(mission.bonus, mission.rules.prize), 0.0)
+
+
 class WalkBound:
     """Best walks of a mission for given multipliers, again and again.
 
@@ -156,6 +161,7 @@ class WalkBound:
         self.prize = np.array(rules.prize)
         self.is_target = np.arange(self.prize.size) >= rules.first_target
         self.is_paid = self.is_target
+        self._bonuses = bonuses(mission)
         self._starts = [each.rules.start for each in (mission, *others)]
         self.most_targets = rules.most_targets
         bodies = self.prize.size
@@ -215,8 +221,8 @@ class WalkBound:
         return self.greatest_prize
 
     def first_point(self) -> np.ndarray:
-        """Multipliers to begin with: none."""
-        return np.zeros(self.prize.size)
+        """Multipliers to begin with: bonuses, which a walk would go round and round for."""
+        return self._bonuses.copy()
 
     def allowed(self, point: np.ndarray) -> np.ndarray:
         """The nearest multipliers at which the bound can be evaluated."""
