@@ -57,8 +57,20 @@ class Instance(InstanceFile):
         Raises
         ------
         InputError
-            A change is not valid.
+            A change is not valid; or connections are given, and one of their bodies is gone.
         """
+        made = self._changed(changes)
+        if made._given is not None:
+            gone = sorted(set(made._given.names) - set(made.names))
+            if gone:
+                raise InputError(
+                    f"given connections: {gone[0]!r} is a body of theirs, and would be gone; keep "
+                    "it, or first give those of the others: with_given(given.among(names))"
+                )
+        return made
+
+    def _changed(self, changes: dict[str, Any]) -> Self:
+        """A validated copy, with what is no part of the file."""
         made = super().replace(**changes)
         made._time_value_m_s_per_h = self._time_value_m_s_per_h
         if made.transfer.given == self.transfer.given:
@@ -251,11 +263,13 @@ class Instance(InstanceFile):
         return any(orbit.eccentricity > 0.0 for orbit in self.body_orbits)
 
     def part(self, bodies: Collection[int]) -> Self:
-        """The instance with only some of its targets, in its own order; other bodies stay."""
+        """The instance with only some of its targets, in its own order; other bodies stay.
+
+        So do connections that are given, those of targets left out as well.
+        """
         first = self.first_target
-        return self.replace(
-            targets=tuple(self.targets[body - first] for body in sorted(bodies) if body >= first)
-        )
+        kept = tuple(self.targets[body - first] for body in sorted(bodies) if body >= first)
+        return self._changed({"targets": kept})
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the instance file, and beside it that of its connections where they are given.
