@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from html.parser import HTMLParser
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -147,6 +149,15 @@ def test_names_of_others_are_no_code() -> None:
         assert "<script>" not in page
         assert "script" not in Tags(page).seen
     assert f"{NASTY} " in "".join(Tags(result.plan._repr_html_()).words)
+
+
+def test_the_page_on_python_shows_what_is_shown() -> None:
+    """What docs/api.md has a prompt say is what it says."""
+    page = (Path(__file__).parents[1] / "docs" / "api.md").read_text(encoding="utf-8")
+    pairs = re.findall(r"(?m)^>>> (.*)\n(<.*>)$", page)
+    assert len(pairs) == 2
+    for code, said in pairs:
+        assert repr(eval(code, {"adr_opt": adr_opt})) == said
 
 
 def test_long_tables_are_cut_and_say_so() -> None:

@@ -61,11 +61,11 @@ def crew_options(function: Function) -> Function:
             ),
             click.option(
                 "--require", "required", multiple=True, metavar="OBJECT",
-                help="One that has to be serviced; may be repeated.",
+                help="Has to be serviced; refused if filters leave it out. Repeatable.",
             ),
             click.option(
                 "--must", "musts", multiple=True, metavar="OBJECT[,OBJECT...]",
-                help="The same, and kept whatever the filters say.",
+                help="The same, but kept whatever the filters say.",
             ),
             click.option(
                 "--exclude", "excluded", multiple=True, metavar="OBJECT[,OBJECT...]",
