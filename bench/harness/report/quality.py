@@ -1,0 +1,209 @@
+"""Time against quality: what each method collects in what time, the timetable included.
+
+A method that is given more (a wider beam, more simulations, a later limit) is another point of the
+same curve. Times are those of processors, so that other work on the machine does not move points
+to the right; where rows do not know them, those of the clock.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from adr_opt.files import write_text
+
+from .charts import SYMBOLS, Spec, colour
+from .model import Section
+
+INK, FAINT, PAPER = "#26313d", "#9aa5b1", "#fcfcfa"
+
+# The same bytes for the same drawing.
+STYLE = {
+    "svg.hashsalt": "adr-opt", "svg.fonttype": "path", "figure.facecolor": PAPER,
+    "savefig.facecolor": PAPER, "axes.facecolor": PAPER, "axes.edgecolor": FAINT,
+    "axes.labelcolor": INK, "text.color": INK, "xtick.color": INK, "ytick.color": INK,
+    "axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A method with its settings: a point of the chart, and a row of its table.
+
+    Attributes
+    ----------
+    method : str
+        As it was asked for.
+    fields : int
+    visits, half_width : float
+        Mean over fields, and its 95 % interval (NaN of one field).
+    proven : int
+        Missions whose plan was proven to be optimal, by this method itself.
+    seconds : float
+        Median over missions: timetable and planning, time of processors [s].
+    wall_s : float
+        The same by the clock [s].
+    bound : float
+        Mean over the fields of what is proven that no plan exceeds, NaN where nothing is.
+    """
+
+    method: str
+    fields: int
+    visits: float
+    half_width: float
+    proven: int
+    seconds: float
+    wall_s: float
+    bound: float
+
+    @property
+    def planner(self) -> str:
+        """The planner, which names the curve."""
+        return self.method.partition("@")[0].partition(":")[0]
+
+    @property
+    def options(self) -> str:
+        """Its options as text."""
+        return self.method.rpartition("@")[0].partition(":")[2]
+
+    @property
+    def limit(self) -> str:
+        """Its time limit as text."""
+        return f"{self.method.rpartition('@')[2]} s"
+
+
+def spots(section: Section) -> list[Spot]:
+    """The points of a section, curve by curve, each in order of time."""
+    found = []
+    bounds = list(section.bounds.values())
+    whole = len(bounds) == len({(row["field"], row["iteration"])
+                                for rows in section.rows.values() for row in rows})  # fmt: skip
+    bound = math.fsum(bounds) / len(bounds) if bounds and whole else math.nan
+    for method, rows in section.rows.items():
+        means = section.means(method)
+        cpu = means.with_timetable_cpu_s
+        found.append(
+            Spot(
+                method, means.fields, means.visits_mean, means.visits_half_width,
+                sum(row["status"] == "optimal" for row in rows if row["outcome"] == "legal"),
+                cpu if math.isfinite(cpu) else means.with_timetable_median_s,
+                means.with_timetable_median_s, bound,
+            )
+        )  # fmt: skip
+    return [spot for curve in curves(found).values() for spot in curve]
+
+
+def curves(found: Iterable[Spot]) -> dict[str, list[Spot]]:
+    """The points of each planner, in order of time; those without a time are left out."""
+    by_planner: dict[str, list[Spot]] = {}
+    for spot in found:
+        if math.isfinite(spot.seconds):
+            by_planner.setdefault(spot.planner, []).append(spot)
+    return {name: sorted(curve, key=lambda s: s.seconds) for name, curve in by_planner.items()}
+
+
+def settings(curve: list[Spot]) -> list[str]:
+    """What tells the points of a curve apart: options, limits, or both."""
+    by_option = len({spot.options for spot in curve}) == len(curve)
+    by_limit = len({spot.options for spot in curve}) == 1
+    texts = []
+    for spot in curve:
+        options = spot.options.replace("simulations=", "").replace("width=", "")
+        parts = [options] if not by_limit and options else []
+        parts += [] if by_option else [spot.limit]
+        texts.append(", ".join(parts))
+    return texts
+
+
+def chart(section: Section, labels: Mapping[str, str]) -> Spec:
+    """Visits against time as a Plotly specification."""
+    traces: list[Spec] = []
+    for number, (name, curve) in enumerate(curves(spots(section)).items()):
+        traces.append(
+            {
+                "type": "scatter", "mode": "lines+markers", "name": name,
+                "x": [spot.seconds for spot in curve], "y": [spot.visits for spot in curve],
+                "text": [labels.get(spot.method, spot.method) for spot in curve],
+                "line": {"color": colour(number), "width": 1},
+                "marker": {"color": colour(number), "symbol": SYMBOLS[number % len(SYMBOLS)],
+                           "size": 8},
+                "hovertemplate": "%{text}: %{y:.2f} visits in %{x:.3g} s<extra></extra>",
+            }
+        )  # fmt: skip
+    axis: dict[str, Any] = {"gridcolor": "#e5e7eb", "zeroline": False, "automargin": True}
+    return {
+        "data": traces,
+        "layout": {
+            "font": {"family": "system-ui, sans-serif", "size": 12, "color": "#1f2937"},
+            "margin": {"l": 48, "r": 12, "t": 30, "b": 40},
+            "xaxis": {"title": {"text": AXIS}, "type": "log", **axis},
+            "yaxis": {"title": {"text": "visits, mean"}, **axis},
+            "legend": {"orientation": "h", "y": -0.22, "yanchor": "top", "x": 0},
+            "hovermode": "closest", "plot_bgcolor": "#ffffff", "paper_bgcolor": "#ffffff",
+        },
+    }  # fmt: skip
+
+
+AXIS = "time of processors, timetable included [s]"
+
+
+def draw(found: list[Spot], path: Path, title: str) -> None:
+    """Visits against time as a picture; the suffix of the path says of which kind."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    from .pictures import MARKERS
+
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(8.0, 5.2), layout="constrained")
+        axes = figure.add_subplot()
+        for number, (name, curve) in enumerate(curves(found).items()):
+            axes.plot(
+                [spot.seconds for spot in curve], [spot.visits for spot in curve], label=name,
+                color=colour(number), marker=MARKERS[SYMBOLS[number % len(SYMBOLS)]],
+                markersize=5, linewidth=1.0,
+            )  # fmt: skip
+            for spot, text in zip(curve, settings(curve), strict=True):
+                axes.annotate(
+                    text, (spot.seconds, spot.visits), xytext=(4, -9), fontsize=7,
+                    textcoords="offset points", color=colour(number),
+                )  # fmt: skip
+        bounds = {spot.bound for spot in found if math.isfinite(spot.bound)}
+        for bound in sorted(bounds)[:1]:
+            axes.axhline(bound, color=INK, linestyle=":", linewidth=1.0)
+            axes.annotate(
+                f"no plan has more: {bound:.2f}", (0.0, bound), xytext=(4, 4), fontsize=8,
+                xycoords=("axes fraction", "data"), textcoords="offset points",
+            )  # fmt: skip
+        axes.set_xscale("log")
+        axes.set(xlabel=AXIS, ylabel="visits, mean", title=title)
+        axes.grid(color="#e5e7eb", which="major")
+        axes.legend(fontsize=8, loc="lower right", ncols=2)
+        figure.savefig(path, dpi=150, metadata={"Date": None} if path.suffix == ".svg" else None)
+
+
+def write_table(found: list[Spot], path: Path) -> None:
+    """The points as CSV."""
+    text = io.StringIO()
+    table = csv.DictWriter(text, [field.name for field in fields(Spot)], lineterminator="\n")
+    table.writeheader()
+    for spot in found:
+        row = {name: f"{value:.6g}" if isinstance(value, float) else value
+               for name, value in asdict(spot).items()}  # fmt: skip
+        table.writerow(row)
+    write_text(path, text.getvalue())
+
+
+def read_table(path: Path) -> list[Spot]:
+    """The points of such a file."""
+    kinds = {"str": str, "int": int, "float": float}
+    with path.open(encoding="utf-8", newline="") as lines:
+        return [
+            Spot(**{field.name: kinds[str(field.type)](row[field.name]) for field in fields(Spot)})
+            for row in csv.DictReader(lines)
+        ]
