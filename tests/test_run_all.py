@@ -455,6 +455,22 @@ def test_methods_lie_on_curves_of_time_and_quality(load: Load, tmp_path: Path) -
     assert len(picture) > 10_000
 
 
+def test_the_chart_of_the_page_is_that_of_its_table(load: Load) -> None:
+    """docs/benchmarks.md has the table that the committed chart is drawn from, line by line."""
+    script = load("time_quality")
+    page = (BENCH.parent / "docs" / "benchmarks.md").read_text(encoding="utf-8")
+    found = load("harness.report.quality").read_table(script.TABLE)
+    assert "\n".join(script.lines(found)) in page
+    assert {spot.planner for spot in found} >= {
+        "greedy", "greedy-guarded", "beam", "mcts", "local-search", "auto", "ortools", "exact",
+        "ppo",
+    }  # fmt: skip
+    assert f"pictures/{script.PICTURE.name}" in page
+    picture = script.PICTURE.read_text(encoding="utf-8")
+    assert picture.startswith("<?xml")
+    assert len(picture) < 500_000
+
+
 def test_rows_of_the_format_before_are_still_read(load: Load, tmp_path: Path) -> None:
     """A file without processor times gets the columns, and its times by the clock count."""
     schema, make = load("harness.schema"), load("harness.store").Store

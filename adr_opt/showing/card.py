@@ -6,6 +6,8 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import NamedTuple
 
+from ..kernels.constants import DAY_S
+
 MOST_ROWS = 60
 """So many rows of a table are shown in a notebook; a line says how many more there are."""
 
@@ -121,11 +123,11 @@ def order_words(names: Iterable[str]) -> str:
 
 
 def days(seconds: float) -> str:
-    """A time in days, short."""
-    return f"{seconds / 86400.0:.3f}".rstrip("0").rstrip(".")
+    """A time in days, for columns."""
+    return f"{seconds / DAY_S:.3f}"
 
 
 def days_words(seconds: float) -> str:
-    """A time in days, with the unit."""
-    text = days(seconds)
+    """A time in days, short and with the unit."""
+    text = days(seconds).rstrip("0").rstrip(".")
     return f"{text} day" if text == "1" else f"{text} days"

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from ..wording import counted
-from .card import Card, Table, days, order_words
+from .card import Card, Table, days, days_words, order_words
 from .of_plan import legs_table
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def of_point(point: Point) -> Card:
     facts = [f"prize {prize} of at most {bound}", point.status]
     if len(point.routes) == 1 and point.routes[0]:
         facts.append(order_words(point.routes[0]))
-    said = f"at {point.delta_v_m_s:g} m/s and {days(point.duration_s)} days"
+    said = f"at {point.delta_v_m_s:g} m/s and {days_words(point.duration_s)}"
     return Card("Point", said, tuple(facts))
 
 
@@ -67,7 +67,8 @@ def of_priced_order(priced: PricedOrder) -> Card:
         details.append((route.chaser, order_words(route.order) or "stays"))
         if not route.holds:
             details.append(("breaks", f"leg {len(route.legs) + 1} {route.reason}"))
-            details += [(MENDED[each.kind], each.body) for each in route.mendings[:MOST_MENDINGS]]
+            ways = dict.fromkeys((MENDED[each.kind], each.body) for each in route.mendings)
+            details += list(ways)[:MOST_MENDINGS]
     if priced.lacking:
         details.append(("required, and lacking", ", ".join(priced.lacking)))
     return Card("PricedOrder", f"on {priced.instance.name!r}", tuple(facts), tuple(details))

@@ -55,7 +55,7 @@ def certified(plan: Plan) -> tuple[str, ...]:
 
 def details_of(plan: Plan) -> tuple[tuple[str, str], ...]:
     """More of the same, for pages."""
-    details = [("order" if len(plan.routes) < 2 else route.chaser, order_words(names))
+    details = [("order" if len(plan.routes) < 2 else route.chaser, order_words(names) or "stays")
                for route, names in zip(plan.routes, plan.orders.values(), strict=True)]  # fmt: skip
     if plan.cost_bound is not None:
         details.append(("cost", f"{plan.cost:,.6g} of at least {plan.cost_bound:,.6g}"))
