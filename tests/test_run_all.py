@@ -422,13 +422,14 @@ def test_methods_lie_on_curves_of_time_and_quality(load: Load, tmp_path: Path) -
     """A planner is a curve; its points are its settings by time; the table makes the picture."""
     quality = load("harness.report.quality")
     store = load("harness.store").Store(tmp_path)
-    asked = protocol(load, "beam:width=10", "beam:width=100", "auto@1", "auto@5", zones=0,
+    asked = protocol(load, "beam:width=10", "beam:width=100", "auto@1", "auto@5",
+                     "mcts:preset=tuned", zones=0,
                      iterations=1)  # fmt: skip
     run = store.begin_run("a", asked, 1)
     for trial in asked.trials():
         for key, visits, cpu in (
             ("beam:width=100@10", 29, 0.5), ("beam:width=10@10", 27, 0.1), ("auto@1", 29, 0.9),
-            ("auto@5", 30, 4.0),
+            ("auto@5", 30, 4.0), ("mcts:preset=tuned@10", 29, 5.0),
         ):  # fmt: skip
             more = {"planning_cpu_s": cpu, "build_cpu_s": 0.25, "upper_bound": 30.0,
                     "status": "optimal" if visits == 30 else "feasible"}  # fmt: skip
@@ -436,8 +437,8 @@ def test_methods_lie_on_curves_of_time_and_quality(load: Load, tmp_path: Path) -
     (section,) = load("harness.report.model").read(store).sections
     found = quality.spots(section)
     curves = quality.curves(found)
-    assert {name: quality.settings(curve) for name, curve in curves.items()} == {
-        "beam": ["10", "100"], "auto": ["1 s", "5 s"],
+    assert {name: quality.words(curve) for name, curve in curves.items()} == {
+        "beam": ["10", "100"], "auto": ["1 s", "5 s"], "mcts preset=tuned": ["preset=tuned"],
     }  # fmt: skip
     assert [spot.seconds for spot in curves["beam"]] == pytest.approx([0.35, 0.75])
     assert [(spot.visits, spot.proven, spot.bound) for spot in curves["auto"]] == [

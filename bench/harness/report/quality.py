@@ -1,8 +1,9 @@
 """Time against quality: what each method collects in what time, the timetable included.
 
 A method that is given more (a wider beam, more simulations, a later limit) is another point of the
-same curve. Times are those of processors, so that other work on the machine does not move points
-to the right; where rows do not know them, those of the clock.
+same curve; other choices (`preset=tuned`) are another curve of the same colour. Times are those of
+processors, so that other work on the machine does not move points to the right; where rows do not
+know them, those of the clock.
 """
 
 from __future__ import annotations
@@ -17,8 +18,11 @@ from typing import Any
 
 from adr_opt.files import write_text
 
-from .charts import SYMBOLS, Spec, colour
+from .charts import COLOURS, SYMBOLS, Spec, colour
 from .model import Section
+
+AMOUNTS = ("width", "simulations", "samples", "beams")
+"""Options that say how much is tried, and not what."""
 
 INK, FAINT, PAPER = "#26313d", "#9aa5b1", "#fcfcfa"
 
@@ -63,18 +67,26 @@ class Spot:
 
     @property
     def planner(self) -> str:
-        """The planner, which names the curve."""
+        """The planner, which has a colour."""
         return self.method.partition("@")[0].partition(":")[0]
 
     @property
-    def options(self) -> str:
+    def options(self) -> dict[str, str]:
         """Its options as text."""
-        return self.method.rpartition("@")[0].partition(":")[2]
+        listed = self.method.rpartition("@")[0].partition(":")[2]
+        return dict(pair.split("=", 1) for pair in listed.split(",") if pair)
 
     @property
-    def limit(self) -> str:
-        """Its time limit as text."""
-        return f"{self.method.rpartition('@')[2]} s"
+    def curve(self) -> str:
+        """The planner and what is chosen otherwise than by its amount: the points of one curve."""
+        chosen = [f"{name}={text}" for name, text in self.options.items() if name not in AMOUNTS]
+        return " ".join([self.planner, *chosen])
+
+    @property
+    def amount(self) -> str:
+        """How much it is given: widths and numbers, or else its time limit."""
+        amounts = [text for name, text in self.options.items() if name in AMOUNTS]
+        return ", ".join(amounts) or f"{self.method.rpartition('@')[2]} s"
 
 
 def spots(section: Section) -> list[Spot]:
@@ -99,39 +111,41 @@ def spots(section: Section) -> list[Spot]:
 
 
 def curves(found: Iterable[Spot]) -> dict[str, list[Spot]]:
-    """The points of each planner, in order of time; those without a time are left out."""
-    by_planner: dict[str, list[Spot]] = {}
+    """The points of each curve, in order of time; those without a time are left out."""
+    by_curve: dict[str, list[Spot]] = {}
     for spot in found:
         if math.isfinite(spot.seconds):
-            by_planner.setdefault(spot.planner, []).append(spot)
-    return {name: sorted(curve, key=lambda s: s.seconds) for name, curve in by_planner.items()}
+            by_curve.setdefault(spot.curve, []).append(spot)
+    return {name: sorted(curve, key=lambda s: s.seconds) for name, curve in by_curve.items()}
 
 
-def settings(curve: list[Spot]) -> list[str]:
-    """What tells the points of a curve apart: options, limits, or both."""
-    by_option = len({spot.options for spot in curve}) == len(curve)
-    by_limit = len({spot.options for spot in curve}) == 1
-    texts = []
-    for spot in curve:
-        options = spot.options.replace("simulations=", "").replace("width=", "")
-        parts = [options] if not by_limit and options else []
-        parts += [] if by_option else [spot.limit]
-        texts.append(", ".join(parts))
+def words(curve: list[Spot]) -> list[str]:
+    """What stands beside the points of a curve: what tells them apart, and the curve by its end."""
+    chosen = curve[0].curve.partition(" ")[2]
+    texts = [""] * len(curve)
+    if len(curve) > 1:
+        default = all(spot.options for spot in curve) or not any(spot.options for spot in curve)
+        texts = [spot.amount if spot.options or default else "as it is" for spot in curve]
+    if chosen:
+        texts[-1] = ", ".join(filter(None, (chosen, texts[-1])))
     return texts
 
 
 def chart(section: Section, labels: Mapping[str, str]) -> Spec:
     """Visits against time as a Plotly specification."""
     traces: list[Spec] = []
-    for number, (name, curve) in enumerate(curves(spots(section)).items()):
+    found = curves(spots(section))
+    numbers = _numbers(found)
+    for name, curve in found.items():
+        number = numbers[curve[0].planner]
+        symbol = SYMBOLS[number % len(SYMBOLS)]
         traces.append(
             {
                 "type": "scatter", "mode": "lines+markers", "name": name,
                 "x": [spot.seconds for spot in curve], "y": [spot.visits for spot in curve],
                 "text": [labels.get(spot.method, spot.method) for spot in curve],
-                "line": {"color": colour(number), "width": 1},
-                "marker": {"color": colour(number), "symbol": SYMBOLS[number % len(SYMBOLS)],
-                           "size": 8},
+                "line": {"color": _ink(number), "width": 1},
+                "marker": {"color": _ink(number), "symbol": symbol, "size": 8},
                 "hovertemplate": "%{text}: %{y:.2f} visits in %{x:.3g} s<extra></extra>",
             }
         )  # fmt: skip
@@ -149,6 +163,19 @@ def chart(section: Section, labels: Mapping[str, str]) -> Spec:
     }  # fmt: skip
 
 
+def _numbers(found: Mapping[str, list[Spot]]) -> dict[str, int]:
+    """A number for each planner, by which it is coloured."""
+    return {
+        planner: number
+        for number, planner in enumerate(dict.fromkeys(c[0].planner for c in found.values()))
+    }
+
+
+def _ink(number: int) -> str:
+    """Colour of a planner; one beyond the palette is dark."""
+    return colour(number) if number < len(COLOURS) else INK
+
+
 AXIS = "time of processors, timetable included [s]"
 
 
@@ -156,22 +183,29 @@ def draw(found: list[Spot], path: Path, title: str) -> None:
     """Visits against time as a picture; the suffix of the path says of which kind."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     from .pictures import MARKERS
 
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(8.0, 5.2), layout="constrained")
+        figure = Figure(figsize=(8.0, 5.6), layout="constrained")
         axes = figure.add_subplot()
-        for number, (name, curve) in enumerate(curves(found).items()):
+        drawn = curves(found)
+        numbers, named = _numbers(drawn), set[str]()
+        for curve in drawn.values():
+            planner = curve[0].planner
+            number = numbers[planner]
+            beyond = number >= len(COLOURS)
             axes.plot(
-                [spot.seconds for spot in curve], [spot.visits for spot in curve], label=name,
-                color=colour(number), marker=MARKERS[SYMBOLS[number % len(SYMBOLS)]],
-                markersize=5, linewidth=1.0,
+                [spot.seconds for spot in curve], [spot.visits for spot in curve],
+                label=planner if planner not in named else None, color=_ink(number), linewidth=1.0,
+                marker="v" if beyond else MARKERS[SYMBOLS[number]], markersize=5,
             )  # fmt: skip
-            for spot, text in zip(curve, settings(curve), strict=True):
+            named.add(planner)
+            for spot, text in zip(curve, words(curve), strict=True):
                 axes.annotate(
                     text, (spot.seconds, spot.visits), xytext=(4, -9), fontsize=7,
-                    textcoords="offset points", color=colour(number),
+                    textcoords="offset points", color=_ink(number),
                 )  # fmt: skip
         bounds = {spot.bound for spot in found if math.isfinite(spot.bound)}
         for bound in sorted(bounds)[:1]:
@@ -181,6 +215,9 @@ def draw(found: list[Spot], path: Path, title: str) -> None:
                 xycoords=("axes fraction", "data"), textcoords="offset points",
             )  # fmt: skip
         axes.set_xscale("log")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set(xlabel=AXIS, ylabel="visits, mean", title=title)
         axes.grid(color="#e5e7eb", which="major")
         axes.legend(fontsize=8, loc="lower right", ncols=2)
