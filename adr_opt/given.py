@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -100,15 +100,6 @@ class Given(Shown):
             pair = i * len(self.names) + j
             rows = slice(self._first[pair], self._first[pair + 1])
         return self.departure[rows], self.arrival[rows], self.cost[rows]
-
-    def among(self, names: Collection[str]) -> Given:
-        """Those between some bodies alone."""
-        known = np.array([name in set(names) for name in self.names], dtype=np.bool_)
-        mine = known[self.origin] & known[self.destination] if known.size else slice(0)
-        return _made(
-            self.origin[mine], self.destination[mine], self.departure[mine], self.arrival[mine],
-            self.cost[mine], self.names, "row {}",
-        )  # fmt: skip
 
     def sizes(self, names: Sequence[str]) -> tuple[int, int]:
         """Most departures of a pair of some bodies, and all connections between them."""

@@ -71,7 +71,7 @@ class Instance(Shown, InstanceFile):
             if gone:
                 raise InputError(
                     f"given connections: {gone[0]!r} is a body of theirs, and would be gone; keep "
-                    "it, or first give those of the others: with_given(given.among(names))"
+                    "it, or first give those of the others alone (adr_opt.given.among)"
                 )
         return made
 

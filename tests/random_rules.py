@@ -10,7 +10,7 @@ import numpy as np
 import adr_opt
 from adr_opt.bodies import Station, Target
 from adr_opt.chasers import AtStation, Chaser, InOrbit, Tank, TankByMass
-from adr_opt.given import of_rows
+from adr_opt.given import among, of_rows
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import EARTH_RADIUS_M
 from adr_opt.numbering import Numbering
@@ -275,7 +275,7 @@ def _changed(instance: Instance, **changes: Any) -> Instance:
     """The same with changes; of given connections those between bodies that are still there."""
     if instance.given is not None:
         parts = [changes.get(part, getattr(instance, part)) for part in Numbering.__annotations__]
-        instance = instance.with_given(instance.given.among(Numbering(*parts).names))
+        instance = instance.with_given(among(instance.given, Numbering(*parts).names))
     return instance.replace(**changes)
 
 

@@ -25,7 +25,7 @@ from toy_roads import (
 )
 
 import adr_opt
-from adr_opt.given import COLUMNS, of_rows
+from adr_opt.given import COLUMNS, among, of_rows
 from adr_opt.kernels.given_connections import sifted
 from adr_opt.settings import KeepOutZone, MissionSettings, TransferSettings
 
@@ -243,7 +243,7 @@ def test_bodies_of_given_connections_do_not_go_unseen() -> None:
     ):
         with pytest.raises(adr_opt.InputError, match=rf"^given connections: '{name}' is a body"):
             instance.replace(**changes)
-    others = instance.with_given(instance.given.among(NAMES[:-1]))
+    others = instance.with_given(among(instance.given, NAMES[:-1]))
     assert others.replace(targets=instance.targets[:-1]).names == NAMES[:-1]
     renamed = instance.chaser.replace(name="lorry", start={"station": "depot"})
     assert instance.replace(chasers=(renamed,)).given is instance.given
