@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from .bodies import Station, Target
 from .chasers import AtStation, Chaser, TankByMass
 from .kernels.constants import EARTH_RADIUS_M
-from .settings import MissionSettings, TransferSettings
+from .settings import MissionSettings, Objective, TransferSettings
 
 
 def check_names(
@@ -48,6 +48,15 @@ def check_stations(stations: Sequence[Station], chasers: Sequence[Chaser]) -> No
                 f"tank of {by_delta_v[0]!r} is counted in ΔV and knows no kilograms; give its "
                 "dry_mass_kg, propellant_kg and isp_s, or limit max_refuellings"
             )
+
+
+def check_expense(chasers: Sequence[Chaser], objective: Objective) -> None:
+    """Where the least expense is best, some chaser says what it takes."""
+    if objective.cost == "expense" and all(chaser.expense is None for chaser in chasers):
+        raise ValueError(
+            'field objective.cost = "expense": no chaser says what it takes to use it; give '
+            'chasers[0] an expense, as {"fixed": 1.0}, or write "delta-v"'
+        )
 
 
 def check_orbits(

@@ -16,6 +16,7 @@ from .instance import Instance
 from .kernels.timetable_making import Pairs
 from .mission import Mission
 from .prizes import Prizes
+from .showing import Card, Shown
 from .station_limits import StationLimits, Use
 from .timetable import Timetable
 
@@ -38,7 +39,7 @@ class Kind:
     chasers: tuple[int, ...]
 
 
-class Campaign(Prizes):
+class Campaign(Shown, Prizes):
     """An instance ready for planning, with all its chasers.
 
     Parameters
@@ -102,6 +103,11 @@ class Campaign(Prizes):
             Kind(self.missions[numbers[0]], tuple(numbers)) for numbers in alike.values()
         )
 
+    def _card(self) -> Card:
+        from .showing.of_instance import of_problem
+
+        return of_problem("Campaign", self.instance, self.margin, built=self.has_timetable)
+
     @cached_property
     def networks(self) -> tuple[tuple[int, ...], ...]:
         """Numbers of kinds that move on one network, the earliest first.
@@ -152,6 +158,25 @@ class Campaign(Prizes):
             self.instance, threads=self._threads, margin=margin, connecting=self.connecting
         )
 
+    def with_limits(
+        self, duration_s: float | None = None, delta_v_m_s: float | None = None
+    ) -> Problem:
+        """The same of another duration or with other tanks, see :meth:`Mission.with_limits`.
+
+        The connections are shared, as far as they do not depend on tanks; each campaign has tables
+        of its own. With tanks in ΔV, one that was a campaign for its masses alone is a mission.
+
+        Raises
+        ------
+        InputError
+            A limit is not valid, or longer than what is known.
+        """
+        instance = self.instance.with_limits(duration_s, delta_v_m_s)
+        connecting, threads = self.connecting.limited(instance), self._threads
+        if is_campaign(instance):
+            return Campaign(instance, threads=threads, margin=self.margin, connecting=connecting)
+        return Mission(instance, threads=threads, margin=self.margin, connecting=connecting)
+
     def corrected(self, corrections: Corrections) -> Campaign:
         """The same campaign over connections that cost more than the model says."""
         return Campaign(
@@ -166,7 +191,7 @@ class Campaign(Prizes):
         legs = [(self.names[j], float(spent)) for j, spent in zip(moves, delta_vs, strict=True)]
         return self.limits.use(mission.chaser, legs)
 
-    def closed(self, routes: Iterable[Iterable[int]]) -> Routes:
+    def closed(self, routes: Iterable[Iterable[int | str]]) -> Routes:
         """Routes as missions end, see :meth:`Mission.closed`."""
         return tuple(
             mission.closed(route) for mission, route in zip(self.missions, routes, strict=True)

@@ -21,6 +21,7 @@ from .plan import InstanceReference, Plan
 from .prizes import Prizes
 from .records import Name, NonNegative, Positive, Record
 from .result import Result
+from .showing import Card, Shown
 from .tolerance import meets, rounded_down
 
 FORMAT: Literal["adr-opt-certificate/1"] = "adr-opt-certificate/1"
@@ -46,7 +47,7 @@ class ProvenWalks(Record):
     neighbourhoods: dict[Name, Names] = Field(default_factory=dict)
 
 
-class Certificate(Record):
+class Certificate(Shown, Record):
     """What a bound rests on.
 
     No plan collects more than ``upper_bound``; null says that no plan keeps to all rules. A target
@@ -68,6 +69,11 @@ class Certificate(Record):
     delta_v_slot_m_s: Positive = 20.0
     multipliers: dict[Name, Worth] = Field(default_factory=dict)
     walks: Annotated[tuple[ProvenWalks, ...], Field(strict=False)] = ()
+
+    def _card(self) -> Card:
+        from .showing.of_refined import of_certificate
+
+        return of_certificate(self)
 
     def to_json(self) -> str:
         """The certificate file."""

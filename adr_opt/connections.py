@@ -19,6 +19,7 @@ from .kernels import drifting_connections, given_connections
 from .kernels import timetable as tables
 from .kernels import timetable_making as making
 from .kernels.constants import HOUR_S, SLACK_M_S, SLACK_S
+from .showing import Card, Shown
 from .tow import leaving_eccentricity_delta_v, leaving_orbits
 
 FloatArray = npt.NDArray[np.float64]
@@ -30,8 +31,8 @@ Choice = float | str
 """How one connection is chosen of many: a name, or what an hour is worth [m/s]."""
 
 
-@dataclass(frozen=True)
-class Connections:
+@dataclass(frozen=True, repr=False)
+class Connections(Shown):
     """The connections of a pair in order of departure, then of arrival.
 
     Attributes
@@ -48,6 +49,11 @@ class Connections:
     arrival: FloatArray
     delta_v: FloatArray
     revolutions: npt.NDArray[np.int8]
+
+    def _card(self) -> Card:
+        from .showing.of_connections import of_connections
+
+        return of_connections(self)
 
     def after(self, ready: float) -> Connections:
         """Those that a chaser can take that is ready at a time [s]."""
@@ -213,6 +219,24 @@ class Connecting:
             for (i, j), count in longer.counts.items()
             if i in back and j in back
         }
+
+    def limited(self, instance: Instance) -> Connecting:
+        """That of a mission that differs in limits alone: :meth:`shortened`, or anew for its tank.
+
+        Raises
+        ------
+        InputError
+            It is longer.
+        """
+        longest_s, duration_s = self.instance.mission.duration_s, instance.mission.duration_s
+        if duration_s > longest_s:
+            raise InputError(
+                f"duration_s = {duration_s!r}: connections are known up to {longest_s!r} s; begin "
+                "with the longest mission"
+            )
+        if self.depends_on_tank and instance.largest_tank_m_s != self.instance.largest_tank_m_s:
+            return Connecting(instance, self.corrections)
+        return self.shortened(instance)
 
     def modelled(self, i: int, j: int, revolutions: int, delta_v_m_s: float) -> float:
         """What a connection costs without the corrections, and what was spent before [m/s]."""

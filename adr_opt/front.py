@@ -142,8 +142,9 @@ def bound(
     instance : Instance, Mission or Campaign
     method : str
         Name of an installed bound.
-    start : Plan or sequence of int, optional
-        A known plan, for bounds that can use one: what cannot beat it need not be searched.
+    start : Plan or sequence of int or str, optional
+        A known plan, or its bodies by number or name, for bounds that can use one: what cannot
+        beat it need not be searched.
     margin : float
         Share of each tank that all plans keep back: what is proven is not proven of the others.
     time_limit, seed, stop, progress, jobs, iterations, **method_options

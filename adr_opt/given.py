@@ -19,6 +19,7 @@ import numpy.typing as npt
 from .errors import InputError
 from .kernels.given_connections import sifted
 from .records import LARGEST_DELTA_V_M_S, LARGEST_TIME_S
+from .showing import Card, Shown
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
@@ -33,8 +34,8 @@ Costs = Callable[[int, npt.NDArray[np.int64], float], tuple[npt.ArrayLike, npt.A
 """Durations [s] and costs from an origin to each of some destinations at a departure [s]."""
 
 
-@dataclass(frozen=True, eq=False)
-class Given:
+@dataclass(frozen=True, eq=False, repr=False)
+class Given(Shown):
     """Connections between bodies, by origin, destination, departure, arrival and cost.
 
     Made by :func:`of_rows`, :func:`of_matrices` and :func:`of_function`; two that hold the same
@@ -64,6 +65,11 @@ class Given:
         for array in (self.origin, self.destination, self.departure, self.arrival, self.cost):
             array.setflags(write=False)
         object.__setattr__(self, "_number", {name: at for at, name in enumerate(self.names)})
+
+    def _card(self) -> Card:
+        from .showing.of_given import of_given
+
+        return of_given(self)
 
     @cached_property
     def _first(self) -> npt.NDArray[np.int64]:

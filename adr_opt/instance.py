@@ -30,10 +30,11 @@ from .numbering import Numbering
 from .orbit import Orbit
 from .records import Window
 from .settings import GivenFile
+from .showing import Card, Shown
 from .time_value import TIME_VALUE_M_S_PER_H, check_time_value, hurry_of
 
 
-class Instance(InstanceFile):
+class Instance(Shown, InstanceFile):
     """A mission to plan.
 
     Bodies are numbered: the stations in order, then the orbits of their own where chasers start,
@@ -42,6 +43,11 @@ class Instance(InstanceFile):
 
     _time_value_m_s_per_h: float | None = PrivateAttr(default=None)
     _given: Given | None = PrivateAttr(default=None)
+
+    def _card(self) -> Card:
+        from .showing.of_instance import of_instance
+
+        return of_instance(self)
 
     @classmethod
     def from_json(cls, text: str) -> Instance:
@@ -57,8 +63,20 @@ class Instance(InstanceFile):
         Raises
         ------
         InputError
-            A change is not valid.
+            A change is not valid; or connections are given, and one of their bodies is gone.
         """
+        made = self._changed(changes)
+        if made._given is not None:
+            gone = sorted(set(made._given.names) - set(made.names))
+            if gone:
+                raise InputError(
+                    f"given connections: {gone[0]!r} is a body of theirs, and would be gone; keep "
+                    "it, or first give those of the others alone (adr_opt.given.among)"
+                )
+        return made
+
+    def _changed(self, changes: dict[str, Any]) -> Self:
+        """A validated copy, with what is no part of the file."""
         made = super().replace(**changes)
         made._time_value_m_s_per_h = self._time_value_m_s_per_h
         if made.transfer.given == self.transfer.given:
@@ -250,11 +268,31 @@ class Instance(InstanceFile):
             return False
         return any(orbit.eccentricity > 0.0 for orbit in self.body_orbits)
 
-    def part(self, bodies: Collection[int]) -> Self:
-        """The instance with only some of its targets, in its own order; other bodies stay."""
+    def part(self, bodies: Collection[int | str]) -> Self:
+        """The instance with only some of its targets, in its own order; other bodies stay.
+
+        So do connections that are given, those of targets left out as well.
+
+        Parameters
+        ----------
+        bodies : collection of int or str
+            By number or by name.
+
+        Raises
+        ------
+        InputError
+            A name is none of a body.
+        """
         first = self.first_target
-        return self.replace(
-            targets=tuple(self.targets[body - first] for body in sorted(bodies) if body >= first)
+        if any(isinstance(body, str) for body in bodies):
+            number = {name: at for at, name in enumerate(self.names)}
+            for body in bodies:
+                if isinstance(body, str) and body not in number:
+                    raise InputError(f"{body!r} is not a body of {self.name!r}")
+            bodies = {number[body] if isinstance(body, str) else body for body in bodies}
+        chosen = sorted(int(body) for body in bodies)
+        return self._changed(
+            {"targets": tuple(self.targets[j - first] for j in chosen if j >= first)}
         )
 
     def save(self, path: str | os.PathLike[str]) -> None:

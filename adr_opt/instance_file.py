@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from .agreement import check_names, check_orbits, check_stations, check_tows
+from .agreement import check_expense, check_names, check_orbits, check_stations, check_tows
 from .bodies import Station, Target
 from .chasers import Chaser
 from .epoch import Epoch
@@ -51,6 +51,7 @@ class InstanceFile(Record):
     def _parts_agree(self) -> Self:
         check_names(self.stations, self.targets, self.chasers)
         check_stations(self.stations, self.chasers)
+        check_expense(self.chasers, self.objective)
         is_given = self.transfer.given is not None
         check_orbits(self.stations, self.targets, self.mission, is_given=is_given)
         if is_given and self.keep_out_zones:

@@ -8,6 +8,7 @@ where it must and leaving out what it cannot reach.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -15,21 +16,24 @@ from .kernels import rules as rule_kernels
 from .kernels.rules import State
 from .mission import Mission
 
+Body = TypeVar("Body", int, str)
+"""By number, or by name."""
 
-def as_it_is(mission: Mission, order: Iterable[int]) -> tuple[int, ...]:
+
+def as_it_is(mission: Mission, order: Iterable[Body]) -> tuple[Body, ...]:
     """The legal beginning of an order.
 
     Parameters
     ----------
     mission : Mission
-    order : iterable of int
-        Bodies in order, the station for refuelling.
+    order : iterable of int or str
+        Bodies in order, the station for refuelling; by number or by name, as what is given back.
     """
     moves = tuple(order)
     return moves[: mission.time(moves).made]
 
 
-def mended(mission: Mission, order: Iterable[int]) -> tuple[int, ...]:
+def mended(mission: Mission, order: Iterable[Body]) -> tuple[Body, ...]:
     """The best of all simple ways to fly an order; its sequence of bodies is legal.
 
     They are: its legal beginning; and the order with and without its own refuelling stops, with
@@ -39,10 +43,17 @@ def mended(mission: Mission, order: Iterable[int]) -> tuple[int, ...]:
     Parameters
     ----------
     mission : Mission
-    order : iterable of int
-        Bodies in order, the station for refuelling.
+    order : iterable of int or str
+        Bodies in order, the station for refuelling; by number or by name, as what is given back.
     """
-    moves = tuple(order)
+    given = tuple(order)
+    best = _best(mission, tuple(mission.numbers(given).tolist()))
+    by_name = bool(given) and isinstance(given[0], str)
+    found: Any = mission.named(best) if by_name else best
+    return tuple(found)
+
+
+def _best(mission: Mission, moves: tuple[int, ...]) -> tuple[int, ...]:
     bare = tuple(j for j in moves if not mission.rules.is_station[j])
     candidates = [as_it_is(mission, moves)]
     candidates += [_follow(mission, some, guard) for some in (moves, bare) for guard in (0, 1)]

@@ -22,12 +22,13 @@ from .kernels.timetable_making import Pairs
 from .kernels.transfer import TransferRule
 from .prizes import Prizes
 from .schedule import Schedule, Scheduler
+from .showing import Card, Shown
 from .timetable import Timetable
 
 Sequence = npt.NDArray[np.int64]
 
 
-class Mission(Prizes):
+class Mission(Shown, Prizes):
     """What a chaser of an instance may do, ready for planning.
 
     Parameters
@@ -88,6 +89,7 @@ class Mission(Prizes):
         self._threads = threads
         self._variants: dict[float, Mission] = {time_value_m_s_per_h: self}
         self._twin = twin
+        self._of_length: dict[tuple[float, float], Mission] = {}  # by duration and time value
         self._all: Mission | None = None  # that this one offers other worths of
         if connecting is not None:
             self.__dict__["connecting"] = connecting
@@ -97,6 +99,15 @@ class Mission(Prizes):
             self.time_value_m_s_per_h = timetable.time_value_m_s_per_h
             self.__dict__["timetable"] = timetable
             self.__dict__["connecting"] = timetable.connecting
+        self._of_length[instance.mission.duration_s, self.time_value_m_s_per_h] = self
+
+    def _card(self) -> Card:
+        from .showing.of_instance import of_problem
+
+        return of_problem(
+            "Mission", self.instance, self.margin, built=self.has_timetable,
+            chaser=self.chaser.name,
+        )  # fmt: skip
 
     @property
     def missions(self) -> tuple[Mission, ...]:
@@ -195,7 +206,8 @@ class Mission(Prizes):
             "time_value_m_s_per_h": self.time_value_m_s_per_h, "chaser": self._number,
             "connecting": self.connecting,
         }  # fmt: skip
-        return Mission(self.instance, **{**arguments, **changes})
+        arguments |= changes
+        return Mission(arguments.pop("instance", self.instance), **arguments)
 
     def with_margin(self, margin: float) -> Mission:
         """The same mission, timetable included, with another share of each tank kept back."""
@@ -226,6 +238,41 @@ class Mission(Prizes):
         }
         other.__dict__["schedules"] = self.schedules.under(other.rules)
         return other
+
+    def with_limits(
+        self, duration_s: float | None = None, delta_v_m_s: float | None = None
+    ) -> Mission:
+        """The same mission of another duration or with another tank, on what is known of this one.
+
+        Missions that are made so of one share its timetable where only tanks differ, and the
+        connections that it keeps where it is shortened. Under J2, and where departures are spaced,
+        another tank has connections of its own.
+
+        Parameters
+        ----------
+        duration_s : float, optional
+            No longer than this mission [s].
+        delta_v_m_s : float, optional
+            Of a full tank [m/s].
+
+        Raises
+        ------
+        InputError
+            A limit is not valid, or longer than what is known.
+        """
+        instance = self.instance.with_limits(duration_s, delta_v_m_s)
+        connecting = self.connecting.limited(instance)
+        usual = self.time_value_m_s_per_h == self.instance.time_value_m_s_per_h
+        worth = instance.time_value_m_s_per_h if usual else self.time_value_m_s_per_h
+        key = instance.mission.duration_s, worth
+        # Where events are regular, all tanks have one table: that of the first mission so long.
+        twin = None if connecting.drifts else self._of_length.get(key)
+        made = self._like(
+            instance=instance, connecting=connecting, time_value_m_s_per_h=worth, twin=twin
+        )
+        made._of_length = self._of_length
+        self._of_length.setdefault(key, made)
+        return made
 
     def corrected(self, corrections: Corrections) -> Mission:
         """The same mission over connections that cost more than the model says.
@@ -313,6 +360,16 @@ class Mission(Prizes):
             )
         return numbers.astype(np.int64)
 
+    def named(self, sequence: Iterable[int | str]) -> tuple[str, ...]:
+        """The names of bodies that are given by number or by name.
+
+        Raises
+        ------
+        InputError
+            There is no such body.
+        """
+        return tuple(self.names[j] for j in self.numbers(sequence).tolist())
+
     def time(self, sequence: Iterable[int | str]) -> Schedule:
         """The best schedule of an order of bodies, by number or by name, as far as it is legal.
 
@@ -346,14 +403,17 @@ class Mission(Prizes):
         rules = self.rules
         return bool(rules.may_end[sequence[-1] if sequence else rules.start])
 
-    def closed(self, sequence: Iterable[int]) -> tuple[int, ...]:
+    def closed(self, sequence: Iterable[int | str]) -> tuple[int, ...]:
         """A sequence as a mission ends: without a refuelling that nothing follows, and at an end.
 
-        Where the mission must end at a station, the one is added that can be reached at least
-        cost; a sequence after which none can be reached stays as it is.
+        By number or by name; those that it gives are numbers. Where the mission must end at a
+        station, the one is added that can be reached at least cost; a sequence after which none
+        can be reached stays as it is.
         """
         rules = self.rules
-        moves = [int(j) for j in sequence]
+        listed = list(sequence)
+        named = any(isinstance(body, str) for body in listed)
+        moves = self.numbers(listed).tolist() if named else [int(j) for j in listed]
         while moves and rules.is_station[moves[-1]]:
             moves.pop()
         if self.may_stop(tuple(moves)):

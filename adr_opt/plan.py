@@ -12,6 +12,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 from .files import read_model, to_text, write_text
 from .records import DeltaV, Name, Record, Time
 from .settings import Objective
+from .showing import Card, Shown
 
 FORMAT: Literal["adr-opt-plan/2"] = "adr-opt-plan/2"
 
@@ -54,7 +55,7 @@ class Tow(Record):
     burns: Annotated[tuple[Burn, ...], Field(strict=False)]
 
 
-class Leg(Record):
+class Leg(Shown, Record):
     """One transfer with the service that follows it.
 
     ``ready_s`` is when the chaser is free at the origin, ``departure_s`` the node crossing (of a
@@ -86,6 +87,11 @@ class Leg(Record):
     phasing_revolutions: int
     eccentricity_delta_v_m_s: DeltaV = 0.0
     burns: Annotated[tuple[Burn, ...], Field(strict=False)]
+
+    def _card(self) -> Card:
+        from .showing.of_plan import of_leg
+
+        return of_leg(self)
 
     @model_serializer(mode="wrap")
     def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
@@ -127,11 +133,16 @@ class Leg(Record):
         return math.fsum(burn.size_m_s for burn in self.burns)
 
 
-class Route(Record):
+class Route(Shown, Record):
     """What one chaser flies, in order."""
 
     chaser: Name
     legs: Annotated[tuple[Leg, ...], Field(strict=False)]
+
+    def _card(self) -> Card:
+        from .showing.of_plan import of_route
+
+        return of_route(self)
 
 
 class Unvisited(Record):
@@ -150,7 +161,7 @@ class Unvisited(Record):
     reason: Reason
 
 
-class Plan(Record):
+class Plan(Shown, Record):
     """A mission plan with its certificate.
 
     ``status`` speaks of ``objective``, the prize: ``upper_bound`` is what no plan exceeds.
@@ -175,6 +186,11 @@ class Plan(Record):
     notes: Annotated[tuple[str, ...], Field(strict=False)] = ()
     routes: Annotated[tuple[Route, ...], Field(strict=False)] = ()
     unvisited: Annotated[tuple[Unvisited, ...], Field(strict=False)] = ()
+
+    def _card(self) -> Card:
+        from .showing.of_plan import of_plan
+
+        return of_plan(self)
 
     @classmethod
     def from_json(cls, text: str) -> Plan:
@@ -206,6 +222,11 @@ class Plan(Record):
     def destinations(self) -> tuple[str, ...]:
         """Names of the bodies in the order of the plan."""
         return tuple(leg.destination for leg in self.legs)
+
+    @property
+    def orders(self) -> dict[str, tuple[str, ...]]:
+        """Names of the bodies in order, by the name of the chaser that goes to them."""
+        return {route.chaser: tuple(leg.destination for leg in route.legs) for route in self.routes}
 
     @property
     def delta_v_m_s(self) -> float:

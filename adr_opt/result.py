@@ -19,6 +19,7 @@ from .mission import Mission
 from .plan import InstanceReference, Plan, Route, Status, relative_gap
 from .pricing import APPROXIMATE, legs, unvisited
 from .prizes import Prizes
+from .showing import Card, Shown
 from .tolerance import meets, tolerance
 
 PACKAGES = ("adr-opt", "numpy", "numba", "ortools")
@@ -41,8 +42,8 @@ def _installed() -> dict[str, str]:
     return found
 
 
-@dataclass(frozen=True)
-class Result:
+@dataclass(frozen=True, repr=False)
+class Result(Shown):
     """What a planner or a bound has to say about a mission.
 
     Attributes
@@ -84,6 +85,21 @@ class Result:
     routes: tuple[tuple[int, ...], ...] = ()
     versions: Mapping[str, str] = field(default_factory=versions)
     evidence: Evidence | None = None
+
+    def _card(self) -> Card:
+        from .showing.of_result import of_result
+
+        return of_result(self)
+
+    @property
+    def destinations(self) -> tuple[str, ...]:
+        """:attr:`sequence` by names; empty without a plan."""
+        return () if self.plan is None else self.plan.destinations
+
+    @property
+    def orders(self) -> dict[str, tuple[str, ...]]:
+        """:attr:`routes` by names, by the name of the chaser; empty without a plan."""
+        return {} if self.plan is None else self.plan.orders
 
     @property
     def gap(self) -> float:
@@ -148,7 +164,7 @@ def status_of(problem: Prizes, objective: float, upper_bound: float) -> Status:
 def certify(
     mission: Mission,
     method: str,
-    sequence: Iterable[int] | None,
+    sequence: Iterable[int | str] | None,
     *,
     seed: int,
     runtime_s: float,
@@ -164,8 +180,8 @@ def certify(
     ----------
     mission : Mission
     method : str
-    sequence : iterable of int or None
-        The best plan found.
+    sequence : iterable of int or str, or None
+        The best plan found: bodies by number or by name.
     seed : int
     runtime_s : float
     upper_bound : float
@@ -192,7 +208,7 @@ def certify(
 def certify_routes(
     problem: Problem,
     method: str,
-    routes: Iterable[Iterable[int]] | None,
+    routes: Iterable[Iterable[int | str]] | None,
     *,
     seed: int,
     runtime_s: float,
@@ -208,8 +224,8 @@ def certify_routes(
     ----------
     problem : Mission or Campaign
     method : str
-    routes : iterable of sequences of int, or None
-        Bodies in order for each chaser; no target twice.
+    routes : iterable of sequences of int or str, or None
+        Bodies in order for each chaser, by number or by name; no target twice.
     seed, runtime_s, upper_bound, cost_bound, evidence, counters, notes
         As :func:`certify` takes them.
 

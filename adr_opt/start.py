@@ -27,7 +27,7 @@ def start_sequence(
     Parameters
     ----------
     mission : Mission
-    start : Plan or iterable of int
+    start : Plan or iterable of int or str
         A plan is judged by :func:`adr_opt.check` and a sequence of bodies by the mission rules.
     repair : bool
         Keep the longest beginning that is legal in this mission, and drop the rest. A plan may

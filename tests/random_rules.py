@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 import adr_opt
 from adr_opt.bodies import Station, Target
 from adr_opt.chasers import AtStation, Chaser, InOrbit, Tank, TankByMass
-from adr_opt.given import of_rows
+from adr_opt.given import among, of_rows
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import EARTH_RADIUS_M
+from adr_opt.numbering import Numbering
 from adr_opt.orbit import Orbit
 from adr_opt.settings import KeepOutZone, MissionSettings, Objective, TransferSettings
 
@@ -229,7 +231,7 @@ def random_campaign(seed: int, draw: Callable[[int], Instance] = random_mission)
         if rng.random() < 0.2:
             changes["end"] = "anywhere"
         chasers.append(chaser.replace(**changes))
-    made = instance.replace(name=f"campaign-{seed}", chasers=tuple(chasers))
+    made = _changed(instance, name=f"campaign-{seed}", chasers=tuple(chasers))
     return _regiven(made, rng)
 
 
@@ -262,11 +264,19 @@ def mixed_campaign(seed: int, draw: Callable[[int], Instance] = random_mission) 
         else:
             made = _chaser(instance.chaser, stations, targets, duration, rng)
         chasers.append(made.replace(name=f"chaser-{number}"))
-    made = instance.replace(
-        name=f"mixed-{seed}", targets=tuple(targets), stations=tuple(stations),
+    made = _changed(
+        instance, name=f"mixed-{seed}", targets=tuple(targets), stations=tuple(stations),
         chasers=tuple(chasers),
     )  # fmt: skip
     return _regiven(made, rng)
+
+
+def _changed(instance: Instance, **changes: Any) -> Instance:
+    """The same with changes; of given connections those between bodies that are still there."""
+    if instance.given is not None:
+        parts = [changes.get(part, getattr(instance, part)) for part in Numbering.__annotations__]
+        instance = instance.with_given(among(instance.given, Numbering(*parts).names))
+    return instance.replace(**changes)
 
 
 def _regiven(instance: Instance, rng: np.random.Generator) -> Instance:
@@ -326,8 +336,8 @@ def carrying(instance: Instance, seed: int) -> Instance:
         chasers.append(chaser.replace(**changes))
     if len(chasers) > 1 and rng.random() < 0.4:
         chasers[1] = chasers[0].replace(name=chasers[1].name)
-    return instance.replace(
-        name=f"{instance.name}-with-kits", targets=targets, chasers=tuple(chasers)
+    return _changed(
+        instance, name=f"{instance.name}-with-kits", targets=targets, chasers=tuple(chasers)
     )
 
 
@@ -345,9 +355,12 @@ def priced(instance: Instance, seed: int) -> Instance:
         chasers.append(chaser.replace(expense=None if rng.random() < 0.1 else prices))
     if len(chasers) > 1 and rng.random() < 0.4:
         chasers[1] = chasers[0].replace(name=chasers[1].name)
-    return instance.replace(
-        name=f"{instance.name}-priced", chasers=tuple(chasers), objective=Objective(cost="expense")
-    )
+    if all(chaser.expense is None for chaser in chasers):
+        chasers[0] = chasers[0].replace(expense={})
+    return _changed(
+        instance, name=f"{instance.name}-priced", chasers=tuple(chasers),
+        objective=Objective(cost="expense"),
+    )  # fmt: skip
 
 
 def limited(instance: Instance, seed: int) -> Instance:

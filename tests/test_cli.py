@@ -13,7 +13,7 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
-from conftest import Cli
+from conftest import Cli, refused
 from plans import with_legs
 
 import adr_opt
@@ -193,6 +193,57 @@ def test_generate_passes_targets_and_zones(cli: Cli) -> None:
     content = json.loads(cli("generate", "nominal", "--targets", "4", "--zones", "2").out)
     assert len(content["targets"]) == 4
     assert len(content["keep_out_zones"]) == 2
+
+
+MASSES = ("--dry-mass", "300", "--propellant", "600", "--isp", "300")
+
+
+def test_generate_fits_chasers_with_kits_and_tows(cli: Cli) -> None:
+    """The field stays as it is; tanks, kits and tows are those that are asked for, and planned."""
+    drawn = adr_opt.generate("tiny", 0)
+    for options, removal, kits in (
+        (("--delta-v", "700"), "visit", None),
+        (("--kits", "2", "--kit-mass", "9", *MASSES), "kit", 2),
+        (("--tow", "250", "--disposal-altitude", "450", *MASSES), "tow", None),
+    ):
+        outcome = cli("generate", "tiny", *options, "--out", "i.json", "--quiet")
+        assert outcome.status == 0, outcome.err
+        made = adr_opt.load("i.json")
+        assert made.name == "tiny-000-fitted"
+        assert [each.orbit for each in made.targets] == [each.orbit for each in drawn.targets]
+        assert {each.removal for each in made.targets} == {removal}
+        assert made.chaser.kits == kits
+        assert made.chaser.tank.delta_v_m_s == pytest.approx(
+            700.0 if removal == "visit" else 3232.0, abs=1.0
+        )
+        plan = adr_opt.solve(made, "greedy-guarded").plan
+        assert adr_opt.check(made, plan) == ()
+        assert len(plan.legs) > 0
+    own = adr_opt.generate("removal", 0, targets=4, towed_kg=900.0, disposal_altitude_m=4e5)
+    assert own.chasers[0].kits is None
+    assert own.chasers[0].tank == adr_opt.generate("removal", 0).chasers[0].tank
+    assert adr_opt.generate("tiny", 0) == drawn
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        (("tiny", "--kits", "0"), "--kits = 0"),
+        (("tiny", "--kits", "2", "--kit-mass", "9"), "knows no masses"),
+        (("tiny", "--kit-mass", "9"), "--kit-mass: there are no kits"),
+        (("tiny", "--tow", "9"), "--tow: where to is not said"),
+        (("tiny", "--disposal-altitude", "9"), "nothing is towed"),
+        (("tiny", "--tow", "9", "--disposal-altitude", "500"), "knows no masses"),
+        (("tiny", "--tow", "9", "--disposal-altitude", "900", *MASSES), "must be below"),
+        (("tiny", "--isp", "9"), "give all three"),
+        (("removal", "--delta-v", "900"), "kit_mass_kg"),
+        (("removal", "--tow", "9", "--disposal-altitude", "500", "--kit-mass", "3"), "kit"),
+    ],
+)
+def test_generate_refuses_what_cannot_be_fitted(cli: Cli, options, named: str) -> None:
+    """In one sentence, and nothing is written."""
+    refused(cli("generate", *options, "--out", "i.json"), named)
+    assert not Path("i.json").exists()
 
 
 def test_generate_json_prints_even_with_out(cli: Cli) -> None:

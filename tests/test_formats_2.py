@@ -51,6 +51,8 @@ def stated(draw: st.DrawFn) -> Instance:
     ends: list[Any] = ["anywhere", *starts[1:]]
     service = draw(st.sampled_from(["service_s", "service_revolutions"]))
     dynamics = draw(st.sampled_from(["two-body", "j2"]))
+    expense = draw(st.one_of(st.none(), st.builds(Expense, fixed=st.floats(0.0, 1e3))))
+    costs = ["delta-v", "duration", *(() if expense is None else ("expense",))]
     return Instance(
         name=draw(st.text(st.characters(blacklist_characters="\0", codec="utf-8"), min_size=1)),
         epoch=field.epoch,
@@ -73,7 +75,7 @@ def stated(draw: st.DrawFn) -> Instance:
                 end=draw(st.sampled_from(ends)),
                 max_targets=draw(st.one_of(st.none(), st.integers(0, 9))),
                 tank=Tank(delta_v_m_s=draw(st.floats(0.0, 1e4))),
-                expense=draw(st.one_of(st.none(), st.builds(Expense, fixed=st.floats(0.0, 1e3)))),
+                expense=expense,
             ),
         ),
         mission=MissionSettings(
@@ -87,7 +89,7 @@ def stated(draw: st.DrawFn) -> Instance:
             drift_step_s=draw(st.floats(1.0, 1e6)),
             max_drift_s=draw(st.floats(0.0, 1e9)) if dynamics == "j2" else 0.0,
         ),
-        objective=Objective(cost=draw(st.sampled_from(["delta-v", "duration", "expense"]))),
+        objective=Objective(cost=draw(st.sampled_from(costs))),
         keep_out_zones=field.keep_out_zones,
     )
 

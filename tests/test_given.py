@@ -25,7 +25,7 @@ from toy_roads import (
 )
 
 import adr_opt
-from adr_opt.given import COLUMNS, of_rows
+from adr_opt.given import COLUMNS, among, of_rows
 from adr_opt.kernels.given_connections import sifted
 from adr_opt.settings import KeepOutZone, MissionSettings, TransferSettings
 
@@ -232,3 +232,24 @@ def test_a_part_of_the_bodies_keeps_its_connections() -> None:
     result = adr_opt.solve(part, "exact", time_limit=30.0)
     assert result.objective == 2.0
     assert adr_opt.check(part, result.plan) == ()
+
+
+def test_bodies_of_given_connections_do_not_go_unseen() -> None:
+    """A copy without a body that connections are given of is refused in a sentence."""
+    instance, _ = solved()
+    for changes, name in (
+        ({"targets": instance.targets[:-1]}, "farm"),
+        ({"targets": (), "stations": instance.stations}, "farm"),
+    ):
+        with pytest.raises(adr_opt.InputError, match=rf"^given connections: '{name}' is a body"):
+            instance.replace(**changes)
+    others = instance.with_given(among(instance.given, NAMES[:-1]))
+    assert others.replace(targets=instance.targets[:-1]).names == NAMES[:-1]
+    renamed = instance.chaser.replace(name="lorry", start={"station": "depot"})
+    assert instance.replace(chasers=(renamed,)).given is instance.given
+    start = {"orbit": adr_opt.generate("tiny", 0).targets[0].orbit}
+    own = roads(chasers=[instance.chaser.replace(start=start)])
+    row = {name: values[:1] for name, values in as_rows().items()} | {"origin": ["van"]}
+    there = adr_opt.Timetable.from_connections(own, row).instance
+    with pytest.raises(adr_opt.InputError, match=r"'van' is a body of theirs, and would be gone"):
+        there.replace(chasers=(own.chaser.replace(name="lorry"),))

@@ -176,6 +176,29 @@ def test_legs_out_of_a_disposal_orbit_can_be_flown(dynamics):
     assert tank.planned_delta_v_m_s == pytest.approx(plan.delta_v_m_s)
 
 
+def test_a_plan_that_lacks_a_tow_is_not_flown():
+    """Neither check nor fly passes a plan that a tow was taken out of, or put into."""
+    instance, plan = field(), planned()
+    at = _first_tow(plan)
+    for removed, said in (("tow", "no tow of it"), ("visit", "but for a tow")):
+        other = plan
+        if removed == "tow":
+            (route,) = plan.routes
+            legs = [leg if n != at else leg.replace(tow=None) for n, leg in enumerate(route.legs)]
+            other = plan.replace(routes=(route.replace(legs=tuple(legs)),))
+        asked = instance.replace(
+            targets=tuple(
+                each.replace(removal=removed) if each.name == plan.legs[at].destination else each
+                for each in instance.targets
+            )
+        )
+        reference = other.instance.replace(name=asked.name, sha256=asked.sha256)
+        other = other.replace(instance=reference)
+        assert "tow" in {violation.rule for violation in adr_opt.check(asked, other)}
+        with pytest.raises(InputError, match=f"leg {at + 1}: .*{said}"):
+            fly(asked, other)
+
+
 def test_drifts_out_of_a_disposal_orbit_can_be_flown():
     """Under J2 chasers drift away from disposal orbits, as `check` says, and meet their targets."""
     flown = 0

@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..instance import Instance
 from ..plan import Leg, Plan
 from ..routes import Flown, routes_of
+from ..showing import Card, Shown
 
 SAME_S, SAME_M_S = 1.0, 0.01
 """Legs that differ by no more in all times and in ΔV are told to be the same."""
@@ -128,8 +129,8 @@ class Difference:
         }
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(frozen=True, repr=False)
+class Comparison(Shown):
     """Plans of one instance side by side.
 
     Attributes
@@ -146,6 +147,11 @@ class Comparison:
     plans: Mapping[str, Plan]
     sides: tuple[Side, ...]
     differences: tuple[Difference, ...]
+
+    def _card(self) -> Card:
+        from ..showing.of_analysis import of_comparison
+
+        return of_comparison(self)
 
     def to_dict(self) -> dict[str, Any]:
         """The fields, for JSON."""

@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from ..campaign import Problem, problem_of
 from ..errors import InputError
 from ..instance import Instance
@@ -14,8 +16,14 @@ from ..mission import Mission
 from ..plan import Leg, Plan
 from ..pricing import legs
 from ..result import certify_routes
+from ..showing import Card, Shown
 from ..start import why_illegal
+from ..wording import counted
 from .mending import Mending, Missing, mendings, missing
+
+Route = Iterable[int | str]
+Asked = Plan | Mapping[str, Route] | Iterable[Any]
+"""A plan, a route by the name of each chaser, one route, or one for each chaser."""
 
 NOTHING = Missing()
 
@@ -23,8 +31,8 @@ METHOD = "by-hand"
 """What plans say that are of an order that somebody gave."""
 
 
-@dataclass(frozen=True)
-class PricedRoute:
+@dataclass(frozen=True, repr=False)
+class PricedRoute(Shown):
     """What a chaser can fly of its order, at least cost.
 
     Attributes
@@ -49,6 +57,11 @@ class PricedRoute:
     missing: Missing = NOTHING
     mendings: tuple[Mending, ...] = ()
 
+    def _card(self) -> Card:
+        from ..showing.of_analysis import of_priced_route
+
+        return of_priced_route(self)
+
     @property
     def holds(self) -> bool:
         """Whether all of it can be flown."""
@@ -67,8 +80,8 @@ class PricedRoute:
         }
 
 
-@dataclass(frozen=True)
-class PricedOrder:
+@dataclass(frozen=True, repr=False)
+class PricedOrder(Shown):
     """The orders of all chasers of an instance, timed.
 
     Attributes
@@ -91,6 +104,11 @@ class PricedOrder:
     lacking: tuple[str, ...]
     unended: tuple[str, ...]
     runtime_s: float
+
+    def _card(self) -> Card:
+        from ..showing.of_analysis import of_priced_order
+
+        return of_priced_order(self)
 
     @property
     def holds(self) -> bool:
@@ -128,16 +146,16 @@ class PricedOrder:
         }
 
 
-def price(
-    instance: Instance, orders: Mapping[str, Iterable[str]], *, mend: bool = True
-) -> PricedOrder:
+def price(instance: Instance, orders: Asked, *, mend: bool = True) -> PricedOrder:
     """Time orders of bodies with the exact scheduler, each at least cost.
 
     Parameters
     ----------
     instance : Instance
-    orders : mapping of str to iterable of str
-        Names of bodies in order, by the name of the chaser.
+    orders : Plan, mapping, or sequence
+        Bodies in order by name or by number: a sequence of them for an only chaser, of several a
+        sequence of such sequences, or such a sequence by the name of the chaser. Of a plan, which
+        may belong to another instance with such bodies, the orders count and not the times.
     mend : bool
         Whether to look for what would mend an order that breaks.
 
@@ -147,7 +165,7 @@ def price(
         A name is none of a chaser or a body, or two chasers go to one target.
     """
     begun = time.perf_counter()
-    named = {name: tuple(order) for name, order in orders.items()}
+    named = _by_chaser(instance, orders)
     _check(instance, named)
     # Only the bodies of the orders: their connections are what they are among all.
     wanted = {name for order in named.values() for name in order}
@@ -171,6 +189,34 @@ def price(
     return PricedOrder(
         instance, tuple(routes), prize, lacking, tuple(unended), time.perf_counter() - begun
     )
+
+
+def _by_chaser(instance: Instance, orders: Asked) -> dict[str, tuple[str, ...]]:
+    """The orders as they are given, by names."""
+    if isinstance(orders, Plan):
+        orders = orders.orders
+        if len(instance.chasers) == 1 == len(orders):  # an only chaser, whatever it was called
+            orders = {instance.chasers[0].name: next(iter(orders.values()))}
+    if not isinstance(orders, Mapping):
+        chasers, routes = [chaser.name for chaser in instance.chasers], list(orders)
+        single = [isinstance(route, (int, np.integer, str)) for route in routes]
+        if len(chasers) == 1 and all(single):
+            routes, single = [routes], []
+        if len(routes) > len(chasers) or any(single):
+            raise InputError(
+                "orders: must be a sequence of bodies for each of "
+                f"{counted(len(chasers), 'chaser')}"
+            )
+        orders = dict(zip(chasers, routes, strict=False))
+    names, found = instance.names, {}
+    for chaser, order in orders.items():
+        for body in order:
+            if not isinstance(body, str) and not 0 <= body < len(names):
+                raise InputError(
+                    f"{body!r} is not a body of {instance.name!r}, which are 0 to {len(names) - 1}"
+                )
+        found[chaser] = tuple(body if isinstance(body, str) else names[body] for body in order)
+    return found
 
 
 def _check(instance: Instance, orders: Mapping[str, tuple[str, ...]]) -> None:

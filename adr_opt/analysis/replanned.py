@@ -10,13 +10,14 @@ from typing import Any
 from ..instance import Instance
 from ..plan import Plan, Route
 from ..result import Result
+from ..showing import Card, Shown
 from .state import State
 
 Orders = tuple[tuple[str, ...], ...]
 
 
-@dataclass(frozen=True)
-class Replanned:
+@dataclass(frozen=True, repr=False)
+class Replanned(Shown):
     """The rest of a mission, planned anew.
 
     Attributes
@@ -54,6 +55,11 @@ class Replanned:
     kept: int
     notes: tuple[str, ...]
     runtime_s: float
+
+    def _card(self) -> Card:
+        from ..showing.of_analysis import of_replanned
+
+        return of_replanned(self)
 
     @property
     def plan(self) -> Plan | None:

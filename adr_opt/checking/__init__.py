@@ -48,8 +48,13 @@ def check(instance: Instance, plan: Plan) -> tuple[Violation, ...]:
     Raises
     ------
     InputError
-        The plan belongs to another instance, or nothing can plan this one yet.
+        The plan belongs to another instance, or it is none but an order of bodies.
     """
+    if not isinstance(plan, Plan):
+        raise InputError(
+            "check judges a plan, with its times and costs; what an order of bodies comes to "
+            "adr_opt.analysis.price tells, which makes a plan of it"
+        )
     if not is_of(plan.instance, instance):
         raise InputError(
             f"the plan belongs to the instance {plan.instance.name!r} "

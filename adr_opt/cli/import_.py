@@ -125,7 +125,7 @@ def command(
     ):
         if value is not None and not (least <= value < math.inf and value > 0):
             raise InputError(f"{option} = {value:g}: must be a positive number")
-    given = CrewOptions(**crew_given)
+    given = CrewOptions.of(crew_given)
     crew, demands = given.crew(), given.demands()
     filters = catalogue.Filters(
         altitude_km=None if altitude is None else parse_range(altitude, "--altitude"),

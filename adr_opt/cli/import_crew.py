@@ -1,8 +1,7 @@
-"""What ``import`` has for chasers and single objects: launches, tanks, kits, tows, deadlines."""
+"""What ``import`` has for chasers and single objects: launches, expenses, deadlines."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
@@ -11,6 +10,7 @@ import click
 from ..errors import InputError
 from ..kernels.constants import DAY_S
 from ..wording import counted
+from .fitting import Fitting, check_positive, fitting_options
 
 if TYPE_CHECKING:
     from ..catalogue import Crew, Demands
@@ -27,20 +27,6 @@ def crew_options(function: Function) -> Function:
     """The options of chasers and of single objects, for ``import``."""
     for option in reversed(
         (
-            click.option("--delta-v", type=float, metavar="M_S", help="ΔV of a full tank; 3000."),
-            click.option("--dry-mass", type=float, metavar="KG", help="Instead: mass without it,"),
-            click.option("--propellant", type=float, metavar="KG", help="what a full tank holds,"),
-            click.option("--isp", type=float, metavar="S", help="and its specific impulse."),
-            click.option(
-                "--kits", type=int, metavar="K", help="A kit for each target, at most K aboard."
-            ),
-            click.option("--kit-mass", type=float, metavar="KG", help="Of each kit; 0."),
-            click.option(
-                "--tow", type=float, metavar="KG", help="Mass of each target, which is towed,"
-            ),
-            click.option(
-                "--disposal-altitude", type=float, metavar="KM", help="down to a circle there."
-            ),
             click.option(
                 "--launches", type=int, metavar="N", help="N chasers, each onto its first target."
             ),
@@ -61,11 +47,11 @@ def crew_options(function: Function) -> Function:
             ),
             click.option(
                 "--require", "required", multiple=True, metavar="OBJECT",
-                help="One that has to be serviced; may be repeated.",
+                help="Has to be serviced; refused if filters leave it out. Repeatable.",
             ),
             click.option(
                 "--must", "musts", multiple=True, metavar="OBJECT[,OBJECT...]",
-                help="The same, and kept whatever the filters say.",
+                help="The same, but kept whatever the filters say.",
             ),
             click.option(
                 "--exclude", "excluded", multiple=True, metavar="OBJECT[,OBJECT...]",
@@ -78,20 +64,13 @@ def crew_options(function: Function) -> Function:
         )
     ):  # fmt: skip
         function = option(function)
-    return function
+    return fitting_options(f"{DELTA_V_M_S:g}")(function)
 
 
 class CrewOptions(NamedTuple):
     """These options as they were given; None is for what was not."""
 
-    delta_v: float | None
-    dry_mass: float | None
-    propellant: float | None
-    isp: float | None
-    kits: int | None
-    kit_mass: float | None
-    tow: float | None
-    disposal_altitude: float | None
+    fitting: Fitting
     launches: int | None
     launch_every: float | None
     launch_separation: float | None
@@ -101,6 +80,12 @@ class CrewOptions(NamedTuple):
     musts: tuple[str, ...]
     excluded: tuple[str, ...]
     prizes_path: str | None
+
+    @classmethod
+    def of(cls, given: dict[str, Any]) -> CrewOptions:
+        """The options as the command line gives them."""
+        fitting = Fitting(**{name: given.pop(name) for name in Fitting._fields})
+        return cls(fitting=fitting, **given)
 
     def crew(self) -> Crew:
         """The chasers.
@@ -112,40 +97,30 @@ class CrewOptions(NamedTuple):
         """
         from ..catalogue import Crew
         from ..catalogue.crew import APART_S
+        from ..chasers import Tank
 
-        for option, value in (
-            ("--delta-v", self.delta_v), ("--dry-mass", self.dry_mass),
-            ("--propellant", self.propellant), ("--isp", self.isp), ("--kits", self.kits),
-            ("--kit-mass", self.kit_mass), ("--tow", self.tow),
-            ("--disposal-altitude", self.disposal_altitude), ("--launches", self.launches),
-            ("--launch-every", self.launch_every), ("--launch-separation", self.launch_separation),
-        ):  # fmt: skip
-            if value is not None and not 0.0 < value < math.inf:
-                raise InputError(f"{option} = {value:g}: must be a positive number")
+        check_positive(self, ("launches", "launch_every", "launch_separation"))
         if self.launch_every is not None and self.launches is None:
             raise InputError("--launch-every: nothing is launched; say how often with --launches")
         if self.launch_separation is not None and self.launches is None:
             raise InputError(
                 "--launch-separation: nothing is launched; say how often with --launches"
             )
-        if self.kit_mass is not None and self.kits is None:
-            raise InputError("--kit-mass: there are no kits; say how many with --kits")
-        self._check_tow()
+        fitting = self.fitting
+        fitting.check()
         usual_s = APART_S if self.launch_separation is None else 0.0
         separation = self.launch_separation
-        tank = self._tank()
+        tank = fitting.tank() or Tank(delta_v_m_s=DELTA_V_M_S)
         return Crew(
             tank=tank,
             launches=self.launches or 0,
             apart_s=usual_s if self.launch_every is None else DAY_S * self.launch_every,
-            kits=self.kits,
-            kit_mass_kg=self.kit_mass or 0.0,
+            kits=fitting.kits,
+            kit_mass_kg=fitting.kit_mass or 0.0,
             expense=self._expense(tank),
             separation_s=None if separation is None else DAY_S * separation,
-            towed_kg=self.tow,
-            disposal_altitude_m=(
-                None if self.disposal_altitude is None else 1e3 * self.disposal_altitude
-            ),
+            towed_kg=fitting.tow,
+            disposal_altitude_m=fitting.disposal_altitude_m,
         )
 
     def _expense(self, tank: AnyTank) -> Expense | None:
@@ -175,48 +150,6 @@ class CrewOptions(NamedTuple):
                 "--propellant and --isp, or one number"
             )
         return expense
-
-    def _check_tow(self) -> None:
-        if self.tow is None and self.disposal_altitude is not None:
-            raise InputError("--disposal-altitude: nothing is towed; say what mass with --tow")
-        if self.tow is None:
-            return
-        if self.disposal_altitude is None:
-            raise InputError("--tow: where to is not said; give --disposal-altitude")
-        if self.kits is not None:
-            raise InputError("--tow: a target takes a kit or is towed; leave --kits or --tow out")
-        if (self.dry_mass, self.propellant, self.isp) == (None, None, None):
-            raise InputError(
-                "--tow: a tank that is counted in ΔV knows no masses; give --dry-mass, "
-                "--propellant and --isp"
-            )
-
-    def _tank(self) -> AnyTank:
-        from ..chasers import Tank, TankByMass
-
-        masses = (self.dry_mass, self.propellant, self.isp)
-        if masses == (None, None, None):
-            if self.kit_mass is not None:
-                raise InputError(
-                    "--kit-mass: a tank that is counted in ΔV knows no masses; give --dry-mass, "
-                    "--propellant and --isp"
-                )
-            return Tank(delta_v_m_s=DELTA_V_M_S if self.delta_v is None else self.delta_v)
-        if self.delta_v is not None:
-            raise InputError("--delta-v: the tank is given by its mass; give one of the two")
-        dry_mass, propellant, isp = masses
-        if dry_mass is None or propellant is None or isp is None:
-            raise InputError(
-                "a tank by mass needs --dry-mass, --propellant and --isp; give all three"
-            )
-        from pydantic import ValidationError
-
-        from ..files import sentence
-
-        try:
-            return TankByMass(dry_mass_kg=dry_mass, propellant_kg=propellant, isp_s=isp)
-        except ValidationError as error:
-            raise InputError(f"--dry-mass, --propellant and --isp: {sentence(error)}") from None
 
     def demands(self) -> Demands:
         """What is asked of single objects.

@@ -39,7 +39,8 @@ def fly(instance: Instance, plan: Plan) -> Flight:
     ------
     InputError
         The plan belongs to another instance, names an unknown body, or has burns that cannot be
-        flown: out of time order, after the arrival, without an approach, or leading to no orbit.
+        flown: out of time order, after the arrival, without an approach, or leading to no orbit;
+        or a tow is missing, or one too many.
     MissingExtra
         boinor is not installed.
     """

@@ -21,16 +21,18 @@ def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
     """Raise :class:`InputError` for a plan that cannot be flown over an instance.
 
     It belongs to another instance, or to one whose costs are given, names an unknown body or
-    chaser, or has burns out of time order, after the arrival or without an approach.
+    chaser, or has burns out of time order, after the arrival or without an approach; or a tow is
+    missing, or one too many.
     """
     refuse_given(instance)
     refuse_foreign(instance, plan)
     routes_of(instance, plan)
     bodies = set(instance.names)
+    towed = {target.name for target in instance.targets if target.removal == "tow"}
     tows = plan.tows_before
     for number, leg in enumerate(plan.legs, start=1):
         _refuse_leg(number, leg, bodies)
-        _refuse_tow(number, leg)
+        _refuse_tow(number, leg, leg.destination in towed)
         if number in tows and abs(tows[number].end_s - leg.leaves_s) > TIME_TOLERANCE_S:
             raise InputError(
                 f"leg {number} leaves at {leg.leaves_s!r} s, but the tow before it ends at "
@@ -86,7 +88,14 @@ def _refuse_broken_route(flown: Flown, who: str) -> None:
         where, free_s, towed = leg.destination, leg.done_s, leg.tow is not None
 
 
-def _refuse_tow(number: int, leg: Leg) -> None:
+def _refuse_tow(number: int, leg: Leg, is_towed: bool) -> None:
+    if is_towed != (leg.tow is not None):
+        # Without it nobody knows what the tow takes, nor where the chaser goes on from.
+        wrong = "and the plan has no tow of it" if is_towed else "but for a tow in the plan"
+        raise InputError(
+            f"leg {number}: {leg.destination!r} is {'towed' if is_towed else 'not towed'}, "
+            f"{wrong}; {'add' if is_towed else 'take out'} the field tow"
+        )
     if leg.tow is None:
         return
     times = [burn.time_s for burn in leg.tow.burns]

@@ -6,12 +6,14 @@ import re
 from datetime import UTC, datetime
 
 from ..bodies import Target
+from ..chasers import AnyTank
 from ..errors import InputError
 from ..instance import Instance
 from ..orbit import Orbit
 from ..settings import MissionSettings, TransferSettings
 from ..sizes import transfers_for
 from .families import FAMILIES, Family, family
+from .fitting import fitted
 from .fleet import chasers_of, stations_of
 from .stream import LARGEST_SEED, stream
 from .zones import draw_zones
@@ -37,6 +39,11 @@ def generate(
     zones: int = 0,
     chasers: int | None = None,
     stations: int | None = None,
+    tank: AnyTank | None = None,
+    kits: int | None = None,
+    kit_mass_kg: float | None = None,
+    towed_kg: float | None = None,
+    disposal_altitude_m: float | None = None,
 ) -> Instance:
     """Draw an instance.
 
@@ -54,11 +61,20 @@ def generate(
         Numbers of chasers and of stations, instead of the family's. Further stations lie where
         targets might; all chasers are alike and start at the stations in turn, or each in an orbit
         of its own. They do not change the field.
+    tank : Tank or TankByMass, optional
+        Of each chaser, instead of the family's.
+    kits : int, optional
+        Each target takes a kit, and each chaser carries so many at most.
+    kit_mass_kg : float, optional
+        Of each kit; needs a tank by mass [kg].
+    towed_kg, disposal_altitude_m : float, optional
+        Instead of kits: each target has this mass [kg] and is towed down to a circle there [m];
+        needs a tank by mass.
 
     Raises
     ------
     InputError
-        Unknown family, or a number out of range.
+        Unknown family, or a number out of range, or kits and tows that cannot be meant.
     """
     kind = family(name)
     for what, value, most in (("seed", seed, LARGEST_SEED), ("zones", zones, MOST)):
@@ -88,7 +104,7 @@ def generate(
     suffix += f"-z{zones}" if zones else ""
     start = None if kind.draw_start is None else kind.draw_start(uniform)
     there = stations_of(kind, seed, fewest if stations is None else stations)
-    return Instance(
+    drawn = Instance(
         name=f"{kind.name}-{seed:03d}{suffix}",
         epoch=EPOCH,
         dynamics="j2" if kind.drifts else "two-body",
@@ -102,6 +118,10 @@ def generate(
         transfer=_transfers(kind),
         keep_out_zones=draw_zones(seed, zones, kind.duration_s),
     )
+    return fitted(
+        drawn, tank=tank, kits=kits, kit_mass_kg=kit_mass_kg, towed_kg=towed_kg,
+        disposal_altitude_m=disposal_altitude_m,
+    )  # fmt: skip
 
 
 def _target(kind: Family, name: str, orbit: Orbit) -> Target:
@@ -144,12 +164,12 @@ def by_name(name: str) -> Instance:
             f"nominal-042, with one of the families {', '.join(FAMILIES)}"
         )
     targets = None if found["targets"] is None else int(found["targets"])
-    counts = {
-        what: None if found[what] is None else int(found[what]) for what in ("chasers", "stations")
-    }
+    chasers, stations = (
+        None if found[what] is None else int(found[what]) for what in ("chasers", "stations")
+    )
     made = generate(
         found["family"], int(found["seed"]), targets=targets, zones=int(found["zones"] or 0),
-        **counts,
+        chasers=chasers, stations=stations,
     )  # fmt: skip
     if made.name != name:
         raise InputError(f"instance {name!r} is written {made.name!r}; write it so")

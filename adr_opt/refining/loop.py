@@ -21,6 +21,7 @@ from ..plan import Plan
 from ..planner import BOUNDS, PLANNERS, Progress, silent, takes_jobs
 from ..result import Result
 from ..routes import routes_of
+from ..showing import Card, Shown
 from ..stop import Stop
 from ..tow import refuse_tows
 from .all_legs import refine
@@ -92,8 +93,8 @@ class Round:
         )
 
 
-@dataclass(frozen=True)
-class RefinedResult:
+@dataclass(frozen=True, repr=False)
+class RefinedResult(Shown):
     """The best plan found that holds when refined, or why there is none.
 
     Attributes
@@ -112,6 +113,11 @@ class RefinedResult:
     refined: RefinedPlan | None
     rounds: tuple[Round, ...]
     reason: str
+
+    def _card(self) -> Card:
+        from ..showing.of_refined import of_refined_result
+
+        return of_refined_result(self)
 
     @property
     def holds(self) -> bool:

@@ -18,6 +18,7 @@ from pydantic import (
 from ..files import read_model, read_text, to_text, write_text
 from ..plan import InstanceReference, Plan, Vector
 from ..records import DeltaV, Name, NonNegative, Record, Time
+from ..showing import Card, Shown
 
 FORMAT: Literal["adr-opt-refined/1"] = "adr-opt-refined/1"
 
@@ -142,7 +143,7 @@ class Missing(Record):
     reason: Name
 
 
-class RefinedPlan(Record):
+class RefinedPlan(Shown, Record):
     """A plan in true dynamics: burns that meet every stand-off, with states at every event.
 
     ``status`` is ``incomplete`` where legs are missing; the others hold all the same, because each
@@ -161,6 +162,11 @@ class RefinedPlan(Record):
     bodies: Annotated[tuple[BodyState, ...], Field(strict=False)] = ()
     legs: Annotated[tuple[RefinedLeg, ...], Field(strict=False)] = ()
     missing: Annotated[tuple[Missing, ...], Field(strict=False)] = ()
+
+    def _card(self) -> Card:
+        from ..showing.of_refined import of_refined
+
+        return of_refined(self)
 
     @model_validator(mode="after")
     def _whole(self) -> Self:

@@ -85,11 +85,11 @@ class Draft:
         if not self.excluded:
             return self.field
         kept = tuple(each for each in self.field.targets if each.name not in self.excluded)
-        made, given = self.field.replace(targets=kept), self.field.given
-        if given is None:
-            return made
-        left = [name for name in self.field.names if name not in self.excluded]
-        return made.with_given(among(given, left))
+        field, given = self.field, self.field.given
+        if given is not None:
+            left = [name for name in field.names if name not in self.excluded]
+            field = field.with_given(among(given, left))
+        return field.replace(targets=kept)
 
     @cached_property
     def sha256(self) -> str:

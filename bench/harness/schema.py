@@ -1,7 +1,7 @@
 """The database of results: its tables, and the view that puts them together."""
 
 APPLICATION_ID = 0x41445242
-FORMAT = 1
+FORMAT = 2
 """Kept in the file as ``user_version``: files of another format are refused, not guessed at."""
 
 ROW_COLUMNS = (
@@ -10,6 +10,7 @@ ROW_COLUMNS = (
     "visits", "refuellings", "objective", "delta_v_m_s", "duration_used_s",
     "planning_s", "runtime_s", "check_s", "build_s",
     "upper_bound", "sha256", "sequence", "environment", "run", "finished",
+    "planning_cpu_s", "build_cpu_s",
 )  # fmt: skip
 BOUND_COLUMNS = (
     "suite", "field", "iteration", "zones", "method", "limit_s",
@@ -62,6 +63,8 @@ CREATE TABLE row (
     environment INTEGER NOT NULL REFERENCES environment,
     run INTEGER NOT NULL REFERENCES run,
     finished TEXT NOT NULL,            -- UTC
+    planning_cpu_s REAL,               -- of processors, all threads together
+    build_cpu_s REAL,
     PRIMARY KEY (suite, field, iteration, zones, method, seed)
 ) WITHOUT ROWID;
 CREATE TABLE bound (
@@ -98,10 +101,18 @@ CREATE VIEW proven AS
 CREATE VIEW result AS
     SELECT row.suite, row.field, row.iteration, row.zones, row.method, row.seed, outcome, message,
         violations, status, visits, refuellings, objective, delta_v_m_s, duration_used_s,
-        planning_s, runtime_s, check_s, build_s, bound,
+        planning_s, runtime_s, check_s, build_s, planning_cpu_s, build_cpu_s, bound,
         CASE WHEN outcome <> 'legal' THEN NULL WHEN bound > 0 THEN (bound - objective) / bound
             WHEN bound = 0 THEN 0.0 END AS gap,
         sha256, sequence, host, processor, cores, python, versions, run, finished
     FROM row JOIN environment ON environment.id = row.environment
     LEFT JOIN proven USING (suite, field, iteration, zones);
 """
+
+NEWER = (
+    "ALTER TABLE row ADD COLUMN planning_cpu_s REAL",
+    "ALTER TABLE row ADD COLUMN build_cpu_s REAL",
+    "DROP VIEW result",
+    SCHEMA[SCHEMA.index("CREATE VIEW result") :],
+)
+"""What makes a file of format 1 one of format 2, in which rows say what processors did."""

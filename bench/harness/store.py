@@ -16,7 +16,7 @@ from typing import Any
 
 from adr_opt.errors import InputError
 
-from .schema import APPLICATION_ID, BOUND_COLUMNS, FORMAT, ROW_COLUMNS, SCHEMA
+from .schema import APPLICATION_ID, BOUND_COLUMNS, FORMAT, NEWER, ROW_COLUMNS, SCHEMA
 from .trials import Protocol, Task, Trial
 
 FILE = "results.sqlite"
@@ -84,6 +84,11 @@ class Store:
                 for statement in _statements(SCHEMA):
                     self._base.execute(statement)
                 self._base.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+                self._base.execute(f"PRAGMA user_version = {FORMAT}")
+                return
+            if application == APPLICATION_ID and format_ == 1:
+                for statement in NEWER:
+                    self._base.execute(statement)
                 self._base.execute(f"PRAGMA user_version = {FORMAT}")
                 return
         if application != APPLICATION_ID:

@@ -12,6 +12,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from ...instance import Instance
+from ...showing import Card, Shown
 from ...tolerance import meets, tolerance
 from .axes import Axis, Limits
 
@@ -19,8 +20,8 @@ Routes = tuple[tuple[str, ...], ...]
 """Names of bodies in order, for each chaser."""
 
 
-@dataclass(frozen=True)
-class Point:
+@dataclass(frozen=True, repr=False)
+class Point(Shown):
     """What is known of one variant of an instance.
 
     Attributes
@@ -53,6 +54,11 @@ class Point:
     methods: tuple[str, ...] = ()
     runtime_s: float = 0.0
     cpu_s: float = 0.0
+
+    def _card(self) -> Card:
+        from ...showing.of_analysis import of_point
+
+        return of_point(self)
 
     @property
     def limits(self) -> Limits:
@@ -102,8 +108,8 @@ class Impossible(RuntimeError):
     """A plan collects more than a bound that claims to be proven: a method is broken."""
 
 
-@dataclass(frozen=True)
-class Tradeoff:
+@dataclass(frozen=True, repr=False)
+class Tradeoff(Shown):
     """A curve or a surface of plans and bounds.
 
     Attributes
@@ -121,6 +127,11 @@ class Tradeoff:
     points: tuple[Point, ...]
     runtime_s: float = field(default=0.0, compare=False)
     cpu_s: float = field(default=0.0, compare=False)
+
+    def _card(self) -> Card:
+        from ...showing.of_analysis import of_tradeoff
+
+        return of_tradeoff(self)
 
     @property
     def proven(self) -> int:

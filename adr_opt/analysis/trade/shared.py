@@ -11,10 +11,9 @@ connections of its own.
 
 from __future__ import annotations
 
-from ...campaign import Campaign, Problem, is_campaign
+from ...campaign import Problem, problem_of
 from ...connections import Connecting
 from ...instance import Instance
-from ...mission import Mission
 from .axes import Limits
 
 
@@ -48,29 +47,19 @@ class Shared:
 
     def __init__(self, instance: Instance, longest_s: float, *, tanks: bool) -> None:
         self._instance, self.longest_s, self._tanks = instance, longest_s, tanks
-        self._connecting: dict[float, Connecting] = {}
-        self._missions: dict[float, Mission] = {}
+        self._of_tank: dict[float, Problem] = {}
 
     def problem(self, limits: Limits) -> Problem:
         """What is planned at a point, with all that is known of its timetable."""
-        instance = variant(self._instance, limits, tanks=self._tanks)
-        connecting = self._of_tank(limits).shortened(instance)
-        if is_campaign(instance):
-            return Campaign(instance, connecting=connecting)
-        mission = Mission(instance, connecting=connecting)
-        if connecting.drifts:
-            return mission
-        twin = self._missions.setdefault(limits[1], mission)
-        if twin is mission or twin.time_value_m_s_per_h != mission.time_value_m_s_per_h:
-            return mission
-        return Mission(instance, connecting=connecting, twin=twin)
+        delta_v_m_s, duration_s = limits
+        return self._longest(limits).with_limits(duration_s, delta_v_m_s if self._tanks else None)
 
-    def _of_tank(self, limits: Limits) -> Connecting:
-        """The connections of the longest mission with such a tank."""
+    def _longest(self, limits: Limits) -> Problem:
+        """The longest mission with such a tank, or with any where that makes no difference."""
         instance = variant(self._instance, (limits[0], self.longest_s), tanks=self._tanks)
         key = limits[0] if Connecting(instance).depends_on_tank else 0.0
-        if key not in self._connecting:
+        if key not in self._of_tank:
             if key:
-                self._connecting.clear()  # they are large, and tanks come one after the other
-            self._connecting[key] = Connecting(instance)
-        return self._connecting[key]
+                self._of_tank.clear()  # they are large, and tanks come one after the other
+            self._of_tank[key] = problem_of(instance)
+        return self._of_tank[key]

@@ -27,7 +27,8 @@ class Means:
     Mean and interval are over fields, each the mean of its iterations; a mission without a legal
     plan counts as no visits. Gaps are (bound − objective) / bound and (best − objective) / best,
     over the missions that have a bound, or a best plan. Times are of legal plans only; the
-    timetable is built once for all methods of a mission and counts only in the last of them.
+    timetable is built once for all methods of a mission and counts only in the last two of them,
+    of which the second is the time of processors; NaN in rows from before that was noted.
     """
 
     suite: str
@@ -50,6 +51,7 @@ class Means:
     planning_median_s: float
     planning_max_s: float
     with_timetable_median_s: float
+    with_timetable_cpu_s: float
 
 
 @dataclass(frozen=True)
@@ -136,6 +138,10 @@ class Section:
             with_timetable_median_s=statistics.median(
                 [row["planning_s"] + row["build_s"] for row in legal] or [math.nan]
             ),
+            with_timetable_cpu_s=statistics.median(
+                [_known(row["planning_cpu_s"]) + _known(row["build_cpu_s"]) for row in legal]
+                or [math.nan]
+            ),
         )
 
 
@@ -208,6 +214,10 @@ def best_known(path: Path = BEST_KNOWN) -> dict[str, float]:
             for line in csv.DictReader(lines)
             if line["objective"]
         }
+
+
+def _known(value: float | None) -> float:
+    return math.nan if value is None else value
 
 
 def _mission(row: Row) -> Mission:

@@ -8,10 +8,10 @@ from html import escape
 from itertools import count
 
 from ..work import PARTS
-from . import charts
+from . import charts, quality
 from .model import Means, Results, Row, Section
-from .published import CALIBRATION, HARDWARE, PUBLISHED
-from .statistics import pairs
+from .published import CALIBRATION, HARDWARE, PUBLISHED, Published
+from .statistics import fields_needed, least_p, pairs
 
 MOST_FAILURES = 50
 
@@ -81,6 +81,7 @@ def page(results: Results) -> str:
         for title, note, spec in (
             ("Targets visited per test case", VISITS_NOTE, charts.visits(section, results.labels)),
             ("Planning time per test case", TIME_NOTE, charts.seconds(section, results.labels)),
+            ("Visits against time", QUALITY_NOTE, quality.chart(section, results.labels)),
         ):
             name = f"figure-{next(numbers)}"
             figures[name] = spec
@@ -110,8 +111,14 @@ VISITS_NOTE = (
     "appears at a point. Bands and dashed lines are published. Select a name below to hide it."
 )
 TIME_NOTE = (
-    "Wall time from a ready timetable to a finished plan, on one core, logarithmic. The timetable "
-    "is built once for all methods of a mission and stands below."
+    "Wall time from a ready timetable to a finished plan, on one core, logarithmic; behind each "
+    "name its mean visits, without which times say little. The timetable is built once for all "
+    "methods of a mission and stands below."
+)
+QUALITY_NOTE = (
+    "Means over fields against the median time of processors, timetable included. A method that "
+    "was run with several widths or limits is one curve; the table is in quality-….csv beside this "
+    "page."
 )
 
 
@@ -220,7 +227,7 @@ def _beside(section: Section, results: Results) -> str:
                 _seconds_range(text.seconds),
                 duration(means.planning_median_s),
                 duration(means.with_timetable_median_s),
-                _faster(text.seconds, means),
+                _faster(text, means),
             ]
         )
     if not lines:
@@ -243,6 +250,7 @@ def _beside(section: Section, results: Results) -> str:
 def _paired(section: Section, labels: dict[str, str]) -> str:
     values = {method: section.visits(method) for method in section.rows}
     order = sorted(values, key=lambda key: -section.means(key).visits_mean)
+    compared = pairs({key: values[key] for key in order})
     lines = [
         [
             escape(labels[str(pair.first)]),
@@ -250,18 +258,29 @@ def _paired(section: Section, labels: dict[str, str]) -> str:
             str(pair.fields),
             f"{pair.difference:+.2f}" + _plus_minus(pair.half_width, 2),
             f"{pair.better} / {pair.equal} / {pair.worse}",
-            _p(pair.p),
+            _p(pair.p, pair.fields),
         ]
-        for pair in pairs({key: values[key] for key in order})
+        for pair in compared
     ]
     if not lines:
         return ""
+    few = any(pair.p is None for pair in compared)
     head = ["method", "minus", "fields", "visits, mean ± 95 %", "better / equal / worse", "p"]
     return (
         "<h3>Paired differences</h3>"
         '<p class="note">Over the missions that both methods have, averaged within each field. '
-        "p: Wilcoxon’s signed-rank test by field, two-sided, adjusted by Holm over this table.</p>"
-        + _table(head, lines, 2)
+        "p: Wilcoxon’s signed-rank test by field, two-sided and exact, adjusted by Holm over this "
+        f"table. {_too_few(len(compared)) if few else ''}</p>" + _table(head, lines, 2)
+    )
+
+
+def _too_few(together: int) -> str:
+    """Why a p is missing."""
+    needed = fields_needed(together)
+    return (
+        "A paired test on n fields cannot give less than 2<sup>−(n−1)</sup>, and adjusted over "
+        f"{together} pairs not less than {together} times that: with fewer than {needed} fields "
+        "none could be at most 0.05 whatever the plans are, so none is given."
     )
 
 
@@ -305,17 +324,19 @@ def _seconds_range(limits: tuple[float, float] | None) -> str:
     return "–" if limits is None else f"{limits[0]:,.0f}–{limits[1]:,.0f} s"
 
 
-def _faster(limits: tuple[float, float] | None, means: Means) -> str:
-    """Orders of magnitude between the published time and ours, without and with the timetable."""
-    if limits is None or not means.with_timetable_median_s > 0.0:
+def _faster(text: Published, means: Means) -> str:
+    """Orders of magnitude between the published time and ours, and between which visits that is."""
+    if text.seconds is None or not means.with_timetable_median_s > 0.0:
         return "–"
-    middle = math.sqrt(limits[0] * limits[1])
+    middle = math.sqrt(text.seconds[0] * text.seconds[1])
     powers = [
         round(math.log10(middle / ours))
         for ours in (means.planning_median_s, means.with_timetable_median_s)
     ]
     alone, whole = (f"10<sup>{power}</sup>" if power else "1" for power in powers)
-    return f"{alone} ({whole})"
+    low, high = text.visits
+    theirs = f"{low:g}–{high:g}" if high > low else f"{low:g}"
+    return f"{alone} ({whole}), at {means.visits_mean:.1f} visits against {theirs}"
 
 
 def _overhead(run: Row, spent: dict[str, float]) -> str:
@@ -342,5 +363,7 @@ def _gap(means: Means) -> str:
     return f"{_percent(means.gap_to_bound)} ({means.bounded})" if means.bounded else "–"
 
 
-def _p(p: float) -> str:
+def _p(p: float | None, fields: int) -> str:
+    if p is None:
+        return f"n = {fields}: not below {least_p(fields):.2g}"
     return "&lt; 0.0001" if p < 1e-4 else f"{p:.4f}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .charts import SYMBOLS, colour
+from .charts import SYMBOLS, colour, with_visits
 from .model import Section
 from .statistics import field_means
 
@@ -26,7 +26,7 @@ def draw(section: Section, labels: dict[str, str], folder: Path) -> list[Path]:
             axes.plot(
                 list(means), list(means.values()), color=colour(number), markersize=4,
                 marker=MARKERS[SYMBOLS[number % len(SYMBOLS)]], linewidth=0.7,
-                label=labels[method],
+                label=labels[method] if kind == "visits" else with_visits(section, method, labels),
             )  # fmt: skip
         if kind == "visits" and section.bounds:
             means = field_means({(f, i, 0): bound for (f, i), bound in section.bounds.items()})

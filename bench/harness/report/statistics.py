@@ -1,15 +1,17 @@
 """Means, intervals and paired tests; the field is the unit that is independent.
 
 The iterations of one field share its targets, so they are averaged first: a hundred fields with ten
-iterations are a hundred numbers, not a thousand.
+iterations are a hundred numbers, not a thousand. A p-value is given only where it could have told
+something: if two methods are equally good, all signs of the differences of n fields are equally
+likely, so that no two-sided test comes below 2^−(n−1), nor, adjusted over m pairs, below m times
+that.
 """
 
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import stats
@@ -53,7 +55,7 @@ class Paired:
         Fields on which the first is so.
     p : float
         Wilcoxon's signed-rank test of the differences by field, adjusted by Holm over all pairs
-        that were compared together.
+        that were compared together; None where so few fields cannot tell anything.
     """
 
     first: Hashable
@@ -64,11 +66,24 @@ class Paired:
     better: int
     equal: int
     worse: int
-    p: float
+    p: float | None
+
+
+def least_p(fields: int, together: int = 1) -> float:
+    """The least p that a paired test of so many fields can give, if so many are adjusted."""
+    return min(1.0, together * 2.0 ** (1 - fields)) if fields else 1.0
+
+
+def fields_needed(together: int = 1) -> int:
+    """The fewest fields of which a paired test can give a p of 5 %."""
+    return 1 + math.ceil(math.log2(together / (1.0 - LEVEL)))
 
 
 def pairs(values: Mapping[Hashable, Mapping[Mission, float]]) -> list[Paired]:
-    """Every pair of methods, in the order given, with p-values adjusted together."""
+    """Every pair of methods, in the order given, with p-values adjusted together.
+
+    None where the fields are too few for any to be at most 5 %.
+    """
     names = list(values)
     found = []
     for number, first in enumerate(names):
@@ -92,17 +107,30 @@ def pairs(values: Mapping[Hashable, Mapping[Mission, float]]) -> list[Paired]:
                         signed_rank(differences),
                     )
                 )
-    adjusted = holm([pair.p for pair in found])
-    return [Paired(**{**vars(pair), "p": p}) for pair, p in zip(found, adjusted, strict=True)]
+    enough = fields_needed(len(found)) if found else 0
+    told = iter(holm([pair.p for pair in found if pair.p is not None and pair.fields >= enough]))
+    return [replace(pair, p=next(told) if pair.fields >= enough else None) for pair in found]
 
 
 def signed_rank(differences: Sequence[float]) -> float:
-    """Two-sided p of Wilcoxon's signed-rank test; 1 where no difference is left to rank."""
-    if not any(differences):
+    """Two-sided p of Wilcoxon's signed-rank test, exactly; 1 where no difference is left to rank.
+
+    Fields without a difference are left out, equal differences share their ranks, and all signs are
+    counted: what is usual for large samples would come below what so few fields can give.
+    """
+    left = np.array([value for value in differences if value])
+    if not left.size:
         return 1.0
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # small samples: p says it by being large
-        return float(stats.wilcoxon(differences).pvalue)
+    doubled = np.rint(2.0 * stats.rankdata(np.abs(left))).astype(np.int64)  # whole, ties or not
+    total = int(doubled.sum())
+    ways = np.zeros(total + 1)
+    ways[0] = 1.0
+    for rank in doubled:
+        ways[rank:] += ways[:-rank].copy()
+        ways *= 0.5
+    positive = int(doubled[left > 0.0].sum())
+    tail = min(positive, total - positive)
+    return min(1.0, 2.0 * float(ways[: tail + 1].sum()))
 
 
 def holm(p_values: Sequence[float]) -> list[float]:

@@ -18,7 +18,7 @@ PACKAGES = ("scipy", "plotly", "matplotlib")
 
 
 def write(store: Store, folder: Path) -> Path:
-    """Write ``report.html``, ``summary.csv`` and the pictures of a store into a folder.
+    """Write ``report.html``, ``summary.csv``, charts and their tables of a store into a folder.
 
     Returns
     -------
@@ -33,6 +33,7 @@ def write(store: Store, folder: Path) -> Path:
         A package of the report is not installed.
     """
     need()
+    from . import quality
     from .model import Means, read
     from .page import page
     from .pictures import draw
@@ -52,6 +53,9 @@ def write(store: Store, folder: Path) -> Path:
     write_text(folder / "summary.csv", text.getvalue())
     for section in results.sections:
         draw(section, results.labels, folder)
+        found = quality.spots(section)
+        quality.write_table(found, folder / f"quality-{section.stem}.csv")
+        quality.draw(found, folder / f"quality-{section.stem}.svg", section.title)
     return path
 
 

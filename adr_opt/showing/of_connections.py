@@ -1,0 +1,28 @@
+"""The card of the connections of a pair."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .card import Card, Table, days
+
+if TYPE_CHECKING:
+    from ..connections import Connections
+
+
+def of_connections(found: Connections) -> Card:
+    """The card of the connections of a pair; on a page all of them."""
+    count = int(found.departure.size)
+    facts = [str(count) if count else "none"]
+    if count:
+        facts += [
+            f"day {days(found.departure[0])} to {days(found.arrival.max())}",
+            f"{found.delta_v.min():,.1f} to {found.delta_v.max():,.1f} m/s",
+        ]
+    columns = zip(found.departure, found.arrival, found.delta_v, found.revolutions, strict=True)
+    rows = [
+        (days(leaves), days(lands), f"{cost:,.1f}", f"{turns}")
+        for leaves, lands, cost, turns in columns
+    ]
+    heads = ("departure day", "arrival day", "ΔV m/s", "revolutions")
+    return Card("Connections", "", tuple(facts), (), (Table(heads, rows, texts=0),))
