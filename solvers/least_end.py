@@ -12,11 +12,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
-from adr_opt.campaign import Campaign
+from adr_opt.campaign import Problem
 from adr_opt.errors import InputError
-from adr_opt.mission import Mission
 from adr_opt.result import Result
 from adr_opt.stop import Stop
 
@@ -34,8 +33,6 @@ CLOSE = 0.01
 
 LEAST_S = 0.05
 """With less time left nothing more is asked [s]."""
-
-Kind = TypeVar("Kind", Mission, Campaign)
 
 
 class _Answered:
@@ -55,24 +52,11 @@ class _Answered:
         return self._stop.remaining_s() - self._left_s
 
 
-def shorter(problem: Kind, duration_s: float) -> Kind:
-    """The same problem for a mission that ends sooner, on what is known of connections.
-
-    Raises
-    ------
-    InputError
-        There is no such mission.
-    """
-    instance = problem.instance.with_limits(duration_s=duration_s)
-    connecting = problem.connecting.shortened(instance)
-    return type(problem)(instance, margin=problem.margin, connecting=connecting)
-
-
 def prove_end(
-    problem: Kind,
+    problem: Problem,
     certificate: CertificateOf[Any],
     stop: Stop,
-    solve: Callable[[Kind, Stop], Result],
+    solve: Callable[[Any, Stop], Result],
     offer: Callable[[Result], bool],
 ) -> tuple[float, dict[str, float]]:
     """Prove when the plans end at the earliest that are worth as much as the incumbent.
@@ -107,11 +91,11 @@ def prove_end(
                 break
             end = 0.5 * (ruled_out + open_from)
         try:
-            problem_then = shorter(problem, end)
+            sooner = problem.with_limits(duration_s=end)
         except InputError:
             break  # somebody is there only later
         asked_about += 1
-        found = solve(problem_then, _Answered(goal, stop))
+        found = solve(sooner, _Answered(goal, stop))
         if problem.worth(found.upper_bound) < goal:
             ruled_out = end
             if math.isinf(open_from):
