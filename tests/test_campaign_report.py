@@ -193,7 +193,7 @@ def test_in_a_browser(tmp_path: Path, width: int, dark: bool) -> None:
     (tmp_path / "page.html").write_text(page(campaign("j2"), planned("j2")), encoding="utf-8")
     with browser.Browser(tmp_path / "profile", width=width, dark=dark) as tab:
         tab.open_report(tmp_path / "page.html")
-        assert tab.evaluate("document.querySelectorAll('.chart.js-plotly-plot').length") == 8
+        assert tab.evaluate("document.querySelectorAll('.chart.js-plotly-plot').length") == 11
         hidden = "document.getElementById('lanes').data.filter((t) => t.visible === false).length"
         tab.evaluate("document.querySelector('button[data-phase=\"service\"]').click()")
         tab.wait_for(f"{hidden} === 1")

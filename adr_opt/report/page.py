@@ -28,6 +28,7 @@ from ..wording import counted, status_words
 from . import figures, sections, space, tables
 from .facts import facts
 from .figures.parts import leg_title
+from .motion import motion
 from .text import escape, in_days, in_script
 
 
@@ -144,7 +145,7 @@ def _page(
     refined: RefinedPlan | None,
 ) -> str:
     found = facts(instance, plan)
-    library, script = _library(), _asset("page.js")
+    library, script = _library(), _script()
     done = {segment.phase for segment in segments(instance, plan)}
     epoch = instance.epoch.astimezone(UTC)
     subtitle = (
@@ -168,10 +169,11 @@ def _page(
         verdict=sections.verdict(instance, violations, flight),
         headline=sections.headline(found),
         crew=sections.crew(instance, plan, refined),
-        flight=space.flight(instance),
+        flight=space.flight(instance, plan),
         step="burn" if instance.transfer.given is None else "arrival",
         gantt_note=sections.gantt_note(instance),
         leg_options=sections.leg_options(plan),
+        timebar=sections.timebar(),
         phases=sections.phases([phase for phase in PHASES if phase in done]),
         trouble="" if trouble is None else sections.not_drawn(space.path_of(instance), trouble),
         nodes=space.nodes(instance),
@@ -204,7 +206,11 @@ def _data(instance: Instance, plan: Plan, drawn: tuple[Track, ...]) -> dict[str,
         charts["lanes"] = figures.lanes(instance, plan)
     if instance.nodes_drift:
         charts["nodes"] = figures.nodes(instance, plan, drawn)
+    last = charts["gantt"]["layout"]["xaxis"]["range"][1]
     return {
+        "epoch_ms": round(instance.epoch.timestamp() * 1000.0),
+        "end_s": last * DAY_S,
+        "motion": motion(instance, plan, drawn) if instance.transfer.given is None else None,
         "figures": charts,
         "titles": ["start", *(leg_title(plan, number) for number in numbers)],
         "windows": [
@@ -223,6 +229,18 @@ def _policy(*scripts: str) -> str:
         f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; "
         "img-src data: blob:; base-uri 'none'; form-action 'none'"
     )
+
+
+ROOMS = (
+    "state", "look", "charts", "time", "motion", "moving", "ground", "closeup", "main",
+)  # fmt: skip
+"""The rooms of the script, in the order in which they are put together."""
+
+
+def _script() -> str:
+    """The script of the page, one function, so that its rooms share their names and nobody else."""
+    rooms = "\n".join(_asset(f"script/{name}.js") for name in ROOMS)
+    return f'"use strict";\n(() => {{\n{rooms}}})();\n'
 
 
 def _asset(name: str) -> str:

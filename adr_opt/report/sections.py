@@ -198,6 +198,33 @@ def leg_options(plan: Plan) -> str:
     return f'<option value="0">the whole mission</option>{options}'
 
 
+SPEEDS = {
+    60: "1 minute a second", 600: "10 minutes a second", 3600: "1 hour a second",
+    21600: "6 hours a second", 86400: "1 day a second", 864000: "10 days a second",
+}  # fmt: skip
+"""How fast time may be played."""
+
+USUAL_SPEED = 600
+"""A revolution in ten seconds."""
+
+
+def timebar() -> str:
+    """The time that is shown: a slider, a button that plays it, how fast, and what it comes to."""
+    speeds = "".join(
+        f'<option value="{speed}"{" selected" if speed == USUAL_SPEED else ""}>{said}</option>'
+        for speed, said in SPEEDS.items()
+    )
+    return (
+        '<div class="timebar" role="group" aria-label="Time">'
+        '<button type="button" id="play" aria-label="play">▶</button>'
+        '<input type="range" id="time" min="0" max="1" step="any" value="0" '
+        'aria-label="time since the epoch">'
+        f'<select id="speed" aria-label="how fast time is played">{speeds}</select>'
+        '<output for="time"><b id="now"></b> <span id="then"></span> '
+        '<span id="doing"></span></output></div>'
+    )
+
+
 def certificate(plan: Plan, found: Facts) -> str:
     """The bound and the gap in a sentence and as a bar."""
     collected, total = number(found.prize, 2), number(found.total_prize, 2)
