@@ -40,8 +40,10 @@ def sidereal_angle_rad(time: datetime) -> float:
     """
     since = (time.astimezone(UTC) - J2000).total_seconds()
     centuries = since / DAY_S / CENTURY_DAYS
-    seconds = 67310.54841 + since + centuries * (
-        8640184.812866 + centuries * (0.093104 - 6.2e-6 * centuries)
+    seconds = (
+        67310.54841
+        + since
+        + centuries * (8640184.812866 + centuries * (0.093104 - 6.2e-6 * centuries))
     )
     return 2.0 * math.pi * math.fmod(math.fmod(seconds, TURN_S) + TURN_S, TURN_S) / TURN_S
 

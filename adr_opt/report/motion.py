@@ -81,9 +81,7 @@ def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[st
             for flown in routes
         ],
         "legs": [
-            _leg(leg, chaser, at)
-            for chaser, flown in enumerate(routes)
-            for _, leg in flown.legs
+            _leg(leg, chaser, at) for chaser, flown in enumerate(routes) for _, leg in flown.legs
         ],
     }
 

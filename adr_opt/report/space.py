@@ -22,9 +22,10 @@ def flight(instance: Instance, plan: Plan) -> str:
     return (
         f"<section>\n<h2>Orbits and {path_of(instance)}</h2>\n"
         "<p>To scale, in the inertial frame of the elements: station, visited and unvisited "
-        f"targets, and\nthe arcs that {flies}, at most one revolution of each. Drag to turn, pinch "
-        'or scroll to\ncome nearer. Marks are where all are at the time of the slider.</p>\n<div class="chart tall" '
-        f'id="orbits"></div>\n</section>\n{_ground(instance, plan)}\n{_closeup()}\n'
+        f"targets, and the arcs that {flies}, at most one revolution of each. Drag to turn, pinch "
+        "or scroll to come nearer. Marks are where all are at the time of the slider.</p>\n"
+        '<div class="chart tall" id="orbits"></div>\n</section>\n'
+        f"{_ground(instance, plan)}\n{_closeup()}\n"
         f"<section>\n<h2>Altitude</h2>\n<p>{_altitude_note(instance)}</p>\n"
         '<div class="chart" id="altitude"></div>\n</section>'
     )
