@@ -16,7 +16,6 @@ import pytest
 from drifting_plans import drifting_instance, drifting_plan
 from two_chasers import OWN, campaign, planned
 
-import adr_opt
 from adr_opt.instance import Instance
 from adr_opt.plan import Plan
 from adr_opt.plot.tracks import tracks

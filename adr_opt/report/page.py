@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from datetime import UTC
 from importlib import resources
 from string import Template
-from typing import Any
+from typing import Any, NamedTuple
 
 from .. import __version__
 from ..checking import Violation, check
 from ..errors import InputError, MissingExtra
 from ..files import check_writable, write_text
-from ..flight import Flight, TankFlight, fly
+from ..flight import Flight, RefinedFlight, TankFlight, fly
 from ..instance import Instance
 from ..kernels.constants import DAY_S
 from ..plan import Plan
@@ -25,7 +25,7 @@ from ..plot.tracks import Track, tracks
 from ..refining.plan import RefinedPlan, reference
 from ..routes import several
 from ..wording import counted, status_words
-from . import figures, sections, space, tables
+from . import burns, controls, figures, flights, sections, space, tables
 from .facts import facts
 from .figures.parts import leg_title
 from .motion import motion
@@ -47,6 +47,8 @@ class Report:
         or need not be flown.
     trouble : str or None
         Why the chaser's path could not be drawn, if it could not.
+    complaints : tuple of str
+        What is wrong with the refined plan.
     """
 
     path: str
@@ -54,6 +56,7 @@ class Report:
     violations: tuple[Violation, ...]
     tanks: tuple[TankFlight, ...] | None
     trouble: str | None
+    complaints: tuple[str, ...] = ()
 
 
 def write_report(
@@ -61,6 +64,9 @@ def write_report(
     plan: Plan,
     path: str | os.PathLike[str],
     refined: RefinedPlan | None = None,
+    *,
+    flight: Flight | None = None,
+    refined_flight: RefinedFlight | None = None,
 ) -> Report:
     """Write a mission as one HTML file, whole or not at all.
 
@@ -72,6 +78,11 @@ def write_report(
     path : path
     refined : RefinedPlan, optional
         The same plan, refined: what its legs take is told beside what they were planned with.
+    flight : Flight, optional
+        What :func:`adr_opt.flight.fly` found of the plan. Where nodes drift or orbits are eccentric
+        the plan is flown here if it is not given.
+    refined_flight : RefinedFlight, optional
+        What :func:`adr_opt.flight.fly_refined` found of the refined plan.
 
     Raises
     ------
@@ -83,16 +94,25 @@ def write_report(
     """
     check_writable(path)
     _refuse_other(plan, refined)
-    violations, flight = check(instance, plan), _flown(instance, plan)
-    drawn, trouble = _drawn(instance, plan)
-    text = _page(instance, plan, violations, flight, drawn, trouble, refined)
+    found = _found(instance, plan, refined, flight, refined_flight)
+    text = _page(instance, plan, found)
     write_text(path, text)
-    tanks = flight.tanks if isinstance(flight, Flight) else None
-    return Report(os.fspath(path), len(text.encode()), violations, tanks, trouble)
+    tanks = found.flight.tanks if isinstance(found.flight, Flight) else None
+    return Report(
+        os.fspath(path), len(text.encode()), found.violations, tanks, found.trouble,
+        flights.complaints(instance, refined, refined_flight),
+    )  # fmt: skip
 
 
-def page(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> str:
-    """The HTML of the report.
+def page(
+    instance: Instance,
+    plan: Plan,
+    refined: RefinedPlan | None = None,
+    *,
+    flight: Flight | None = None,
+    refined_flight: RefinedFlight | None = None,
+) -> str:
+    """The HTML of the report; the parameters are those of :func:`write_report`.
 
     Raises
     ------
@@ -100,8 +120,30 @@ def page(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
         As in :func:`write_report`.
     """
     _refuse_other(plan, refined)
-    violations, flight = check(instance, plan), _flown(instance, plan)
-    return _page(instance, plan, violations, flight, *_drawn(instance, plan), refined)
+    return _page(instance, plan, _found(instance, plan, refined, flight, refined_flight))
+
+
+class _Found(NamedTuple):
+    """What is known of a plan besides itself."""
+
+    violations: tuple[Violation, ...]
+    flight: Flight | str | None
+    drawn: tuple[Track, ...]
+    trouble: str | None
+    refined: RefinedPlan | None
+    refined_flight: RefinedFlight | None
+
+
+def _found(
+    instance: Instance,
+    plan: Plan,
+    refined: RefinedPlan | None,
+    flight: Flight | None,
+    refined_flight: RefinedFlight | None,
+) -> _Found:
+    violations = check(instance, plan)
+    flown = _flown(instance, plan) if flight is None else flight
+    return _Found(violations, flown, *_drawn(instance, plan), refined, refined_flight)
 
 
 def _refuse_other(plan: Plan, refined: RefinedPlan | None) -> None:
@@ -135,16 +177,9 @@ def _drawn(instance: Instance, plan: Plan) -> tuple[tuple[Track, ...], str | Non
         return (), str(error)
 
 
-def _page(
-    instance: Instance,
-    plan: Plan,
-    violations: tuple[Violation, ...],
-    flight: Flight | str | None,
-    drawn: tuple[Track, ...],
-    trouble: str | None,
-    refined: RefinedPlan | None,
-) -> str:
-    found = facts(instance, plan)
+def _page(instance: Instance, plan: Plan, known: _Found) -> str:
+    found, refined, trouble = facts(instance, plan), known.refined, known.trouble
+    burned = burns.impulses(plan, known.drawn, refined)
     library, script = _library(), _script()
     done = {segment.phase for segment in segments(instance, plan)}
     epoch = instance.epoch.astimezone(UTC)
@@ -166,35 +201,48 @@ def _page(
         name=escape(instance.name),
         style=_asset("page.css"),
         subtitle=subtitle,
-        verdict=sections.verdict(instance, violations, flight),
+        verdict=sections.verdict(
+            instance,
+            known.violations,
+            known.flight,
+            flights.complaints(instance, refined, known.refined_flight),
+        ),
         headline=sections.headline(found),
         crew=sections.crew(instance, plan, refined),
         flight=space.flight(instance, plan),
         step="burn" if instance.transfer.given is None else "arrival",
         gantt_note=sections.gantt_note(instance),
-        leg_options=sections.leg_options(plan),
-        timebar=sections.timebar(),
-        phases=sections.phases([phase for phase in PHASES if phase in done]),
+        leg_options=controls.leg_options(plan),
+        timebar=controls.timebar(),
+        phases=controls.phases([phase for phase in PHASES if phase in done]),
         trouble="" if trouble is None else sections.not_drawn(space.path_of(instance), trouble),
         nodes=space.nodes(instance),
-        costs_note=sections.costs_note(plan),
+        costs_note=sections.costs_note(plan, refined),
         planes=space.planes(instance),
         legs=tables.legs(instance, plan, refined),
+        burns=burns.section(instance, plan, burned),
+        flown=flights.section(instance, known.flight, refined, known.refined_flight),
         unvisited=left_out,
         certificate=sections.certificate(plan, found),
         origin=sections.origin(instance, plan),
-        data=in_script(_data(instance, plan, drawn)),
+        data=in_script(_data(instance, plan, known, burned)),
         library=library,
         script=script,
     )
 
 
-def _data(instance: Instance, plan: Plan, drawn: tuple[Track, ...]) -> dict[str, Any]:
+def _data(
+    instance: Instance,
+    plan: Plan,
+    known: _Found,
+    burned: tuple[burns.Impulse, ...],
+) -> dict[str, Any]:
     """What the script of the page draws from."""
+    drawn = known.drawn
     numbers = range(1, len(plan.legs) + 1)
     charts = {
         "budget": figures.budget(instance, plan),
-        "costs": figures.costs(plan),
+        "costs": figures.costs(plan, known.refined),
         "gantt": figures.gantt(instance, plan),
     }
     if instance.transfer.given is None:
@@ -211,6 +259,7 @@ def _data(instance: Instance, plan: Plan, drawn: tuple[Track, ...]) -> dict[str,
         "epoch_ms": round(instance.epoch.timestamp() * 1000.0),
         "end_s": last * DAY_S,
         "motion": motion(instance, plan, drawn) if instance.transfer.given is None else None,
+        "burns": burns.of_page(instance, plan, burned),
         "figures": charts,
         "titles": ["start", *(leg_title(plan, number) for number in numbers)],
         "windows": [
@@ -232,7 +281,7 @@ def _policy(*scripts: str) -> str:
 
 
 ROOMS = (
-    "state", "look", "charts", "time", "motion", "moving", "ground", "closeup", "main",
+    "state", "look", "charts", "time", "motion", "moving", "ground", "closeup", "burns", "main",
 )  # fmt: skip
 """The rooms of the script, in the order in which they are put together."""
 

@@ -15,7 +15,6 @@ from ..plot.palette import REASONS
 from ..plot.traffic import also_there, stays
 from ..refining.plan import RefinedPlan
 from ..routes import by_tank, owners, routes_of
-from ..wording import counted
 from .text import LONG_S, NOTHING, clock, escape, fixed, number, span
 
 REASON_TITLES = {
@@ -104,7 +103,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
         *([("mass kg", "n")] if weighed else []),
         ("prize", "n"),
     )  # fmt: skip
-    return (_refined(refined) if refined else "") + table("Legs", headings, rows)
+    return table("Legs", headings, rows)
 
 
 def _towing(leg: Leg) -> str:
@@ -112,15 +111,6 @@ def _towing(leg: Leg) -> str:
     if leg.tow is None:
         return NOTHING
     return f"{clock(leg.tow.end_s)}, {fixed(leg.tow.delta_v_m_s, 1)}"
-
-
-def _refined(refined: RefinedPlan) -> str:
-    """What the refined legs take in all."""
-    return (
-        f"<p>Refined in the field {refined.gravity}, {counted(len(refined.legs), 'leg')}: planned "
-        f"with {fixed(refined.planned_delta_v_m_s, 1)} m/s, flown with "
-        f"{fixed(refined.flown_delta_v_m_s, 1)} m/s.</p>"
-    )
 
 
 def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> str:

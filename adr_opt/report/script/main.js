@@ -72,6 +72,7 @@ const mark = (what) => {
   listen();
   listenToTime();
   listenToCloseup();
+  listenToBurns();
   mark("ready");
   for (const view of views.filter(({ chart }) => derived.has(chart))) {
     await view.show();
