@@ -197,6 +197,11 @@ def test_the_slider_moves_the_mission(tmp_path: Path) -> None:
         assert first == pytest.approx([-instance.transfer.standoff_m, 0.0], abs=0.2)
         assert last == pytest.approx([0.0, 0.0], abs=0.2)
 
+        shown = "document.getElementById('closeup').data.filter((one) => one.visible !== false)"
+        assert tab.evaluate(f"{shown}.map(({{ name }}) => name)") == [
+            "approach", "target", "chaser"
+        ]  # fmt: skip
+
         # Who wants little motion gets a picture a second, and may stop it; the end stops it too.
         begin = plan.legs[leg - 1].ready_s
         press(tab, "Home")

@@ -11,7 +11,7 @@ from ..flight.tanks import tanks_of
 from ..instance import Instance
 from ..refining.plan import RefinedPlan
 from ..wording import counted
-from .tables import table
+from .tables import route_cell, table
 from .text import NOTHING, escape, fixed
 
 Cell = tuple[str, str]
@@ -87,7 +87,7 @@ def _of_plan(flight: Flight) -> str:
 
 def _leg(leg: LegFlight, is_true: bool) -> str:
     cells: list[Cell] = [
-        ("n", str(leg.leg)), ("", _route(leg.origin, leg.destination)), ("", leg.kind),
+        ("n", str(leg.leg)), route_cell(leg.origin, leg.destination), ("", leg.kind),
         ("n", fixed(leg.planned_delta_v_m_s, 1)), ("n", fixed(leg.burns_delta_v_m_s, 1)),
         ("n", _small(leg.miss_m)), ("n", _small(leg.relative_speed_m_s)),
         ("n", _small(leg.arrival_miss_m)),
@@ -109,7 +109,7 @@ def _true(flown: EccentricFlight | None) -> list[Cell]:
 
 def _of_refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight | None) -> str:
     of_leg = {} if flight is None else {leg.leg: leg for leg in flight.legs}
-    free = "whose burns are free" if refined.freedom == "free" else "with the burns of the plan"
+    free = "with free burns" if refined.freedom == "free" else "with the burns of the plan, mended"
     said = (
         f"Each leg led to its stand-off and its target in numerically integrated motion, in the "
         f"field {refined.gravity}, {free}. Own burns is what the plan’s own come to when they are "
@@ -120,7 +120,7 @@ def _of_refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight 
     for leg in refined.legs:
         off = leg.flown_delta_v_m_s - leg.planned_delta_v_m_s
         cells: list[Cell] = [
-            ("n", str(leg.leg)), ("", _route(leg.origin, leg.destination)), ("", leg.kind),
+            ("n", str(leg.leg)), route_cell(leg.origin, leg.destination), ("", leg.kind),
             ("n", fixed(leg.planned_delta_v_m_s, 1)), ("n", fixed(leg.retargeted_delta_v_m_s, 1)),
             ("n", fixed(leg.flown_delta_v_m_s, 1)),
             ("n", ("+" if off > 0.0 else "") + fixed(off, 1)), ("n", str(len(leg.burns))),
@@ -179,16 +179,12 @@ def _tanks(tanks: Sequence[TankFlight]) -> str:
         *([("chaser", "")] if whose else []), ("tank", "n"), ("legs", ""), ("of m/s", "n"),
         ("planned m/s", "n"), ("flown m/s", "n"), ("left m/s", "n"), ("", ""),
     )  # fmt: skip
-    return table("Tanks when flown", headings, rows) if rows else ""
+    return "<h3>Its tanks</h3>" + table("Tanks when flown", headings, rows) if rows else ""
 
 
 def _row(cells: Iterable[Cell]) -> str:
-    inside = "".join(f"<td{' class=n' if kind else ''}>{text}</td>" for kind, text in cells)
+    inside = "".join(f"<td{f' class={kind}' if kind else ''}>{text}</td>" for kind, text in cells)
     return f"<tr>{inside}</tr>"
-
-
-def _route(origin: str, destination: str) -> str:
-    return f"{escape(origin)} → <b>{escape(destination)}</b>"
 
 
 def _small(value: float | None) -> str:

@@ -62,7 +62,7 @@ def _closeup() -> str:
         '<section>\n<h2>Close-up</h2>\n<p><b id="closeup-leg"></b></p>\n'
         "<p>The chaser as its target sees it: along the track, ahead of the target as it flies; "
         "radial, above it; and across, to the side of its plane. Along the track the arc counts, "
-        "and laps behind are behind; near the target these are the axes of its local frame. It is "
+        "laps included; near the target these are the axes of its local frame. It is "
         "the leg that is shown, or else the one that is flown at the time of the slider, of a long "
         'transfer its last two days.</p>\n<div class="phases" role="group" aria-label="What of the '
         'leg"><button type="button" class="phase" data-part="transfer" aria-pressed="true">'
@@ -112,6 +112,7 @@ def planes(instance: Instance) -> str:
         said = "Costs are given: they need not be those of turning the plane."
     elif instance.nodes_drift:
         said += " Planes are shown as they are at the epoch; how they drift is shown above."
+    said += " Numbers are those of the legs that lead there."
     return (
         f"<section>\n<h2>Planes</h2>\n<p>{said}</p>\n"
         '<div class="chart" id="planes"></div>\n</section>'

@@ -17,6 +17,8 @@ from ..refining.plan import RefinedPlan
 from ..routes import by_tank, owners, routes_of
 from .text import LONG_S, NOTHING, clock, escape, fixed, number, span
 
+LONG_ROUTE = 30
+
 REASON_TITLES = {
     "no-transfer": "no transfer",
     "duration": "duration",
@@ -49,6 +51,12 @@ def table(caption: str, headings: Iterable[tuple[str, str]], rows: Iterable[str]
     )
 
 
+def route_cell(origin: str, destination: str) -> tuple[str, str]:
+    """Where a leg leads, as a cell: names that are long together may go over several lines."""
+    kind = "name" if len(origin) + len(destination) > LONG_ROUTE else ""
+    return kind, f"{escape(origin)} → <b>{escape(destination)}</b>"
+
+
 def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> str:
     """One row per leg, refuellings marked; a click on a row shows that leg in the charts.
 
@@ -73,7 +81,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
         cells = (
             ("n", f'<button type="button" class="leg">{at}</button>'),
             *([("", escape(whose[at]))] if whose else []),
-            ("", f"{escape(leg.origin)} → <b>{escape(leg.destination)}</b>"),
+            route_cell(leg.origin, leg.destination),
             ("n", clock(leg.ready_s)),
             *([("", leg.kind)] if drifts else []),
             ("n", told(leg.departure_s - leg.ready_s)),
@@ -90,7 +98,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
             *([("n", _kg(leg.mass_kg))] if weighed else []),
             ("n", "refuels" if refuels else number(prizes.get(leg.destination, 0.0), 3)),
         )
-        inside = "".join(f"<td{' class=n' if c else ''}>{text}</td>" for c, text in cells)
+        inside = "".join(f"<td{f' class={c}' if c else ''}>{text}</td>" for c, text in cells)
         rows.append(f'<tr data-leg="{at}"{" class=refuels" if refuels else ""}>{inside}</tr>')
     unit = "d" if in_days else "h"
     headings = (
@@ -206,7 +214,7 @@ def traffic(instance: Instance, plan: Plan) -> str:
 
 
 def _row(cells: Iterable[tuple[str, str]]) -> str:
-    inside = "".join(f"<td{' class=n' if kind else ''}>{text}</td>" for kind, text in cells)
+    inside = "".join(f"<td{f' class={kind}' if kind else ''}>{text}</td>" for kind, text in cells)
     return f"<tr>{inside}</tr>"
 
 

@@ -52,8 +52,11 @@ function closeup() {
   const key = known ? `${leg} ${part}` : "";
   if (key !== kept.key) {
     kept = { key, phases: known ? approached(leg) : [] };
+    const title = leg && box("leg").options[leg].textContent;
+    const who = leg && motion.chasers[motion.legs[leg - 1].chaser];
     box("closeup-leg").textContent = leg
-      ? box("leg").options[leg].textContent + (known ? "" : ": there is no way to show")
+      ? `${who.colour ? `${plain(who.name)}, ` : ""}leg ${title}` +
+        (known ? "" : ": there is no way to show")
       : "No leg is flown at this time.";
   }
   const ends = kept.phases.flatMap(({ points }) => [points[0].then, points.at(-1).then]);
@@ -75,11 +78,15 @@ function closeup() {
 
 const pictures = { closeup: ["along", "radial"], across: ["along", "cross"] };
 
+// What is left of rounding is not drawn.
+const tidy = (value) => Math.round(1000 * value) / 1000;
+
 function seenTraces([across, up], { phases, here }) {
   const unit = part === "approach" ? 1 : 1000;
   const lines = phases.map(({ phase, points }) => ({
     type: "scatter", mode: "lines", name: motion.phases[phase][0], meta: { phase },
-    x: points.map((point) => point[across] / unit), y: points.map((point) => point[up] / unit),
+    x: points.map((point) => tidy(point[across] / unit)),
+    y: points.map((point) => tidy(point[up] / unit)),
     text: points.map(({ then }) => clock(then)),
     hovertemplate: `${motion.phases[phase][0]}, %{text}<br>${wordsOf[across]} %{x:.1f}, ` +
       `${wordsOf[up]} %{y:.1f}<extra></extra>`,
@@ -127,7 +134,7 @@ function listenToCloseup() {
       const leg = legShown();
       const [start, end] = leg ? span(leg) : [time, time];
       if (time < start || time > end) setTime(start);
-      else moveInCloseup();
+      else show();
     });
   }
 }

@@ -29,6 +29,17 @@ function follow(name, event) {
     .finally(() => { following = false; });
 }
 
+// Tables that go on to the side say so at their edge.
+function sides() {
+  for (const table of document.querySelectorAll(".scroll")) {
+    const edge = () =>
+      table.classList.toggle("more", table.scrollLeft + table.clientWidth < table.scrollWidth - 1);
+    table.addEventListener("scroll", edge, { passive: true });
+    new ResizeObserver(edge).observe(table);
+    edge();
+  }
+}
+
 function listen() {
   box("leg").addEventListener("change", (event) => choose(Number(event.target.value)));
   for (const row of document.querySelectorAll("tr[data-leg]")) {
@@ -37,7 +48,7 @@ function listen() {
       choose(leg === chosen ? 0 : leg);
     });
   }
-  for (const button of document.querySelectorAll("button.phase")) {
+  for (const button of document.querySelectorAll("button[data-phase]")) {
     button.addEventListener("click", () => {
       const { phase } = button.dataset;
       const off = !hidden.has(phase);
@@ -73,6 +84,7 @@ const mark = (what) => {
   listenToTime();
   listenToCloseup();
   listenToBurns();
+  sides();
   mark("ready");
   for (const view of views.filter(({ chart }) => derived.has(chart))) {
     await view.show();

@@ -15,8 +15,11 @@ function clock(seconds) {
   return `${Math.floor(hours / 24)}\u202fd ${pad(hours % 24)}:${pad(minutes % 60)}`;
 }
 
-const calendar = (seconds) =>
-  new Date(mission.epoch_ms + 1000 * seconds).toISOString().slice(0, 16).replace("T", " ");
+function calendar(seconds) {
+  const date = new Date(mission.epoch_ms + 60000 * Math.round(seconds / 60));
+  if (Number.isNaN(date.getTime())) return "beyond the calendar";
+  return `${date.toISOString().slice(0, 16).replace("T", " ")} UTC`;
+}
 
 const legsAt = (seconds) =>
   windows.flatMap(([start, end], at) =>
@@ -31,7 +34,7 @@ const reach = () =>
 function readings() {
   const said = legsAt(time).map((leg) => box("leg").options[leg].textContent).join("; ");
   box("now").textContent = clock(time);
-  box("then").textContent = `${calendar(time)} UTC`;
+  box("then").textContent = calendar(time);
   box("doing").textContent = said;
   box("time").setAttribute("aria-valuetext", `${clock(time)}, ${said || "no leg"}`);
 }
