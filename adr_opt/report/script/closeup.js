@@ -1,6 +1,6 @@
 // The leg in close-up: the chaser as its target sees it.
 const LONGEST_S = 2 * DAY_S; // of a transfer; what is drawn of a drift is its end
-const MOST_POINTS = 2400;
+const MOST_POINTS = 1200;
 let part = "transfer"; // or "approach"
 
 const wordsOf = { along: "along-track", radial: "radial", cross: "cross-track" };
@@ -100,7 +100,7 @@ function seenTraces([across, up], { phases, here }) {
     ? [...lines, spot(0, 0, "target", { symbol: "cross", size: 11, color: colour("text") })]
     : [];
   if (here) {
-    shown.push(spot(here[across] / unit, here[up] / unit, "chaser", {
+    shown.push(spot(tidy(here[across] / unit), tidy(here[up] / unit), "chaser", {
       symbol: "diamond", size: 12, color: here.phase ? motion.phases[here.phase][1] : colour("text"),
       line: { width: 1.5, color: colour("text") },
     }));

@@ -51,7 +51,7 @@ function groundTraces() {
     }
   }
   const places = marks();
-  places.forEach(({ at, text, colours, sizes }, which) => {
+  places.forEach(({ at, text, colours, sizes, edges }, which) => {
     const found = at.map((r) => above(r, time));
     made.push({
       type: "scatter", mode: "markers", name: ["bodies", "chasers"][which],
@@ -61,7 +61,7 @@ function groundTraces() {
       marker: {
         color: colours, size: sizes,
         symbol: which ? "diamond" : "circle",
-        line: { width: which ? 1.5 : 1, color: colour(which ? "text" : "card") },
+        opacity: 1, line: { width: edges, color: colour("text") },
       },
     });
   });

@@ -1,5 +1,6 @@
 // Marks that move among the orbits, and the table of where the chasers are.
 const MARKS = { station: 9, visited: 6, "not visited": 4 };
+const GOAL = 10; // where the leg leads
 
 const kilometres = (points) => [0, 1, 2].map((axis) => points.map((r) => r[axis] / 1000));
 
@@ -19,16 +20,20 @@ const plain = (name) =>
 
 function marks() {
   const bodies = motion.bodies.map((body) => bodyState(body, time).r);
+  const leg = legShown();
+  const goal = leg ? motion.legs[leg - 1].to : null;
   const chasers = present();
   return [
     {
       at: bodies, text: motion.bodies.map(({ name }) => name),
       colours: motion.bodies.map((body) => motion.kinds[body.kind]),
-      sizes: motion.bodies.map((body) => MARKS[body.kind]),
+      sizes: motion.bodies.map((body, at) => (at === goal ? GOAL : MARKS[body.kind])),
+      edges: motion.bodies.map((_, at) => (at === goal ? 2 : 0)),
     },
     {
       at: chasers.map(({ r }) => r), text: chasers.map(({ chaser }) => chaser.name),
       colours: chasers.map(paint), sizes: chasers.map(() => 12),
+      edges: chasers.map(() => 1.5),
     },
   ];
 }
@@ -41,7 +46,7 @@ function moving() {
       showlegend: false, x, y, z, text, hovertemplate: "%{text}<extra></extra>",
       marker: {
         color: colours, size: sizes, opacity: 1, symbol: which ? "diamond" : "circle",
-        line: which ? { width: 2, color: colour("text") } : { width: 1, color: colour("card") },
+        line: { width: which ? 2 : 0, color: colour("text") },
       },
     };
   });
