@@ -11,10 +11,9 @@ LONGEST_OPTION = 18
 """Longer names are cut in the list of legs, which has the width of a phone."""
 
 SPEEDS = {
-    60: "1 minute a second", 600: "10 minutes a second", 3600: "1 hour a second",
-    21600: "6 hours a second", 86400: "1 day a second", 864000: "10 days a second",
+    60: "1 min/s", 600: "10 min/s", 3600: "1 h/s", 21600: "6 h/s", 86400: "1 d/s", 864000: "10 d/s",
 }  # fmt: skip
-"""How fast time may be played."""
+"""How fast time may be played: seconds of the mission a second."""
 
 USUAL_SPEED = 600
 """A revolution in ten seconds."""
@@ -52,7 +51,7 @@ def timebar() -> str:
         '<button type="button" id="play" aria-label="play">▶</button>'
         '<input type="range" id="time" min="0" max="1" step="any" value="0" '
         'aria-label="time since the epoch">'
-        f'<select id="speed" aria-label="how fast time is played">{speeds}</select>'
+        f'<select id="speed" aria-label="how fast time is played, a second">{speeds}</select>'
         '<output for="time"><b id="now"></b> <span id="then"></span> '
         '<span id="doing"></span></output></div>'
     )

@@ -31,8 +31,14 @@ const legShown = () => chosen || legsAt(time)[0] || 0;
 const reach = () =>
   (chosen ? windows[chosen - 1].map((days) => days * DAY_S) : [0, mission.end_s]);
 
+// A leg as the list of legs has it; on a phone without its origin.
+function called(leg) {
+  const text = box("leg").options[leg].textContent;
+  return narrow.matches ? `${leg} ${text.slice(text.lastIndexOf("→"))}` : text;
+}
+
 function readings() {
-  const said = legsAt(time).map((leg) => box("leg").options[leg].textContent).join("; ");
+  const said = legsAt(time).map(called).join("; ");
   box("now").textContent = clock(time);
   box("then").textContent = calendar(time);
   box("doing").textContent = said;
