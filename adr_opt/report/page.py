@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import os
 from dataclasses import dataclass
 from datetime import UTC
-from importlib import resources
 from string import Template
 from typing import Any, NamedTuple
 
 from .. import __version__
 from ..checking import Violation, check
-from ..errors import InputError, MissingExtra
+from ..errors import InputError
 from ..files import check_writable, write_text
 from ..flight import Flight, RefinedFlight, TankFlight, fly
 from ..instance import Instance
@@ -26,6 +23,7 @@ from ..refining.plan import RefinedPlan, reference
 from ..routes import several
 from ..wording import counted, status_words
 from . import burns, controls, figures, flights, sections, space, tables
+from .assets import asset, chart_library, page_script, policy
 from .facts import facts
 from .figures.parts import leg_title
 from .motion import motion
@@ -180,7 +178,7 @@ def _drawn(instance: Instance, plan: Plan) -> tuple[tuple[Track, ...], str | Non
 def _page(instance: Instance, plan: Plan, known: _Found) -> str:
     found, refined, trouble = facts(instance, plan), known.refined, known.trouble
     burned = burns.impulses(plan, known.drawn, refined)
-    library, script = _library(), _script()
+    library, script = chart_library(), page_script()
     done = {segment.phase for segment in segments(instance, plan)}
     epoch = instance.epoch.astimezone(UTC)
     subtitle = (
@@ -194,12 +192,12 @@ def _page(instance: Instance, plan: Plan, known: _Found) -> str:
         if plan.unvisited
         else "<p>None: the plan lists no target as not visited.</p>"
     )
-    return Template(_asset("page.html")).substitute(
-        policy=_policy(library, script),
+    return Template(asset("page.html")).substitute(
+        policy=policy(library, script),
         version=__version__,
         title=escape(f"{instance.name} · {found.visits} of {counted(found.targets, 'target')}"),
         name=escape(instance.name),
-        style=_asset("page.css"),
+        style=asset("page.css"),
         subtitle=subtitle,
         verdict=sections.verdict(
             instance,
@@ -266,41 +264,3 @@ def _data(
             [round(leg.ready_s / DAY_S, 6), round(leg.end_s / DAY_S, 6)] for leg in plan.legs
         ],
     }
-
-
-def _policy(*scripts: str) -> str:
-    """The page's own law: its two scripts may run, nothing else, and nothing may be loaded."""
-    hashes = " ".join(
-        f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
-        for text in scripts
-    )
-    return (
-        f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; "
-        "img-src data: blob:; base-uri 'none'; form-action 'none'"
-    )
-
-
-ROOMS = (
-    "state", "look", "charts", "time", "motion", "moving", "ground", "closeup", "burns", "main",
-)  # fmt: skip
-"""The rooms of the script, in the order in which they are put together."""
-
-
-def _script() -> str:
-    """The script of the page, one function, so that its rooms share their names and nobody else."""
-    rooms = "\n".join(_asset(f"script/{name}.js") for name in ROOMS)
-    return f'"use strict";\n(() => {{\n{rooms}}})();\n'
-
-
-def _asset(name: str) -> str:
-    return resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
-
-
-def _library() -> str:
-    """plotly.js, from the plotly package."""
-    try:
-        from plotly.offline import get_plotlyjs
-    except ImportError:
-        raise MissingExtra("a report", "plotly", "viz") from None
-    library: str = get_plotlyjs()
-    return library
