@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
 
@@ -28,16 +29,11 @@ def shortened(names: Iterable[str], width: int) -> dict[str, str]:
     -------
     dict of str to str
         Names that fit stay. Of the others the middle goes, and what tells objects of a cloud apart
-        mostly stands at the end. Where names would then be the same, what they begin with in common
-        goes instead.
+        mostly stands at the end: a catalogue number there stays whole, if there is room for it and
+        a letter before it. Where names would then be the same, what they begin with in common goes
+        instead.
     """
-    tail = 2 * (width - 1) // 3
-    head = width - 1 - tail
-    wanted = dict.fromkeys(names)
-    short = {
-        name: name if len(name) <= width else f"{name[:head]}…{name[len(name) - tail :]}"
-        for name in wanted
-    }
+    short = {name: _without_middle(name, width) for name in dict.fromkeys(names)}
     alike: dict[str, list[str]] = {}
     for name, text in short.items():
         alike.setdefault(text, []).append(name)
@@ -45,6 +41,20 @@ def shortened(names: Iterable[str], width: int) -> dict[str, str]:
         if len(group) > 1:
             short |= _without_beginning(group, width)
     return short
+
+
+CATALOGUE_NUMBER = re.compile(r"\d{4,9}(?: \(\d+\))?$")
+"""At the end of a name, with the count of those that have the same."""
+
+
+def _without_middle(name: str, width: int) -> str:
+    if len(name) <= width:
+        return name
+    tail = 2 * (width - 1) // 3
+    number = CATALOGUE_NUMBER.search(name)
+    if number is not None and len(number[0]) <= width - 2:
+        tail = max(tail, len(number[0]))
+    return f"{name[: width - 1 - tail]}…{name[len(name) - tail :]}"
 
 
 def _without_beginning(names: list[str], width: int) -> dict[str, str]:

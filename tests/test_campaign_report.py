@@ -150,7 +150,8 @@ def test_the_page_lists_chasers_and_traffic(mission: tuple[Instance, Plan]) -> N
         assert cells[4] == f"{sum(leg.delta_v_m_s for leg in route.legs):.1f}"
         assert cells[5] == f"{taken:.1f}"
         assert cells[7].count("+") == (route.chaser == OWN)
-    assert text.count("<td>kicker</td>") == 4 + 1
+    before = text.partition("<h2>Burns</h2>")[0]  # where each burn has its chaser, too
+    assert before.count("<td>kicker</td>") == 4 + 1
     assert f"{OWN} may service 3 targets" in text
     assert "500 or 400 m/s" in text
 
@@ -193,7 +194,7 @@ def test_in_a_browser(tmp_path: Path, width: int, dark: bool) -> None:
     (tmp_path / "page.html").write_text(page(campaign("j2"), planned("j2")), encoding="utf-8")
     with browser.Browser(tmp_path / "profile", width=width, dark=dark) as tab:
         tab.open_report(tmp_path / "page.html")
-        assert tab.evaluate("document.querySelectorAll('.chart.js-plotly-plot').length") == 8
+        assert tab.evaluate("document.querySelectorAll('.chart.js-plotly-plot').length") == 11
         hidden = "document.getElementById('lanes').data.filter((t) => t.visible === false).length"
         tab.evaluate("document.querySelector('button[data-phase=\"service\"]').click()")
         tab.wait_for(f"{hidden} === 1")

@@ -11,6 +11,8 @@ from conftest import Cli, refused
 from plans import solved
 
 import adr_opt
+import adr_opt.flight
+from adr_opt.refining.plan import Missing
 from adr_opt.report.text import fixed
 
 pytest.importorskip("plotly.graph_objects")
@@ -100,3 +102,44 @@ def test_what_refined_legs_take_is_told(cli: Cli, tiny_file: Path) -> None:
     call = ("report", tiny_file, "plan.json", "--refined", "other.json", "--out", "n.html")
     refused(cli(*call), "the refined plan was made of another plan")
     assert not Path("n.html").exists()
+
+
+def test_flights_are_told_where_they_are_asked_for(cli: Cli, tiny_file: Path) -> None:
+    """With --fly each leg has its miss, of the plan and refined; what a refined plan lacks heads.
+
+    Exit status 1 where a leg is missing, and the program says which.
+    """
+    pytest.importorskip("boinor.bodies")
+    instance = adr_opt.load(tiny_file)
+    plan = solved(instance)
+    plan.save("plan.json")
+    refined = adr_opt.refine(instance, plan)
+    refined.save("refined.json")
+    asked = ("report", tiny_file, "plan.json", "--refined", "refined.json", "--fly")
+    told = cli(*asked, "--out", "m.html", "--json")
+    assert told.status == 0, told.err
+    assert json.loads(told.out)["refined"] == []
+    text = Path("m.html").read_text(encoding="utf-8")
+    flight, again = (
+        adr_opt.flight.fly(instance, plan),
+        adr_opt.flight.fly_refined(instance, refined),
+    )
+    part = text.partition("<h2>Refined and flown</h2>")[2].partition("</section>")[0]
+    first, _, second = part.partition("<h3>The plan, refined</h3>")
+    for leg in flight.legs:
+        assert f"<td class=n>{leg.miss_m:.2g}</td>" in first
+    for one, leg in zip(again.legs, refined.legs, strict=True):
+        assert f"<td class=n>{max(one.standoff_miss_m, one.arrival_miss_m):.2g}</td>" in second
+        assert f"<td class=n>{fixed(leg.retargeted_delta_v_m_s, 1)}</td>" in second
+    assert f"<td class=n>{fixed(-flight.tanks[0].over_m_s, 1)}</td><td>holds</td>" in first
+    last = Missing(leg=len(plan.legs), reason="interrupted")
+    short = refined.replace(status="incomplete", legs=refined.legs[:-1], missing=(last,))
+    short.save("refined.json")
+    told = cli(*asked, "--out", "m.html", "--json")
+    assert told.status == 1
+    said = f"leg {last.leg} is missing: interrupted"
+    assert json.loads(told.out)["refined"] == [said]
+    assert f"refined.json: {said}" in told.err
+    text = Path("m.html").read_text(encoding="utf-8")
+    alert = text.partition('role="alert"')[2].partition("</section>")[0]
+    assert f"<li>{said}</li>" in alert

@@ -140,6 +140,10 @@ def test_names_are_cut_to_different_ones() -> None:
     assert list(short.values()) == ["station", "COSM…B 34021", "COSM…B 34022"]
     for width in range(6, 22):
         assert len(set(shortened(cloud, width).values())) == 2
+    for width in range(7, 22):
+        assert all(text.endswith(name[-5:]) for name, text in shortened(cloud, width).items())
+    (twin,) = shortened(["SL-16 ROCKET BODY 22285 (2)"], 12).values()
+    assert twin == "SL…22285 (2)"
     front = [f"{letter} of the long long cloud" for letter in "ab"]
     inside = [f"object {letter}{number} of the cloud" for letter in "ab" for number in (1, 2, 10)]
     for names in (front, inside, [*front, *inside, *cloud]):

@@ -216,7 +216,7 @@ def test_the_page_looks_right_in_a_browser(tmp_path: Path, width: int) -> None:
     write_report(campaign(), planned(), tmp_path / "page.html")
     with browser.Browser(tmp_path / "profile", width=width) as tab:
         tab.open_report(tmp_path / "page.html")
-        assert tab.evaluate("document.querySelectorAll('.chart.js-plotly-plot').length") == 8
+        assert tab.evaluate("document.querySelectorAll('.chart.js-plotly-plot').length") == 11
 
 
 def test_masses_after_launches_are_of_the_kits_of_the_route() -> None:

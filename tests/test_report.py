@@ -26,6 +26,7 @@ from adr_opt.settings import KeepOutZone
 plotly_graph_objects = pytest.importorskip("plotly.graph_objects")
 
 from adr_opt.report import figures, page, write_report  # noqa: E402
+from adr_opt.report.controls import leg_options  # noqa: E402
 from adr_opt.report.facts import facts  # noqa: E402
 from adr_opt.report.figures.orbits import MOST_RINGS  # noqa: E402
 
@@ -366,6 +367,35 @@ def test_charts_show_the_whole_mission(mission) -> None:
     assert 7000.0 < distances.min() < distances.max() < 7300.0
 
 
+def test_planes_are_numbered_by_legs(mission) -> None:
+    """Each visited target has the number of the leg that leads to it, at its plane."""
+    instance, plan = mission
+    (numbers,) = (one for one in figures.planes(instance, plan)["data"] if one["name"] == "order")
+    orbits = {target.name: target.orbit for target in instance.targets}
+    visits = [(n, leg) for n, leg in enumerate(plan.legs, start=1) if leg.destination in orbits]
+    assert numbers["text"] == [str(n) for n, _ in visits]
+    for (_, leg), inclination in zip(visits, numbers["y"], strict=True):
+        assert inclination == pytest.approx(orbits[leg.destination].inclination_deg, abs=1e-4)
+    assert len(set(numbers["textposition"])) > 4
+
+
+def test_legs_in_the_list_keep_their_catalogue_numbers(mission) -> None:
+    """Long names are cut in the list of legs, and their numbers are not."""
+    _, plan = mission
+    legs = tuple(
+        leg.replace(
+            origin=f"FENGYUN 1C DEBRIS OF 2007 {29000 + at} (2)",
+            destination=f"FENGYUN 1C DEBRIS OF 2007 {29001 + at} (2)",
+        )
+        for at, leg in enumerate(plan.legs)
+    )
+    options = re.findall(r"<option[^>]*>(.*?)</option>", leg_options(with_legs(plan, legs)))[1:]
+    for at, option in enumerate(options):
+        assert option.startswith(f"{at + 1}: FENG")
+        assert f"{29000 + at} (2) → " in option
+        assert option.endswith(f"{29001 + at} (2)")
+
+
 def test_zones_are_in_the_altitude_chart(hostile) -> None:
     """A zone is a box at its altitudes and times, and has a hover text."""
     instance, plan = hostile
@@ -400,12 +430,18 @@ def test_in_a_browser(mission, tmp_path: Path, width: int, dark: bool) -> None:
         assert [text for level, text in tab.complaints if level == "error"] == []
         assert only_local(tab.requests)
         assert tab.evaluate("document.documentElement.scrollWidth") == width
-        assert tab.evaluate("document.querySelectorAll('.chart.js-plotly-plot').length") == 6
+        assert tab.evaluate("document.querySelectorAll('.chart.js-plotly-plot').length") == 9
         tables = tab.evaluate(
             "[...document.querySelectorAll('.scroll')]"
             ".map((box) => box.getBoundingClientRect().right)"
         )
         assert max(tables) <= width
+        reached = tab.evaluate(
+            "[...document.querySelectorAll('.scroll')].map((box) => { box.scrollLeft = 1e6;"
+            " const last = box.querySelector('th:last-child').getBoundingClientRect();"
+            " return last.right - box.getBoundingClientRect().right; })"
+        )
+        assert max(reached) <= 1.0  # the last column of every table can be scrolled to
         background = tab.evaluate("getComputedStyle(document.body).backgroundColor")
         light = sum(int(part) for part in re.findall(r"\d+", background)[:3]) / 3.0
         assert light < 60.0 if dark else light > 220.0

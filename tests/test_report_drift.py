@@ -246,7 +246,7 @@ def test_in_a_browser(tmp_path: Path, width: int) -> None:
     write_report(instance, plan, tmp_path / "mission.html")
     with browser.Browser(tmp_path / "profile", width=width) as tab:
         tab.open_report(tmp_path / "mission.html")
-        assert tab.evaluate("document.querySelectorAll('.chart.js-plotly-plot').length") == 7
+        assert tab.evaluate("document.querySelectorAll('.chart.js-plotly-plot').length") == 10
         tab.evaluate("document.querySelector('tr[data-leg=\"1\"]').click()")
         reach = "document.getElementById('nodes').layout.xaxis.range"
         tab.wait_for(f"{reach}[1] < 10")

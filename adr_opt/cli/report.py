@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
 from ..errors import InputError, MissingExtra
@@ -15,6 +17,12 @@ from .parameters import (
     quiet_option,
 )  # fmt: skip
 
+if TYPE_CHECKING:
+    from ..flight import Flight, RefinedFlight
+    from ..instance import Instance
+    from ..plan import Plan
+    from ..refining.plan import RefinedPlan
+
 
 @click.command("report", short_help="Write PLAN as an interactive page that works offline.")
 @instance_argument
@@ -26,6 +34,12 @@ from .parameters import (
     metavar="FILE",
     help="PLAN as 'refine' has written it: what its legs take is told beside what was planned.",
 )
+@click.option(
+    "--fly",
+    "wants_flight",
+    is_flag=True,
+    help="Fly PLAN, and the refined one, as 'fly' does, and tell where each leg leads ([astro]).",
+)
 @json_option
 @quiet_option
 def command(
@@ -33,13 +47,15 @@ def command(
     plan_path: str,
     out: str,
     refined_path: str | None,
+    wants_flight: bool,
     as_json: bool,
     quiet: bool,
 ) -> int:
     """Write PLAN on INSTANCE as one self-contained HTML page: charts, tables, bound and gap.
 
     A plan with violations is reported too: they head the page and are counted here. So are tanks
-    that break when flown, on the true orbits or under J2. Exit status 1: there are such tanks.
+    that break when flown, on the true orbits or under J2, or refined. Exit status 1: there are such
+    tanks, or the refined plan lacks a leg or, with --fly, misses.
     """
     from ..instance import load
     from ..plan import load_plan
@@ -51,8 +67,13 @@ def command(
     check_out(out, instance_path, plan_path, refined_path)
     if not out.lower().endswith((".html", ".htm")):
         raise InputError(f"{out}: the page is HTML; give a file that ends in .html")
+    flight, refined_flight = None, None
     try:
-        written = write_report(instance, plan, out, refined)
+        if wants_flight:
+            flight, refined_flight = _flown(instance, plan, refined)
+        written = write_report(
+            instance, plan, out, refined, flight=flight, refined_flight=refined_flight
+        )
     except MissingExtra:
         raise
     except InputError as error:
@@ -71,6 +92,7 @@ def command(
                 "violations": [violation.to_dict() for violation in written.violations],
                 "tanks": tanks,
                 "trouble": written.trouble,
+                "refined": None if refined is None else list(written.complaints),
             }
         )
     if not quiet:
@@ -84,4 +106,15 @@ def command(
         for tank in broken:
             where = "when flown" if instance.nodes_drift else "on the true orbits"
             say(f"{plan_path}: {where} {tank}")
-    return 1 if broken else 0
+        for complaint in written.complaints:
+            say(f"{refined_path}: {complaint}")
+    return 1 if broken or written.complaints else 0
+
+
+def _flown(
+    instance: Instance, plan: Plan, refined: RefinedPlan | None
+) -> tuple[Flight, RefinedFlight | None]:
+    """The flight of a plan, and that of the refined one by another integrator."""
+    from ..flight import fly, fly_refined
+
+    return fly(instance, plan), None if refined is None else fly_refined(instance, refined)

@@ -10,7 +10,7 @@ from ..plan import Plan
 from .axes import label
 from .palette import COLOURS
 
-PLANNED, BURNED = COLOURS["phasing"], COLOURS["terminal"]
+PLANNED, BURNED, REFINED = COLOURS["phasing"], COLOURS["terminal"], COLOURS["co-elliptic"]
 BAR = 0.4
 
 

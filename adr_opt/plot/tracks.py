@@ -40,6 +40,10 @@ class Track:
         Positions over at most one revolution: the next would be drawn over them [m].
     nodes_deg : (2,) float64
         RAAN of the orbit at the first and the last of the times, without a jump [deg].
+    first_m, first_m_s : (3,) float64
+        Position [m] and velocity within the plane [m/s] at the first of the times.
+    pace, node_rate_rad_s : float
+        How the orbit goes on from there, as :class:`adr_opt.trajectory.Arc` has it.
     """
 
     leg: int
@@ -48,6 +52,10 @@ class Track:
     altitudes_m: Array
     around_m: Array
     nodes_deg: Array
+    first_m: Array
+    first_m_s: Array
+    pace: float
+    node_rate_rad_s: float
 
 
 def tracks(instance: Instance, plan: Plan) -> tuple[Track, ...]:
@@ -86,6 +94,9 @@ def _track(instance: Instance, path: LegPath, arc: Arc) -> Track:
         altitudes[ends] if level else altitudes,
         around,
         np.array([node, node + drifted]),
+        *first,
+        arc.pace,
+        arc.node_rate_rad_s,
     )
 
 

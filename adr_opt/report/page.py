@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import os
 from dataclasses import dataclass
 from datetime import UTC
-from importlib import resources
 from string import Template
-from typing import Any
+from typing import Any, NamedTuple
 
 from .. import __version__
 from ..checking import Violation, check
-from ..errors import InputError, MissingExtra
+from ..errors import InputError
 from ..files import check_writable, write_text
-from ..flight import Flight, TankFlight, fly
+from ..flight import Flight, RefinedFlight, TankFlight, fly
 from ..instance import Instance
 from ..kernels.constants import DAY_S
 from ..plan import Plan
@@ -25,9 +22,11 @@ from ..plot.tracks import Track, tracks
 from ..refining.plan import RefinedPlan, reference
 from ..routes import several
 from ..wording import counted, status_words
-from . import figures, sections, space, tables
+from . import burns, controls, figures, flights, sections, space, tables
+from .assets import asset, chart_library, page_script, policy
 from .facts import facts
 from .figures.parts import leg_title
+from .motion import motion
 from .text import escape, in_days, in_script
 
 
@@ -46,6 +45,8 @@ class Report:
         or need not be flown.
     trouble : str or None
         Why the chaser's path could not be drawn, if it could not.
+    complaints : tuple of str
+        What is wrong with the refined plan.
     """
 
     path: str
@@ -53,6 +54,7 @@ class Report:
     violations: tuple[Violation, ...]
     tanks: tuple[TankFlight, ...] | None
     trouble: str | None
+    complaints: tuple[str, ...] = ()
 
 
 def write_report(
@@ -60,6 +62,9 @@ def write_report(
     plan: Plan,
     path: str | os.PathLike[str],
     refined: RefinedPlan | None = None,
+    *,
+    flight: Flight | None = None,
+    refined_flight: RefinedFlight | None = None,
 ) -> Report:
     """Write a mission as one HTML file, whole or not at all.
 
@@ -71,6 +76,11 @@ def write_report(
     path : path
     refined : RefinedPlan, optional
         The same plan, refined: what its legs take is told beside what they were planned with.
+    flight : Flight, optional
+        What :func:`adr_opt.flight.fly` found of the plan. Where nodes drift or orbits are eccentric
+        the plan is flown here if it is not given.
+    refined_flight : RefinedFlight, optional
+        What :func:`adr_opt.flight.fly_refined` found of the refined plan.
 
     Raises
     ------
@@ -82,16 +92,25 @@ def write_report(
     """
     check_writable(path)
     _refuse_other(plan, refined)
-    violations, flight = check(instance, plan), _flown(instance, plan)
-    drawn, trouble = _drawn(instance, plan)
-    text = _page(instance, plan, violations, flight, drawn, trouble, refined)
+    found = _found(instance, plan, refined, flight, refined_flight)
+    text = _page(instance, plan, found)
     write_text(path, text)
-    tanks = flight.tanks if isinstance(flight, Flight) else None
-    return Report(os.fspath(path), len(text.encode()), violations, tanks, trouble)
+    tanks = found.flight.tanks if isinstance(found.flight, Flight) else None
+    return Report(
+        os.fspath(path), len(text.encode()), found.violations, tanks, found.trouble,
+        flights.complaints(instance, refined, refined_flight),
+    )  # fmt: skip
 
 
-def page(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> str:
-    """The HTML of the report.
+def page(
+    instance: Instance,
+    plan: Plan,
+    refined: RefinedPlan | None = None,
+    *,
+    flight: Flight | None = None,
+    refined_flight: RefinedFlight | None = None,
+) -> str:
+    """The HTML of the report; the parameters are those of :func:`write_report`.
 
     Raises
     ------
@@ -99,8 +118,30 @@ def page(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
         As in :func:`write_report`.
     """
     _refuse_other(plan, refined)
-    violations, flight = check(instance, plan), _flown(instance, plan)
-    return _page(instance, plan, violations, flight, *_drawn(instance, plan), refined)
+    return _page(instance, plan, _found(instance, plan, refined, flight, refined_flight))
+
+
+class _Found(NamedTuple):
+    """What is known of a plan besides itself."""
+
+    violations: tuple[Violation, ...]
+    flight: Flight | str | None
+    drawn: tuple[Track, ...]
+    trouble: str | None
+    refined: RefinedPlan | None
+    refined_flight: RefinedFlight | None
+
+
+def _found(
+    instance: Instance,
+    plan: Plan,
+    refined: RefinedPlan | None,
+    flight: Flight | None,
+    refined_flight: RefinedFlight | None,
+) -> _Found:
+    violations = check(instance, plan)
+    flown = _flown(instance, plan) if flight is None else flight
+    return _Found(violations, flown, *_drawn(instance, plan), refined, refined_flight)
 
 
 def _refuse_other(plan: Plan, refined: RefinedPlan | None) -> None:
@@ -134,17 +175,10 @@ def _drawn(instance: Instance, plan: Plan) -> tuple[tuple[Track, ...], str | Non
         return (), str(error)
 
 
-def _page(
-    instance: Instance,
-    plan: Plan,
-    violations: tuple[Violation, ...],
-    flight: Flight | str | None,
-    drawn: tuple[Track, ...],
-    trouble: str | None,
-    refined: RefinedPlan | None,
-) -> str:
-    found = facts(instance, plan)
-    library, script = _library(), _asset("page.js")
+def _page(instance: Instance, plan: Plan, known: _Found) -> str:
+    found, refined, trouble = facts(instance, plan), known.refined, known.trouble
+    burned = burns.impulses(plan, known.drawn, refined)
+    library, script = chart_library(), page_script()
     done = {segment.phase for segment in segments(instance, plan)}
     epoch = instance.epoch.astimezone(UTC)
     subtitle = (
@@ -158,41 +192,55 @@ def _page(
         if plan.unvisited
         else "<p>None: the plan lists no target as not visited.</p>"
     )
-    return Template(_asset("page.html")).substitute(
-        policy=_policy(library, script),
+    return Template(asset("page.html")).substitute(
+        policy=policy(library, script),
         version=__version__,
         title=escape(f"{instance.name} · {found.visits} of {counted(found.targets, 'target')}"),
         name=escape(instance.name),
-        style=_asset("page.css"),
+        style=asset("page.css"),
         subtitle=subtitle,
-        verdict=sections.verdict(instance, violations, flight),
+        verdict=sections.verdict(
+            instance,
+            known.violations,
+            known.flight,
+            flights.complaints(instance, refined, known.refined_flight),
+        ),
         headline=sections.headline(found),
         crew=sections.crew(instance, plan, refined),
-        flight=space.flight(instance),
+        flight=space.flight(instance, plan),
         step="burn" if instance.transfer.given is None else "arrival",
         gantt_note=sections.gantt_note(instance),
-        leg_options=sections.leg_options(plan),
-        phases=sections.phases([phase for phase in PHASES if phase in done]),
+        leg_options=controls.leg_options(plan),
+        timebar=controls.timebar(),
+        phases=controls.phases([phase for phase in PHASES if phase in done]),
         trouble="" if trouble is None else sections.not_drawn(space.path_of(instance), trouble),
         nodes=space.nodes(instance),
-        costs_note=sections.costs_note(plan),
+        costs_note=sections.costs_note(plan, refined),
         planes=space.planes(instance),
         legs=tables.legs(instance, plan, refined),
+        burns=burns.section(instance, plan, burned),
+        flown=flights.section(instance, known.flight, refined, known.refined_flight),
         unvisited=left_out,
         certificate=sections.certificate(plan, found),
         origin=sections.origin(instance, plan),
-        data=in_script(_data(instance, plan, drawn)),
+        data=in_script(_data(instance, plan, known, burned)),
         library=library,
         script=script,
     )
 
 
-def _data(instance: Instance, plan: Plan, drawn: tuple[Track, ...]) -> dict[str, Any]:
+def _data(
+    instance: Instance,
+    plan: Plan,
+    known: _Found,
+    burned: tuple[burns.Impulse, ...],
+) -> dict[str, Any]:
     """What the script of the page draws from."""
+    drawn = known.drawn
     numbers = range(1, len(plan.legs) + 1)
     charts = {
         "budget": figures.budget(instance, plan),
-        "costs": figures.costs(plan),
+        "costs": figures.costs(plan, known.refined),
         "gantt": figures.gantt(instance, plan),
     }
     if instance.transfer.given is None:
@@ -204,36 +252,15 @@ def _data(instance: Instance, plan: Plan, drawn: tuple[Track, ...]) -> dict[str,
         charts["lanes"] = figures.lanes(instance, plan)
     if instance.nodes_drift:
         charts["nodes"] = figures.nodes(instance, plan, drawn)
+    last = charts["gantt"]["layout"]["xaxis"]["range"][1]
     return {
+        "epoch_ms": round(instance.epoch.timestamp() * 1000.0),
+        "end_s": last * DAY_S,
+        "motion": motion(instance, plan, drawn) if instance.transfer.given is None else None,
+        "burns": burns.of_page(instance, plan, burned),
         "figures": charts,
         "titles": ["start", *(leg_title(plan, number) for number in numbers)],
         "windows": [
             [round(leg.ready_s / DAY_S, 6), round(leg.end_s / DAY_S, 6)] for leg in plan.legs
         ],
     }
-
-
-def _policy(*scripts: str) -> str:
-    """The page's own law: its two scripts may run, nothing else, and nothing may be loaded."""
-    hashes = " ".join(
-        f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
-        for text in scripts
-    )
-    return (
-        f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; "
-        "img-src data: blob:; base-uri 'none'; form-action 'none'"
-    )
-
-
-def _asset(name: str) -> str:
-    return resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
-
-
-def _library() -> str:
-    """plotly.js, from the plotly package."""
-    try:
-        from plotly.offline import get_plotlyjs
-    except ImportError:
-        raise MissingExtra("a report", "plotly", "viz") from None
-    library: str = get_plotlyjs()
-    return library

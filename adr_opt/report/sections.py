@@ -11,7 +11,6 @@ from ..flight import Flight
 from ..instance import Instance
 from ..kernels.constants import DAY_S
 from ..plan import Plan
-from ..plot.palette import COLOURS, LABELS
 from ..refining.plan import RefinedPlan
 from ..routes import several
 from ..settings import TransferSettings
@@ -22,7 +21,10 @@ from .text import NOTHING, clock, escape, in_days, length, number
 
 
 def verdict(
-    instance: Instance, violations: tuple[Violation, ...], flown: Flight | str | None
+    instance: Instance,
+    violations: tuple[Violation, ...],
+    flown: Flight | str | None,
+    refined: tuple[str, ...] = (),
 ) -> str:
     """What the check and a flight on the true orbits, or in the mean dynamics, found.
 
@@ -34,6 +36,8 @@ def verdict(
     violations : tuple of Violation
     flown : Flight or str or None
         On the true orbits or under J2, or why it was not flown; None if all flies as planned.
+    refined : tuple of str
+        What is wrong with the refined plan.
     """
     drifts = instance.nodes_drift
     boxes = ""
@@ -58,6 +62,12 @@ def verdict(
             f"{why} Figures below are those of the model; <code>solve --margin</code> plans with a "
             "reserve.",
             flown.broken_tanks,
+        )
+    if refined:
+        boxes += _box(
+            "The refined plan does not hold",
+            "In true dynamics something is missing. Figures below are those of the model.",
+            refined,
         )
     if boxes:
         return boxes
@@ -113,7 +123,7 @@ def crew(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
     )
 
 
-def costs_note(plan: Plan) -> str:
+def costs_note(plan: Plan, refined: RefinedPlan | None) -> str:
     """What the bars of the legs are."""
     if any(leg.kind == "given" for leg in plan.legs):
         return "What is given of each leg."
@@ -122,6 +132,8 @@ def costs_note(plan: Plan) -> str:
         said += "; of a leg that drifts the first comes from a closed form"
     if any(leg.eccentricity_delta_v_m_s > 0.0 for leg in plan.legs):
         said += "; matching eccentricities is counted and has no burn"
+    if refined is not None:
+        said += "; and what it takes refined, in true dynamics"
     return said + "."
 
 
@@ -178,24 +190,6 @@ def headline(found: Facts) -> str:
         f"<div><dt>{title}</dt><dd><b>{value}</b> <span>{note}</span></dd></div>"
         for title, value, note in cards
     )
-
-
-def phases(shown: list[str]) -> str:
-    """The legend of all charts: a button per phase that hides and shows it."""
-    return "".join(
-        f'<button type="button" class="phase" aria-pressed="true" data-phase="{phase}">'
-        f'<i style="background:{COLOURS[phase]}"></i>{LABELS[phase]}</button>'
-        for phase in shown
-    )
-
-
-def leg_options(plan: Plan) -> str:
-    """What the list of legs offers."""
-    options = "".join(
-        f'<option value="{at}">{at}: {escape(leg.origin)} → {escape(leg.destination)}</option>'
-        for at, leg in enumerate(plan.legs, start=1)
-    )
-    return f'<option value="0">the whole mission</option>{options}'
 
 
 def certificate(plan: Plan, found: Facts) -> str:

@@ -15,8 +15,9 @@ from ..plot.palette import REASONS
 from ..plot.traffic import also_there, stays
 from ..refining.plan import RefinedPlan
 from ..routes import by_tank, owners, routes_of
-from ..wording import counted
 from .text import LONG_S, NOTHING, clock, escape, fixed, number, span
+
+LONG_ROUTE = 30
 
 REASON_TITLES = {
     "no-transfer": "no transfer",
@@ -50,6 +51,12 @@ def table(caption: str, headings: Iterable[tuple[str, str]], rows: Iterable[str]
     )
 
 
+def route_cell(origin: str, destination: str) -> tuple[str, str]:
+    """Where a leg leads, as a cell: names that are long together may go over several lines."""
+    kind = "name" if len(origin) + len(destination) > LONG_ROUTE else ""
+    return kind, f"{escape(origin)} → <b>{escape(destination)}</b>"
+
+
 def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> str:
     """One row per leg, refuellings marked; a click on a row shows that leg in the charts.
 
@@ -74,7 +81,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
         cells = (
             ("n", f'<button type="button" class="leg">{at}</button>'),
             *([("", escape(whose[at]))] if whose else []),
-            ("", f"{escape(leg.origin)} → <b>{escape(leg.destination)}</b>"),
+            route_cell(leg.origin, leg.destination),
             ("n", clock(leg.ready_s)),
             *([("", leg.kind)] if drifts else []),
             ("n", told(leg.departure_s - leg.ready_s)),
@@ -91,7 +98,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
             *([("n", _kg(leg.mass_kg))] if weighed else []),
             ("n", "refuels" if refuels else number(prizes.get(leg.destination, 0.0), 3)),
         )
-        inside = "".join(f"<td{' class=n' if c else ''}>{text}</td>" for c, text in cells)
+        inside = "".join(f"<td{f' class={c}' if c else ''}>{text}</td>" for c, text in cells)
         rows.append(f'<tr data-leg="{at}"{" class=refuels" if refuels else ""}>{inside}</tr>')
     unit = "d" if in_days else "h"
     headings = (
@@ -104,7 +111,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
         *([("mass kg", "n")] if weighed else []),
         ("prize", "n"),
     )  # fmt: skip
-    return (_refined(refined) if refined else "") + table("Legs", headings, rows)
+    return table("Legs", headings, rows)
 
 
 def _towing(leg: Leg) -> str:
@@ -112,15 +119,6 @@ def _towing(leg: Leg) -> str:
     if leg.tow is None:
         return NOTHING
     return f"{clock(leg.tow.end_s)}, {fixed(leg.tow.delta_v_m_s, 1)}"
-
-
-def _refined(refined: RefinedPlan) -> str:
-    """What the refined legs take in all."""
-    return (
-        f"<p>Refined in the field {refined.gravity}, {counted(len(refined.legs), 'leg')}: planned "
-        f"with {fixed(refined.planned_delta_v_m_s, 1)} m/s, flown with "
-        f"{fixed(refined.flown_delta_v_m_s, 1)} m/s.</p>"
-    )
 
 
 def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> str:
@@ -216,7 +214,7 @@ def traffic(instance: Instance, plan: Plan) -> str:
 
 
 def _row(cells: Iterable[tuple[str, str]]) -> str:
-    inside = "".join(f"<td{' class=n' if kind else ''}>{text}</td>" for kind, text in cells)
+    inside = "".join(f"<td{f' class={kind}' if kind else ''}>{text}</td>" for kind, text in cells)
     return f"<tr>{inside}</tr>"
 
 

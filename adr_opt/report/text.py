@@ -40,7 +40,8 @@ def number(value: float, digits: int = 1) -> str:
 
 def fixed(value: float, digits: int) -> str:
     """A number with all its decimals, for columns."""
-    return f"{value:.{digits}f}".replace("-", "−")
+    rounded = round(value, digits) + 0.0  # no negative zero
+    return f"{rounded:.{digits}f}".replace("-", "−")
 
 
 def length(metres: float) -> str:

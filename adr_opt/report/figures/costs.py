@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 from ...plan import Leg, Plan
-from ...plot.costs import BURNED, PLANNED
+from ...plot.costs import BURNED, PLANNED, REFINED
+from ...refining.plan import RefinedPlan
 from ..text import number
 from .parts import Figure, column, leg_title
 
@@ -11,8 +14,11 @@ MOST_TICKS = 20
 """Where there are more legs, not each has its number below the chart."""
 
 
-def costs(plan: Plan) -> Figure:
-    """Two bars per leg in m/s; one where connections are given, which have no burns."""
+def costs(plan: Plan, refined: RefinedPlan | None = None) -> Figure:
+    """Two bars per leg in m/s; one where connections are given, which have no burns.
+
+    With the plan refined, a third one is what the leg takes then.
+    """
     is_given = any(leg.kind == "given" for leg in plan.legs)
     numbers = list(range(1, len(plan.legs) + 1))
     said = [f"{leg_title(plan, at)}<br>{_words(leg)}" for at, leg in enumerate(plan.legs, start=1)]
@@ -26,6 +32,7 @@ def costs(plan: Plan) -> Figure:
         for name, values, colour in (
             ("planned", [leg.delta_v_m_s for leg in plan.legs], PLANNED),
             ("burns", None if is_given else [leg.burns_delta_v_m_s for leg in plan.legs], BURNED),
+            ("refined", _refined(plan, refined), REFINED),
         )
         if values is not None
     ]  # fmt: skip
@@ -40,6 +47,14 @@ def costs(plan: Plan) -> Figure:
         "yaxis": {"title": {"text": "ΔV [m/s]"}, "rangemode": "tozero"},
     }
     return {"data": traces, "layout": layout}
+
+
+def _refined(plan: Plan, refined: RefinedPlan | None) -> list[float] | None:
+    """What the legs take in true dynamics; NaN for those that are missing [m/s]."""
+    if refined is None:
+        return None
+    flown = {leg.leg: leg.flown_delta_v_m_s for leg in refined.legs}
+    return [flown.get(at, math.nan) for at in range(1, len(plan.legs) + 1)]
 
 
 def _words(leg: Leg) -> str:

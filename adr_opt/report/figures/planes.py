@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,35 @@ from ...plot.axes import KM_M, chaser_colours
 from ...plot.fields import raan_deg
 from ...plot.palette import REASONS, STATION, UNVISITED, VISITED
 from ...routes import Flown, routes_of, several
+from ...trajectory.kepler import Array
 from ..text import in_chart
 from .parts import Figure, column
 
+SIDES = (
+    "middle right", "top right", "top center", "top left", "middle left", "bottom left",
+    "bottom center", "bottom right",
+)  # fmt: skip
+"""Beside a point, from the right around to the left."""
+
+
+def _sides(across: Array, up: Array) -> list[str]:
+    """For each point of a line the side away from its neighbours, as plotly calls it."""
+    points = np.column_stack([across, up])
+    widths = np.ptp(points, axis=0) if len(points) else np.ones(2)
+    points = points / np.where(widths > 0.0, widths, 1.0)
+    found = []
+    for at, point in enumerate(points):
+        away = np.zeros(2)
+        for other in points[max(0, at - 1) : at + 2]:
+            distance = float(np.linalg.norm(point - other))
+            away += (point - other) / distance if distance > 0.0 else 0.0
+        turn = math.atan2(away[1], away[0]) / (2.0 * math.pi) if away.any() else 0.25
+        found.append(SIDES[round(turn * len(SIDES)) % len(SIDES)])
+    return found
+
 
 def planes(instance: Instance, plan: Plan) -> Figure:
-    """RAAN across and inclination up, in degrees; a line follows each chaser."""
+    """RAAN across and inclination up, in degrees; a line follows each chaser, legs are numbered."""
     raan = raan_deg(instance)
     inclination = np.array([orbit.inclination_deg for orbit in instance.body_orbits])
     index = {name: number for number, name in enumerate(instance.names)}
@@ -52,6 +76,27 @@ def planes(instance: Instance, plan: Plan) -> Figure:
             "hoverinfo": "skip",
         }  # fmt: skip
 
+    def order(flown: Flown) -> dict[str, Any]:
+        """The number of its leg beside each target, on the side where the chaser's line is not."""
+        mine = [(n, index[leg.destination]) for n, leg in flown.legs if leg.destination in index]
+        home = [] if flown.chaser.is_launched else [index[flown.chaser.start_name]]
+        bodies = [*home, *(body for _, body in mine)]
+        sides = _sides(raan[bodies], inclination[bodies])[len(home) :]
+        shown = [
+            (n, body, side) for (n, body), side in zip(mine, sides, strict=True) if body >= first
+        ]
+        numbers, at = [n for n, _, _ in shown], [body for _, body, _ in shown]
+        colour = {"color": colours[flown.chaser.name]} if several(instance) else {}
+        return {
+            "type": "scatter", "mode": "markers+text", "name": "order", "showlegend": False,
+            "x": column(raan[at], 4), "y": column(inclination[at], 4),
+            "text": [str(n) for n in numbers], "customdata": numbers,
+            "textposition": [side for _, _, side in shown],
+            "textfont": {"size": 11, **colour}, "hoverinfo": "skip",
+            # not seen, but texts keep off marks
+            "marker": {"size": 9, "color": "rgba(0,0,0,0)"},
+        }  # fmt: skip
+
     def body_text(body: int) -> str:
         altitude = (instance.body_orbits[body].semi_major_axis_m - EARTH_RADIUS_M) / KM_M
         return f"<b>{in_chart(instance.names[body])}</b>, {altitude:.1f} km"
@@ -73,6 +118,7 @@ def planes(instance: Instance, plan: Plan) -> Figure:
             [f"{body_text(body)}<br>visited by leg {n}" for n, body in visits],
             customdata=[n for n, _ in visits], marker={"color": VISITED, "size": 9},
         ),
+        *(order(flown) for flown in routes_of(instance, plan)),
         points(
             "station", stations, [body_text(body) for body in stations],
             marker={"color": STATION, "size": 12, "symbol": "square"},

@@ -1,0 +1,97 @@
+// Marks that move among the orbits, and the table of where the chasers are.
+const MARKS = { station: 9, visited: 6, "not visited": 4 };
+const GOAL = 10; // where the leg leads
+
+const kilometres = (points) => [0, 1, 2].map((axis) => points.map((r) => r[axis] / 1000));
+
+// Chasers that are somewhere, with their states.
+const present = () =>
+  motion.chasers.flatMap((chaser) => {
+    const state = chaserState(chaser, time);
+    return state ? [{ chaser, ...state }] : [];
+  });
+
+const paint = ({ chaser, phase }) =>
+  chaser.colour ?? (phase ? motion.phases[phase][1] : colour("text"));
+
+// Names are kept as charts take them, who read tags and entities; elsewhere they are plain text.
+const plain = (name) =>
+  name.replace(/&lt;/g, "<").replace(/&gt;/g, ">").replace(/&amp;/g, "&");
+
+function marks() {
+  const bodies = motion.bodies.map((body) => bodyState(body, time).r);
+  const leg = legShown();
+  const goal = leg ? motion.legs[leg - 1].to : null;
+  const chasers = present();
+  return [
+    {
+      at: bodies, text: motion.bodies.map(({ name }) => name),
+      colours: motion.bodies.map((body) => motion.kinds[body.kind]),
+      sizes: motion.bodies.map((body, at) => (at === goal ? GOAL : MARKS[body.kind])),
+      edges: motion.bodies.map((_, at) => (at === goal ? 2 : 0)),
+    },
+    {
+      at: chasers.map(({ r }) => r), text: chasers.map(({ chaser }) => chaser.name),
+      colours: chasers.map(paint), sizes: chasers.map(() => 12),
+      edges: chasers.map(() => 1.5),
+    },
+  ];
+}
+
+function moving() {
+  return marks().map(({ at, text, colours, sizes }, which) => {
+    const [x, y, z] = kilometres(at);
+    return {
+      type: "scatter3d", mode: "markers", name: ["bodies now", "chasers now"][which],
+      showlegend: false, x, y, z, text, hovertemplate: "%{text}<extra></extra>",
+      marker: {
+        color: colours, size: sizes, opacity: 1, symbol: which ? "diamond" : "circle",
+        line: { width: which ? 2 : 0, color: colour("text") },
+      },
+    };
+  });
+}
+
+function moveInOrbits() {
+  const chart = box("orbits");
+  const count = chart.data.length;
+  let moved = moving();
+  if (drawsWith() === "") moved = flat(moved);
+  const update = { x: moved.map(({ x }) => x), y: moved.map(({ y }) => y) };
+  if (drawsWith() !== "") update.z = moved.map(({ z }) => z);
+  update.text = moved.map(({ text }) => text);
+  update["marker.color"] = moved.map(({ marker }) => marker.color);
+  update["marker.size"] = moved.map(({ marker }) => marker.size);
+  return Plotly.restyle(chart, update, [count - 2, count - 1]);
+}
+
+// Lengths in metres below ten kilometres.
+const far = (metres) =>
+  (metres < 1e4 ? `${metres.toFixed(0)}\u202fm` : `${(metres / 1000).toFixed(0)}\u202fkm`);
+
+const signed = (value, digits) => value.toFixed(digits).replace("-", "−");
+
+function status() {
+  for (const row of document.querySelectorAll("tr[data-chaser]")) {
+    const state = chaserState(motion.chasers[Number(row.dataset.chaser)], time);
+    let said = ["—", "—", "—", "—", "—", "—"];
+    if (state) {
+      const { latitude, longitude, altitude } = above(state.r, time);
+      const leg = state.arc[LEG];
+      const to = motion.legs[leg - 1].to;
+      const goal = to === null ? null : motion.bodies[to];
+      said = [
+        state.phase ? `${leg}${goal ? ` → ${plain(goal.name)}` : ""}` : "—",
+        state.phase ? motion.phases[state.phase][0] : "done",
+        signed(altitude / 1000, 1), signed(latitude, 2), signed(longitude, 2),
+        goal ? far(size(sum(state.r, scaled(bodyState(goal, time).r, -1)))) : "—",
+      ];
+    }
+    [...row.cells].slice(1).forEach((cell, at) => { cell.textContent = said[at]; });
+  }
+}
+
+if (motion) {
+  if (figures.orbits) views.push({ chart: "orbits", show: moveInOrbits });
+  views.push({ show: status });
+}
