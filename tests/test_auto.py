@@ -201,8 +201,9 @@ def test_a_large_field_ends_on_time() -> None:
 
 def test_on_one_core_the_beam_comes_before_the_proof(monkeypatch):
     """A proof that takes all the time there is cannot keep auto from the beam of `beam`."""
+    adr_opt.warm_up("auto")  # whose practice is not looked at
     done = []
-    usual, advance = auto_module._Search.usual, auto_module._Prover.advance
+    usual, advance = auto_module._Search.usual, auto_module.Beside.advance
 
     def searching(self, width):
         done.append(width)
@@ -213,7 +214,7 @@ def test_on_one_core_the_beam_comes_before_the_proof(monkeypatch):
         advance(self)
 
     monkeypatch.setattr(auto_module._Search, "usual", searching)
-    monkeypatch.setattr(auto_module._Prover, "advance", proving)
+    monkeypatch.setattr(auto_module.Beside, "advance", proving)
     mission = Mission(adr_opt.generate("nominal", 0, targets=30))
     adr_opt.solve(mission, "auto", jobs=1, iterations=2, time_limit=60.0)
     assert "proof" in done
