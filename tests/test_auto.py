@@ -14,7 +14,8 @@ from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 
 import adr_opt
 from adr_opt.mission import Mission
-from adr_opt.planner import silent
+from adr_opt.planner import PLANNERS, silent
+from adr_opt.prepared import warm_up
 from adr_opt.result import Result
 from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
 from solvers.planners import auto as auto_module
@@ -201,7 +202,7 @@ def test_a_large_field_ends_on_time() -> None:
 
 def test_on_one_core_the_beam_comes_before_the_proof(monkeypatch):
     """A proof that takes all the time there is cannot keep auto from the beam of `beam`."""
-    adr_opt.warm_up("auto")  # whose practice is not looked at
+    warm_up(PLANNERS, "auto")  # whose practice is not looked at
     done = []
     usual, advance = auto_module._Search.usual, auto_module.Beside.advance
 
