@@ -233,6 +233,12 @@ def filled(tank: AnyTank) -> AnyTank:
     return tank.replace(initial_delta_v_m_s=None)
 
 
+def all_filled(instance: Instance) -> Instance:
+    """The same with tanks that are full at the start."""
+    chasers = (each.replace(tank=filled(each.tank)) for each in instance.chasers)
+    return instance.replace(chasers=tuple(chasers))
+
+
 def random_campaign(seed: int, draw: Callable[[int], Instance] = random_mission) -> Instance:
     """The same for two or three chasers, some of them of one kind."""
     rng = np.random.default_rng([4, seed])
