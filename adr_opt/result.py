@@ -264,9 +264,6 @@ def certify_routes(
     status = status_of(problem, objective, upper_bound)
     cost = cost_of_routes(problem.instance, priced)
     if cost_bound is not None:
-        if problem.instance.objective.cost == "delta-v":
-            # Walks pay for what was spent before the start, those that fly at all.
-            cost_bound = max(cost_bound - math.fsum(problem.instance.spent_m_s.values()), 0.0)
         cost_bound = min(cost_bound, cost)  # they may differ by rounding
     bounded = math.isfinite(upper_bound)
     plan = Plan(

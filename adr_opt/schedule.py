@@ -43,8 +43,9 @@ class Schedule:
     departures, arrivals, ends : (made,) float64
         Of each leg, and the end of the service that follows it [s].
     delta_vs, lefts : (made,) float64
-        ΔV of each leg without tows, and what is left after its service, as the rules count it: with
-        the slack that a tank may be overdrawn by [m/s].
+        What each leg takes out of the tank, without tows: of the first one with what was spent
+        before the start; and what is left after its service, as the rules count it, with the slack
+        that a tank may be overdrawn by [m/s].
     revolutions : (made,) int64
         Phasing revolutions of each leg.
     """
@@ -112,6 +113,7 @@ class Scheduler:
         def least(i: int, j: int) -> float:
             return float(self.connections(i, j).delta_v.min(initial=math.inf))
 
+        self._spent_m_s = connecting.spent_m_s
         self.connections = lru_cache(PAIRS_KEPT)(of_pair)
         self._least = lru_cache(None)(least)
         # The order of the last call, the kits at its start, and its fronts. One object, so that
@@ -253,7 +255,11 @@ class Scheduler:
         rules = self._rules()
         way = (rules.start, *order)
         flown = 0.0 if rules.loads is None else math.fsum(rules.loads.flown[list(order)])
-        return math.fsum(self._least(i, j) for i, j in pairwise(way)) + flown
+        return math.fsum(self._least(i, j) for i, j in pairwise(way)) + flown - self._before(order)
+
+    def _before(self, order: tuple[int, ...]) -> float:
+        """What the first leg takes out of the tank because it was spent before the start [m/s]."""
+        return self._spent_m_s(self._rules().start) if order else 0.0
 
     def of(self, order: tuple[int, ...]) -> Schedule:
         """The schedule of least cost: the earliest end of least ΔV, or the other way round."""
@@ -263,12 +269,12 @@ class Scheduler:
         last = fronts[-1]
         keys = (last.cost, last.ready) if self._by_time else (last.ready, last.cost)
         label = int(np.lexsort(keys)[0])
-        cost = float(last.cost[label])
+        before = self._before(order[:made])
+        total = cost = float(last.cost[label]) - before
         if self._by_time:
             cost = float(last.ready[label]) if made else 0.0
         elif self._by_expense:
-            cost = self._chaser.priced.of(cost) if made else 0.0
-        total = float(last.cost[label])
+            cost = self._chaser.priced.of(float(last.cost[label])) if made else 0.0
         departures, arrivals, ends, delta_vs, lefts = np.empty((5, made))
         revolutions = np.empty(made, dtype=np.int64)
         for at in range(made - 1, -1, -1):
@@ -283,7 +289,7 @@ class Scheduler:
         return Schedule(
             made,
             objective,
-            math.fsum(delta_vs) if self._by_expense else total,
+            math.fsum(delta_vs) - before if self._by_expense else total,
             cost,
             departures,
             arrivals,

@@ -22,7 +22,7 @@ STRIDE = 0.01
 """Ask for a plan worth so much less than the bound (relative)."""
 
 
-Found = TypeVar("Found")
+Found = TypeVar("Found", bound=Iterable[Any])
 
 
 class Best(Protocol[Found]):

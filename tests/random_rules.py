@@ -9,7 +9,7 @@ import numpy as np
 
 import adr_opt
 from adr_opt.bodies import Station, Target
-from adr_opt.chasers import AtStation, Chaser, InOrbit, Tank, TankByMass
+from adr_opt.chasers import AnyTank, AtStation, Chaser, InOrbit, Tank, TankByMass
 from adr_opt.given import among, of_rows
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import EARTH_RADIUS_M
@@ -201,10 +201,42 @@ def _with_rules(
     return instance.replace(
         stations=tuple(stations),
         targets=tuple(targets),
-        chasers=(chaser.replace(**changes),),
+        chasers=(begun(chaser.replace(**changes), rng),),
         mission=MissionSettings(duration_s=duration, **service),
         objective=Objective(cost=str(rng.choice(["delta-v", "delta-v", "duration"]))),
     )
+
+
+def begun(chaser: Chaser, rng: np.random.Generator) -> Chaser:
+    """The same with a tank that is not full at the start, or is, where that may be said.
+
+    What is drawn after it does not depend on it.
+    """
+    (own,) = rng.spawn(1)
+    counts = chaser.expense is not None and chaser.expense.counts_mass
+    if isinstance(chaser.start, AtStation) or chaser.kit_mass_kg > 0.0 or counts:
+        return chaser.replace(tank=filled(chaser.tank))
+    if own.random() < 0.4:
+        return chaser.replace(tank=filled(chaser.tank))
+    share = float(own.choice([0.0, 0.3, 0.7, 0.9, 1.0]))
+    if isinstance(chaser.tank, TankByMass):
+        initial = {"initial_propellant_kg": share * chaser.tank.propellant_kg}
+    else:
+        initial = {"initial_delta_v_m_s": share * chaser.tank.delta_v_m_s}
+    return chaser.replace(tank=chaser.tank.replace(**initial))
+
+
+def filled(tank: AnyTank) -> AnyTank:
+    """The same tank, full at the start."""
+    if isinstance(tank, TankByMass):
+        return tank.replace(initial_propellant_kg=None)
+    return tank.replace(initial_delta_v_m_s=None)
+
+
+def all_filled(instance: Instance) -> Instance:
+    """The same with tanks that are full at the start."""
+    chasers = (each.replace(tank=filled(each.tank)) for each in instance.chasers)
+    return instance.replace(chasers=tuple(chasers))
 
 
 def random_campaign(seed: int, draw: Callable[[int], Instance] = random_mission) -> Instance:
@@ -217,7 +249,8 @@ def random_campaign(seed: int, draw: Callable[[int], Instance] = random_mission)
         changes: dict[str, object] = {}
         if rng.random() < 0.3:
             share = float(rng.uniform(0.5, 1.5))
-            changes["tank"] = chaser.tank.replace(delta_v_m_s=share * chaser.tank.delta_v_m_s)
+            full = share * chaser.tank.delta_v_m_s
+            changes["tank"] = filled(chaser.tank).replace(delta_v_m_s=full)
         if rng.random() < 0.25:
             changes["available_s"] = (
                 float(rng.uniform(0.0, 0.4)) * instance.mission.duration_s,
@@ -231,6 +264,8 @@ def random_campaign(seed: int, draw: Callable[[int], Instance] = random_mission)
         if rng.random() < 0.2:
             changes["end"] = "anywhere"
         chasers.append(chaser.replace(**changes))
+        if changes:
+            chasers[-1] = begun(chasers[-1], rng)
     made = _changed(instance, name=f"campaign-{seed}", chasers=tuple(chasers))
     return _regiven(made, rng)
 
@@ -306,8 +341,9 @@ def _chaser(
         end = float(rng.uniform(0.5, 1.1)) * duration_s if rng.random() < 0.6 else None
         changes["available_s"] = (begin, end)
     share = float(rng.uniform(0.4, 1.6))
-    changes["tank"] = usual.tank.replace(delta_v_m_s=share * usual.tank.delta_v_m_s)
-    return usual.replace(**changes)
+    full = share * usual.tank.delta_v_m_s
+    changes["tank"] = filled(usual.tank).replace(delta_v_m_s=full)
+    return begun(usual.replace(**changes), rng)
 
 
 def carrying(instance: Instance, seed: int) -> Instance:
@@ -333,7 +369,7 @@ def carrying(instance: Instance, seed: int) -> Instance:
             changes["kit_mass_kg"] = dry * float(rng.choice([0.0, 0.05, 0.2, 0.5, 4.0]))
         if rng.random() < 0.25:
             changes["start"] = "anywhere"
-        chasers.append(chaser.replace(**changes))
+        chasers.append(begun(chaser.replace(**changes), rng))
     if len(chasers) > 1 and rng.random() < 0.4:
         chasers[1] = chasers[0].replace(name=chasers[1].name)
     return _changed(
@@ -352,7 +388,8 @@ def priced(instance: Instance, seed: int) -> Instance:
             scale = 100.0 / (chaser.tank.propellant_kg + 1.0)
             prices["per_kg"] = scale * float(rng.choice([0.0, 0.5, 2.0]))
             prices["per_kg_squared"] = scale**2 * float(rng.choice([0.0, 0.01, 0.1]))
-        chasers.append(chaser.replace(expense=None if rng.random() < 0.1 else prices))
+        plain = chaser.replace(tank=filled(chaser.tank))
+        chasers.append(begun(plain.replace(expense=None if rng.random() < 0.1 else prices), rng))
     if len(chasers) > 1 and rng.random() < 0.4:
         chasers[1] = chasers[0].replace(name=chasers[1].name)
     if all(chaser.expense is None for chaser in chasers):
@@ -403,7 +440,7 @@ def towing(instance: Instance, seed: int) -> Instance:
             dry, isp = float(rng.uniform(100.0, 600.0)), float(rng.uniform(60.0, 320.0))
             ratio = float(np.expm1(tank.delta_v_m_s / (isp * 9.80665)))
             tank = TankByMass(dry_mass_kg=dry, propellant_kg=1.2 * dry * ratio, isp_s=isp)
-        chasers.append(chaser.replace(tank=tank))
+        chasers.append(begun(chaser.replace(tank=tank), rng))
     lowest = min(target.orbit.semi_major_axis_m for target in targets) - EARTH_RADIUS_M
     altitude = lowest - float(rng.choice([1e3, 10e3, 40e3, 150e3]) * rng.uniform(0.5, 1.5))
     altitude = max(altitude, instance.transfer.min_altitude_m)

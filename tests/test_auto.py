@@ -14,7 +14,8 @@ from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 
 import adr_opt
 from adr_opt.mission import Mission
-from adr_opt.planner import silent
+from adr_opt.planner import PLANNERS, silent
+from adr_opt.prepared import warm_up
 from adr_opt.result import Result
 from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
 from solvers.planners import auto as auto_module
@@ -201,8 +202,9 @@ def test_a_large_field_ends_on_time() -> None:
 
 def test_on_one_core_the_beam_comes_before_the_proof(monkeypatch):
     """A proof that takes all the time there is cannot keep auto from the beam of `beam`."""
+    warm_up(PLANNERS, "auto")  # whose practice is not looked at
     done = []
-    usual, advance = auto_module._Search.usual, auto_module._Prover.advance
+    usual, advance = auto_module._Search.usual, auto_module.Beside.advance
 
     def searching(self, width):
         done.append(width)
@@ -213,7 +215,7 @@ def test_on_one_core_the_beam_comes_before_the_proof(monkeypatch):
         advance(self)
 
     monkeypatch.setattr(auto_module._Search, "usual", searching)
-    monkeypatch.setattr(auto_module._Prover, "advance", proving)
+    monkeypatch.setattr(auto_module.Beside, "advance", proving)
     mission = Mission(adr_opt.generate("nominal", 0, targets=30))
     adr_opt.solve(mission, "auto", jobs=1, iterations=2, time_limit=60.0)
     assert "proof" in done

@@ -9,10 +9,10 @@ import every_sequence
 import numpy as np
 import pytest
 from hand_made import PERIOD_S, hand_made
-from random_rules import random_mission
+from random_rules import all_filled, random_mission
 
 import adr_opt
-from adr_opt.kernels import orbits, sequences, transfer
+from adr_opt.kernels import orbits, sequences, timetables, transfer
 from adr_opt.kernels import timetable as kernels
 from adr_opt.kernels.constants import EARTH_RADIUS_M, SLACK_M_S, SLACK_S
 from adr_opt.settings import KeepOutZone
@@ -31,7 +31,8 @@ def test_entries_are_the_best_of_all_that_leave_then_or_later(part):
     """
     waits = finite = 0
     for seed in range(part, 40, 3):
-        instance = random_mission(seed)
+        # Where what was spent before the start is charged, connections are listed.
+        instance = all_filled(random_mission(seed))
         rng = np.random.default_rng(seed)
         time_value = float(rng.choice([0.0, 20.0, 110.0, 1000.0]))
         made = adr_opt.Timetable(instance, time_value_m_s_per_h=time_value)
@@ -248,3 +249,26 @@ def test_hand_made_costs():
         turn = 2.0 * speed * math.sin(math.radians(degrees) / 2.0)
         assert delta_v == pytest.approx(turn + rate * 1000.0 / 2.0, abs=0.3)
         assert arrival == pytest.approx(2.0 * period, abs=1.0)
+
+
+def test_columns_take_the_event_that_the_table_takes_however_times_are_rounded():
+    """Who is ready at an event to the last digit takes the same one by a column as by the table."""
+    table = adr_opt.Timetable(adr_opt.generate("tiny", 0, targets=5)).table
+    bodies = table.spacing.size
+    _, columns = timetables.allocate_slots(1, bodies, kernels.most_events(table), regular=True)
+    column = timetables.column_in_slot(columns, 0)
+    looked = 0
+    for i, j in itertools.permutations(range(bodies), 2):
+        timetables.fill_column(table, j, column)
+        for event in range(kernels.events(table, i, j)):
+            edge = kernels.departure_at(table, i, j, event) + SLACK_S
+            for ready in (edge, np.nextafter(edge, 0.0), np.nextafter(edge, math.inf)):
+                delta_v, arrival = kernels.lookup(table, i, j, ready)
+                found, time = timetables.lookup_in_column(column, table, i, ready)
+                if math.isfinite(delta_v):
+                    assert time == pytest.approx(arrival - ready, abs=1.0), (i, j, event)
+                    assert found == pytest.approx(delta_v, rel=1e-6)
+                else:
+                    assert math.isinf(found)
+                looked += 1
+    assert looked > 1000

@@ -171,13 +171,13 @@ def test_walks_that_remember_all_are_the_plans(draw):
 def test_bounds_of_campaigns_are_verified(draw, least):
     """The bound before the last packing is verified and holds; where it is the last, all is."""
     asked = whole = 0
-    for seed in range(12):
+    for seed in range(18):
         instance = draw(seed)
         if not is_verifiable(instance):
             continue
         found = adr_opt.solve(instance, "exact", time_limit=60.0)
-        if found.status == "infeasible" and found.evidence is None:
-            continue  # that there is no plan is found by going through all sets of a few targets
+        if found.status in ("infeasible", "optimal") and found.evidence is None:
+            continue  # found by going through all sets of a few targets, which is no evidence
         asked += 1
         result, certificate = proven(instance)
         verdict = verdict_of(instance, result, certificate)

@@ -138,6 +138,18 @@ def earliest_taken(ready):
 
 
 @inlined
+def counted_event(first, spacing, total, earliest):
+    """The first of events a fixed time apart that is no earlier than a time; ``total`` for none."""
+    m = max(0, math.ceil((earliest - first) / spacing))
+    # The quotient may be rounded across an integer; the event's own time decides.
+    if m > 0 and first + (m - 1) * spacing >= earliest:
+        m -= 1
+    elif first + m * spacing < earliest:
+        m += 1
+    return min(m, total)
+
+
+@inlined
 def _next_in(table, i, slot, ready):
     """The event of a slot that a chaser takes."""
     earliest = earliest_taken(ready)
@@ -150,15 +162,7 @@ def _next_in(table, i, slot, ready):
             else:
                 high = middle
         return low
-    spacing = table.spacing[i]
-    first = table.first[i, slot]
-    m = max(0, math.ceil((earliest - first) / spacing))
-    # The quotient may be rounded across an integer; the event's own time decides.
-    if m > 0 and first + (m - 1) * spacing >= earliest:
-        m -= 1
-    elif first + m * spacing < earliest:
-        m += 1
-    return min(m, table.total[i, slot])
+    return counted_event(table.first[i, slot], table.spacing[i], table.total[i, slot], earliest)
 
 
 @inlined

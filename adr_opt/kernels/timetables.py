@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .compile import inlined, kernel
-from .timetable import Table, departure_at, earliest_taken, entry_at, events
+from .timetable import Table, counted_event, departure_at, earliest_taken, entry_at, events
 
 
 class Column(NamedTuple):
@@ -113,7 +113,7 @@ def lookup_in_column(column, table, i, ready):
         time = column.departure[i, low] - ready + column.entries[i, low, 1]
         return column.entries[i, low, 0], time
     spacing = table.spacing[i]
-    m = max(0, math.ceil((earliest_taken(ready) - column.first[i]) / spacing))
+    m = counted_event(column.first[i], spacing, column.total[i], earliest_taken(ready))
     if m >= column.total[i]:
         return math.inf, math.inf
     time = column.first[i] + m * spacing - ready + column.entries[i, m, 1]

@@ -42,8 +42,9 @@ class Legs(NamedTuple):
         That, and the targets that it may be launched onto.
     ready : (bodies,) float64
         Since when, at each of these [s].
-    tank : float
-        What a full one is worth, with the slack of the model [m/s].
+    tank, launched : float
+        What a full one is worth, and that of who is launched onto his first target, with the slack
+        of the model; others pay with their first leg for what it lacks at the start [m/s].
     most_targets : int
     shortest : float
         Least time from departure to the end of service [s].
@@ -61,6 +62,7 @@ class Legs(NamedTuple):
     starts: npt.NDArray[np.int64]
     ready: FloatArray
     tank: float
+    launched: float
     most_targets: int
     shortest: float
 
@@ -121,8 +123,7 @@ def legs_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Legs:
         raise InputError(f"not yet verifiable: there are legs that take {shortest:g} s")
     return Legs(
         first, pair, departure, end, delta_v, cheapest, np.arange(bodies) < stations, may_end,
-        home, starts, ready, tank, most,
-        shortest,
+        home, starts, ready, tank, tank - connecting.spent_m_s(home), most, shortest,
     )  # fmt: skip
 
 

@@ -8,6 +8,7 @@ connection that leaves no earlier, arrives no later and costs no more, up to the
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -79,6 +80,8 @@ def sample_connections(
     for turn, at in enumerate(drawn):
         i, j = pairs[at]
         found = connecting.of_pair(i, j, resolution)
+        # What was spent before the start goes off the tank with the first leg: no cost of it.
+        found = replace(found, delta_v=found.delta_v - connecting.spent_m_s(i))
         share = -(-(number - flown) // (len(drawn) - turn))
         size = min(share, found.departure.size)
         for c in rng.choice(found.departure.size, size, replace=False):

@@ -12,7 +12,7 @@ import math
 from itertools import combinations
 
 import numpy as np
-from scipy.optimize import Bounds, LinearConstraint, milp
+from scipy.optimize import LinearConstraint
 
 from adr_opt.campaign import Campaign
 from adr_opt.stop import Stop
@@ -20,13 +20,11 @@ from adr_opt.stop import Stop
 from .cheapest import cheapest_routes
 from .finish import PACKING_OFF, SCALE
 from .incumbent import CampaignCertificate
-from .pool import Pool, dealt, packing
+from .packing import cheapest_of, packing
+from .pool import Pool, dealt
 
 MOST_TARGETS = 6
 """Sets double with each target, and orders of them more than that."""
-
-INFEASIBLE = 2
-"""The status of a packing that no plan meets."""
 
 
 def lacks_plan(campaign: Campaign, certificate: CampaignCertificate) -> bool:
@@ -71,20 +69,14 @@ def settle(campaign: Campaign, certificate: CampaignCertificate, pool: Pool, sto
     ]  # fmt: skip
     if required:
         constraints.append(LinearConstraint(covered, 1.0, np.inf))
-    found = milp(
-        -scale * worths,
-        integrality=np.ones(len(columns)),
-        bounds=Bounds(0.0, 1.0),
-        constraints=constraints,
-        options={"time_limit": max(stop.remaining_s(), 0.1), "mip_rel_gap": 0.0},
-    )
-    if found.x is not None:
-        taken = [columns[at] for at in np.flatnonzero(found.x > 0.5).tolist()]
+    found = cheapest_of(-scale * worths, constraints, stop.remaining_s(), gap=0.0)
+    if found.taken is not None:
+        taken = [columns[at] for at in found.taken]
         certificate.offer(dealt(campaign, [(each.kind, each.route) for each in taken]))
-        if proves and found.status == 0:
-            most = (PACKING_OFF - float(found.mip_dual_bound)) / scale
+        if proves and found.solved:
+            most = (PACKING_OFF - found.least) / scale
             certificate.lower(most if worths.any() else 0.0)
-    none = found.status == INFEASIBLE and proves and lacks_plan(campaign, certificate)
+    none = found.taken is None and found.solved and proves and lacks_plan(campaign, certificate)
     return _none(campaign, certificate) if none else False
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.optimize import Bounds, LinearConstraint, milp
+from scipy.optimize import LinearConstraint
 
 from adr_opt.campaign import Campaign
 from adr_opt.stop import Stop
@@ -21,10 +21,14 @@ from adr_opt.stop import Stop
 from ..relaxation.cost_rounds import RELATIVE
 from .cheapest import cheapest_routes
 from .incumbent import CampaignCertificate
-from .pool import Pool, dealt, packing
+from .packing import cheapest_of, packing
+from .pool import Pool, dealt
 
 NEAR = 1e-7
 """A route costs what its set costs at least if it is no dearer than by this share."""
+
+SCALE = 1e3
+"""The cost of the plan known as the packing has it."""
 
 Set = tuple[int, frozenset[int], tuple[int, ...]]
 """Kind of chasers, targets, and refuellings at stations that have a limit, once they are known."""
@@ -144,12 +148,13 @@ class CostFinish:
         costs = np.array([self._least[key] for key in sets])
         worths = np.array([self._campaign.collected(targets) for _, targets, _ in sets])
         scale = 1.0 / max(self._asked, 1e-300)
-        unit = 1.0 / max(float(costs.max()), 1e-300)
-        found = milp(
-            unit * costs,
-            integrality=np.ones(len(sets)),
-            bounds=Bounds(0.0, 1.0),
-            constraints=[
+        # What is dearer than the plan known is in none that is cheaper; and what HiGHS may be off
+        # by is little in such units.
+        known = self._certificate.cost
+        unit = SCALE / max(known, 1e-300)
+        found = cheapest_of(
+            unit * np.minimum(costs, 2.0 * known),
+            [
                 packing(
                     self._campaign,
                     [(kind, targets) for kind, targets, _ in sets],
@@ -158,15 +163,15 @@ class CostFinish:
                 ),
                 LinearConstraint(scale * worths[None, :], scale * self._asked, np.inf),
             ],
-            options={"time_limit": max(self._stop.remaining_s(), 0.1), "mip_rel_gap": 1e-9},
+            self._stop.remaining_s(),
+            gap=1e-9,
         )
-        if found.x is None:
-            return None, before, found.status == 2  # infeasible
-        taken = [sets[at] for at in np.flatnonzero(found.x > 0.5).tolist()]
-        if found.status != 0:
+        if found.taken is None:
+            return None, before, found.solved
+        taken = [sets[at] for at in found.taken]
+        if not found.solved:
             return taken, before, False
-        cost = math.fsum(self._least[key] for key in taken)
-        return taken, max(before, cost * (1.0 - 0.1 * RELATIVE)), True
+        return taken, max(before, found.least / unit * (1.0 - 0.1 * RELATIVE)), True
 
     def _offer(self, taken: list[Set]) -> None:
         """Offer the routes of some sets as a plan."""

@@ -14,14 +14,15 @@ from collections.abc import Callable, Sequence
 from enum import Enum
 
 import numpy as np
-from scipy.optimize import Bounds, LinearConstraint, milp
+from scipy.optimize import LinearConstraint
 
 from adr_opt.campaign import Campaign, Routes
 from adr_opt.station_limits import Use
 
 from ..relaxation.routes import Routes as Search
 from ..relaxation.walks import WalkBound
-from .pool import dealt, packing
+from .packing import cheapest_of, packing
+from .pool import dealt
 
 MOST_ROUTES = 100_000
 """More are not packed."""
@@ -68,7 +69,7 @@ class Finish:
         most_worth: np.ndarray,
         most_labels: int,
         enough: Callable[[], bool],
-        time_limit_s: float,
+        remaining_s: Callable[[], float],
     ) -> tuple[Answer, Routes | None]:
         """Whether a plan is worth a goal, and if so one.
 
@@ -82,8 +83,8 @@ class Finish:
             Give up beyond so many.
         enough : callable
             Whether to give up.
-        time_limit_s : float
-            Of the packing.
+        remaining_s : callable
+            How much time is left, for the packing: asked when it begins [s].
         """
         counts = [len(kind.chasers) for kind in self._campaign.kinds]
         total = self._campaign.limits.total(multipliers)
@@ -101,10 +102,13 @@ class Finish:
             routes += [(kind, route) for route in found]
             if len(routes) > MOST_ROUTES:
                 return Answer.UNKNOWN, None
-        return self._pack(goal, routes, time_limit_s)
+        return self._pack(goal, routes, remaining_s)
 
     def _pack(
-        self, goal: float, routes: list[tuple[int, tuple[int, ...]]], time_limit_s: float
+        self,
+        goal: float,
+        routes: list[tuple[int, tuple[int, ...]]],
+        remaining_s: Callable[[], float],
     ) -> tuple[Answer, Routes | None]:
         """Whether some of the routes make a plan that is worth the goal.
 
@@ -114,10 +118,10 @@ class Finish:
         if not routes:
             return Answer.NONE, None
         answer, taken = self._packed(
-            goal, routes, time_limit_s, limited=bool(self._campaign.limits)
+            goal, routes, remaining_s(), limited=bool(self._campaign.limits)
         )
         if answer is Answer.NONE and self._campaign.limits:
-            if self._packed(goal, routes, time_limit_s, limited=False)[0] is not Answer.NONE:
+            if self._packed(goal, routes, remaining_s(), limited=False)[0] is not Answer.NONE:
                 answer = Answer.UNKNOWN
         return answer, taken
 
@@ -131,21 +135,17 @@ class Finish:
         uses = [self._use(*each) for each in routes] if limited else None
         scale = SCALE / self._largest
         worths = scale * np.array([campaign.collected(targets) for _, targets in sets])
-        found = milp(
+        found = cheapest_of(
             -worths,
-            integrality=np.ones(len(sets)),
-            bounds=Bounds(0.0, 1.0),
-            constraints=[
+            [
                 packing(campaign, sets, uses, all_flown=True),
                 LinearConstraint(worths[None, :], scale * goal - PACKING_OFF, np.inf),
             ],
-            options={"time_limit": max(time_limit_s, 0.1)},
+            time_limit_s,
         )
-        if found.status == 2:  # infeasible
-            return Answer.NONE, None
-        if found.x is None:
-            return Answer.UNKNOWN, None
-        taken = [routes[at] for at in np.flatnonzero(found.x > 0.5).tolist()]
+        if found.taken is None:
+            return Answer.NONE if found.solved else Answer.UNKNOWN, None
+        taken = [routes[at] for at in found.taken]
         return Answer.FOUND, dealt(campaign, taken)
 
     def _use(self, kind: int, route: tuple[int, ...]) -> Use:

@@ -22,7 +22,7 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import Bounds, LinearConstraint, milp
+from scipy.optimize import LinearConstraint
 
 from adr_opt.campaign import Campaign
 from adr_opt.stop import Stop
@@ -38,7 +38,8 @@ from .cost_finish import CostFinish
 from .cost_master import CostMaster, Prices
 from .finish import MOST_ROUTES
 from .incumbent import CampaignCertificate
-from .pool import Pool, dealt, packing
+from .packing import cheapest_of, packing
+from .pool import Pool, dealt
 from .pricing import LabelPricing
 
 CENTRED = 0.5
@@ -240,11 +241,9 @@ class CampaignCost(CostRounds):
         costs = np.array([column.cost for column in columns])
         worths = np.array([column.worth for column in columns])
         scale = 1.0 / max(self._asked, 1e-300)
-        found = milp(
+        found = cheapest_of(
             costs,
-            integrality=np.ones(len(columns)),
-            bounds=Bounds(0.0, 1.0),
-            constraints=[
+            [
                 packing(
                     self._campaign,
                     [(column.kind, column.targets) for column in columns],
@@ -252,11 +251,12 @@ class CampaignCost(CostRounds):
                 ),
                 LinearConstraint(scale * worths[None, :], scale * self._asked, np.inf),
             ],
-            options={"time_limit": max(self._stop.remaining_s(), 0.1), "mip_rel_gap": 1e-9},
+            self._stop.remaining_s(),
+            gap=1e-9,
         )
-        if found.x is None:
+        if found.taken is None:
             return
-        taken = [columns[at] for at in np.flatnonzero(found.x > 0.5).tolist()]
+        taken = [columns[at] for at in found.taken]
         self._certificate.offer(
             dealt(self._campaign, [(column.kind, column.route) for column in taken])
         )

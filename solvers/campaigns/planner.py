@@ -10,12 +10,13 @@ from contextlib import closing, nullcontext
 
 import numpy as np
 
-from adr_opt.campaign import Campaign
+from adr_opt.campaign import Campaign, Routes
 from adr_opt.planner import Progress, silent
 from adr_opt.result import Result, certify_routes
 from adr_opt.stop import Stop
 
 from ..least_end import prove_end
+from ..relaxation.beside import LEAST_PROOF_S, LEAST_SET_UPS, Beside
 from ..relaxation.floors import floor_bound
 from ..relaxation.proof import ProofOptions, fits_memory, proof_notes, set_up_s, sweep_s
 from .all_sets import lacks_plan, settle
@@ -38,12 +39,9 @@ WIDTH = 100
 PACKING_S = 10.0
 """The longest that putting routes together may take in a round."""
 
-LEAST_PROOF_S, LEAST_SET_UPS = 1.0, 2.0
-"""With less time left, or less than so many times what setting it up takes, no proof is begun."""
 
-
-class _Prover:
-    """The proving half: works on a certificate and a pool of its own, compared between rounds."""
+class _Prover(Beside[Routes, CampaignProof]):
+    """The proving half: with a pool of its own as well."""
 
     def __init__(
         self,
@@ -54,59 +52,32 @@ class _Prover:
         stop: Stop,
         options: ProofOptions,
     ) -> None:
-        self._campaign, self._shared, self._shared_pool = campaign, certificate, pool
-        self._seed, self._stop, self._options = seed, stop, options
-        self._own = CampaignCertificate(campaign, certificate.tell)
+        own, self._shared_pool = CampaignCertificate(campaign, certificate.tell), pool
         self._pool = Pool(campaign)
-        self._proof: CampaignProof | None = None
+        self._nothing = np.zeros(len(campaign.names))
 
-    @property
-    def done(self) -> bool:
-        """Whether the proof can do no more."""
-        return self._proof is not None and self._proof.done
+        def made() -> CampaignProof | None:
+            if stop.remaining_s() < max(LEAST_PROOF_S, LEAST_SET_UPS * set_up_s(campaign)):
+                own.lower(floor_bound(campaign))
+                return None
+            return CampaignProof(campaign, own, self._pool, seed, stop, options)
 
-    def advance(self) -> None:
-        """One round; the first one is a descent alone."""
-        if self._proof is None:
-            least_s = max(LEAST_PROOF_S, LEAST_SET_UPS * set_up_s(self._campaign))
-            if self._stop.remaining_s() < least_s:
-                self._own.lower(floor_bound(self._campaign))
-                return
-            self._proof = CampaignProof(
-                self._campaign, self._own, self._pool, self._seed, self._stop, self._options
-            )
-            self._proof.begin()
-            return
-        self._proof.advance(lambda: self._stop.remaining_s() <= 0.0)
+        super().__init__(certificate, own, stop, made)
 
     def fetch(self) -> None:
         """Hear of the incumbent and of routes, before a round."""
-        if self._shared.sequence is not None:
-            self._own.offer(self._shared.sequence)
+        super().fetch()
         self._pool.take(self._shared_pool)
 
     def deliver(self) -> None:
         """Tell what the round has found."""
         self._shared_pool.take(self._pool)
-        if self._own.sequence is not None:
-            self._shared.offer(self._own.sequence)
-        self._shared.lower(self._own.bound, self._own.evidence)
+        super().deliver()
 
     @property
     def multipliers(self) -> FloatArray:
         """What one more of each target would be worth, as far as it is known."""
-        nothing = np.zeros(len(self._campaign.names))
-        return nothing if self._proof is None else self._proof.multipliers
-
-    @property
-    def counters(self) -> dict[str, float]:
-        """What was done."""
-        return {} if self._proof is None else self._proof.counters
-
-    def close(self) -> None:
-        """End the threads."""
-        if self._proof is not None:
-            self._proof.close()
+        return self._nothing if self.proof is None else self.proof.multipliers
 
 
 def plan(

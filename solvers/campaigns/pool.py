@@ -7,13 +7,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import Bounds, LinearConstraint, milp
-from scipy.sparse import csc_array
 
 from adr_opt.campaign import Campaign, Routes
 from adr_opt.station_limits import Use
 
 from .orders import FloatArray
+from .packing import cheapest_of, packing
 
 LEAST_COST = 1e-3
 """Of two choices worth the same the cheaper one: all costs together count for less than so many
@@ -63,48 +62,6 @@ class Column:
     def paid(self, prices: FloatArray) -> float:
         """What it pays for all that, at prices of shape (bodies,)."""
         return math.fsum(prices[body] * times for body, times in self.taken.items())
-
-
-def packing(
-    campaign: Campaign,
-    columns: Sequence[tuple[int, frozenset[int]]],
-    uses: Sequence[Use] | None = None,
-    *,
-    all_flown: bool = False,
-) -> LinearConstraint:
-    """No target on two of the columns taken, and no more of a kind than there are chasers.
-
-    Parameters
-    ----------
-    campaign : Campaign
-    columns : sequence of (kind, targets)
-    uses : sequence of tuple of float, optional
-        What they take of stations, which is no more than there is; not asked about by default.
-    all_flown : bool
-        Whether one is taken for each chaser that has to fly, because it does not start at its end.
-    """
-    bodies, kinds, limits = len(campaign.names), len(campaign.kinds), campaign.limits.most.size
-    rows, values, ends = [], [], [0]
-    for at, (kind, targets) in enumerate(columns):
-        rows += [*sorted(targets), bodies + kind]
-        values += [1.0] * (len(targets) + 1)
-        if uses is not None:
-            rows += range(bodies + kinds, bodies + kinds + limits)
-            values += uses[at]
-        ends.append(len(rows))
-    matrix = csc_array(
-        (np.array(values), np.array(rows), np.array(ends)),
-        shape=(bodies + kinds + limits, len(columns)),
-    )
-    most = np.ones(bodies + kinds + limits)
-    most[bodies : bodies + kinds] = [len(kind.chasers) for kind in campaign.kinds]
-    most[bodies + kinds :] = campaign.limits.most
-    least = np.full(most.size, -np.inf)
-    if all_flown:
-        for number, group in enumerate(campaign.kinds):
-            if not group.mission.may_stop(()):
-                least[bodies + number] = len(group.chasers)
-    return LinearConstraint(matrix, least, most)
 
 
 def dealt(campaign: Campaign, flown: Iterable[tuple[int, tuple[int, ...]]]) -> Routes:
@@ -185,19 +142,14 @@ class Pool:
         dearest = math.fsum(sorted(column.cost for column in columns)[-chasers:])
         price = LEAST_COST * step / max(dearest, 1e-9)
         gain = np.array([column.worth - price * column.cost for column in columns])
-        found = milp(
-            -gain,
-            integrality=np.ones(len(columns)),
-            bounds=Bounds(0.0, 1.0),
-            constraints=packing(
-                campaign,
-                [(column.kind, column.targets) for column in columns],
-                [column.use for column in columns],
-                all_flown=True,
-            ),
-            options={"time_limit": time_limit_s},
+        constraint = packing(
+            campaign,
+            [(column.kind, column.targets) for column in columns],
+            [column.use for column in columns],
+            all_flown=True,
         )
-        if found.x is None:
+        found = cheapest_of(-gain, [constraint], time_limit_s)
+        if found.taken is None:
             return None
-        taken = [columns[at] for at in np.flatnonzero(found.x > 0.5).tolist()]
-        return dealt(self._campaign, [(column.kind, column.route) for column in taken])
+        taken = [columns[at] for at in found.taken]
+        return dealt(campaign, [(column.kind, column.route) for column in taken])

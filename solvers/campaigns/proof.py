@@ -193,7 +193,7 @@ class CampaignProof:
                 goal = 0.5 * (certificate.incumbent + goal)
             answer, routes = finish.ask(
                 goal, multipliers, most_worth, self._options.most_labels, enough,
-                self._stop.remaining_s(),
+                self._stop.remaining_s,
             )  # fmt: skip
             if answer is Answer.NONE:
                 certificate.lower(certificate.incumbent if self._campaign.prize_step else goal)

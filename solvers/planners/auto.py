@@ -22,6 +22,7 @@ from adr_opt.stop import Stop
 from ..campaigns.planner import plan
 from ..certificate import Certificate
 from ..incumbent import Incumbent
+from ..relaxation.beside import LEAST_PROOF_S, LEAST_SET_UPS, Beside
 from ..relaxation.large import LargeProof
 from ..relaxation.latest import Latest
 from ..relaxation.proof import Proof, ProofOptions, proof_notes, proof_of
@@ -58,9 +59,6 @@ the second; in the others a second order is annealed in its place."""
 
 FRUITLESS = 6
 """So many annealings from one plan that find nothing better are followed by one from another."""
-
-LEAST_PROOF_S, LEAST_SET_UPS = 1.0, 2.0
-"""With less time left, or less than so many times what setting it up takes, no proof is begun."""
 
 
 class _Search:
@@ -184,66 +182,15 @@ class _Search:
             self.counters["recreations"] += 1
 
 
-class _Prover:
-    """The proving half: works on a certificate of its own, compared between rounds."""
-
-    def __init__(
-        self,
-        mission: Mission,
-        certificate: Certificate,
-        stop: Stop,
-        options: ProofOptions,
-    ) -> None:
-        def tell(incumbent: float, bound: float) -> None:
-            certificate.tell(incumbent, bound)
-
-        self._mission = mission
-        self._shared = certificate
-        self._stop = stop
-        self._options = options
-        self._own = Certificate(mission, tell)
-        self._proof: Proof | LargeProof | None = None
-
-    @property
-    def done(self) -> bool:
-        """Whether the proof can do no more."""
-        return self._proof is not None and self._proof.done
-
-    @property
-    def latest(self) -> Latest | None:
-        """What guides a search, once it is known."""
-        return None if self._proof is None else self._proof.latest
-
-    def advance(self) -> None:
-        """One round; the first one is a first sweep alone."""
-        if self._proof is None:
-            self._proof = proof_of(
-                self._mission, self._own, self._stop, self._options, LEAST_PROOF_S, LEAST_SET_UPS
-            )
-            if self._proof is not None:
-                self._proof.begin()
-            return
-        self._proof.advance(lambda: self._stop.remaining_s() <= 0.0)
-
-    def fetch(self) -> None:
-        """Hear of the incumbent, before a round."""
-        self._own.offer(self._shared.sequence or ())
-
-    def deliver(self) -> None:
-        """Tell what the round has found."""
-        if self._own.sequence is not None:
-            self._shared.offer(self._own.sequence)
-        self._shared.lower(self._own.bound, self._own.evidence)
-
-    @property
-    def counters(self) -> dict[str, float]:
-        """What was done."""
-        return {} if self._proof is None else self._proof.counters
-
-    def close(self) -> None:
-        """End the threads."""
-        if self._proof is not None:
-            self._proof.close()
+def _prover(
+    mission: Mission, certificate: Certificate, stop: Stop, options: ProofOptions
+) -> Beside[tuple[int, ...], Proof | LargeProof]:
+    """The proving half."""
+    own = Certificate(mission, certificate.tell)
+    return Beside(
+        certificate, own, stop,
+        lambda: proof_of(mission, own, stop, options, LEAST_PROOF_S, LEAST_SET_UPS),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -310,7 +257,7 @@ def auto(
         certificate.offer(start)
     prover = None
     if options.prove:
-        prover = _Prover(mission, certificate, stop, options)
+        prover = _prover(mission, certificate, stop, options)
 
     def is_over() -> bool:
         return certificate.proven or stop(certificate.incumbent, certificate.bound)
@@ -352,9 +299,9 @@ def auto(
                 advancing = pool.submit(task)
             elif task is not None:
                 task()
-            guided = prover is not None and rounds > 1 and not unbounded
-            if guided and prover is not None and prover.latest is not None:
-                search.guided(prover.latest, min(2**rounds, MOST_GUIDED))
+            proof = prover.proof if prover is not None and rounds > 1 and not unbounded else None
+            if proof is not None and proof.latest is not None:
+                search.guided(proof.latest, min(2**rounds, MOST_GUIDED))
             else:
                 search.usual(max(USUAL_WIDTH, scaled(width)))
             search.varied(scaled(width))

@@ -165,7 +165,7 @@ class CostProof(CostRounds):
             mission, COARSER * delta_v_slot_m_s, jobs, over, self._reach.network
         )
         self._worth = asked(least_worth)
-        # Of what the tank lacked before the start nothing is told, nor how exactly it is known.
+        # Walks pay for what the tank lacked before the start, and plans do not.
         self._spent = mission.connecting.spent_m_s(mission.rules.start)
         self._proving, self._finding = Routes(self._walks), Routes(self._walks)
         # All that was visited is remembered, so that each walk found is a plan; labels are told
@@ -183,7 +183,7 @@ class CostProof(CostRounds):
     @property
     def proven(self) -> bool:
         """Whether the cost known is the least."""
-        return is_least(self._cost() - self._spent, self.bound - self._spent)
+        return is_least(self._cost(), self.bound)
 
     def advance(self) -> None:
         """One round: searches for plans that cost less, one that proves and one that finds."""
@@ -202,8 +202,8 @@ class CostProof(CostRounds):
         price, best = 0.05 * high, 0.0
         for _ in range(EVALUATIONS):
             bound, worth = walks.cost_at(price, self._worth)
-            if bound > self.bound:
-                self.bound, best = bound, price
+            if bound - self._spent > self.bound:
+                self.bound, best = bound - self._spent, price
             if worth < self._worth:
                 low = price
             else:
@@ -228,14 +228,18 @@ class CostProof(CostRounds):
     def _below(self, share: float) -> float:
         """A cost to ask for: at a share of the gap, less than that of the plan known."""
         cost = self._cost()
-        less = 0.5 * RELATIVE * (cost - self._spent)
+        less = 0.5 * RELATIVE * cost
         return min(self.bound + share * (cost - self.bound), cost - less)
+
+    def _free(self) -> float:
+        """What a walk would be worth that is worth enough and costs nothing [m/s]."""
+        return self._price * self._worth - self._spent
 
     def _search(self) -> None:
         """Ask for plans that cost no more than a share of the gap above the bound."""
         if not self._tried and self._cost() - self.bound <= NEAR * self._cost():
             self._share = 1.0
-        known, most = self._price * self._worth, self._below(self._share)
+        known, most = self._free(), self._below(self._share)
         finding: Future[None] | None = None
         self._finding.compared = self._proving.neighbourhood.copy()
         if self._pool is None:
@@ -271,7 +275,7 @@ class CostProof(CostRounds):
 
     def _find(self) -> None:
         """Look for plans that cost less, in a search that may overlook some."""
-        known, most = self._price * self._worth, self._below(self._finding_share)
+        known, most = self._free(), self._below(self._finding_share)
         finished, _, plan, _ = self._finding.search(known - most, self._labels, self._over)
         if plan is not None:
             self._offer(plan)

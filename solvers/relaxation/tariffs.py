@@ -70,13 +70,15 @@ class Tariff(NamedTuple):
 def tariffs_of(mission: Mission) -> tuple[Tariff, ...]:
     """The tariffs of a chaser: no route is worth more, less its cost, than walks are in the best.
 
-    Where the cost is ΔV there is one, with a price of one.
+    Where the cost is ΔV there is one, with a price of one; and with less than nothing to pay before
+    the start where the first leg takes out of the tank what was spent by then.
     """
     loads, chaser = mission.rules.loads, mission.chaser
     full = np.array([mission.rules.budget]) if loads is None else np.array(loads.full)
     ones = np.ones(full.size)
     if mission.instance.objective.cost != "expense":
-        return (Tariff(ones, 0.0 * ones, full),)
+        spent = mission.connecting.spent_m_s(mission.rules.start)
+        return (Tariff(ones, -spent * ones, full),)
     expense, tank = chaser.priced, chaser.tank
     if not expense.counts_mass or not isinstance(tank, TankByMass):
         return (Tariff(0.0 * ones, expense.fixed * ones, full),)

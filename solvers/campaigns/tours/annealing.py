@@ -171,8 +171,8 @@ def marked(least, order, begins, at, size, most, marks):
 
 @kernel
 def anneal(
-    cost, least, order, begins, at, grid, expense, iterations, seed, hot, cold, most, wide, near,
-    blinks, noise,
+    cost, least, order, begins, at, grid, expense, iterations, seed, heat, most, wide, near, blinks,
+    noise,
 ):  # fmt: skip
     """Ruin and recreate a tour.
 
@@ -186,8 +186,8 @@ def anneal(
     grid : Grid
     expense : Expense
     iterations, seed : int
-    hot, cold : float
-        Temperatures at the beginning and at the end, in units of expense.
+    heat : float
+        Temperature, in units of expense.
     most : int
         Targets that are taken out at once.
     wide, near : int
@@ -200,8 +200,7 @@ def anneal(
     best : float
         Its expense on the grid.
     order, begins, at : (targets,) int64, bool, int64
-    last : float
-        Expense of the tour that the search stood at last, which is in the arguments.
+        Of the best tour; that at which the search stood last is in the arguments.
     """
     np.random.seed(seed)
     count, times = order.size, cost.shape[3]
@@ -228,8 +227,7 @@ def anneal(
     order[:], begins[:], at[:] = now[:count], cut[:count], when[:count]
     best_order, best_begins, best_at = order.copy(), begins.copy(), at.copy()
     fixed = expense.fixed + expense.per_kg * expense.kit_kg
-    for iteration in range(iterations):
-        heat = hot * (cold / hot) ** (iteration / iterations)
+    for _ in range(iterations):
         split = marked(least, now, cut, when, count, most, marks)
         size, lost, pending = 0, 0, False
         for k in range(count):
@@ -277,4 +275,4 @@ def anneal(
                 best_order[:], best_begins[:] = now[:count], cut[:count]
                 best_at[:] = when[:count]
     order[:], begins[:], at[:] = now[:count], cut[:count], when[:count]
-    return best, best_order, best_begins, best_at, present
+    return best, best_order, best_begins, best_at

@@ -100,7 +100,7 @@ def at_place(
 
 
 @inlined
-def least_legs(least, cost, order, begins, slope, at, size, target, k, unused):
+def least_legs(least, order, begins, slope, at, size, target, k):
     """What the legs to and from a target at a place would cost at least, near the usual times."""
     last_block = least.shape[2] - 1
     found = np.float32(0.0)
@@ -175,7 +175,7 @@ def put_back(
         target = bag[item]
         best, place, how = FAR, -1, -1
         for k in range(size + 1):
-            lower[k] = least_legs(least, cost, order, begins, slope, at, size, target, k, 0)
+            lower[k] = least_legs(least, order, begins, slope, at, size, target, k)
         # The most promising place first, so that the others are measured by it.
         promising = 0
         for k in range(1, size + 1):

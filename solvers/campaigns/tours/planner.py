@@ -157,9 +157,9 @@ def chain(
             if share >= end:
                 break
             heat = hot * (cold / hot) ** max((share - begin) / (end - begin), 0.0)
-            found, places, cuts, times, _ = anneal(
+            found, places, cuts, times = anneal(
                 cost, least, order, begins, at, grid, expense, settings.chunk,
-                seed * 100_003 + made, heat, heat, settings.most, settings.wide, settings.near,
+                seed * 100_003 + made, heat, settings.most, settings.wide, settings.near,
                 settings.blinks, settings.noise,
             )  # fmt: skip
             made += settings.chunk
