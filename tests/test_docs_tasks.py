@@ -50,10 +50,10 @@ def everything_is_there(tmp_path: Path) -> None:
 
 def steps(page: str) -> Iterator[tuple[str, str]]:
     """What a page has one type, and what it shows, in order: (kind, text)."""
-    pattern = r"^```(\w+)\n(.*?)^```$|^    (python -m adr_opt .*)$"
+    pattern = r"^```(\w+)\n(.*?)^```$|^    (python -m adr_opt [^\n]*)$"
     for found in re.finditer(pattern, page, re.DOTALL | re.MULTILINE):
         language, block, line = found.groups()
-        yield ("command", line.split("\n")[0]) if line else (language, block)
+        yield ("command", line) if line else (language, block)
 
 
 def allowed(outcome: Outcome, line: str) -> bool:
