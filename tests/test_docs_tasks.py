@@ -51,6 +51,7 @@ def everything_is_there(tmp_path: Path) -> None:
 def steps(page: str) -> Iterator[tuple[str, str]]:
     """What a page has one type, and what it shows, in order: (kind, text)."""
     pattern = r"^```(\w+)\n(.*?)^```$|^    (python -m adr_opt [^\n]*)$"
+    page = re.sub(r"\\\n\s*", "", page)  # a backslash at its end goes on with a line
     for found in re.finditer(pattern, page, re.DOTALL | re.MULTILINE):
         language, block, line = found.groups()
         yield ("command", line) if line else (language, block)

@@ -166,6 +166,8 @@ def test_every_picture_is_shown_with_a_text_for_those_who_do_not_see_it() -> Non
     shown = {}
     for page in ROOT.glob("docs/**/*.md"):
         text = page.read_text(encoding="utf-8")
+        for words, path in re.findall(r"!\[([^\]]*)\]\(([^)]+)\)", text):
+            shown[(page.parent / path).resolve()] = words
     drawn = {picture for picture in (*PICTURES, *TAKEN) if picture.name != "icon.svg"}
     assert set(shown) == drawn
     assert all(len(words.split()) > 5 for words in shown.values())
