@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -403,10 +403,15 @@ PICTURES: dict[str, Callable[[], Any]] = {
 
 def draw(folder: Path) -> list[Path]:
     """Draw all pictures into a folder; returns their paths."""
+    return save(PICTURES, folder)
+
+
+def save(pictures: Mapping[str, Callable[[], Any]], folder: Path) -> list[Path]:
+    """Save each picture as an SVG file of its name, all in one style; returns their paths."""
     paths = []
     folder.mkdir(parents=True, exist_ok=True)
     with plt.rc_context(STYLE):
-        for name, picture in PICTURES.items():
+        for name, picture in pictures.items():
             figure = picture()
             path = folder / f"{name}.svg"
             # Without the date two runs give the same bytes.

@@ -5,13 +5,11 @@ from __future__ import annotations
 import os
 import re
 import runpy
-import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import Cli
 
 import adr_opt
 from adr_opt.catalogue import read
@@ -93,27 +91,6 @@ def test_what_is_wrong_is_said_in_one_sentence(
         assert said.count("\n") == 1
         assert named in said
     assert not (tmp_path / "made").exists()
-
-
-def test_the_commands_of_the_page_run(cli: Cli, tmp_path: Path) -> None:
-    """One after the other, the verbs of docs/removal.md work, on a mission of two months."""
-    pytest.importorskip("boinor")
-    (tmp_path / "examples").symlink_to(FOLDER.parent)
-    page = (FOLDER.parents[1] / "docs/removal.md").read_text(encoding="utf-8")
-    lines = re.findall(r"(?m)^    python -m adr_opt (.+)$", page)
-    verbs = ["import", "solve", "bound", "check", "fly", "refine", "report", "export"]
-    assert [line.split()[0] for line in lines] == verbs
-    shorter = {"1461": "60", "365": "15", "548": "30", "--kits 6": "--kits 2"}
-    said = {}
-    for line in lines:
-        words = line.replace("--time-limit 60", "--time-limit 8")
-        for long, short in shorter.items():
-            words = words.replace(long, short)
-        outcome = cli(*shlex.split(words))
-        assert outcome.status == 0, (line, outcome.err)
-        said[line.split()[0]] = outcome.out
-    assert said["solve"].count(": at launch ") == 3
-    assert "every tank holds" in said["fly"]
 
 
 @pytest.mark.external

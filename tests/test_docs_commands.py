@@ -1,0 +1,100 @@
+"""Every command of the pages is one that there is, and those of the quick starts run."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import tomllib
+from pathlib import Path
+
+import click
+import pytest
+from conftest import Cli
+from pages import PAGES, ROOT, commands, in_a_small_world, meant, read
+
+from adr_opt import planner
+from adr_opt.cli.verbs import VERBS
+from adr_opt.cli.verbs import command as verbs
+
+ALL_COMMANDS = sorted({line for page in PAGES for line in commands(page.read_text("utf-8"))})
+OURS = [line for line in ALL_COMMANDS if line.startswith("python -m adr_opt ")]
+SCRIPTS = [line for line in ALL_COMMANDS if re.match(r"python [a-z_/-]+\.py", line)]
+MAKE = [line for line in ALL_COMMANDS if re.fullmatch(r"make [a-z]+( [A-Z_]+=\S+)*", line)]
+
+
+def test_commands_and_methods_named_in_the_pages_exist() -> None:
+    """Every verb and every method that a page tells the reader to type is there."""
+    example = tomllib.loads(read("examples/random-walks/pyproject.toml"))["project"]
+    methods = {
+        *planner.names(),
+        *planner.names(planner.BOUNDS),
+        *example["entry-points"][planner.PLANNERS],
+    }
+    verbs, used = set(), set()
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        verbs |= set(re.findall(r"python -m adr_opt ([a-z][a-z-]*)", text))
+        used |= set(re.findall(r"(?:--method|--bound) ([a-z-]+)", text))
+    assert {"generate", "solve", "check"} <= verbs
+    assert verbs - set(VERBS) == set()
+    assert used - methods == set()
+
+
+@pytest.mark.parametrize("line", OURS)
+def test_every_command_in_the_pages_parses(line: str) -> None:
+    """Each command line of a page is one that the program takes: verb, arguments and options."""
+    _, _, _, verb, *words = meant(line)
+    if verb in ("--help", "--version"):
+        return
+    context = click.Context(verbs)
+    command = verbs.get_command(context, verb)
+    assert command is not None, verb
+    if words and "--help" not in words:
+        # A verb that stands for itself, as in "`python -m adr_opt train`", has no arguments.
+        assert command.make_context(verb, words, parent=context).params
+
+
+@pytest.mark.parametrize("line", SCRIPTS)
+def test_every_script_in_the_pages_exists(line: str) -> None:
+    """Each script that a page starts is there, and knows the options that the page gives it."""
+    _, path, *words = shlex.split(line)
+    script = ROOT / path
+    assert script.is_file()
+    near = [script, *script.parent.glob("*/*.py")]
+    source = "\n".join(file.read_text(encoding="utf-8") for file in near)
+    for word in words:
+        if word.startswith("--"):
+            assert f'"{word}"' in source, word
+
+
+@pytest.mark.parametrize("line", MAKE)
+def test_every_target_of_make_in_the_pages_exists(line: str) -> None:
+    """Each target that a page makes is in the Makefile, and so is each variable that it sets."""
+    _, target, *settings = line.split()
+    makefile = read("Makefile")
+    assert re.search(rf"^{target}:.*## ", makefile, re.MULTILINE)
+    for setting in settings:
+        assert re.search(rf"^{setting.partition('=')[0]} \S*= ", makefile, re.MULTILINE)
+
+
+def test_the_pages_have_commands() -> None:
+    """The patterns above find what they look for."""
+    assert {shlex.split(line)[3] for line in OURS} >= set(VERBS)
+    assert len(SCRIPTS) > 10
+    assert {line.split()[1] for line in MAKE} >= {"solve", "test", "docs"}
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/index.md"])
+def test_the_commands_of_the_quick_start_run(cli: Cli, tmp_path: Path, page: str) -> None:
+    """One after the other, the commands of a quick start do what they say, on small missions."""
+    for package in ("boinor", "h5netcdf", "plotly", "sgp4"):
+        pytest.importorskip(package)
+    for folder in ("examples", "instances"):
+        (tmp_path / folder).symlink_to(ROOT / folder)
+    blocks = re.findall(r"(?m)^    python -m adr_opt (?!train).*$", read(page))
+    assert len(blocks) >= 9
+    for line in blocks:
+        outcome = cli(*in_a_small_world(line.strip()))
+        assert outcome.status == 0, (line, outcome.err)
+    for name in ("my.json", "plan.json", "mission.oem", "mission.html"):
+        assert (tmp_path / name).stat().st_size > 0

@@ -1,0 +1,122 @@
+"""What the documentation states as a fact and the code decides."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import tomllib
+
+from pages import ROOT, read, tables
+
+import adr_opt
+from adr_opt import checking, keep_out, planner
+from adr_opt.generator import FAMILIES, generate
+from adr_opt.kernels import constants
+from adr_opt.library import load_library
+
+
+def test_tolerances_are_those_of_the_code() -> None:
+    """docs/files.md states the tolerances of the check and of its keep-out zones."""
+    assert (keep_out.MARGIN_M, keep_out.MARGIN_S) == (1.0, 1e-2)
+    assert checking.TIME_TOLERANCE_S == 1e-3
+    assert checking.DELTA_V_TOLERANCE_M_S == 1e-4
+    assert checking.OBJECTIVE_TOLERANCE == 1e-6
+    section = read("docs/files.md").partition("## What `check` tolerates")[2]
+    assert "1 ms" in section
+    assert "0.1 mm/s" in section
+    assert "10⁻⁶" in section
+    assert "1 m and 10 ms inside" in section
+
+
+def test_the_slack_is_that_of_the_code() -> None:
+    """docs/model.md states the slack in time, ΔV and radius."""
+    assert constants.SLACK_S == constants.SLACK_M_S == 2.0**-20
+    assert constants.SLACK_M == 2.0**-10
+    section = read("docs/model.md").partition("## The slack")[2].partition("\n## ")[0]
+    for value in ("| time | 2⁻²⁰ s", "| ΔV | 2⁻²⁰ m/s", "| radius | 2⁻¹⁰ m"):
+        assert value in section
+
+
+def test_families_are_those_of_the_generator() -> None:
+    """instances/README.md lists every family with its targets, duration and budget."""
+    rows = re.findall(
+        r"^\| `([a-z-]+)` \| (\S+?)(?:,[^|]*)? \| ([\d.]+) days \| ([\d.]+) km/s \|",
+        read("instances/README.md"),
+        re.MULTILINE,
+    )
+    stated = {
+        name: (tuple(int(n) for n in targets.split("–")), float(days), float(budget))
+        for name, targets, days, budget in rows
+    }
+    true = {
+        family.name: (
+            family.targets if family.targets[0] < family.targets[1] else family.targets[:1],
+            family.duration_s / 86400.0,
+            round(family.delta_v_m_s / 1000.0, 3),
+        )
+        for family in FAMILIES.values()
+    }
+    assert stated == true
+
+
+def test_which_planner_lists_exactly_what_this_project_installs() -> None:
+    """docs/which-planner.md has a row for every planner and bound of this package, and no other.
+
+    Other packages may install methods of their own beside them.
+    """
+    declared = tomllib.loads(read("pyproject.toml"))["project"]["entry-points"]
+    methods = {*declared[planner.PLANNERS], *declared[planner.BOUNDS]}
+    rows = set(re.findall(r"^\| `([a-z-]+)` \|", read("docs/which-planner.md"), re.MULTILINE))
+    assert rows == methods
+
+
+def test_the_page_on_python_names_all_there_is() -> None:
+    """docs/api.md has every public name of the package, and no module or name that is not there."""
+    (_, public), (_, modules) = tables(read("docs/api.md"))
+    named = {name for row in public[2:] for name in re.findall(r"`([A-Za-z_]+)", row[0])}
+    assert named == {name for name in adr_opt.__all__ if not name.startswith("__")}
+    for row in modules[2:]:
+        name = row[0].strip("`")
+        try:
+            module = importlib.import_module(name)
+        except adr_opt.MissingExtra:
+            continue
+        for word in re.findall(r"`([A-Za-z_]+)`", row[1]):
+            assert hasattr(module, word), f"{name}.{word}"
+
+
+def test_extras_are_those_of_the_package() -> None:
+    """The README has a row for each extra that is not for the tests of this project."""
+    project = tomllib.loads(read("pyproject.toml"))["project"]
+    section = read("README.md").partition("## Extras")[2].partition("\n## ")[0]
+    rows = {name for row in section.splitlines() for name in re.findall(r"`\[(\w+)\]`", row)}
+    assert rows == set(project["optional-dependencies"]) - {"test", "dev"}
+
+
+def test_the_readme_counts_the_library() -> None:
+    """The README says how many instances the library has and in which families."""
+    entries = load_library(ROOT / "instances/library.json").instances
+    families = list(dict.fromkeys(entry.family for entry in entries))
+    text = " ".join(read("README.md").split())
+    assert f"{len(entries)} instances in eleven families ({', '.join(families)})" in text
+    assert len(families) == 11
+
+
+def test_versions_agree() -> None:
+    """What is cited, what is installed and what is said to be made are one version."""
+    version = tomllib.loads(read("pyproject.toml"))["project"]["version"]
+    assert adr_opt.__version__ == version
+    assert f"\nversion: {version}\n" in read("CITATION.cff")
+    assert f"version = {{{version}}}" in read("docs/citing.md")
+    assert version in read("CHANGELOG.md")
+
+
+def test_the_committed_instances_are_what_their_names_say() -> None:
+    """Each FAMILY-SEED file under instances/ is, byte for byte, what the generator gives."""
+    files = sorted(ROOT.glob("instances/*/*-[0-9][0-9][0-9].json"))
+    files = [file for file in files if file.parent.name != "best-known"]  # plans
+    assert len(files) >= 20
+    for file in files:
+        family, _, seed = file.stem.rpartition("-")
+        assert file.parent.name == family
+        assert file.read_bytes() == generate(family, int(seed)).to_json().encode(), file.name

@@ -1,0 +1,113 @@
+"""The Python of the pages runs as it stands and prints what they say."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import Cli
+from pages import ROOT, in_a_small_world, read, tables
+
+from adr_opt import instance, plan, planner
+
+
+def test_the_first_example_of_each_page_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The Python of the quick start and of the page on Python runs as it stands."""
+    monkeypatch.chdir(tmp_path)
+    for page in ("docs/index.md", "docs/api.md"):
+        for code in re.findall(r"```python\n(.*?)```", read(page), re.DOTALL):
+            exec(code, {})
+    assert plan.load_plan("plan.json").legs
+
+
+def test_the_page_on_campaigns_runs(cli: Cli, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its commands, on fewer targets, plan a campaign that passes; its Python does as it stands.
+
+    The chasers that it shows as a file are an instance's, and it lists the methods that plan them.
+    """
+    for package in ("boinor", "plotly"):
+        pytest.importorskip(package)
+    page = read("docs/campaigns.md")
+    blocks = re.findall(r"(?m)^    python -m adr_opt .*$", page)
+    verbs = [shlex.split(line)[3] for line in blocks]
+    assert verbs[:4] == ["generate", "solve", "check", "generate"]
+    assert verbs[4:7] == ["generate"] * 3
+    assert set(verbs[7:]) == {"fly", "refine", "report", "export"}
+    for line in blocks:
+        words = in_a_small_world(line.strip())
+        if words[0] == "generate":
+            words[1] = shlex.split(line)[4]
+            words += ["--targets", "12"]
+        outcome = cli(*words)
+        assert outcome.status == 0, (line, outcome.err)
+    drawn = instance.load("my.json")
+    assert (len(drawn.chasers), len(drawn.stations)) == (2, 2)
+    shown = re.search(r"```json\n(.*?)```", page, re.DOTALL)
+    assert shown is not None
+    content = json.loads(drawn.to_json()) | json.loads(f"{{{shown[1]}}}")
+    assert [each.name for each in instance.Instance.from_json(json.dumps(content)).chasers] == [
+        "first", "late",
+    ]  # fmt: skip
+    (code,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    capsys.readouterr()
+    exec(code, {})
+    first, second, last = capsys.readouterr().out.splitlines()
+    assert first.startswith("chaser-1 ['debris-")
+    assert second.startswith("late ['debris-")
+    assert last.endswith(" optimal ()")
+    listed = {cell.strip("`") for row in next(tables(page))[1][2:] for cell in row[:1]}
+    able = {
+        name for name in planner.names() if planner.campaign_form(planner.get(name)) is not None
+    }
+    assert listed == able
+
+
+def test_what_the_page_on_waiting_prints(capsys: pytest.CaptureFixture[str]) -> None:
+    """Each block of Python on the page prints what the page says that it prints."""
+    page = read("docs/waiting.md")
+    pairs = re.findall(r"```python\n(.*?)```\n\nprints\n\n```text\n(.*?)```", page, re.DOTALL)
+    assert len(pairs) == page.count("```python") == 3
+    names: dict[str, Any] = {}
+    for code, printed in pairs:
+        exec(code, names)
+        assert capsys.readouterr().out == printed
+
+
+def test_what_the_page_on_given_costs_prints(capsys: pytest.CaptureFixture[str]) -> None:
+    """The Lambert arcs of the page are planned as it says."""
+    pytest.importorskip("boinor")
+    page = read("docs/given-costs.md")
+    ((code, printed),) = re.findall(
+        r"```python\n(.*?)```\n\nprints\n\n```text\n(.*?)```", page, re.DOTALL
+    )
+    exec(code, {})
+    assert capsys.readouterr().out == printed
+
+
+def test_the_environment_of_the_readme_runs() -> None:
+    """The environment in five lines runs as it stands."""
+    pytest.importorskip("gymnasium")
+    code = re.search(r"```python\n(import gymnasium.*?)```", read("README.md"), re.DOTALL)
+    assert code is not None
+    names: dict = {}
+    exec(code[1], names)
+    assert names["reward"] in (0.0, 1.0)
+
+
+def test_the_example_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first Python example of the README runs as it stands."""
+    (tmp_path / "instances").symlink_to(ROOT / "instances")
+    monkeypatch.chdir(tmp_path)
+    code = re.search(r"```python\n(.*?)```", read("README.md"), re.DOTALL)
+    assert code is not None
+    names: dict = {}
+    exec(code[1], names)
+    assert names["result"].objective > 0.0
+    assert names["matrices"].delta_v.shape == (3, 51, 51)
+    assert (tmp_path / "plan.json").is_file()
