@@ -109,8 +109,9 @@ class CertificateOf(Generic[Found]):
 
     @property
     def proven(self) -> bool:
-        """Whether the incumbent meets the bound."""
-        return self.incumbent >= self.bound - self._tolerance
+        """Whether the incumbent meets the bound, or no plan has all that is required."""
+        none = self._mission.shown(self.bound) == -math.inf
+        return none or self.incumbent >= self.bound - self._tolerance
 
     @property
     def _tolerance(self) -> float:

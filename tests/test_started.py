@@ -85,6 +85,15 @@ def test_optima_are_those_of_enumeration(draw, count: int) -> None:
     assert flown >= 12
 
 
+def test_what_is_impossible_is_known_at_once() -> None:
+    """A proof ends where its bound says that a required target is left out, whatever else pays."""
+    instance = of_two_bodies(12)
+    assert any(target.required for target in instance.targets)
+    result = adr_opt.solve(instance, "exact", time_limit=60.0)
+    assert result.status == "infeasible"
+    assert result.counters["searches"] < 20
+
+
 @pytest.mark.parametrize("method", ["greedy-guarded", "beam", "mcts", "local-search", "auto"])
 @either
 def test_planners_keep_to_the_tank(method: str, draw, count: int) -> None:
