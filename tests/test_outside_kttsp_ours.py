@@ -67,6 +67,32 @@ def test_no_box_of_a_leg_is_ruled_out(problem, i, j, limit):
     assert met > 50
 
 
+def test_no_arc_is_slower_than_the_slowest():
+    """Whatever angles planes have, an arc within the limit is no slower than a box says."""
+    rng = np.random.default_rng(9)
+    near = 0
+    for _ in range(4000):
+        (v, w), limit = rng.uniform(300.0, 2000.0, 2), rng.choice([100.0, 600.0])
+        angles = rng.uniform(0.0, 0.6, 2)
+        across = v * math.sin(angles[0]) + w * math.sin(angles[1])
+        if across > limit:
+            continue
+        # A box knows the least of each angle, and of their sum, from which the budget follows.
+        first, second = angles * rng.uniform(size=2)
+        both = max(angles.sum() * rng.uniform(0.8, 1.0), first + second)
+        sums = [
+            v * math.sin(first) + w * math.sin(second),
+            v * math.sin(first) + w * math.sin(both - first),
+            v * math.sin(both - second) + w * math.sin(second),
+        ]
+        own, budget = (math.sqrt(limit**2 - x**2) for x in (sums[0], min(sums[1:])))
+        found = boxes._slowest(v, math.cos(first), w * math.sin(second), own, budget, limit)
+        slowest = max(v * math.cos(angles[0]) - math.sqrt(limit**2 - across**2), 0.0)
+        assert found <= slowest + 1e-9
+        near += found > 0.95 * slowest > 0.0
+    assert near > 500
+
+
 @pytest.mark.parametrize(("i", "j", "limit"), PAIRS)
 def test_boxes_are_ruled_out_where_legs_are_dear(problem, i, j, limit):
     """Of small boxes around legs that cost half as much again most are ruled out."""

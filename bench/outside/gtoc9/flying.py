@@ -16,7 +16,7 @@ from adr_opt.refining.leg import Course, Flown, NoWay, fly, residual
 
 from ..reading import FloatArray
 from .ephemeris import Debris
-from .guessing import Guess, guesses
+from .guessing import Guess, guesses, phased
 from .polishing import polished, without_one
 
 MOST_IMPULSES = 5
@@ -31,8 +31,11 @@ LOWEST_M = 6600e3
 BEST = 1
 """So many guesses are flown: the second one is rarely better, and by little."""
 
-DROPPED = 2
+DROPPED = 1
 """So many ways to do without an impulse are made cheaper."""
+
+WORSE = 1.1
+"""A flight that costs so many times its guess has left the guess's valley."""
 
 
 @dataclass(frozen=True)
@@ -106,15 +109,18 @@ def _flown(guess: Guess) -> Flown:
     while len(ways[0][0]) > MOST_IMPULSES:
         ways = without_one(*ways[0])
     found: list[Flown] = []
+    good = 0
     for times, impulses, _ in ways:
-        if len(found) == DROPPED:
+        if good == DROPPED:
             break
         try:
-            tried = polished(guess.course, times, impulses)
+            start = phased(Guess(guess.total, guess.course, times, impulses))
+            tried = polished(guess.course, times, start.impulses)
         except NoWay:
             continue
         if tried.reach_m[0] >= LOWEST_M:
             found.append(tried)
+            good += tried.delta_v_m_s < WORSE * guess.total
     if not found:
         raise NoWay("the leg cannot be flown with so few impulses")
     return min(found, key=lambda flown: flown.delta_v_m_s)

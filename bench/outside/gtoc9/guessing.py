@@ -97,6 +97,12 @@ def guesses(course: Course, revolution_s: float) -> list[Guess]:
     for more in range(-REVOLUTIONS, REVOLUTIONS + 1, STRIDE):
         follow(more)
     middle = min(found, key=lambda more: found[more].total, default=0)
+    while abs(middle) >= REVOLUTIONS:
+        # The best one lies at the edge: on, as long as it gets better.
+        follow(middle + int(math.copysign(STRIDE, middle)))
+        last, middle = middle, min(found, key=lambda more: found[more].total)
+        if middle == last:
+            break
     for more in range(middle - STRIDE + 1, middle + STRIDE):
         if more not in found:
             follow(more)
@@ -104,8 +110,8 @@ def guesses(course: Course, revolution_s: float) -> list[Guess]:
     for guess in sorted(found.values(), key=lambda guess: guess.total)[:RANKED]:
         try:
             for _ in range(1, ROUNDS):
-                guess = _least(_phased(guess))
-            better.append(_phased(guess))
+                guess = _least(phased(guess))
+            better.append(phased(guess))
         except NoWay:
             continue
     return sorted(better, key=lambda guess: guess.total)
@@ -117,41 +123,45 @@ def _drifting(course: Course, revolution_s: float, times: FloatArray) -> Guess:
     if second >= course.end_s:
         raise NoWay("less than half a revolution")
     times = np.unique(np.r_[course.start_s, second, times])
-    return _phased(Guess(0.0, course, times, np.zeros((times.size, 3))), second)
+    halfway = int(np.searchsorted(times, second))
+    return phased(Guess(0.0, course, times, np.zeros((times.size, 3))), (0, halfway))
 
 
-def _phased(guess: Guess, second_s: float | None = None) -> Guess:
-    """The same but for an impulse along the orbit at the start, that the goal's longitude is met.
+def phased(guess: Guess, places: tuple[int, ...] = (0,)) -> Guess:
+    """The same but for a change along the orbit, so that the longitude of the goal is met.
 
-    Half of it is made at another time if one is given, so that the orbit stays round.
+    Parameters
+    ----------
+    guess : Guess
+    places : tuple of int
+        Of the impulses that share the change: half a revolution apart, the orbit stays round.
     """
-    course, impulses = guess.course, guess.impulses
-    used = np.any(impulses != 0.0, axis=1)
-    used[0] = True
-    ends = [0]
-    if second_s is not None:
-        ends.append(int(np.searchsorted(guess.times, second_s)))
-        used[ends[1]] = True
-    places = np.flatnonzero(used)
+    course = guess.course
+    used = np.any(guess.impulses != 0.0, axis=1)
+    used[list(places)] = True
+    times = np.r_[course.start_s, guess.times[used]]
+    impulses = np.vstack([np.zeros(3), guess.impulses[used]])
+    changed = 1 + np.searchsorted(np.flatnonzero(used), places)
     frame = equinoctial.own_frame(course.goal)
     goal = equinoctial.elements(course.goal, frame)[5]
     # A semi-major axis changes by 2 a Δv / v, the mean motion by three halves of that share.
     rate = -3.0 * (course.end_s - course.start_s) / math.hypot(*course.start[:3])
     total, before = 0.0, (0.0, 0.0)
-    ahead = np.tile(course.start[3:] / math.hypot(*course.start[3:]), (len(ends), 1))
+    change = np.zeros((len(places), 3))
     for _ in range(MOST_SECANT):
         tried = impulses.copy()
-        tried[ends] += total / len(ends) * ahead
+        tried[changed] += change
         states, _, angle = coast.fly(
-            course.start, guess.times[places], tried[places], course.end_s,
-            FIELDS[course.gravity], False,
-        )  # fmt: skip
+            course.start, times, tried, course.end_s, FIELDS[course.gravity], False
+        )
         miss = math.remainder(equinoctial.elements(states[-1], frame)[5] - goal, math.tau)
         miss += math.tau * round((angle - course.angle - miss) / math.tau)
         if not math.isfinite(miss):
             break
         if abs(miss) < CLOSE_RAD:
-            return guess._replace(impulses=tried, total=float(np.linalg.norm(tried, axis=1).sum()))
+            found = guess.impulses.copy()
+            found[used] = tried[1:]
+            return guess._replace(impulses=found, total=float(np.linalg.norm(found, axis=1).sum()))
         # Impulses that come later turn with the phase, and so does what they do to it.
         if total != before[0] and (steeper := (miss - before[1]) / (total - before[0])) < 0.0:
             rate = min(max(steeper, 4.0 * rate), 0.25 * rate)
@@ -159,9 +169,9 @@ def _phased(guess: Guess, second_s: float | None = None) -> Guess:
         total -= miss / rate
         if abs(total) > MOST_DRIFT_M_S:
             break
-        if second_s is not None:
-            velocity = states[np.searchsorted(places, ends[1]), 3:]
-            ahead[1] = velocity / math.hypot(*velocity)
+        velocity = states[changed, 3:]
+        speed = np.sqrt(np.sum(velocity**2, axis=1))
+        change = total / len(places) * velocity / speed[:, None]
     raise NoWay("no such drift orbit")
 
 
