@@ -25,6 +25,9 @@ UNIT_S, UNIT_M = 200.0, 1e3
 STEPS, WORTH_M_S = 25, 0.02
 """Most steps of the program, and the ΔV that another one must be worth."""
 
+ROOM_S, ROOM_M_S = 3000.0, 100.0
+"""How far a time and a component may go: half a revolution, and no wild orbits on the way."""
+
 APART_S = 1.0
 """Impulses do not come nearer to each other."""
 
@@ -98,12 +101,16 @@ def polished(course: Course, times: FloatArray, impulses: FloatArray) -> Flown:
     scale = np.r_[np.full(count, UNIT_S), np.ones(3 * count)]
     order = np.eye(count, 4 * count, 1)[:-1] - np.eye(count, 4 * count)[:-1]
     span = (course.end_s - course.start_s) / UNIT_S
+    begin = (times - course.start_s) / UNIT_S
     found = minimize(
         lambda x: sizes(x).sum(),
-        np.r_[(times - course.start_s) / UNIT_S, impulses.ravel()],
+        np.r_[begin, impulses.ravel()],
         jac=slopes,
         method="SLSQP",
-        bounds=[(0.0, span)] * count + [(None, None)] * (3 * count),
+        bounds=[
+            *((max(at - ROOM_S / UNIT_S, 0.0), min(at + ROOM_S / UNIT_S, span)) for at in begin),
+            *((part - ROOM_M_S, part + ROOM_M_S) for part in impulses.ravel()),
+        ],
         constraints=[
             {
                 "type": "eq",
