@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from from_outside import DATA, external
 from outside.kttsp import arrivals, boxes, cells, costs, kepler, known, ours, proof, spans
-from outside.kttsp.reading import Problem, read_problem
+from outside.kttsp.reading import Problem, read_problem, read_tour
 from outside.kttsp.scoring import score
 
 from adr_opt.errors import InputError
@@ -212,16 +212,22 @@ def test_a_proof_goes_on_from_its_cells(problem, tmp_path):
     assert [one.name for one in tmp_path.iterdir()] == ["cells"]
     with pytest.raises(InputError, match="cells of another proof"):
         proof.bound(few, made.duration_d + 1.0, path=path)
+    moved = Problem(**(vars(few) | {"elements": few.elements * (1.0 + 1e-9)}))
+    with pytest.raises(InputError, match="cells of another proof"):
+        proof.bound(moved, made.duration_d, path=path)
     assert proof.bound(few, made.duration_d - 1.0, path=path).duration_d < made.duration_d
     path.write_text("nothing", encoding="utf-8")
     with pytest.raises(InputError, match="no cells of a proof"):
         proof.bound(few, made.duration_d, path=path)
 
 
-def test_our_best_tour_is_legal(problem):
+def test_our_best_tour_is_legal(problem, tmp_path):
     """The tour that is kept breaks no rule and is shorter than the best published one."""
     tour = known.best_known(problem)
     assert tour is not None
+    known.write_tour(tmp_path / "tour.json", problem, tour)
+    again = read_tour(tmp_path / "tour.json", problem.targets)
+    assert score(problem, again) == score(problem, tour)
     found = score(problem, tour)
     assert found.violations == ()
     assert found.duration_d < known.PUBLISHED_D

@@ -74,14 +74,17 @@ def report(
     solution: Path | None,
     time_limit_s: float | None = None,
     cells: Path | None = None,
+    write: Path | None = None,
 ) -> str:
     """What is known of a benchmark, in Markdown."""
     if time_limit_s is not None and not (name == "kttsp" and time_limit_s >= 0.0):
         raise InputError(f"--time-limit {time_limit_s:g}: only kttsp takes one, of 0 or more")
     if name == "kttsp":
-        return of_kttsp.report(folder, solution, time_limit_s, cells)
+        return of_kttsp.report(folder, solution, time_limit_s, cells, write)
     if cells is not None:
         raise InputError(f"--cells {cells}: only the proof of kttsp keeps any")
+    if write is not None:
+        raise InputError(f"--write {write}: only campaigns of gtoc9 and tours of kttsp are written")
     if solution is not None:
         raise InputError(f"--solution {solution}: only solutions of kttsp can be scored so far")
     return {"gtoc9": of_gtoc9, "optw": of_optw, "odrc": of_odrc}[name].report(folder)
@@ -116,7 +119,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--plan", type=Path, help="of gtoc9: the campaign; without, the winner's")
     parser.add_argument("--seed", type=int, default=0, help="of gtoc9")
     parser.add_argument("--chains", type=int, default=2, help="of gtoc9: threads")
-    parser.add_argument("--write", type=Path, help="of gtoc9: where our campaign is written")
+    parser.add_argument("--write", type=Path, help="of gtoc9 and kttsp: where our plan is written")
     parsed = parser.parse_args(arguments)
     try:
         if parsed.data is None:
@@ -125,7 +128,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if parsed.name == "gtoc9" and parsed.solution is None and parsed.cells is None:
             text = of_gtoc9_report(folder, parsed)
         else:
-            text = report(parsed.name, folder, parsed.solution, parsed.time_limit, parsed.cells)
+            text = report(
+                parsed.name, folder, parsed.solution, parsed.time_limit, parsed.cells, parsed.write
+            )
     except InputError as error:
         print(error, file=sys.stderr)
         return 2
