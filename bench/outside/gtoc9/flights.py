@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import numpy as np
+
 from adr_opt.errors import InputError
 from adr_opt.kernels.constants import DAY_S
 from adr_opt.refining.leg import NoWay
@@ -82,7 +84,9 @@ def _leg(debris: Sequence[Debris], one: Stop, other: Stop) -> tuple[Flight, floa
             leg = flown_leg(debris[one.debris], debris[other.debris], departure, other.arrival_d)
         except NoWay:
             continue
-        return Flight(leg.times_s - departure * DAY_S, leg.impulses_m_s), departure
+        # Differences of times since 2000 are good to a ten-millionth of a second only.
+        times = np.clip(leg.times_s - departure * DAY_S, 0.0, (other.arrival_d - departure) * DAY_S)
+        return Flight(times, leg.impulses_m_s), departure
     raise NoWay(
         f"no impulses from debris {one.debris} to {other.debris}, "
         f"{one.departure_d:.3f} to {other.arrival_d:.3f}"

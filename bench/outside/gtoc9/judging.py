@@ -26,6 +26,9 @@ from .scoring import Score, score
 ROWS = 8
 """Of the extrapolation: steps are cut into 2, 4, … 16 parts."""
 
+SLACK_S = 1e-5
+"""Of times of impulses, which a file has rounded."""
+
 PER_RADIAN = 3.0
 """Steps for a radian that the chaser runs through."""
 
@@ -175,7 +178,7 @@ def _said(departure_d: float, arrival_d: float, times_s: FloatArray, leg: Judged
     if times_s.size > MOST_IMPULSES:
         broken.append(f"{times_s.size} impulses")
     last = (arrival_d - departure_d) * DAY_S
-    if (np.diff(times_s, prepend=0.0, append=last) < 0.0).any():
+    if (np.diff(times_s, prepend=0.0, append=last) < -SLACK_S).any():
         broken.append("impulses out of order, or outside of the leg")
     # NaN is no arrival either.
     if not (leg.miss_m <= CLOSE_M and leg.miss_m_s <= CLOSE_M_S):
