@@ -28,10 +28,10 @@ CLOSE_M, CLOSE_M_S = 100.0, 1.0
 LOWEST_M = 6600e3
 """Least radius of perigees."""
 
-BEST = 1
-"""So many guesses are flown: the second one is rarely better, and by little."""
+BEST = 2
+"""So many guesses are flown."""
 
-DROPPED = 1
+DROPPED = 2
 """So many ways to do without an impulse are made cheaper."""
 
 WORSE = 1.1
