@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from from_outside import BENCH
+from from_outside import BENCH, arrived
 from outside.gtoc9 import cells
 from outside.gtoc9.campaign import Removals, Stop, read_campaign
 from outside.gtoc9.debris import read_debris
@@ -21,11 +21,10 @@ from outside.gtoc9.least import proven
 from outside.gtoc9.ours import planned, write_campaign
 from outside.gtoc9.phases import latitude_of, phased_cost
 from outside.gtoc9.polishing import sensitive
-from scipy.integrate import solve_ivp
 
 from adr_opt.errors import InputError
 from adr_opt.kernels import drift
-from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, J2, MU_M3_S2, OBLATENESS_M2
+from adr_opt.kernels.constants import DAY_S, OBLATENESS_M2
 from adr_opt.refining.leg import Course
 
 assert BENCH.is_dir()
@@ -92,33 +91,6 @@ def test_a_plan_is_legal_and_above_the_bound(field, tmp_path):
     assert [stop.debris for mission in again for stop in mission.stops] == [
         stop.debris for mission in found.missions for stop in mission.stops
     ]
-
-
-def pull(_, state):
-    """The contest's equations of motion."""
-    x, y, z = state[:3]
-    r = math.sqrt(x * x + y * y + z * z)
-    share, strength = 1.5 * J2 * (EARTH_RADIUS_M / r) ** 2, -MU_M3_S2 / r**3
-    across, polar = 1.0 - 5.0 * (z / r) ** 2, 3.0 - 5.0 * (z / r) ** 2
-    return [
-        *state[3:],
-        strength * x * (1.0 + share * across),
-        strength * y * (1.0 + share * across),
-        strength * z * (1.0 + share * polar),
-    ]
-
-
-def arrived(one, other, departure, arrival, times_s, impulses_m_s):
-    """How far off a debris SciPy ends that flies a leg from another one [m], [m/s]."""
-    state, now = one.state(departure * DAY_S), 0.0
-    ends = [*times_s, (arrival - departure) * DAY_S]
-    for time, impulse in zip(ends, [*impulses_m_s, np.zeros(3)], strict=True):
-        if time > now:
-            flown = solve_ivp(pull, (0.0, time - now), state, "DOP853", rtol=1e-12, atol=1e-6)
-            state, now = flown.y[:, -1], time
-        state[3:] += impulse
-    off = state - other.state(arrival * DAY_S)
-    return np.linalg.norm(off[:3]), np.linalg.norm(off[3:])
 
 
 @pytest.fixture(scope="module")
