@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -124,17 +125,18 @@ def report_flights(
         if not 0 <= number < len(missions):
             raise InputError(f"--fly {number}: {campaign} has missions 0 to {len(missions) - 1}")
         missions = missions[number : number + 1]
-    debris = read_ephemeris(debris_file)
+    debris, since = read_ephemeris(debris_file), time.process_time()
     try:
         flown = fly(in_phase(missions, rows, debris), debris, jobs, tell)
     except NoWay as error:
         raise InputError(f"{campaign}: {error}; give another campaign") from None
+    spent = f"\n\nFlown in {time.process_time() - since:.0f} s of processors."
     found = judged(flown, debris)
     if number is not None:
-        return leg_table(flown[0], found, rows)
+        return leg_table(flown[0], found, rows) + spent
     if write is not None:
         write_flown(write, flown)
-    return mission_table(flown, found, rows)
+    return mission_table(flown, found, rows) + spent
 
 
 def leg_table(mission: FlownMission, found: Judged, rows: FloatArray) -> str:
