@@ -7,11 +7,15 @@ import json
 
 import numpy as np
 import pytest
-from from_outside import BENCH, DATA, broken, external
+from from_outside import BENCH, DATA, arrived, broken, external
 from outside.gtoc9.campaign import Removals, Stop, read_campaign
 from outside.gtoc9.debris import read_debris
+from outside.gtoc9.ephemeris import read_ephemeris
 from outside.gtoc9.estimate import connections, legs_m_s, matrices
 from outside.gtoc9.expense import expense_meur, launched_kg, propellant_kg
+from outside.gtoc9.flown import read_flown
+from outside.gtoc9.flying import CLOSE_M, CLOSE_M_S
+from outside.gtoc9.judging import judged
 from outside.gtoc9.legs import read_legs
 from outside.gtoc9.retiming import retimed
 from outside.gtoc9.scoring import score
@@ -64,6 +68,34 @@ def test_our_best_campaign_keeps_all_rules(rows):
     found = score(ours, [legs_m_s(mission, rows) for mission in ours], len(rows))
     assert found.total_meur == pytest.approx(618.946, abs=0.01)
     assert found.violations == ()
+
+
+@pytest.fixture(scope="module")
+def flown(rows):
+    return read_flown(BENCH / "outside" / "gtoc9" / "flown.json", len(rows))
+
+
+def test_our_flown_campaign_keeps_all_rules(flown):
+    """All impulses of the campaign that is kept lead to their debris by the rules; J is 620.5."""
+    found = judged(flown, read_ephemeris(DEBRIS))
+    assert found.violations == ()
+    assert found.score.total_meur == pytest.approx(620.46, abs=0.01)
+    assert max(leg.miss_m for legs in found.legs for leg in legs) < 1.0
+
+
+def test_a_leg_of_our_flown_campaign_arrives_by_scipy(flown):
+    """The first leg of one to four days ends at its debris also where SciPy flies it."""
+    debris = read_ephemeris(DEBRIS)
+    for mission in flown:
+        stops = mission.removals.stops
+        for one, other, flight in zip(stops[:-1], stops[1:], mission.flights, strict=True):
+            if 1.0 <= other.arrival_d - one.departure_d < 4.0:
+                ends = debris[one.debris], debris[other.debris]
+                off = arrived(*ends, one.departure_d, other.arrival_d, *flight)
+                assert off[0] < CLOSE_M
+                assert off[1] < CLOSE_M_S
+                return
+    raise AssertionError("no such leg")
 
 
 def test_better_times_are_better_and_legal(rows, winner):

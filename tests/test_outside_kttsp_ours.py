@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from from_outside import DATA, external
 from outside.kttsp import arrivals, boxes, cells, costs, kepler, known, ours, proof, spans
-from outside.kttsp.reading import Problem, read_problem
+from outside.kttsp.reading import Problem, read_problem, read_tour
 from outside.kttsp.scoring import score
 
 from adr_opt.errors import InputError
@@ -65,6 +65,32 @@ def test_no_box_of_a_leg_is_ruled_out(problem, i, j, limit):
         assert boxes.possible(rows[0][0], rows[1][0], *normals, between, low, high, limit)
         met += 1
     assert met > 50
+
+
+def test_no_arc_is_slower_than_the_slowest():
+    """Whatever angles planes have, an arc within the limit is no slower than a box says."""
+    rng = np.random.default_rng(9)
+    near = 0
+    for _ in range(4000):
+        (v, w), limit = rng.uniform(300.0, 2000.0, 2), rng.choice([100.0, 600.0])
+        angles = rng.uniform(0.0, 0.6, 2)
+        across = v * math.sin(angles[0]) + w * math.sin(angles[1])
+        if across > limit:
+            continue
+        # A box knows the least of each angle, and of their sum, from which the budget follows.
+        first, second = angles * rng.uniform(size=2)
+        both = max(angles.sum() * rng.uniform(0.8, 1.0), first + second)
+        sums = [
+            v * math.sin(first) + w * math.sin(second),
+            v * math.sin(first) + w * math.sin(both - first),
+            v * math.sin(both - second) + w * math.sin(second),
+        ]
+        own, budget = (math.sqrt(limit**2 - x**2) for x in (sums[0], min(sums[1:])))
+        found = boxes._slowest(v, math.cos(first), w * math.sin(second), own, budget, limit)
+        slowest = max(v * math.cos(angles[0]) - math.sqrt(limit**2 - across**2), 0.0)
+        assert found <= slowest + 1e-9
+        near += found > 0.95 * slowest > 0.0
+    assert near > 100
 
 
 @pytest.mark.parametrize(("i", "j", "limit"), PAIRS)
@@ -186,16 +212,22 @@ def test_a_proof_goes_on_from_its_cells(problem, tmp_path):
     assert [one.name for one in tmp_path.iterdir()] == ["cells"]
     with pytest.raises(InputError, match="cells of another proof"):
         proof.bound(few, made.duration_d + 1.0, path=path)
+    moved = Problem(**(vars(few) | {"elements": few.elements * (1.0 + 1e-9)}))
+    with pytest.raises(InputError, match="cells of another proof"):
+        proof.bound(moved, made.duration_d, path=path)
     assert proof.bound(few, made.duration_d - 1.0, path=path).duration_d < made.duration_d
     path.write_text("nothing", encoding="utf-8")
     with pytest.raises(InputError, match="no cells of a proof"):
         proof.bound(few, made.duration_d, path=path)
 
 
-def test_our_best_tour_is_legal(problem):
+def test_our_best_tour_is_legal(problem, tmp_path):
     """The tour that is kept breaks no rule and is shorter than the best published one."""
     tour = known.best_known(problem)
     assert tour is not None
+    known.write_tour(tmp_path / "tour.json", problem, tour)
+    again = read_tour(tmp_path / "tour.json", problem.targets)
+    assert score(problem, again) == score(problem, tour)
     found = score(problem, tour)
     assert found.violations == ()
     assert found.duration_d < known.PUBLISHED_D

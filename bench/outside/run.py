@@ -2,6 +2,8 @@
 
     python bench/outside/run.py gtoc9 --data DIR [--time-limit S --seed N --bound-time-limit S]
     python bench/outside/run.py gtoc9 --data DIR --fly MISSION [--plan FILE]
+    python bench/outside/run.py gtoc9 --data DIR --fly-all FILE [--plan FILE]
+    python bench/outside/run.py gtoc9 --data DIR --flown FILE
     python bench/outside/run.py optw --data DIR
     python bench/outside/run.py kttsp --data DIR --solution FILE --time-limit SECONDS --cells FILE
     python bench/outside/run.py odrc --data DIR
@@ -51,9 +53,11 @@ def of_gtoc9_report(folder: Path, parsed: argparse.Namespace) -> str:
             raise InputError(f"{flag} {limit:g}: give seconds above 0")
     if parsed.seed < 0 or not 1 <= parsed.chains <= 256:
         raise InputError("--seed is 0 or more, and --chains from 1 to 256")
-    if parsed.fly is not None:
+    if parsed.flown is not None:
+        return of_gtoc9.judged_again(folder, parsed.flown)
+    if parsed.fly is not None or parsed.fly_all is not None:
         plan = parsed.plan or folder / of_gtoc9.campaign.FILE
-        return of_gtoc9.flight(folder, plan, parsed.fly)
+        return of_gtoc9.flights(folder, plan, parsed.fly, parsed.fly_all)
     return of_gtoc9.report(
         folder,
         time_limit_s=parsed.time_limit,
@@ -70,14 +74,17 @@ def report(
     solution: Path | None,
     time_limit_s: float | None = None,
     cells: Path | None = None,
+    write: Path | None = None,
 ) -> str:
     """What is known of a benchmark, in Markdown."""
     if time_limit_s is not None and not (name == "kttsp" and time_limit_s >= 0.0):
         raise InputError(f"--time-limit {time_limit_s:g}: only kttsp takes one, of 0 or more")
     if name == "kttsp":
-        return of_kttsp.report(folder, solution, time_limit_s, cells)
+        return of_kttsp.report(folder, solution, time_limit_s, cells, write)
     if cells is not None:
         raise InputError(f"--cells {cells}: only the proof of kttsp keeps any")
+    if write is not None:
+        raise InputError(f"--write {write}: only campaigns of gtoc9 and tours of kttsp are written")
     if solution is not None:
         raise InputError(f"--solution {solution}: only solutions of kttsp can be scored so far")
     return {"gtoc9": of_gtoc9, "optw": of_optw, "odrc": of_odrc}[name].report(folder)
@@ -103,10 +110,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--bound-time-limit", type=float, help="of gtoc9: prove a bound, in so much of it [s]"
     )
     parser.add_argument("--fly", type=int, help="of gtoc9: fly this mission of a campaign, from 0")
+    parser.add_argument(
+        "--fly-all", type=Path, metavar="FILE", help="of gtoc9: fly a campaign, and write it there"
+    )
+    parser.add_argument(
+        "--flown", type=Path, metavar="FILE", help="of gtoc9: score a campaign that was flown"
+    )
     parser.add_argument("--plan", type=Path, help="of gtoc9: the campaign; without, the winner's")
     parser.add_argument("--seed", type=int, default=0, help="of gtoc9")
     parser.add_argument("--chains", type=int, default=2, help="of gtoc9: threads")
-    parser.add_argument("--write", type=Path, help="of gtoc9: where our campaign is written")
+    parser.add_argument("--write", type=Path, help="of gtoc9 and kttsp: where our plan is written")
     parsed = parser.parse_args(arguments)
     try:
         if parsed.data is None:
@@ -115,7 +128,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if parsed.name == "gtoc9" and parsed.solution is None and parsed.cells is None:
             text = of_gtoc9_report(folder, parsed)
         else:
-            text = report(parsed.name, folder, parsed.solution, parsed.time_limit, parsed.cells)
+            text = report(
+                parsed.name, folder, parsed.solution, parsed.time_limit, parsed.cells, parsed.write
+            )
     except InputError as error:
         print(error, file=sys.stderr)
         return 2

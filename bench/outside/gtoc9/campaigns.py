@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from ..reading import FloatArray
 from .campaign import Removals, Stop
+from .phases import Latitude
 from .retiming import retimed
 from .scoring import APART_D, FIRST_D, LAST_D, STAY_D
 
@@ -33,7 +34,11 @@ def missions_of(
 
 
 def better_times(
-    missions: Sequence[Removals], rows: FloatArray, step_d: float, rounds: int = 2
+    missions: Sequence[Removals],
+    rows: FloatArray,
+    step_d: float,
+    rounds: int = 2,
+    latitudes: Sequence[Latitude] | None = None,
 ) -> tuple[Removals, ...]:
     """Missions at better times, each in turn between its neighbours.
 
@@ -45,6 +50,8 @@ def better_times(
     step_d : float
         Of the grid, which begins anew for each mission [d].
     rounds : int
+    latitudes : sequence of Latitude, optional
+        See :func:`.retiming.retimed`.
     """
     found = list(missions)
     for _ in range(rounds):
@@ -55,5 +62,5 @@ def better_times(
             # Missions far apart need not be looked for everywhere.
             begin, end = max(begin, mission.begin_d - 40.0), min(end, mission.end_d + 40.0)
             if len(mission.stops) > 1:
-                found[place] = retimed(mission, rows, step_d, begin, end)
+                found[place] = retimed(mission, rows, step_d, begin, end, latitudes)
     return tuple(found)

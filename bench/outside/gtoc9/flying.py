@@ -1,26 +1,23 @@
 """Legs flown by the contest's own equations: the full pull of J2, impulses, and no estimate.
 
-Between two debris a chaser is subject to the pull of the Earth with J2 and to its impulses. A
-debris moves by the contest's ephemeris: a, e and i stay, node and perigee turn at their secular
-rates, the mean anomaly grows by √(μ/a³), and position and velocity follow from these as from
-osculating elements. A leg begins with the position and velocity of the one debris and must end with
-those of the other.
+Between two debris a chaser is subject to the pull of the Earth with J2 and to its impulses. A leg
+begins with the position and velocity of the one debris and must end with those of the other.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 
-from adr_opt.kernels import orbits
-from adr_opt.kernels.constants import DAY_S, MU_M3_S2, OBLATENESS_M2
-from adr_opt.refining.least import fewest, least_impulses
-from adr_opt.refining.leg import Course, Flown, NoWay, close, fly, residual
+from adr_opt.kernels.constants import DAY_S
+from adr_opt.refining.least import fewest
+from adr_opt.refining.leg import Course, Flown, NoWay, fly, residual
 
-from ..reading import FloatArray, filled_lines, numbers_of
+from ..reading import FloatArray
+from .ephemeris import Debris
+from .guessing import Guess, guesses, phased
+from .polishing import polished, without_one
 
 MOST_IMPULSES = 5
 """Of a leg."""
@@ -28,64 +25,17 @@ MOST_IMPULSES = 5
 CLOSE_M, CLOSE_M_S = 100.0, 1.0
 """How near a chaser must come to a debris to be with it."""
 
-PER_REVOLUTION, MOST_TIMES = 12, 108
-"""Times at which impulses are tried."""
+LOWEST_M = 6600e3
+"""Least radius of perigees."""
 
-MOST_STEPS, WORTH, MOST_NEWTON = 5, 5e-3, 6
-"""Convex steps; the share of ΔV that the next one must be worth; steps that close one of them."""
+BEST = 2
+"""So many guesses are flown."""
 
-REVOLUTIONS = 12
-"""So many revolutions more and fewer than the least change asks for are tried."""
+DROPPED = 2
+"""So many ways to do without an impulse are made cheaper."""
 
-BEST, MOST_TRIED = 2, 8
-"""So many numbers of revolutions are flown, and so many tried until they are."""
-
-RELINEARISED = 3
-"""Rounds of least impulses before the first is flown to the goal."""
-
-
-@dataclass(frozen=True)
-class Debris:
-    """A debris as the contest has it: epoch [d], a [m], e, i, Ω, ω, M [rad] at it."""
-
-    epoch_d: float
-    axis: float
-    eccentricity: float
-    inclination: float
-    raan: float
-    perigee: float
-    anomaly: float
-
-    def state(self, time_s: float) -> FloatArray:
-        """Inertial position and velocity at a time since MJD2000 0, shape (6,) [m, m/s]."""
-        gone = time_s - self.epoch_d * DAY_S
-        node, turning, _ = orbits.secular_rates(
-            self.axis, self.eccentricity, self.inclination, OBLATENESS_M2
-        )
-        mean = self.anomaly + math.sqrt(MU_M3_S2 / self.axis**3) * gone
-        e, centric = self.eccentricity, mean
-        for _ in range(50):
-            change = (centric - e * math.sin(centric) - mean) / (1.0 - e * math.cos(centric))
-            centric -= change
-            if abs(change) < 1e-14:
-                break
-        ascending, ahead, _ = orbits.frame(self.inclination, self.raan + node * gone)
-        perigee = self.perigee + turning * gone
-        along = math.cos(perigee) * ascending + math.sin(perigee) * ahead
-        across = -math.sin(perigee) * ascending + math.cos(perigee) * ahead
-        flat = math.sqrt(1.0 - e * e)
-        place = self.axis * ((math.cos(centric) - e) * along + flat * math.sin(centric) * across)
-        speed = math.sqrt(MU_M3_S2 / self.axis) / (1.0 - e * math.cos(centric))
-        velocity = speed * (-math.sin(centric) * along + flat * math.cos(centric) * across)
-        return np.r_[place, velocity]
-
-
-def read_ephemeris(path: Path) -> tuple[Debris, ...]:
-    """The debris of the contest's file."""
-    lines = filled_lines(path)
-    return tuple(
-        Debris(*numbers_of(line, 8, f"{path}: line {number}")[1:]) for number, line in lines
-    )
+WORSE = 1.1
+"""A flight that costs so many times its guess has left the guess's valley."""
 
 
 @dataclass(frozen=True)
@@ -110,8 +60,18 @@ class FlownLeg:
     impulses_m_s: FloatArray
 
 
-def flown_leg(one: Debris, other: Debris, departure_d: float, arrival_d: float) -> FlownLeg:
+def flown_leg(
+    one: Debris, other: Debris, departure_d: float, arrival_d: float, best: int = BEST
+) -> FlownLeg:
     """Fly from a debris to another between two times [d].
+
+    Parameters
+    ----------
+    one, other : Debris
+    departure_d, arrival_d : float
+        [d, MJD2000].
+    best : int
+        So many guesses are flown.
 
     Raises
     ------
@@ -120,113 +80,47 @@ def flown_leg(one: Debris, other: Debris, departure_d: float, arrival_d: float) 
     """
     start_s, end_s = departure_d * DAY_S, arrival_d * DAY_S
     course = Course(one.state(start_s), other.state(end_s), start_s, end_s, 0.0, "j2")
-    revolution = math.tau * math.sqrt(other.axis**3 / MU_M3_S2)
-    times = _times(start_s, end_s, revolution)
-    free = fly(course, times, np.zeros((times.size, 3)))
-    # With no angle asked for, the miss counts all revolutions; what they leave over is the phase.
-    turns = round(free.miss[5] / math.tau)
-    found: list[tuple[float, float, FloatArray]] = []
-    for more in range(-REVOLUTIONS, REVOLUTIONS + 1):
-        miss = free.miss.copy()
-        miss[5] -= math.tau * (turns + more)
-        least = least_impulses(free.effects, -miss, 1e-2)
-        found.append((least.total, math.tau * (turns + more), least.impulses))
-    found.sort(key=lambda item: item[0])
-    best: Flown | None = None
+    found: Flown | None = None
     flights = 0
-    for total, angle, impulses in found[:MOST_TRIED]:
-        if flights == BEST:
+    for guess in guesses(course, other.revolution_s):
+        if flights == best:
             break
-        if best is not None and total > 1.5 * best.delta_v_m_s:
+        if found is not None and guess.total > 1.2 * found.delta_v_m_s:
             continue
         try:
-            tried = _flown(replace(course, angle=angle), times, impulses)
+            tried = _flown(guess)
         except NoWay:
             continue
         flights += 1
-        if best is None or tried.delta_v_m_s < best.delta_v_m_s:
-            best = tried
-    if best is None:
+        if found is None or tried.delta_v_m_s < found.delta_v_m_s:
+            found = tried
+    if found is None:
         raise NoWay(f"no way from {departure_d:.3f} to {arrival_d:.3f}")
-    miss = residual(course, best)
-    return FlownLeg(best.delta_v_m_s, len(best.times), *miss, best.times, best.impulses)
+    miss = residual(course, found)
+    return FlownLeg(found.delta_v_m_s, len(found.times), *miss, found.times, found.impulses)
 
 
-def _times(start_s: float, end_s: float, revolution: float) -> FloatArray:
-    """Times about both ends, and some between."""
-    grid = np.arange(start_s, end_s, revolution / PER_REVOLUTION)
-    if grid.size <= MOST_TIMES:
-        return np.r_[grid, end_s]
-    edge = MOST_TIMES // 3
-    middle = np.linspace(edge, grid.size - edge, MOST_TIMES // 3).astype(int)
-    places = np.unique(np.r_[np.arange(edge), middle, np.arange(grid.size - edge, grid.size)])
-    return np.r_[grid[places], end_s]
-
-
-def _flown(course: Course, times: FloatArray, impulses: FloatArray) -> Flown:
-    """Closed, made cheaper, and with no more impulses than are allowed."""
-    for _ in range(RELINEARISED):
-        # About what was flown last: over weeks a first guess is thousands of kilometres off.
-        now = fly(course, times, impulses)
-        aimed = np.einsum("kij,kj->i", now.effects, now.impulses) - now.miss
-        impulses = least_impulses(now.effects, aimed, 1e-2).impulses
-    if not np.isfinite(impulses).all() or not impulses.any():
-        raise NoWay("the first guess leads nowhere")
-    sizes = np.sqrt(np.sum(impulses**2, axis=1))
-    kept = sizes > 1e-3 * sizes.max()
-    now = _cheaper(course, close(course, times[kept], impulses[kept]), times)
-    while len(now.times) > MOST_IMPULSES:
-        sizes = np.sqrt(np.sum(now.impulses**2, axis=1))
-        best: Flown | None = None
-        for least in np.argsort(sizes)[:3]:
-            left = np.arange(sizes.size) != least
-            try:
-                tried = close(course, now.times[left], now.impulses[left], MOST_NEWTON)
-            except NoWay:
-                continue
-            if best is None or tried.delta_v_m_s < best.delta_v_m_s:
-                best = tried
-        if best is None:
-            raise NoWay("the leg cannot be flown with so few impulses")
-        now = best
-    return now
-
-
-def _cheaper(course: Course, flown: Flown, grid: FloatArray) -> Flown:
-    """Successive convex steps, as :func:`adr_opt.refining.leg.cheapen` makes them, on few times.
-
-    A leg of weeks has hundreds of revolutions, all of which cost time and few of which matter.
-    """
-    for _ in range(MOST_STEPS):
-        apart = np.abs(grid[:, None] - flown.times[None, :]).min(axis=1)
-        times = np.r_[grid[apart > 1.0], flown.times]
-        impulses = np.vstack([np.zeros((times.size - flown.times.size, 3)), flown.impulses])
-        order = np.argsort(times, kind="stable")
-        times, impulses = times[order], impulses[order]
-        now = fly(course, times, impulses)
-        aimed = np.einsum("kij,kj->i", now.effects, now.impulses) - now.miss
-        wanted = fewest(now.effects, least_impulses(now.effects, aimed, 1e-2).impulses)
-        before, share = flown.delta_v_m_s, 1.0
-        while share > 0.2:
-            mixed = impulses + share * (wanted - impulses)
-            kept = np.sqrt(np.sum(mixed**2, axis=1)) > 1e-4
-            if kept.sum() < 2:
-                break
-            try:
-                tried = close(course, times[kept], mixed[kept], MOST_NEWTON)
-            except NoWay:
-                share *= 0.5
-                continue
-            if tried.delta_v_m_s < flown.delta_v_m_s:
-                flown = tried
-                break
-            share *= 0.5
-        if before - flown.delta_v_m_s <= WORTH * before:
+def _flown(guess: Guess) -> Flown:
+    """No more impulses than are allowed, to the goal, and as cheap as they are in its valley."""
+    now = fly(guess.course, guess.times, guess.impulses)
+    few = fewest(now.effects, now.impulses)
+    kept = np.any(few != 0.0, axis=1)
+    ways = [(now.times[kept], few[kept], now.effects[kept])]
+    while len(ways[0][0]) > MOST_IMPULSES:
+        ways = without_one(*ways[0])
+    found: list[Flown] = []
+    good = 0
+    for times, impulses, _ in ways:
+        if good == DROPPED:
             break
-    fewer = fewest(flown.effects, flown.impulses)
-    kept = np.sqrt(np.sum(fewer**2, axis=1)) > 1e-4
-    try:
-        tried = close(course, flown.times[kept], fewer[kept], MOST_NEWTON)
-    except NoWay:
-        return flown
-    return tried if tried.delta_v_m_s <= (1.0 + WORTH) * flown.delta_v_m_s else flown
+        try:
+            start = phased(Guess(guess.total, guess.course, times, impulses))
+            tried = polished(guess.course, times, start.impulses)
+        except NoWay:
+            continue
+        if tried.reach_m[0] >= LOWEST_M:
+            found.append(tried)
+            good += tried.delta_v_m_s < WORSE * guess.total
+    if not found:
+        raise NoWay("the leg cannot be flown with so few impulses")
+    return min(found, key=lambda flown: flown.delta_v_m_s)

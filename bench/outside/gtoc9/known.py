@@ -10,8 +10,11 @@ from pathlib import Path
 
 from ..tables import Row, table
 from . import campaign, debris
+from .ephemeris import read_ephemeris
 from .estimate import legs_m_s
-from .flights import report_flight
+from .flights import mission_table, report_flights
+from .flown import read_flown
+from .judging import judged
 from .least import proven
 from .ours import planned, write_campaign
 from .retiming import retimed
@@ -33,10 +36,21 @@ def _line(name: str, found: Score) -> str:
     )
 
 
-def flight(folder: Path, plan: Path, number: int) -> str:
-    """A mission of a campaign as flown, in Markdown."""
+FLOWN = Path(__file__).parent / "flown.json"
+"""A campaign of ours with all its impulses."""
+
+
+def flights(folder: Path, plan: Path, number: int | None, write: Path | None) -> str:
+    """A campaign as flown, or one mission of it, in Markdown."""
     rows = debris.read_debris(folder / debris.FILE)
-    return report_flight(folder / debris.FILE, plan, number, rows)
+    return report_flights(folder / debris.FILE, plan, rows, number, write)
+
+
+def judged_again(folder: Path, flown: Path) -> str:
+    """A campaign with its impulses flown once more and scored, in Markdown."""
+    rows = debris.read_debris(folder / debris.FILE)
+    missions = read_flown(flown, len(rows))
+    return mission_table(missions, judged(missions, read_ephemeris(folder / debris.FILE)), rows)
 
 
 def report(
@@ -82,6 +96,10 @@ def report(
         ours.append(_line(f"ours {name}, ΔV of the estimate", found.judged))
         row = replace(row, ours=found.judged.total_meur, taken_s=found.processor_s)
         broken += found.judged.violations
+    if FLOWN.is_file():
+        whole = judged(read_flown(FLOWN, len(rows)), read_ephemeris(folder / debris.FILE))
+        ours.append(_line(f"ours of `{FLOWN.name}`, flown with the full J2", whole.score))
+        broken += whole.violations
     if bound_limit_s is not None:
         below = proven(rows, bound_limit_s)
         ours.append(f"| no campaign by the estimate is below | {below.value:.2f} | – | – |")

@@ -7,6 +7,7 @@ equation makes less mass after a leg less mass before it, so that this is exact 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from ..reading import FloatArray
 from .campaign import Removals, Stop
 from .estimate import LIMITS_M, pair_costs
 from .expense import DRY_KG, EXHAUST_M_S, KIT_KG
+from .phases import Latitude, phased_costs
 from .scoring import STAY_D, WITHIN_D
 
 
@@ -64,7 +66,7 @@ def retimed(
     step_d: float,
     begin_d: float | None = None,
     end_d: float | None = None,
-    least_d: float = 0.0,
+    latitudes: Sequence[Latitude] | None = None,
 ) -> Removals:
     """The mission at its best times on a grid, by the estimate.
 
@@ -76,8 +78,8 @@ def retimed(
         Of the grid, which begins at ``begin_d``; stay and longest leg are whole numbers of it [d].
     begin_d, end_d : float, optional
         Between which it lies; those of the mission without [d, MJD2000].
-    least_d : float
-        Shorter transfers are none [d].
+    latitudes : sequence of Latitude, optional
+        Of all debris: with them legs must also meet the debris on their orbits.
 
     Raises
     ------
@@ -95,8 +97,11 @@ def retimed(
     cost = np.empty((times, within - stay))
     for one, other in zip(order[-2::-1], order[:0:-1], strict=True):
         pair = drift.prepare(rows[one], rows[other], *LIMITS_M, OBLATENESS_M2)
-        pair_costs(pair, begin * DAY_S, times, within - stay, step_d * DAY_S, cost)
-        cost[:, : max(math.ceil(least_d / step_d - 1e-6) - 1, 0)] = np.inf
+        grid = begin * DAY_S, times, within - stay, step_d * DAY_S
+        if latitudes is None:
+            pair_costs(pair, *grid, cost)
+        else:
+            phased_costs(pair, latitudes[one], latitudes[other], *grid, cost)
         earlier, leaves, arrives = np.empty(times), np.zeros(times, int), np.zeros(times, int)
         _before(mass, cost, stay, within, EXHAUST_M_S, KIT_KG, earlier, leaves, arrives)
         choices.append((leaves, arrives))

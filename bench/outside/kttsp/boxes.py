@@ -148,6 +148,31 @@ def _angles(one, other, normal_1, normal_2, between):
 
 
 @inlined
+def _slowest(speed, cosine, elsewhere, own, budget, limit):
+    """The least speed of an arc in its plane at an end whose target has a transverse speed v.
+
+    With an angle γ between the planes the arc is no slower than v cos γ − √(L² − (v sin γ + w)²),
+    w being what the other end loses across. Where v is above the limit L this grows with γ, so that
+    it is least at the least γ; and it is no less than what the largest γ that L allows leaves of
+    v cos γ, less the budget that all γ of both ends have in common.
+
+    Parameters
+    ----------
+    speed, cosine, elsewhere : float
+        v, the largest cos γ, and the least w.
+    own, budget : float
+        The square root at the least γ of both ends, and that budget [m/s].
+    limit : float
+        L [m/s].
+    """
+    if speed <= limit:
+        return 0.0
+    steepest = (limit - elsewhere) / speed
+    common = speed * math.sqrt(max(1.0 - steepest * steepest, 0.0)) - budget
+    return max(speed * cosine - own, common, 0.0)
+
+
+@inlined
 def _turned(x, y, z, one, other):
     """The component of a vector along the cross product of two directions."""
     return (
@@ -192,11 +217,13 @@ def possible(one, other, normal_1, normal_2, between, fly_low, fly_high, limit):
         return False
     budget = math.sqrt(limit * limit - least_across * least_across)
     cos_1, cos_2 = math.sqrt(1.0 - sine_1 * sine_1), math.sqrt(1.0 - sine_2 * sine_2)
-    # Energies: speeds in the plane lie within the budget of those of the targets.
+    # Energies: speeds in the plane are near those of the targets.
     up_1, up_2 = max(abs(one[6]), abs(one[7])), max(abs(other[6]), abs(other[7]))
     fast_1 = math.sqrt(up_1 * up_1 + (one[9] * cos_1) ** 2) + budget
     fast_2 = math.sqrt(up_2 * up_2 + (other[9] * cos_2) ** 2) + budget
-    slow_1, slow_2 = max(one[8] * cos_1 - budget, 0.0), max(other[8] * cos_2 - budget, 0.0)
+    own = math.sqrt(limit * limit - (one[8] * sine_1 + other[8] * sine_2) ** 2)
+    slow_1 = _slowest(one[8], cos_1, other[8] * sine_2, own, budget, limit)
+    slow_2 = _slowest(other[8], cos_2, one[8] * sine_1, own, budget, limit)
     inverse_low = max(2.0 / one[5] - fast_1**2 / mu, 2.0 / other[5] - fast_2**2 / mu)
     inverse_high = min(2.0 / one[4] - slow_1**2 / mu, 2.0 / other[4] - slow_2**2 / mu)
     if inverse_low > inverse_high:

@@ -34,6 +34,13 @@ def _said(name: str, found: Score) -> list[str]:
     ]
 
 
+def write_tour(path: Path, problem: Problem, tour: Tour) -> None:
+    """Write a tour as it is submitted."""
+    figures = [*tour.departures_d.tolist(), *tour.flights_d.tolist(), *tour.order.tolist()]
+    content = [{"challenge": "spoc-4-tomato", "problem": problem.name, "decisionVector": figures}]
+    path.write_text(json.dumps(content) + "\n", encoding="utf-8")
+
+
 def best_known(problem: Problem) -> Tour | None:
     """Our best tour of the instance, if it is that one."""
     if not BEST_KNOWN.is_file():
@@ -42,12 +49,16 @@ def best_known(problem: Problem) -> Tour | None:
     return None if score(problem, tour).violations else tour
 
 
-def _made(problem: Problem, time_limit_s: float, cells: Path | None) -> tuple[list[str], Row]:
+def _made(
+    problem: Problem, time_limit_s: float, cells: Path | None, write: Path | None
+) -> tuple[list[str], Row]:
     """Plan from nothing and prove; what there is to say, and the row of the table."""
     made = plan(problem)
     judged = score(problem, made.tour)
     if judged.violations:
         raise RuntimeError(f"{problem.name}: {judged.violations[0]}")
+    if write is not None:
+        write_tour(write, problem, made.tour)
     proven = bound(problem, judged.duration_d, time_limit_s=time_limit_s, path=cells)
     lines = [
         *_said("ours, from nothing", judged),
@@ -65,6 +76,7 @@ def report(
     solution: Path | None = None,
     time_limit_s: float | None = None,
     cells: Path | None = None,
+    write: Path | None = None,
 ) -> str:
     """The tables, in Markdown.
 
@@ -78,6 +90,8 @@ def report(
         the best tour that is kept. ``PROVING_S`` by default.
     cells : Path, optional
         Where the proof is kept, and gone on with.
+    write : Path, optional
+        Where the tour that is planned is written, as it is submitted.
     """
     problem = read_problem(folder / FILE)
     axes = problem.elements[:, 0]
@@ -99,14 +113,7 @@ def report(
         lines += _said(BEST_KNOWN.name, found)
     limit = PROVING_S if time_limit_s is None else time_limit_s
     if limit:
-        said, made = _made(problem, limit, cells)
+        said, made = _made(problem, limit, cells, write)
         lines += said
         row = replace(made, rescored=row.rescored)
     return "\n".join([*lines, table([replace(row, published=PUBLISHED_D)], "d", ".4f")])
-
-
-def keep(problem: Problem, tour: Tour) -> None:
-    """Write a tour as our best one."""
-    figures = [*tour.departures_d.tolist(), *tour.flights_d.tolist(), *tour.order.tolist()]
-    content = [{"challenge": "spoc-4-tomato", "problem": problem.name, "decisionVector": figures}]
-    BEST_KNOWN.write_text(json.dumps(content) + "\n", encoding="utf-8")

@@ -22,7 +22,6 @@ from adr_opt.kernels.constants import DAY_S
 from solvers.search.earliest import Arrivals, Found, arrivals_of, earliest_tour, near_of
 from solvers.search.earliest_live import wanted_by
 
-from ..reading import FloatArray
 from .arrivals import earliest, earliest_from
 from .reading import Problem, Tour
 from .scoring import score
@@ -209,8 +208,3 @@ def plan(problem: Problem, *, end_d: float | None = None, jobs: int = 2) -> Ours
             best, ends = tour, judged.duration_d
     spent = time.perf_counter() - clock[0], time.process_time() - clock[1]
     return Ours(best, ends, *spent)
-
-
-def vector_of(tour: Tour) -> FloatArray:
-    """A tour as it is submitted."""
-    return np.concatenate([tour.departures_d, tour.flights_d, tour.order.astype(float)])

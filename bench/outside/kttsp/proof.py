@@ -10,6 +10,7 @@ optimal but for what it was asked to be beaten by.
 
 from __future__ import annotations
 
+import hashlib
 import math
 import time
 from collections.abc import Iterator
@@ -25,6 +26,7 @@ from solvers.search.earliest import Arrivals, earliest_tour, near_of
 from solvers.search.earliest_live import wanted_by
 
 from ..reading import FloatArray
+from . import boxes, cells, costs, kepler, lambert, spans
 from .cells import first_arrivals
 from .ours import Leg, legs_of, limit_m_s, windows_of
 from .reading import Problem
@@ -195,31 +197,50 @@ class Cells(NamedTuple):
     spent_s : float
         Of processors.
     rounds : int
+    origin : str
+        See :func:`origin_of`.
     """
 
     arrival: FloatArray
     spent_s: float
     rounds: int
+    origin: str
 
 
-def read_cells(path: Path, legs: int, count: int) -> Cells:
+def origin_of(problem: Problem) -> str:
+    """What cells rest on, as a digest: the instance, and every line that rules a leg out.
+
+    A cell that wrong code has proven stays in its file, and spoils each proof that goes on from it.
+    """
+    digest = hashlib.sha256(problem.elements.tobytes())
+    digest.update(
+        repr((problem.least_flight_d, limit_m_s(problem, 0), limit_m_s(problem, 1))).encode()
+    )
+    for module in (boxes, cells, costs, kepler, lambert, spans):
+        digest.update(Path(str(module.__file__)).read_bytes())
+    return digest.hexdigest()
+
+
+def read_cells(path: Path, legs: int, count: int, origin: str) -> Cells:
     """What was proven before; the file is one that :func:`bound` has written."""
     try:
         with np.load(path) as kept:
-            found = Cells(kept["arrival"], float(kept["spent_s"]), int(kept["rounds"]))
+            found = Cells(
+                kept["arrival"], float(kept["spent_s"]), int(kept["rounds"]), str(kept["origin"])
+            )
     except (OSError, KeyError, ValueError):
         raise InputError(f"--cells {path}: no cells of a proof; name another file") from None
-    if len(found.arrival) != legs or found.arrival.shape[1] < count:
+    if found.origin != origin or len(found.arrival) != legs or found.arrival.shape[1] < count:
         raise InputError(f"--cells {path}: cells of another proof; name another file")
     # Whether later cells are known makes no difference to what is proven of these.
     return found._replace(arrival=np.ascontiguousarray(found.arrival[:, :count]))
 
 
-def write_cells(path: Path, cells: Cells) -> None:
+def write_cells(path: Path, proven: Cells) -> None:
     """Keep what was proven; a file that is there is replaced when the new one is whole."""
     part = path.with_name(path.name + ".part")
     with part.open("wb") as file:
-        np.savez(file, **cells._asdict())
+        np.savez(file, **proven._asdict())
     part.replace(path)
 
 
@@ -246,21 +267,21 @@ def bound(
         Cells are kept there after each round, and taken from there if they are.
     """
     clock = time.perf_counter(), time.process_time()
-    end_d = math.ceil(shorter_d) + STEP_D
+    end_d, origin = math.ceil(shorter_d) + STEP_D, origin_of(problem)
     if path is not None and path.is_file():
         arrivals, legs = all_legs(problem, end_d)
-        kept = read_cells(path, *arrivals.arrival.shape)
+        kept = read_cells(path, *arrivals.arrival.shape, origin)
         arrivals = arrivals._replace(arrival=kept.arrival)
     else:
         arrivals, legs = first_cells(problem, end_d, jobs)
-        kept = Cells(arrivals.arrival, 0.0, 0)
+        kept = Cells(arrivals.arrival, 0.0, 0, origin)
     known = [problem.begin_d]
     for proven in rounds_of(problem, shorter_d - LITTLE_D, jobs, arrivals, legs, problem.begin_d):
         known.append(proven)
         spent = kept.spent_s + time.process_time() - clock[1]
         if path is not None:
             rounds = kept.rounds + len(known) - 1
-            write_cells(path, Cells(arrivals.arrival, spent, rounds))
+            write_cells(path, Cells(arrivals.arrival, spent, rounds, origin))
         if time.perf_counter() - clock[0] > time_limit_s:
             break
     spent = kept.spent_s + time.process_time() - clock[1]
