@@ -23,12 +23,13 @@ if TYPE_CHECKING:
     from .front import bound, solve
     from .generator import generate
     from .instance import Instance, load
+    from .matrices import Matrices
     from .mission import Mission
     from .plan import Plan, load_plan
     from .refining import RefinedPlan, load_refined, refine
     from .refining.loop import RefinedResult, solve_refined
     from .result import Result
-    from .timetable import Matrices, Timetable
+    from .timetable import Timetable
     from .verifying import Verdict, verify
 
 # Importing the package must cost next to nothing, so names are imported when first used.
@@ -55,7 +56,7 @@ _HOME = {
     "RefinedResult": "refining.loop",
     "solve_refined": "refining.loop",
     "Result": "result",
-    "Matrices": "timetable",
+    "Matrices": "matrices",
     "Timetable": "timetable",
 }
 

@@ -14,7 +14,7 @@ from .parameters import check_out, instance_argument, json_option, quiet_option
 
 if TYPE_CHECKING:
     from ..instance import Instance
-    from ..timetable import FloatArray
+    from ..matrices import FloatArray
 
 MOST_BYTES = 2**34
 """Larger matrices are refused before the system runs out of memory."""

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import MissingExtra
+from ..matrices import Matrices
 from ..mission import Mission
-from ..timetable import Matrices
 from .attributes import attributes
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ..matrices import Matrices
 from ..mission import Mission
-from ..timetable import Matrices
 
 
 def write(path: Path, mission: Mission, matrices: Matrices) -> None:

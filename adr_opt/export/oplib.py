@@ -21,8 +21,8 @@ import numpy as np
 
 from ..errors import InputError
 from ..kernels.constants import STATION
+from ..matrices import Matrices
 from ..mission import Mission
-from ..timetable import Matrices
 from .weights import LARGEST, comment, rows, slug, whole_weights
 
 FINEST_SCORES = 1000.0

@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..instance import Instance
-from ..timetable import Matrices
+from ..matrices import Matrices
 from .weights import comment, rows, slug, whole_weights
 
 

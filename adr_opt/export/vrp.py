@@ -20,8 +20,8 @@ import math
 from pathlib import Path
 
 from ..errors import InputError
+from ..matrices import Matrices
 from ..mission import Mission
-from ..timetable import Matrices
 from .weights import comment, rows, slug, whole_weights
 
 LARGEST_PRIZES = 2**44

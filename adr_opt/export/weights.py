@@ -13,7 +13,7 @@ import numpy.typing as npt
 from ..cargo import loads_of, what_counts
 from ..errors import InputError
 from ..instance import Instance
-from ..timetable import FloatArray, Matrices
+from ..matrices import FloatArray, Matrices
 
 UNITS = {"delta_v": "m/s", "duration": "s"}
 

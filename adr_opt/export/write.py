@@ -12,8 +12,8 @@ from ..connections import Choice
 from ..errors import InputError
 from ..files import check_writable, write_whole
 from ..instance import Instance
+from ..matrices import FloatArray, Matrices
 from ..mission import Mission
-from ..timetable import FloatArray, Matrices
 from . import models, netcdf, npz, oplib, parquet, tsp, vrp
 from .weights import check_no_kits, check_one_depot, check_quantity, check_scale
 

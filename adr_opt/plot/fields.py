@@ -10,9 +10,9 @@ from ..errors import InputError
 from ..flight.flyable import refuse_foreign
 from ..instance import Instance
 from ..kernels.constants import HOUR_S
+from ..matrices import Matrices
 from ..plan import Plan
 from ..routes import routes_of, several
-from ..timetable import Matrices
 from .axes import chaser_colours, label, plain
 from .palette import STATION, UNVISITED, VISITED
 

@@ -10,7 +10,8 @@ from ..wording import counted
 from .card import Card, Table, days
 
 if TYPE_CHECKING:
-    from ..timetable import Matrices, Timetable
+    from ..matrices import Matrices
+    from ..timetable import Timetable
 
 
 def of_timetable(timetable: Timetable) -> Card:
