@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -26,6 +27,9 @@ pytestmark = [
     pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium"),
     pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals"),
 ]
+
+LOADED_S = 60.0
+"""A report is there by then."""
 
 # Children of a script in the background inherit an ignored SIGINT; a user's shell does not do that.
 CHILD = (
@@ -87,8 +91,11 @@ def in_report(tab: browser.Browser, expression: str) -> Any:
     """Value of an expression in the report, which is a page of its own."""
     mine = tab._session
     tab._session = None
-    found = tab.call("Target.getTargets")["targetInfos"]
-    target = next(each["targetId"] for each in found if "/report?" in each["url"])
+    end, reports = time.monotonic() + LOADED_S, []
+    while not reports and time.monotonic() < end:  # after a reload it comes later than the page
+        found = tab.call("Target.getTargets")["targetInfos"]
+        reports = [each["targetId"] for each in found if "/report?" in each["url"]]
+    (target,) = reports
     tab._session = tab.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
     try:
         return tab.wait_for(expression)
@@ -126,7 +133,7 @@ def test_prizes_are_changed_planned_and_undone(tmp_path: Path) -> None:
         assert tab.evaluate("document.querySelectorAll('#chart polyline').length") == 2
         on_page(tab, "reported", 1)
         assert in_report(tab, "document.documentElement?.dataset.ready")
-        assert "7" in in_report(tab, "document.querySelector('.headline').textContent")
+        assert "7" in in_report(tab, "document.querySelector('.headline')?.textContent")
         assert tab.evaluate("document.querySelectorAll('tr.visited').length") == 3
         assert tab.evaluate("document.getElementById('stale').hidden")
 
@@ -165,7 +172,7 @@ def test_prizes_are_changed_planned_and_undone(tmp_path: Path) -> None:
         assert tab.evaluate(shown) == "none"
         click(tab, "to-report")
         assert tab.evaluate(shown) == "block"
-        assert in_report(tab, "document.documentElement.scrollWidth") == 390
+        assert in_report(tab, "document.documentElement?.scrollWidth === 390")
         # Whoever ends the verb while it plans waits for what there is.
         put(tab, "#method", "local-search")
         put(tab, "#limit", "3600")
