@@ -40,7 +40,8 @@ FloatArray = npt.NDArray[np.float64]
 TURN = 2.0 * math.pi
 
 TRIED = 12
-"""So many pairs of crossings are worked out exactly."""
+"""So many pairs of crossings are worked out exactly, and as many again and again while none is met:
+the last crossings of a target may turn out to be too late by minutes."""
 
 CLOSE_M, FARTHEST_M, MOST_STEPS = 1e-6, 5e3, 40
 """A radius that misses by less is found; a step moves it no farther; and the most steps [m]."""
@@ -151,7 +152,9 @@ class Drifting:
     def flight(self) -> Flight | None:
         """The cheapest burns found; None if the phase is not met in any way that was tried."""
         best: Flight | None = None
-        for way in self._candidates():
+        for number, way in enumerate(self._candidates()):
+            if best is not None and number % TRIED == 0:
+                break
             found = self._flown(*way)
             if found is not None and (best is None or found.delta_v < best.delta_v):
                 best = found
@@ -197,7 +200,7 @@ class Drifting:
                     cost = drift.cost_of(pair, span, node, 0.0, climb)
                     ways.append((cost, start, parity, half_turns, met, climb))
         ways.sort()
-        return [way[1:] for way in ways[:TRIED]]
+        return [way[1:] for way in ways]
 
     def _allowed(self, radius: float) -> bool:
         """Whether the drift orbit may have a radius: where there are zones, one that was judged."""

@@ -1,7 +1,8 @@
-"""Tell a kernel under way that the time is over."""
+"""Tell parts of a search that the time is over: kernels under way, and those that get a share."""
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -35,3 +36,20 @@ def halted_by(stop: Stop | None) -> Iterator[npt.NDArray[np.bool_]]:
     finally:
         done.set()
         thread.join()
+
+
+class Part:
+    """A share of the time that a criterion has left now; the criterion itself is not asked."""
+
+    def __init__(self, stop: Stop, share: float) -> None:
+        remaining_s = stop.remaining_s()
+        self._stop = stop
+        self._left_s = remaining_s - share * remaining_s if math.isfinite(remaining_s) else 0.0
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
+        return self.remaining_s() <= 0.0
+
+    def remaining_s(self) -> float:
+        """Seconds that may still be used."""
+        return self._stop.remaining_s() - self._left_s

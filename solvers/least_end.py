@@ -20,6 +20,7 @@ from adr_opt.result import Result
 from adr_opt.stop import Stop
 
 from .certificate import CertificateOf
+from .halting import Part
 from .relaxation.cost_rounds import RELATIVE, asked
 
 JUST_BELOW = 0.9 * RELATIVE
@@ -35,21 +36,16 @@ LEAST_S = 0.05
 """With less time left nothing more is asked [s]."""
 
 
-class _Answered:
+class _Answered(Part):
     """Enough as soon as it is known whether a shorter mission is worth as much."""
 
     def __init__(self, goal: float, stop: Stop) -> None:
-        remaining_s = stop.remaining_s()
-        self._goal, self._stop = goal, stop
-        self._left_s = remaining_s - SHARE * remaining_s if math.isfinite(remaining_s) else 0.0
+        super().__init__(stop, SHARE)
+        self._goal = goal
 
     def __call__(self, incumbent: float, bound: float) -> bool:
         """Whether it is enough."""
-        return incumbent >= self._goal or bound < self._goal or self.remaining_s() <= 0.0
-
-    def remaining_s(self) -> float:
-        """Seconds that may still be used."""
-        return self._stop.remaining_s() - self._left_s
+        return incumbent >= self._goal or bound < self._goal or super().__call__(incumbent, bound)
 
 
 def prove_end(

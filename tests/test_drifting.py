@@ -11,6 +11,8 @@ import pytest
 from drift_cases import Met, Pair, drawn, fly, pair_of
 from rows import FloatArray, oblate_rule
 
+import adr_opt
+from adr_opt.campaign import Campaign
 from adr_opt.drift_burns import Flight, flown
 from adr_opt.errors import InputError
 from adr_opt.flight.mean import MeanDynamics
@@ -171,3 +173,13 @@ def test_what_cannot_be_met_is_said(truth):
     pair = pair_of(drawn(rng, 71.0, 0.0), drawn(rng, 71.0, 30.0))
     with pytest.raises(InputError, match="raise drift_step_s"):
         flown(pair.i, pair.j, oblate_rule(), 0.0, 3600.0)
+
+
+def test_the_target_is_met_where_its_last_crossings_are_too_late():
+    """A cheap drift of twelve days is flown although its first dozen ways arrive after the end."""
+    mission = Campaign(adr_opt.generate("removal", 12)).missions[0]
+    orbits_of, *_, law = mission.transfer_inputs
+    one, other = mission.numbers(["debris-001", "debris-016"])
+    flight = flown(orbits_of[one], orbits_of[other], law, 154_483_200.0, 155_520_000.0)
+    assert flight.delta_v < 17.0
+    assert 154_483_200.0 <= flight.times[0] < flight.times[-1] <= 155_520_000.0

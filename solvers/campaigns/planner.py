@@ -15,14 +15,16 @@ from adr_opt.planner import Progress, silent
 from adr_opt.result import Result, certify_routes
 from adr_opt.stop import Stop
 
+from ..halting import Part
 from ..least_end import prove_end
 from ..relaxation.beside import LEAST_PROOF_S, LEAST_SET_UPS, Beside
 from ..relaxation.floors import floor_bound
 from ..relaxation.proof import ProofOptions, fits_memory, proof_notes, set_up_s, sweep_s
 from .all_sets import lacks_plan, settle
+from .cheaper import CheaperSearch
 from .incumbent import CampaignCertificate
 from .least_cost import prove_campaign_cost
-from .orders import FloatArray
+from .orders import FloatArray, targets_of
 from .pool import Pool
 from .proof import CampaignProof
 from .search import RouteSearch
@@ -38,6 +40,15 @@ WIDTH = 100
 
 PACKING_S = 10.0
 """The longest that putting routes together may take in a round."""
+
+FOR_COST = 0.2
+"""Share of the time left that making the plan cheaper may take."""
+
+LAST_FOR_COST = 0.1
+"""Share of all time that is kept for it where another cost than ΔV is asked for."""
+
+EXCHANGES = 30
+"""Of targets, for each one that is serviced, by which the plan is made cheaper."""
 
 
 class _Prover(Beside[Routes, CampaignProof]):
@@ -98,7 +109,9 @@ def plan(
     Rounds, each with more effort than the one before: ruin and recreate across routes
     (:class:`.search.RouteSearch`) side by side with column generation
     (:class:`.proof.CampaignProof`); after each the best plan is put together from all routes that
-    either of them has met. The same seed and the same number of rounds give the same plan.
+    either of them has met. The same seed and the same number of rounds give the same plan. Where
+    another cost than ΔV is asked for, the plan is made cheaper at last
+    (:class:`.cheaper.CheaperSearch`).
 
     Parameters
     ----------
@@ -111,17 +124,20 @@ def plan(
     until_done : bool
         End when the proof can do no more.
     cost : bool
-        Go on to the least cost of plans that collect as much, once the prizes are proven.
+        Go on to the least cost of plans that collect as much, once the prizes are proven, with the
+        plan made cheaper first.
     """
     began = time.perf_counter()
     certificate, pool = CampaignCertificate(campaign, progress), Pool(campaign)
-    search = RouteSearch(campaign, seed, stop, certificate, pool)
+    asks_for_cost = campaign.instance.objective.cost != "delta-v"
+    within: Stop = Part(stop, 1.0 - LAST_FOR_COST) if asks_for_cost else stop
+    search = RouteSearch(campaign, seed, within, certificate, pool)
     search.begin(None if start is None else tuple(map(tuple, start)))
     lacking = lacks_plan(campaign, certificate)
     infeasible = lacking and settle(campaign, certificate, pool, stop)
     prover = None
     if proves and fits_memory(campaign):
-        prover = _Prover(campaign, certificate, pool, seed, stop, options)
+        prover = _Prover(campaign, certificate, pool, seed, within, options)
     elif proves:
         certificate.lower(floor_bound(campaign))
 
@@ -132,6 +148,7 @@ def plan(
             or infeasible
             or certificate.proven
             or stop(certificate.incumbent, certificate.bound)
+            or within.remaining_s() <= 0.0
         )
 
     rounds, most = 0, 1 if prover is None else max(1, round(sweep_s(campaign) / USUAL_SWEEP_S))
@@ -148,7 +165,7 @@ def plan(
                     prover.advance()
             search.pack(PACKING_S)
             for _ in range(moves):
-                if certificate.proven or stop.remaining_s() <= 0.0:
+                if certificate.proven or within.remaining_s() <= 0.0:
                     break
                 search.move(WIDTH)
                 if search.multipliers.any() and not certificate.proven:
@@ -163,6 +180,11 @@ def plan(
         settle(campaign, certificate, pool, stop)
         search.pack(PACKING_S)
     counters: dict[str, float] = {"rounds": rounds, **search.counters}
+    if certificate.sequence is not None and (asks_for_cost or (cost and certificate.proven)):
+        part = Part(stop, FOR_COST if cost else 1.0)
+        cheaper = CheaperSearch(campaign, seed, part, certificate, pool)
+        cheaper.anneal(EXCHANGES * len(targets_of(campaign, certificate.sequence)))
+        counters |= cheaper.counters
     if prover is not None:
         counters |= prover.counters
     cost_bound = None

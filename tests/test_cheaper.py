@@ -1,0 +1,82 @@
+"""Cheaper plans of campaigns that collect as much."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from brute_force import brute_force_campaign
+from random_rules import carrying, given_field, limited, mixed_campaign, priced, random_mission
+
+import adr_opt
+from adr_opt.campaign import Campaign
+from adr_opt.instance import Instance
+from adr_opt.settings import Objective
+from adr_opt.stop import Proven
+from solvers.campaigns.cheaper import CheaperSearch
+from solvers.campaigns.incumbent import CampaignCertificate
+from solvers.campaigns.orders import one_after_another
+from solvers.campaigns.pool import Pool
+from solvers.search.greedy_order import guarded_sequence
+
+
+def drawn(seed: int) -> Instance:
+    """A campaign of tiny fields, at any cost, with limits or without."""
+    rng = np.random.default_rng([21, seed])
+    instance = mixed_campaign(seed, (random_mission, given_field)[int(rng.integers(2))])
+    if rng.random() < 0.5:
+        instance = carrying(instance, seed)
+    cost = ("delta-v", "duration", "expense")[int(rng.integers(3))]
+    if cost == "expense":
+        instance = priced(instance, seed)
+    else:
+        instance = instance.replace(objective=Objective(cost=cost))
+    return limited(instance, seed) if rng.random() < 0.3 else instance
+
+
+def test_what_is_made_cheaper_is_legal_and_mostly_the_cheapest():
+    """Plans stay legal and collect no less, cost no more, and most reach the enumerated least."""
+    reached = asked = 0
+    for seed in range(60):
+        campaign = Campaign(drawn(seed))
+        certificate, pool = CampaignCertificate(campaign, lambda *_: None), Pool(campaign)
+        certificate.offer(one_after_another(campaign, guarded_sequence))
+        if certificate.sequence is None:
+            continue
+        worth, cost = certificate.incumbent, certificate.cost
+        search = CheaperSearch(campaign, seed, Proven(), certificate, pool)
+        found = search.anneal(60)
+        assert certificate.incumbent >= worth, seed
+        if certificate.incumbent == worth:
+            assert certificate.cost <= cost, seed
+            assert found == (certificate.cost < cost), seed
+        assert campaign.limits.allow(
+            campaign.use(mission, route, mission.time(route).delta_vs)
+            for mission, route in zip(campaign.missions, certificate.sequence, strict=True)
+        )
+        prizes, least = brute_force_campaign(campaign)
+        if math.isfinite(prizes) and campaign.shown(certificate.incumbent) == pytest.approx(prizes):
+            asked += 1
+            assert certificate.cost >= least * (1.0 - 1e-9) - 1e-6, seed
+            reached += math.isclose(certificate.cost, least, rel_tol=1e-6, abs_tol=1e-6)
+    assert asked >= 15
+    assert reached >= 0.7 * asked
+
+
+def test_plans_by_expense_are_made_cheaper_without_being_asked():
+    """With the expense as the cost, `auto` ends with a plan that no exchange makes cheaper."""
+    field = adr_opt.generate("removal", 3, targets=12, chasers=3)
+    expense = {"fixed": 55.0, "per_kg": 0.0, "per_kg_squared": 2e-3}
+    instance = field.replace(
+        chasers=tuple(chaser.replace(expense=expense) for chaser in field.chasers),
+        objective={"cost": "expense"},
+    )
+    campaign = Campaign(instance)
+    result = adr_opt.solve(campaign, "auto", time_limit=60.0)
+    assert result.counters["exchanges"] > 0
+    assert adr_opt.check(instance, result.plan) == ()
+    certificate = CampaignCertificate(campaign, lambda *_: None)
+    certificate.offer(result.routes)
+    search = CheaperSearch(campaign, 1, Proven(), certificate, Pool(campaign))
+    assert not search.anneal(100)
