@@ -118,6 +118,14 @@ class TransferSettings(SequenceSettings):
     max_drift_s: NonNegative = 0.0
     given: GivenFile | None = None
 
+    @property
+    def may_drift(self) -> bool:
+        """Whether planes may drift on the way.
+
+        So they may where costs are given: nobody knows how they change with time.
+        """
+        return self.max_drift_s > 0.0 or self.given is not None
+
     @model_serializer(mode="wrap")
     def _without_nothing_given(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
         content: dict[str, Any] = write(self)

@@ -21,10 +21,10 @@ from ..relaxation.beside import LEAST_PROOF_S, LEAST_SET_UPS, Beside
 from ..relaxation.floors import floor_bound
 from ..relaxation.proof import ProofOptions, fits_memory, proof_notes, set_up_s, sweep_s
 from .all_sets import lacks_plan, settle
-from .cheaper import CheaperSearch
+from .exchanges import Exchanges
 from .incumbent import CampaignCertificate
 from .least_cost import prove_campaign_cost
-from .orders import FloatArray, targets_of
+from .orders import FloatArray
 from .pool import Pool
 from .proof import CampaignProof
 from .search import RouteSearch
@@ -48,7 +48,8 @@ LAST_FOR_COST = 0.1
 """Share of all time that is kept for it where another cost than ΔV is asked for."""
 
 EXCHANGES = 30
-"""Of targets, for each one that is serviced, by which the plan is made cheaper."""
+"""Of targets, for each one that is serviced, by which the plan is made cheaper; also in each round
+where planes drift, so that routes are more than a way through a cloud."""
 
 
 class _Prover(Beside[Routes, CampaignProof]):
@@ -91,6 +92,11 @@ class _Prover(Beside[Routes, CampaignProof]):
         return self._nothing if self.proof is None else self.proof.multipliers
 
 
+def _many(certificate: CampaignCertificate) -> int:
+    """So many exchanges are made at once."""
+    return EXCHANGES * sum(map(len, certificate.sequence or ()))
+
+
 def plan(
     method: str,
     campaign: Campaign,
@@ -110,8 +116,8 @@ def plan(
     (:class:`.search.RouteSearch`) side by side with column generation
     (:class:`.proof.CampaignProof`); after each the best plan is put together from all routes that
     either of them has met. The same seed and the same number of rounds give the same plan. Where
-    another cost than ΔV is asked for, the plan is made cheaper at last
-    (:class:`.cheaper.CheaperSearch`).
+    planes drift, targets change routes as well (:class:`.exchanges.Exchanges`); where another cost
+    than ΔV is asked for, the plan is made cheaper in that way at last.
 
     Parameters
     ----------
@@ -132,6 +138,8 @@ def plan(
     asks_for_cost = campaign.instance.objective.cost != "delta-v"
     within: Stop = Part(stop, 1.0 - LAST_FOR_COST) if asks_for_cost else stop
     search = RouteSearch(campaign, seed, within, certificate, pool)
+    exchanges = Exchanges(campaign, seed, within, certificate, pool)
+    drifts = campaign.instance.transfer.may_drift
     search.begin(None if start is None else tuple(map(tuple, start)))
     lacking = lacks_plan(campaign, certificate)
     infeasible = lacking and settle(campaign, certificate, pool, stop)
@@ -164,6 +172,8 @@ def plan(
                 else:
                     prover.advance()
             search.pack(PACKING_S)
+            if drifts and exchanges.anneal(_many(certificate)):
+                search.begin_again()
             for _ in range(moves):
                 if certificate.proven or within.remaining_s() <= 0.0:
                     break
@@ -179,12 +189,10 @@ def plan(
     if proves and campaign.limits and not (lacking or certificate.proven):
         settle(campaign, certificate, pool, stop)
         search.pack(PACKING_S)
-    counters: dict[str, float] = {"rounds": rounds, **search.counters}
-    if certificate.sequence is not None and (asks_for_cost or (cost and certificate.proven)):
-        part = Part(stop, FOR_COST if cost else 1.0)
-        cheaper = CheaperSearch(campaign, seed, part, certificate, pool)
-        cheaper.anneal(EXCHANGES * len(targets_of(campaign, certificate.sequence)))
-        counters |= cheaper.counters
+    if asks_for_cost or (cost and certificate.proven):
+        exchanges.within(Part(stop, FOR_COST if cost else 1.0))
+        exchanges.anneal(_many(certificate))
+    counters: dict[str, float] = {"rounds": rounds, **search.counters, **exchanges.counters}
     if prover is not None:
         counters |= prover.counters
     cost_bound = None

@@ -52,8 +52,8 @@ ATTRACTIVE = 1e-4
 MOST_GIVEN_UP = 4
 """So many searches with the most labels that end without an answer end the proof."""
 
-ITERATIONS = 6
-"""Of column generation in a round."""
+ITERATIONS, LABELS = 6, 1_000_000
+"""Of column generation in a round, and labels after which no other one begins in it."""
 
 
 class CampaignProof:
@@ -136,9 +136,10 @@ class CampaignProof:
                 over=self._over, kind=WalkBound, known=self._coarse,
             )  # fmt: skip
             self._pricing = tuple(LabelPricing(*place) for place in self._fine.of_kind)
+        most = self._labels_made + LABELS
         with suppress(TimeIsOver):
             for _ in range(ITERATIONS):
-                if self.done or enough():
+                if self.done or enough() or self._labels_made > most:
                     break
                 self._iterate(enough)
 
@@ -278,9 +279,12 @@ class CampaignProof:
             "evaluations": self._descent.evaluations,
             "columns": self._columns,
             "searches": sum(pricing.searches for pricing in self._pricing),
-            "labels": self._finishing_labels
-            + sum(pricing.labels_made for pricing in self._pricing),
+            "labels": self._labels_made,
         }
+
+    @property
+    def _labels_made(self) -> int:
+        return self._finishing_labels + sum(pricing.labels_made for pricing in self._pricing)
 
     def close(self) -> None:
         """End the threads."""

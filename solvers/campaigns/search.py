@@ -83,6 +83,10 @@ class RouteSearch:
         self._meet(one_after_another(self._campaign, self._usual))
         if start is not None:
             self._meet(start)
+        self.begin_again()
+
+    def begin_again(self) -> None:
+        """Go on from the best plan, whoever has found it."""
         best = self._certificate.sequence
         if best is not None:
             self._meet(best)
@@ -137,8 +141,8 @@ class RouteSearch:
             self._certificate.offer(routes)
         else:
             self._idle += 1
-        if self._idle >= ADRIFT and self._certificate.sequence is not None:
-            self._meet(self._certificate.sequence)
+        if self._idle >= ADRIFT:
+            self.begin_again()
             self._idle = 0
 
     def _fly(

@@ -81,12 +81,8 @@ class _Search:
 
     @property
     def drifts(self) -> bool:
-        """Whether planes drift far enough for orders to be annealed, which takes memory.
-
-        So they are where costs are given: nobody knows how they change with time.
-        """
-        settings = self._mission.instance.transfer
-        return settings.max_drift_s > 0.0 or settings.given is not None
+        """Whether planes drift far enough for orders to be annealed, which takes memory."""
+        return self._mission.instance.transfer.may_drift
 
     def needed_s(self, width: int) -> float:
         """Seconds that a beam takes."""

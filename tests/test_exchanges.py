@@ -14,7 +14,7 @@ from adr_opt.campaign import Campaign
 from adr_opt.instance import Instance
 from adr_opt.settings import Objective
 from adr_opt.stop import Proven
-from solvers.campaigns.cheaper import CheaperSearch
+from solvers.campaigns.exchanges import Exchanges
 from solvers.campaigns.incumbent import CampaignCertificate
 from solvers.campaigns.orders import one_after_another
 from solvers.campaigns.pool import Pool
@@ -45,7 +45,7 @@ def test_what_is_made_cheaper_is_legal_and_mostly_the_cheapest():
         if certificate.sequence is None:
             continue
         worth, cost = certificate.incumbent, certificate.cost
-        search = CheaperSearch(campaign, seed, Proven(), certificate, pool)
+        search = Exchanges(campaign, seed, Proven(), certificate, pool)
         found = search.anneal(60)
         assert certificate.incumbent >= worth, seed
         if certificate.incumbent == worth:
@@ -78,5 +78,5 @@ def test_plans_by_expense_are_made_cheaper_without_being_asked():
     assert adr_opt.check(instance, result.plan) == ()
     certificate = CampaignCertificate(campaign, lambda *_: None)
     certificate.offer(result.routes)
-    search = CheaperSearch(campaign, 1, Proven(), certificate, Pool(campaign))
+    search = Exchanges(campaign, 1, Proven(), certificate, Pool(campaign))
     assert not search.anneal(100)

@@ -1,8 +1,9 @@
-"""Cheaper plans of a campaign: targets taken out of all routes and put back where they cost least.
+"""Targets that change routes: taken out of some and put back where they cost least.
 
-Ruin and recreate across routes with annealing on the cost that the instance names, at no less than
-the best plan's worth; targets that it leaves out may take the place of others. Each route is timed
-exactly, and what it costs is remembered.
+Ruin and recreate across the routes of a campaign with annealing on the cost that the instance
+names, at no less than the best plan's worth. Targets that it leaves out may take the place of
+others, or come in as well where there is room, which is most of what cheaper routes are good for.
+Each route is timed exactly, and what it costs is remembered.
 """
 
 from __future__ import annotations
@@ -39,6 +40,9 @@ BY_LOT, STRING = 0.45, 0.9
 WITH_SPARES = 0.5
 """How often targets that nobody visits may come in."""
 
+ONE_MORE = 0.5
+"""How often all of them are put in that find a place, be it beyond what the best plan has."""
+
 WITH_STATIONS = 0.2
 """How often targets are put back with a stop at a station before or after them."""
 
@@ -69,8 +73,8 @@ class _Place(NamedTuple):
     route: tuple[int, ...]
 
 
-class CheaperSearch:
-    """Looks for cheaper plans that are worth as much as the best one, or more.
+class Exchanges:
+    """Looks for plans that are worth more than the best one, or as much and cost less.
 
     Parameters
     ----------
@@ -79,9 +83,9 @@ class CheaperSearch:
     stop : Stop
         Its time alone counts here.
     certificate : CampaignCertificate
-        Has the plan to begin from; told of cheaper ones.
+        Has the plan to begin from; told of better ones.
     pool : Pool
-        Routes of cheaper plans are added to it.
+        Routes of better plans are added to it.
     """
 
     def __init__(
@@ -104,8 +108,12 @@ class CheaperSearch:
         self._worthy = [j for j, worth in enumerate(campaign.worths) if worth > 0.0]
         self.counters = {"exchanges": 0}
 
+    def within(self, stop: Stop) -> None:
+        """Be given other time."""
+        self._stop = stop
+
     def anneal(self, iterations: int) -> bool:
-        """Cool once from the best plan; whether a cheaper one was found."""
+        """Cool once from the best plan; whether a better one was found."""
         if self._certificate.sequence is None:
             return False
         asked = self._certificate.incumbent
@@ -121,7 +129,11 @@ class CheaperSearch:
             if trial is None:
                 continue
             found = self._total(trial)
-            if found < present - heat * math.log(1.0 - self._rng.random()):
+            worth = self._campaign.collected(targets_of(self._campaign, trial))
+            if worth > asked + tolerance(asked) and found < math.inf:
+                asked, now, present, best = worth, trial, found, found
+                found_any = self._offer(trial) or found_any
+            elif found < present - heat * math.log(1.0 - self._rng.random()):
                 now, present = trial, found
                 if found < best - tolerance(best):
                     best = found
@@ -129,7 +141,7 @@ class CheaperSearch:
         return found_any
 
     def _offer(self, routes: Routes) -> bool:
-        """Tell of a cheaper plan."""
+        """Tell of a better plan."""
         timed = [self._time(chaser, route) for chaser, route in enumerate(routes)]
         for chaser, route in enumerate(timed):
             if route.moves:
@@ -188,10 +200,10 @@ class CheaperSearch:
             spares = [j for j in self._worthy if j not in visited]
             bag += [spares[at] for at in rng.permutation(len(spares))[:SPARES]]
         bag = [bag[at] for at in rng.permutation(len(bag))]
-        with_stations = rng.random() < WITH_STATIONS
+        with_stations, more = rng.random() < WITH_STATIONS, rng.random() < ONE_MORE
         have = self._campaign.collected(targets_of(self._campaign, routes))
         costs = [self._time(chaser, route).cost for chaser, route in enumerate(routes)]
-        while bag and have < asked - tolerance(asked):
+        while bag and (more or have < asked - tolerance(asked)):
             drawn = bag if rng.random() < CHOSEN else bag[:1]
             place = self._place(routes, costs, drawn, with_stations)
             if place is None:
