@@ -18,6 +18,7 @@ from solvers.campaigns.exchanges import Exchanges
 from solvers.campaigns.incumbent import CampaignCertificate
 from solvers.campaigns.orders import one_after_another
 from solvers.campaigns.pool import Pool
+from solvers.campaigns.search import RouteSearch
 from solvers.search.greedy_order import guarded_sequence
 
 
@@ -80,3 +81,16 @@ def test_plans_by_expense_are_made_cheaper_without_being_asked():
     certificate.offer(result.routes)
     search = Exchanges(campaign, 1, Proven(), certificate, Pool(campaign))
     assert not search.anneal(100)
+
+
+def test_exchanges_find_what_beams_miss():
+    """In a long campaign they bring in targets that flying anew chaser by chaser leaves out."""
+    campaign = Campaign(adr_opt.generate("removal", 7, targets=40, chasers=3))
+    certificate, pool = CampaignCertificate(campaign, lambda *_: None), Pool(campaign)
+    search = RouteSearch(campaign, 0, Proven(), certificate, pool)
+    search.begin()
+    for _ in range(20):
+        search.move(100)
+    before = certificate.incumbent
+    assert Exchanges(campaign, 0, Proven(), certificate, pool).anneal(300)
+    assert certificate.incumbent >= before + 3.0
