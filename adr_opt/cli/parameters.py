@@ -21,6 +21,11 @@ plan_argument = click.argument("plan_path", metavar="PLAN")
 json_option = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object and nothing else."
 )
+cluster_option = click.option(
+    "--cluster",
+    metavar="dask://HOST:PORT",
+    help="Work on the workers of a Dask scheduler, in the place of --jobs.",
+)
 quiet_option = click.option("--quiet", is_flag=True, help="No messages and no progress.")
 
 

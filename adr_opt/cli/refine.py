@@ -11,7 +11,14 @@ import click
 from ..errors import InputError
 from ..wording import counted
 from .output import emit, emit_json, emit_rich, say, terminal_width
-from .parameters import check_out, instance_argument, json_option, plan_argument, quiet_option
+from .parameters import (
+    check_out,
+    cluster_option,
+    instance_argument,
+    json_option,
+    plan_argument,
+    quiet_option,
+)
 from .signals import signals_to
 
 if TYPE_CHECKING:
@@ -44,6 +51,7 @@ freedom_option = click.option(
 @gravity_option
 @freedom_option
 @click.option("--jobs", type=int, metavar="N", help="Cores to use; 0 for all.")
+@cluster_option
 @json_option
 @quiet_option
 def command(
@@ -53,6 +61,7 @@ def command(
     gravity: Gravity | None,
     freedom: Freedom | None,
     jobs: int | None,
+    cluster: str | None,
     as_json: bool,
     quiet: bool,
 ) -> int:
@@ -72,8 +81,8 @@ def command(
     try:
         with signals_to(stopped.set), leg_bar(wanted(as_json, quiet), "refining") as show:
             refined = refine(
-                instance, plan, gravity=gravity, freedom=freedom, jobs=jobs, enough=stopped.is_set,
-                report=show,
+                instance, plan, gravity=gravity, freedom=freedom, jobs=jobs, cluster=cluster,
+                enough=stopped.is_set, report=show,
             )  # fmt: skip
     except InputError as error:
         raise InputError(f"{plan_path}: {error}") from None

@@ -9,7 +9,7 @@ import click
 from ..errors import InputError, MissingExtra
 from ..wording import counted
 from .output import emit_json, emit_rich, say
-from .parameters import check_out, instance_argument, json_option, quiet_option
+from .parameters import check_out, cluster_option, instance_argument, json_option, quiet_option
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 @click.option("--out", metavar="FILE", help="CSV; from an earlier call, it goes on with it.")
 @click.option("--page", "page_path", metavar="FILE", help="HTML file to write.")
 @click.option("--plot", "plot_path", metavar="FILE", help="Picture to write: .svg, .png or .pdf.")
+@cluster_option
 @json_option
 @quiet_option
 def command(
@@ -44,6 +45,7 @@ def command(
     time_limit: float | None,
     seed: int,
     jobs: int,
+    cluster: str | None,
     out: str | None,
     page_path: str | None,
     plot_path: str | None,
@@ -85,7 +87,7 @@ def command(
         lambda stop, progress: tradeoff(
             instance, axes, method=method or front.DEFAULT_METHOD,
             time_limit=front.DEFAULT_TIME_LIMIT_S if time_limit is None else time_limit,
-            seed=seed, jobs=jobs, path=out, stop=stop, told=told,
+            seed=seed, jobs=jobs, cluster=cluster, path=out, stop=stop, told=told,
         ),
         live=False, quiet=quiet,
     )  # fmt: skip

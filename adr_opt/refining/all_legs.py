@@ -6,9 +6,11 @@ import os
 import time
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import closing
 
 import numpy as np
 
+from ..cluster import Calls, Pool, Workers
 from ..errors import InputError
 from ..flight.flyable import refuse_broken_chain, refuse_what_cannot_be_flown
 from ..instance import Instance
@@ -47,6 +49,7 @@ def refine(
     gravity: Gravity | None = None,
     freedom: Freedom | None = None,
     jobs: int | None = None,
+    cluster: str | None = None,
     enough: Callable[[], bool] = lambda: False,
     report: Report = lambda done, total: None,
 ) -> RefinedPlan:
@@ -71,6 +74,9 @@ def refine(
         the plan's burns are known to avoid.
     jobs : int, optional
         Threads; all cores by default.
+    cluster : str, optional
+        Address of a Dask scheduler whose workers take the legs instead, as
+        :func:`adr_opt.cluster.client_of` takes it.
     enough : callable
         Asked between legs; once it says so, what is done is returned.
     report : callable
@@ -92,6 +98,8 @@ def refine(
     freedom = _freedom(instance, freedom)
     if jobs is not None and jobs < 0:
         raise InputError(f"jobs = {jobs}: must not be negative; 0 is for all cores")
+    if jobs is not None and cluster is not None:
+        raise InputError("jobs and a cluster exclude each other; leave one of them out")
     refuse_tows(instance, "refine")
     refuse_what_cannot_be_flown(instance, plan)
     refuse_broken_chain(instance, plan)
@@ -103,9 +111,9 @@ def refine(
     done: dict[int, RefinedLeg] = {}
     missing: dict[int, str] = {}
     report(0, len(legs))
-    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
+    with closing(_calls(jobs, cluster)) as calls:
         running: dict[Future[RefinedLeg], int] = {
-            pool.submit(refine_leg, instance, bodies, number, leg, freedom): number
+            calls.submit(refine_leg, instance, bodies, number, leg, freedom): number
             for number, leg in legs
         }
         left = set(running)
@@ -117,7 +125,7 @@ def refine(
                     continue
                 try:
                     number = running[future]
-                    done[number] = future.result().replace(chaser=whose.get(number))
+                    done[number] = calls.result(future).replace(chaser=whose.get(number))
                 except ArithmeticError as error:
                     missing[running[future]] = str(error)
             if ended:
@@ -137,6 +145,14 @@ def refine(
         legs=tuple(done[number] for number in sorted(done)),
         missing=tuple(Missing(leg=number, reason=missing[number]) for number in sorted(missing)),
     )
+
+
+def _calls(jobs: int | None, cluster: str | None) -> Calls:
+    """Who leads the legs."""
+    if cluster is not None:
+        return Workers(cluster)
+    count = jobs or os.cpu_count() or 1
+    return Pool(ThreadPoolExecutor(count), count)
 
 
 def _freedom(instance: Instance, freedom: Freedom | None) -> Freedom:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import queue
-import re
 import secrets
 import sys
 import tempfile
@@ -16,15 +15,12 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
-from adr_opt.errors import InputError, MissingExtra
+from adr_opt.cluster import client_of
 
 from .backend import Broken, Collected, Died, Done, Event, Messages, Told
 from .methods import Method
 from .trials import BoundCall, Task
 from .work import preflight, work
-
-PATIENCE_S = 10.0
-"""How long a scheduler may take to answer, and its first worker to appear."""
 
 HERE = Path(__file__).parent
 
@@ -46,31 +42,10 @@ class Cluster:
     """
 
     def __init__(self, address: str) -> None:
-        found = re.fullmatch(r"(?:dask|tcp|tls)://([^/\s]+:\d+)/?", address)
-        if found is None:
-            raise InputError(f"--cluster: {address!r} is no address; write dask://HOST:PORT")
-        try:
-            import distributed
-        except ImportError:
-            raise MissingExtra("--cluster", "distributed", "cluster") from None
+        self._client = client_of(address)
+        import distributed
+
         self._killed = distributed.KilledWorker
-        scheme = "tls" if address.startswith("tls") else "tcp"
-        place = f"{scheme}://{found[1]}"
-        try:
-            self._client = distributed.Client(place, timeout=PATIENCE_S, set_as_default=False)
-        except (OSError, TimeoutError, ValueError):
-            raise InputError(
-                f"--cluster: no Dask scheduler answers at {address}; "
-                "start one with 'dask scheduler', or check host and port"
-            ) from None
-        try:
-            self._client.wait_for_workers(1, timeout=PATIENCE_S)
-        except TimeoutError:
-            self._client.close()
-            raise InputError(
-                f"--cluster: the scheduler at {address} has no workers; "
-                f"start some with 'dask worker {place} --nthreads 1'"
-            ) from None
         self.inbox: queue.Queue[Event] = queue.Queue()
         self._topic = f"adr-opt-{secrets.token_hex(8)}"
         self._futures: set[Any] = set()

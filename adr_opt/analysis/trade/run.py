@@ -9,9 +9,10 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...campaign import Problem
+from ...cluster import Calls, Pool, Workers
 from ...errors import InputError
 from ...front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, solve
 from ...instance import Instance
@@ -77,6 +78,7 @@ def tradeoff(
     time_limit: float = DEFAULT_TIME_LIMIT_S,
     seed: int = 0,
     jobs: int = 1,
+    cluster: str | None = None,
     path: str | os.PathLike[str] | None = None,
     stop: Stop | None = None,
     told: Told = lambda point, board: None,
@@ -101,6 +103,9 @@ def tradeoff(
     jobs : int
         Processes, each with one run at a time; 0 for as many as there are cores. With one all
         happens in this process.
+    cluster : str, optional
+        Address of a Dask scheduler whose workers make the runs instead, as
+        :func:`adr_opt.cluster.client_of` takes it.
     path : path, optional
         File of the results, see :mod:`.results`: what is in it is not run again.
     stop : Stop, optional
@@ -117,6 +122,8 @@ def tradeoff(
     MaxRuntime(time_limit)
     if jobs < 0:
         raise InputError(f"jobs = {jobs}: must be 0, for all cores, or more")
+    if jobs != 1 and cluster is not None:
+        raise InputError("jobs and a cluster exclude each other; leave one of them out")
     limits = grid(instance, axes)
     tanks = any(axis.kind == "delta-v" for axis in axes)
     for each in limits:
@@ -133,8 +140,12 @@ def tradeoff(
             ran.setdefault(point.limits, set()).update(point.methods)
     jobs = jobs or os.cpu_count() or 1
     runner: _Here | _Beside = _Here(shared, settings, stop)
-    if jobs > 1:
-        runner = _Beside(instance, shared, settings, jobs, tanks)
+    if cluster is not None:
+        runner = _Beside(_Work(instance, shared.longest_s, tanks, settings), Workers(cluster))
+    elif jobs > 1:
+        # A fork of a process that has threads may wait for a lock that nobody opens.
+        processes = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"))
+        runner = _Beside(_Work(instance, shared.longest_s, tanks, settings), Pool(processes, jobs))
     with runner:
         for quick in (True, False):
             for point, used in runner.run(board, ran, quick=quick, stop=stop):
@@ -259,59 +270,59 @@ class _Here:
             yield point, method
 
 
-_mine: tuple[Shared, Settings] | None = None
-"""What a process of the pool works on."""
+class _Work(NamedTuple):
+    """What others need to know to run points."""
+
+    instance: Instance
+    longest_s: float
+    tanks: bool
+    settings: Settings
 
 
-def _settle(instance: Instance, longest_s: float, tanks: bool, settings: Settings) -> None:
+_mine: tuple[_Work, Shared] | None = None
+"""What this process worked on last, and what its points have in common."""
+
+
+def _run_there(work: _Work, known: Point, quick: bool) -> Point:
     global _mine
-    _mine = Shared(instance, longest_s, tanks=tanks), settings
-
-
-def _run_there(known: Point, quick: bool) -> Point:
-    assert _mine is not None
-    shared, settings = _mine
-    problem = shared.problem(known.limits)
-    return run_point(problem, settings, known, quick=quick, alone=False, stop=None)
+    if _mine is None or _mine[0] != work:
+        _mine = work, Shared(work.instance, work.longest_s, tanks=work.tanks)
+    problem = _mine[1].problem(known.limits)
+    return run_point(problem, work.settings, known, quick=quick, alone=False, stop=None)
 
 
 class _Beside:
-    """Runs in several processes; each keeps what points have in common."""
+    """Runs by others, side by side; each of them keeps what points have in common."""
 
-    def __init__(
-        self, instance: Instance, shared: Shared, settings: Settings, jobs: int, tanks: bool
-    ) -> None:
-        self._settings, self._jobs = settings, jobs
+    def __init__(self, work: _Work, calls: Calls) -> None:
+        self._work, self._calls = work, calls
         self.elsewhere_s = 0.0
-        # A fork of a process that has threads may wait for a lock that nobody opens.
-        self._pool = ProcessPoolExecutor(
-            jobs, multiprocessing.get_context("spawn"), _settle,
-            (instance, shared.longest_s, tanks, settings),
-        )  # fmt: skip
 
     def __enter__(self) -> _Beside:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._pool.shutdown(cancel_futures=True)
+        self._calls.close()
 
     def run(
         self, board: Board, ran: dict[Limits, set[str]], *, quick: bool, stop: Stop | None
     ) -> Iterator[tuple[Point, str]]:
         """The runs of a pass; the next one begins as soon as one has ended."""
-        method = self._settings.quick if quick else self._settings.method
+        settings = self._work.settings
+        method = settings.quick if quick else settings.method
         running: set[Future[Point]] = set()
         while method is not None:
-            while len(running) < self._jobs and not _is_over(stop):
+            while len(running) < self._calls.count and not _is_over(stop):
                 limits = _next(board, ran, method, quick)
                 if limits is None:
                     break
                 ran.setdefault(limits, set()).add(method)
-                running.add(self._pool.submit(_run_there, board.points[limits], quick))
+                known = board.points[limits]
+                running.add(self._calls.submit(_run_there, self._work, known, quick))
             if not running:
                 return
             done, running = wait(running, return_when=FIRST_COMPLETED)
             for each in done:
-                point = each.result()
+                point = self._calls.result(each)
                 self.elsewhere_s += point.cpu_s
                 yield point, method

@@ -1,0 +1,77 @@
+"""Trade-offs and refined legs by the workers of a Dask cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from conftest import Cli, refused
+
+import adr_opt
+from adr_opt import cluster
+from adr_opt.analysis import Axis, tradeoff
+from adr_opt.errors import InputError
+from adr_opt.refining import refine
+from adr_opt.stop import MaxIterations
+
+distributed = pytest.importorskip("distributed")
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    """A scheduler on this machine, with two workers of one thread each."""
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
+    ) as workers:
+        yield workers.scheduler_address
+
+
+def test_a_cluster_trades_as_one_process_does(address: str) -> None:
+    """Plans and bounds of all points are those of this process, and so is what is left to say."""
+    instance = adr_opt.generate("tiny", 2)
+    axes = [Axis("delta-v", (300.0, 600.0, 900.0))]
+    here = tradeoff(instance, axes, method="exact", time_limit=30.0)
+    there = tradeoff(instance, axes, method="exact", time_limit=30.0, cluster=address)
+    for one, other in zip(here.points, there.points, strict=True):
+        assert (one.limits, one.prize, one.upper_bound) == (
+            other.limits, other.prize, other.upper_bound
+        )  # fmt: skip
+    assert there.proven == len(there.points)
+
+
+def test_a_cluster_refines_as_threads_do(address: str) -> None:
+    """The legs of a plan are led by workers to where threads lead them."""
+    instance = adr_opt.generate("tiny", 0)
+    plan = adr_opt.solve(instance, "greedy-guarded", stop=MaxIterations(1)).plan
+    assert plan is not None
+    here = refine(instance, plan, gravity="j2")
+    there = refine(instance, plan, gravity="j2", cluster=address.replace("tcp://", "dask://"))
+    assert there.status == here.status == "complete"
+    for one, other in zip(here.legs, there.legs, strict=True):
+        assert other.burns == one.burns
+
+
+def test_a_cluster_that_is_not_there_is_one_sentence(
+    cli: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No address, nobody who answers, or processes as well: exit code 2 before any work."""
+    monkeypatch.setattr(cluster, "PATIENCE_S", 0.5)
+    assert cli("generate", "tiny", "--out", "tiny.json").status == 0
+    call = ["tradeoff", "tiny.json", "--vary", "delta-v=300:900:300", "--cluster"]
+    for address, said in (
+        ("127.0.0.1:1", "is no address; write dask://HOST:PORT"),
+        ("dask://127.0.0.1:1", "no Dask scheduler answers at dask://127.0.0.1:1"),
+    ):
+        refused(cli(*call, address), said)
+    refused(cli(*call, "dask://127.0.0.1:1", "--jobs", "2"), "exclude each other")
+
+
+def test_what_workers_die_over_is_said(address: str) -> None:
+    """A call that needs what a worker lacks is refused with what to do."""
+    workers = cluster.Workers(address)
+    try:
+        assert workers.count == 2
+        with pytest.raises(InputError, match="install adr-opt there"):
+            workers.result(workers.submit(__import__, "no_such_module"))
+    finally:
+        workers.close()
