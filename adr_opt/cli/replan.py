@@ -39,7 +39,7 @@ UNITS = {"": DAY_S, "d": DAY_S, "h": HOUR_S, "s": 1.0}
 )
 @click.option("--failed", type=int, metavar="LEG", help="A leg that is not flown as planned.")
 @click.option("--keep", type=int, default=0, metavar="N", help="Legs more that stay as planned; 0.")
-@click.option("--method", metavar="NAME", help="Planner of the rest; else a quick one.")
+@click.option("--method", metavar="NAME", help="Planner of the rest; else a beam, of several auto.")
 @click.option("--time-limit", type=float, metavar="S", help="Wall time of a run; 2 s.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same result.")
 @click.option("--out", metavar="FILE", help="Plan file of the rest to write.")

@@ -45,12 +45,17 @@ def folder_of(name: str, data: Path) -> Path:
     return inner if inner.is_dir() else data
 
 
+BOUND_S = 90.0
+"""What the proof of a bound of gtoc9 gets where nothing else is asked for."""
+
+
 def of_gtoc9_report(folder: Path, parsed: argparse.Namespace) -> str:
     """What is known of GTOC9 and made of it, or a flown mission, in Markdown."""
-    limits = {"--time-limit": parsed.time_limit, "--bound-time-limit": parsed.bound_time_limit}
-    for flag, limit in limits.items():
-        if limit is not None and not 0.0 < limit < 1e7:
-            raise InputError(f"{flag} {limit:g}: give seconds above 0")
+    limit = parsed.time_limit
+    if limit is not None and not 0.0 < limit < 1e7:
+        raise InputError(f"--time-limit {limit:g}: give seconds above 0")
+    if not 0.0 <= parsed.bound_time_limit < 1e7:
+        raise InputError(f"--bound-time-limit {parsed.bound_time_limit:g}: give seconds, or 0")
     if parsed.seed < 0 or not 1 <= parsed.chains <= 256:
         raise InputError("--seed is 0 or more, and --chains from 1 to 256")
     if parsed.flown is not None:
@@ -64,7 +69,7 @@ def of_gtoc9_report(folder: Path, parsed: argparse.Namespace) -> str:
         seed=parsed.seed,
         chains=parsed.chains,
         write=parsed.write,
-        bound_limit_s=parsed.bound_time_limit,
+        bound_limit_s=parsed.bound_time_limit or None,
     )
 
 
@@ -78,7 +83,9 @@ def report(
 ) -> str:
     """What is known of a benchmark, in Markdown."""
     if time_limit_s is not None and not (name == "kttsp" and time_limit_s >= 0.0):
-        raise InputError(f"--time-limit {time_limit_s:g}: only kttsp takes one, of 0 or more")
+        raise InputError(
+            f"--time-limit {time_limit_s:g}: only gtoc9 and kttsp take one, of 0 or more"
+        )
     if name == "kttsp":
         return of_kttsp.report(folder, solution, time_limit_s, cells, write)
     if cells is not None:
@@ -107,7 +114,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--cells", type=Path, metavar="FILE", help="of the proof of kttsp")
     parser.add_argument(
-        "--bound-time-limit", type=float, help="of gtoc9: prove a bound, in so much of it [s]"
+        "--bound-time-limit",
+        type=float,
+        default=BOUND_S,
+        metavar="SECONDS",
+        help="of gtoc9: prove a bound, in so much of it; 0 for none [%(default)g s]",
     )
     parser.add_argument("--fly", type=int, help="of gtoc9: fly this mission of a campaign, from 0")
     parser.add_argument(
