@@ -98,3 +98,34 @@ def test_the_commands_of_the_quick_start_run(cli: Cli, tmp_path: Path, page: str
         assert outcome.status == 0, (line, outcome.err)
     for name in ("my.json", "plan.json", "mission.oem", "mission.html"):
         assert (tmp_path / name).stat().st_size > 0
+
+
+NEED_MORE = re.compile(r" (serve|train|benchmark) | --policy | instances/| --help")
+"""Commands that run for ever or for long, or need what no command before them writes."""
+
+OF_ONE_MISSION = (
+    "certificates", "exports", "files", "importing", "matrices", "policy", "refining", "report",
+    "waiting",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("page", OF_ONE_MISSION)
+def test_the_commands_of_a_page_run(cli: Cli, tmp_path: Path, page: str) -> None:
+    """With an instance and a plan as the quick start leaves them, each command of a page does."""
+    for package in ("boinor", "h5netcdf", "onnxruntime", "plotly", "pyarrow", "sgp4"):
+        pytest.importorskip(package)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    for words in (
+        ["generate", "tiny", "--seed", "1", "--out", "my.json"],
+        ["solve", "my.json", "--time-limit", "1", "--out", "plan.json"],
+        ["refine", "my.json", "plan.json", "--out", "refined.json"],
+    ):
+        assert cli(*words).status == 0
+    ran = 0
+    for line in re.findall(r"(?m)^    python -m adr_opt .*$", read(f"docs/{page}.md")):
+        if not NEED_MORE.search(line):
+            outcome = cli(*in_a_small_world(line.strip()))
+            broken = " fly " in line and outcome.status == 1 and "is over by" in outcome.out
+            assert outcome.status == 0 or broken, (line, outcome)
+            ran += 1
+    assert ran > 0
