@@ -37,13 +37,13 @@ def expense_of(legs):
     return EXPENSE.fixed + EXPENSE.per_kg_squared * carried**2
 
 
-def every_tour(cost):
-    """Least expense of all orders, cuts and times, by trying them."""
+def every_tour(cost, missions=None):
+    """Least expense of all orders, cuts and times, by trying them; or of so many missions."""
     targets, _, gaps, times = cost.shape
 
-    def rest(left, last, now, legs):
+    def rest(left, last, now, legs, launched=1):
         if not left:
-            return expense_of(legs)
+            return expense_of(legs) if missions in (None, launched) else math.inf
         best = math.inf
         for one in left:
             others = left - {one}
@@ -51,10 +51,10 @@ def every_tour(cost):
                 then = now + GRID.least_gap + gap
                 if then < times and cost[last, one, gap, now] != FORBIDDEN:
                     leg = float(cost[last, one, gap, now])
-                    best = min(best, rest(others, one, then, [*legs, leg]))
+                    best = min(best, rest(others, one, then, [*legs, leg], launched))
             paid = expense_of(legs)
             for then in range(now + GRID.apart, times):
-                best = min(best, paid + rest(others, one, then, []))
+                best = min(best, paid + rest(others, one, then, [], launched + 1))
         return best
 
     every = frozenset(range(targets))
@@ -127,6 +127,31 @@ def test_no_bound_exceeds_the_best_tour(tried, remembered, carried_kg):
     assert found.value <= least + 1e-9
     again = bound(cells, GRID, linear, bit, carried, Bounding(rounds=0), found.prices)
     assert again.value == pytest.approx(found.value, abs=1e-3)
+
+
+@pytest.mark.parametrize("missions", [1, 2, 3])
+@pytest.mark.parametrize("legs", [0.1, 0.6, 1.3])
+def test_no_bound_on_so_many_missions_exceeds_their_best_tour(tried, missions, legs):
+    """With the number of missions given, bounds lie below the best tour that has as many."""
+    cost, least = tried
+    cells = np.ascontiguousarray(cost.transpose(3, 0, 1, 2))
+    bit, carried = memories(neighbourhoods(cells, 2))
+    linear = Linear.tangent(EXPENSE, GRID.unit_m_s, 1500.0, legs)
+    own = every_tour(cost, missions)
+    assert own >= least
+    settings = Bounding(rounds=60)
+    found = bound(cells, GRID, linear, bit, carried, settings, missions=missions)
+    assert found.value <= own + 1e-9
+    again = bound(
+        cells, GRID, linear, bit, carried, Bounding(rounds=0), found.prices, missions, found.fee
+    )
+    assert again.value == pytest.approx(found.value, abs=1e-3)
+    random = np.random.default_rng(missions)
+    for _ in range(10):
+        prices = random.normal(8.0, 12.0, cells.shape[1])
+        fee = random.normal(0.0, 40.0)
+        asked = bound(cells, GRID, linear, bit, carried, Bounding(rounds=0), prices, missions, fee)
+        assert asked.value <= own
 
 
 def test_prices_of_any_kind_give_bounds(tried):

@@ -8,6 +8,7 @@ its legs cost is no less than :mod:`.cells` says of theirs.
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 
@@ -26,26 +27,71 @@ STEP_D = 2.5
 REMEMBERED = 6
 """Neighbours of each debris that walks remember."""
 
-CARRIED_KG, LEGS = 4300.0, 0.6
-"""Where the expense is made linear: kits and propellant, and ΔV over exhaust speed. Any point gives
-a bound. The dearer a metre per second, the cheaper a launch: at 0.42 a launch costs as much as 890
-m/s, and one mission lasts for ever; at 0.7 as much as 210 m/s, and missions are too many."""
+LEGS = 0.024
+"""ΔV over exhaust speed of legs, for each debris, as a first guess: where the expense is made
+linear first."""
 
-TARGET_MEUR = 300.0
-"""What the steps of prices aim at."""
+MOST_LEGS = 1.25
+"""Of one mission: a full tank."""
+
+DEAR_MEUR = 320.0
+"""So many missions as launches and kits alone make dearer are not looked at."""
+
+TARGET_MEUR = 2.6
+"""What the steps of prices aim at for each debris."""
+
+STAGE_S = 30.0
+"""Processor time of a stage: then the expense is made linear where the last walk was [s]."""
 
 
 @dataclass(frozen=True)
 class Proven:
-    """A bound on J, the rounds of prices, and the processor time of everything [s]."""
+    """A bound on J.
+
+    Attributes
+    ----------
+    value : float
+    rounds : int
+        Of prices.
+    processor_s : float
+        Of everything [s].
+    by_missions : tuple of float
+        Bounds on J of campaigns of one mission, of two, and so on; the last one is on those of so
+        many missions or more.
+    """
 
     value: float
     rounds: int
     processor_s: float
+    by_missions: tuple[float, ...]
+
+
+@dataclass
+class _Campaigns:
+    """What is known of campaigns of so many missions."""
+
+    missions: int
+    legs: float
+    value: float
+    prices: FloatArray | None = None
+    launch: float | None = None
+
+
+def launches_and_kits_meur(missions: int, count: int) -> float:
+    """What so many missions cost at least that share all debris, without a leg.
+
+    Kits are best shared evenly, since squares are convex.
+    """
+    carried_kg = EXPENSE.kit_kg * count / missions
+    return missions * (EXPENSE.fixed + EXPENSE.per_kg_squared * carried_kg**2)
 
 
 def proven(rows: FloatArray, time_limit_s: float, step_d: float = STEP_D) -> Proven:
     """Prove a bound on J of every campaign that removes these debris by the estimate.
+
+    What K missions cost is convex in what each of them carries. So it is bounded for each K apart,
+    by the tangent that touches where K missions share all legs and debris: for few missions legs
+    are dear, for many launches are. It is gone on with where the bound is least.
 
     Parameters
     ----------
@@ -56,10 +102,34 @@ def proven(rows: FloatArray, time_limit_s: float, step_d: float = STEP_D) -> Pro
         Of the cells: a whole part of 2.5 [d].
     """
     since = time.thread_time()
-    table = cells(rows, step_d)
+    table, count = cells(rows, step_d), len(rows)
     grid = Grid(round(STAY_D / step_d), round((STAY_D + APART_D) / step_d), UNIT_M_S)
-    linear = Linear.tangent(EXPENSE, UNIT_M_S, CARRIED_KG, LEGS)
     bit, carried = memories(neighbourhoods(table, REMEMBERED))
-    settings = Bounding(10**9, time_limit_s, TARGET_MEUR)
-    found = bound(table, grid, linear, bit, carried, settings)
-    return Proven(found.value, found.rounds, time.thread_time() - since)
+    few = []
+    while launches_and_kits_meur(len(few) + 1, count) < DEAR_MEUR:
+        missions = len(few) + 1
+        legs = min(LEGS * count / missions, MOST_LEGS)
+        few.append(_Campaigns(missions, legs, launches_and_kits_meur(missions, count)))
+    rest = min(launches_and_kits_meur(each, count) for each in range(len(few) + 1, count + 1))
+    rounds, left = 0, time_limit_s
+    stage_s = min(STAGE_S, time_limit_s / max(len(few), 1))
+    while few and left > 0.0:
+        now = min(few, key=lambda each: each.value)
+        if now.value >= rest:
+            break
+        begun = time.thread_time()
+        carried_kg = EXPENSE.dry_kg * math.expm1(now.legs) + EXPENSE.kit_kg * count / now.missions
+        linear = Linear.tangent(EXPENSE, UNIT_M_S, carried_kg, now.legs)
+        settings = Bounding(10**9, min(stage_s, left), TARGET_MEUR * count)
+        # A launch goes on to cost walks what it did, whatever part of that the tangent says.
+        fee = 0.0 if now.launch is None else now.launch - linear.fixed
+        found = bound(table, grid, linear, bit, carried, settings, now.prices, now.missions, fee)
+        rounds += found.rounds
+        now.value, now.launch = max(now.value, found.value), linear.fixed + found.fee
+        now.legs = 0.5 * (now.legs + found.units * UNIT_M_S / EXPENSE.exhaust_m_s / now.missions)
+        for each in few:
+            if each is now or each.prices is None:
+                each.prices = found.prices
+        left -= time.thread_time() - begun
+    by_missions = (*(each.value for each in few), rest)
+    return Proven(min(by_missions), rounds, time.thread_time() - since, by_missions)

@@ -6,9 +6,11 @@ A mission of N targets whose legs come to X = Σ ΔV / exhaust speed carries at 
 
 which is convex in (X, N), and so is the expense of it, convex and growing in c. The tangent of
 that expense at any X and N never exceeds it: every tangent makes a bound, with a launch, a target
-and a unit of ΔV at fixed costs. Prices follow subgradients (M. Held, P. Wolfe and H. Crowder,
-Mathematical Programming 6, 1974, 62–88), smoothed over rounds. The value that counts is swept once
-more in double precision at the best prices.
+and a unit of ΔV at fixed costs. Where the number of missions is given, one more price, a fee for
+each launch that is given back for so many of them, makes walks launch about as often, and a tangent
+that touches where so many missions share all targets loses least. Prices follow subgradients
+(M. Held, P. Wolfe and H. Crowder, Mathematical Programming 6, 1974, 62–88), smoothed over rounds.
+The value that counts is swept once more in double precision at the best prices.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +32,9 @@ Integers = npt.NDArray[np.int64]
 
 SAFETY = 1e-6
 """Share by which a bound is lowered for rounding: sums of some thousand numbers lose far less."""
+
+FEE = 3.0
+"""What a fee is counted in, as a multiple of prices: launches are few, and dear."""
 
 NEAR_M_S = 100.0
 """Scale of ΔV on which neighbours are told from others."""
@@ -97,11 +103,24 @@ class Bounding:
 
 @dataclass(frozen=True)
 class Bound:
-    """A bound, and the prices that prove it."""
+    """A bound, and what proves it.
+
+    Attributes
+    ----------
+    value : float
+    prices : (targets,) float64
+    rounds : int
+    fee : float
+        For each launch, where the number of missions is given.
+    units : float
+        ΔV of the legs of the last walk [units of the costs].
+    """
 
     value: float
     prices: FloatArray
     rounds: int
+    fee: float = 0.0
+    units: float = 0.0
 
 
 def neighbourhoods(cells: Costs, count: int) -> Integers:
@@ -162,24 +181,31 @@ class _Walks:
     ) -> None:
         times, targets = cells.shape[:2]
         self._kind = kind
-        self._fixed = cells, kind(linear.slope), kind(linear.fixed), kind(linear.kit)
+        self._cells, self._linear = cells, linear
         self._rules = grid.apart, grid.least_gap, bit, carried
         self._walks = np.empty((targets, carried.shape[2], times), kind)
         self._ended = np.empty(times + 1, kind)
         self._done = np.zeros(targets, np.int64)
 
-    def value(self, prices: FloatArray) -> float:
-        """The bound at some prices."""
-        own = prices.astype(self._kind)
-        sweep(*self._fixed, own, *self._rules, self._walks, self._ended)
-        # No mission at all is a walk too.
-        return float(own.sum(dtype=np.float64)) + min(float(self._ended[-1]), 0.0)
+    def _asked(self, prices: FloatArray, fee: float) -> tuple[Any, ...]:
+        kind, linear = self._kind, self._linear
+        costs = kind(linear.slope), kind(linear.fixed + fee), kind(linear.kit)
+        return (self._cells, *costs, prices.astype(kind), *self._rules, self._walks, self._ended)
 
-    def missing(self, prices: FloatArray) -> FloatArray:
-        """One less how often the cheapest walk does each target, after :meth:`value`."""
-        own = prices.astype(self._kind)
-        trace(*self._fixed, own, *self._rules, self._walks, self._ended, self._done)
-        return 1.0 - self._done.astype(np.float64)
+    def value(self, prices: FloatArray, fee: float) -> float:
+        """The least of all walks at some prices and a fee for launches, and all prices."""
+        sweep(*self._asked(prices, fee))
+        # No mission at all is a walk too.
+        total = float(prices.astype(self._kind).sum(dtype=np.float64))
+        return total + min(float(self._ended[-1]), 0.0)
+
+    def missing(self, prices: FloatArray, fee: float) -> tuple[FloatArray, float, int]:
+        """One less how often the cheapest walk does each target, its units and its missions.
+
+        After :meth:`value` at the same prices.
+        """
+        units, missions = trace(*self._asked(prices, fee), self._done)
+        return 1.0 - self._done.astype(np.float64), float(units), int(missions)
 
 
 def bound(
@@ -190,6 +216,8 @@ def bound(
     carried: npt.NDArray[np.uint16],
     settings: Bounding,
     prices: FloatArray | None = None,
+    missions: int | None = None,
+    fee: float = 0.0,
     tell: Callable[[int, float], None] | None = None,
 ) -> Bound:
     """The best bound that rounds of prices find.
@@ -206,19 +234,28 @@ def bound(
     settings : Bounding
     prices : (targets,) float64, optional
         To begin with; all the same, and no mission worth it, without.
+    missions : int, optional
+        The bound is on tours of so many missions; on all by default.
+    fee : float
+        To begin with, where it is given.
     tell : callable, optional
         Is called with the round and the best bound so far.
     """
     count = cells.shape[1]
     now = np.full(count, linear.kit) if prices is None else prices.astype(float)
-    best, best_prices, made = -math.inf, now.copy(), 0
+    best, made = -math.inf, 0
+    # The fee stands behind the prices; where it is none, nothing ever moves it.
+    now = best_prices = np.append(now, fee / FEE if missions else 0.0)
+    units, given = 0.0, missions or 0
     if settings.rounds > 0:
         walks = _Walks(cells, grid, linear, bit, carried, np.float32)
-        share, stalled, direction = settings.share, 0, np.zeros(count)
+        share, stalled, direction = settings.share, 0, np.zeros(count + 1)
         since = time.thread_time()
         while made < settings.rounds and time.thread_time() - since < settings.time_limit_s:
-            found = walks.value(now)
-            missing = walks.missing(now)
+            fee = FEE * now[-1]
+            found = walks.value(now[:-1], fee) - fee * given
+            short, units, launched = walks.missing(now[:-1], fee)
+            missing = np.append(short, FEE * (launched - given) if missions else 0.0)
             weight = settings.smoothing if made else 0.0
             direction = weight * direction + (1.0 - weight) * missing
             made += 1
@@ -236,7 +273,10 @@ def bound(
             now = now + min(share * max(aim, 1.0) / square, settings.most_step) * direction
         now = best_prices
     exact = _Walks(cells, grid, linear, bit, carried, np.float64)
-    value = exact.value(now)
+    fee = FEE * float(now[-1])
+    value = exact.value(now[:-1], fee) - fee * given
     # Sums lose a share of what they run through: prices on one side, costs on the other.
-    value -= SAFETY * (abs(value) + float(np.abs(now).sum()))
-    return Bound(value, now, made)
+    value -= SAFETY * (
+        abs(value) + float(np.abs(now[:-1]).sum()) + 2.0 * abs(fee) * (given + count)
+    )
+    return Bound(value, now[:-1], made, fee, units)
