@@ -116,9 +116,9 @@ def report(
     if bound_limit_s is not None:
         below = proven(rows, bound_limit_s)
         ours.append(f"| no campaign by the estimate is below | {below.value:.2f} | – | – |")
-        for missions, value in enumerate(below.by_missions, start=1):
-            more = " or more" if missions == len(below.by_missions) else ""
-            ours.append(f"| none of {missions} missions{more} | {value:.2f} | – | – |")
+        for number, value in enumerate(below.by_missions, start=1):
+            more = " or more" if number == len(below.by_missions) else ""
+            ours.append(f"| none of {number} missions{more} | {value:.2f} | – | – |")
         spent = f"{below.processor_s:.0f} s of one processor, {below.rounds} rounds"
         ours += ["", f"The bound took {spent} of prices."]
         taken = np.nansum([row.taken_s, below.processor_s]).item()
