@@ -8,6 +8,7 @@ import json
 import numpy as np
 import pytest
 from from_outside import BENCH, DATA, arrived, broken, external
+from outside.gtoc9 import known
 from outside.gtoc9.campaign import Removals, Stop, read_campaign
 from outside.gtoc9.debris import read_debris
 from outside.gtoc9.ephemeris import read_ephemeris
@@ -68,6 +69,15 @@ def test_our_best_campaign_keeps_all_rules(rows):
     found = score(ours, [legs_m_s(mission, rows) for mission in ours], len(rows))
     assert found.total_meur == pytest.approx(618.946, abs=0.01)
     assert found.violations == ()
+
+
+@pytest.mark.slow
+def test_the_tables_have_every_figure():
+    """What is published, what we keep and what is proven, for each number of missions, is said."""
+    text = known.report(FOLDER, bound_limit_s=5.0)
+    assert "none of 3 missions" in text
+    assert "none of 6 missions or more" in text
+    assert "| GTOC9 | 731.28 | 731.49 | 618.95 |" in text
 
 
 @pytest.fixture(scope="module")
