@@ -30,7 +30,8 @@ def command():
     ("name", "folder", "files", "figures"),
     [
         pytest.param(
-            "gtoc9 --bound-time-limit 0", "gtoc9", "*", ("731.28", "728.37", "717.", "618.95"), marks=external("gtoc9")
+            "gtoc9 --bound-time-limit 0", "gtoc9", "*", ("731.28", "728.37", "717.", "618.95"),
+            marks=external("gtoc9"),
         ),
         pytest.param(
             "odrc", "mcrdv", "*", ("44830.8 | 44830.8", "44278.7"), marks=external("mcrdv")
