@@ -109,6 +109,14 @@ class Campaign(Shown, Prizes):
         return of_problem("Campaign", self.instance, self.margin, built=self.has_timetable)
 
     @cached_property
+    def kind_of(self) -> tuple[int, ...]:
+        """Number of the kind of each chaser."""
+        numbers = {
+            chaser: number for number, kind in enumerate(self.kinds) for chaser in kind.chasers
+        }
+        return tuple(numbers[chaser] for chaser in range(len(self.missions)))
+
+    @cached_property
     def networks(self) -> tuple[tuple[int, ...], ...]:
         """Numbers of kinds that move on one network, the earliest first.
 

@@ -107,6 +107,11 @@ def client_of(address: str) -> Any:
     return client
 
 
+def count_of(client: Any) -> int:
+    """Number of calls that the workers of a client make at once, now."""
+    return max(1, sum(map(int, client.nthreads().values())))
+
+
 class Workers:
     """Calls made by the workers of a Dask cluster, who need adr-opt (extra ``cluster``).
 
@@ -129,7 +134,7 @@ class Workers:
     @property
     def count(self) -> int:
         """Number of calls that the cluster makes at once, now."""
-        return max(1, sum(map(int, self._client.nthreads().values())))
+        return count_of(self._client)
 
     def submit(self, call: Callable[P, T], /, *arguments: P.args, **named: P.kwargs) -> Future[T]:
         """Hand out a call."""

@@ -46,8 +46,8 @@ def test_what_is_made_cheaper_is_legal_and_mostly_the_cheapest():
         if certificate.sequence is None:
             continue
         worth, cost = certificate.incumbent, certificate.cost
-        search = Exchanges(campaign, seed, Proven(), certificate, pool)
-        found = search.anneal(60)
+        search = Exchanges(campaign, seed, certificate, pool)
+        found = search.anneal(60, Proven())
         assert certificate.incumbent >= worth, seed
         if certificate.incumbent == worth:
             assert certificate.cost <= cost, seed
@@ -79,8 +79,8 @@ def test_plans_by_expense_are_made_cheaper_without_being_asked():
     assert adr_opt.check(instance, result.plan) == ()
     certificate = CampaignCertificate(campaign, lambda *_: None)
     certificate.offer(result.routes)
-    search = Exchanges(campaign, 1, Proven(), certificate, Pool(campaign))
-    assert not search.anneal(100)
+    search = Exchanges(campaign, 1, certificate, Pool(campaign))
+    assert not search.anneal(100, Proven())
 
 
 def test_exchanges_find_what_beams_miss():
@@ -92,5 +92,5 @@ def test_exchanges_find_what_beams_miss():
     for _ in range(20):
         search.move(100)
     before = certificate.incumbent
-    assert Exchanges(campaign, 0, Proven(), certificate, pool).anneal(300)
+    assert Exchanges(campaign, 0, certificate, pool).anneal(300, Proven())
     assert certificate.incumbent >= before + 3.0

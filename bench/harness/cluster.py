@@ -15,7 +15,7 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
-from adr_opt.cluster import client_of
+from adr_opt.cluster import client_of, count_of
 
 from .backend import Broken, Collected, Died, Done, Event, Messages, Told
 from .methods import Method
@@ -31,14 +31,7 @@ class Cluster:
     Parameters
     ----------
     address : str
-        ``dask://host:port`` or ``tcp://host:port``.
-
-    Raises
-    ------
-    InputError
-        Not an address, nobody answers there, or the scheduler has no workers.
-    MissingExtra
-        distributed is not installed.
+        As :func:`adr_opt.cluster.client_of` takes it, and refuses it.
     """
 
     def __init__(self, address: str) -> None:
@@ -54,7 +47,7 @@ class Cluster:
     @property
     def workers(self) -> int:
         """Number of tasks that the cluster runs at once, now."""
-        return max(1, sum(self._client.nthreads().values()))
+        return count_of(self._client)
 
     def preflight(self, methods: tuple[Method | BoundCall, ...]) -> str | None:
         """Send the modules, and load the methods on every worker; what input is wrong, if any."""

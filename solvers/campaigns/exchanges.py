@@ -9,6 +9,7 @@ Each route is timed exactly, and what it costs is remembered.
 from __future__ import annotations
 
 import math
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -80,8 +81,6 @@ class Exchanges:
     ----------
     campaign : Campaign
     seed : int
-    stop : Stop
-        Its time alone counts here.
     certificate : CampaignCertificate
         Has the plan to begin from; told of better ones.
     pool : Pool
@@ -92,28 +91,27 @@ class Exchanges:
         self,
         campaign: Campaign,
         seed: int,
-        stop: Stop,
         certificate: CampaignCertificate,
         pool: Pool,
     ) -> None:
-        self._campaign, self._stop = campaign, stop
-        self._certificate, self._pool = certificate, pool
+        self._campaign, self._certificate, self._pool = campaign, certificate, pool
         self._rng = np.random.default_rng(seed)
         self._first = campaign.instance.first_target
-        self._kind_of = {
-            chaser: number for number, kind in enumerate(campaign.kinds) for chaser in kind.chasers
-        }
+        self._kind_of = campaign.kind_of
         self._stations = len(campaign.instance.stations)
         self._timed: dict[tuple[int, tuple[int, ...]], _Timed] = {}
         self._worthy = [j for j, worth in enumerate(campaign.worths) if worth > 0.0]
         self.counters = {"exchanges": 0}
 
-    def within(self, stop: Stop) -> None:
-        """Be given other time."""
-        self._stop = stop
+    def anneal(self, iterations: int, stop: Stop) -> bool:
+        """Cool once from the best plan; whether a better one was found.
 
-    def anneal(self, iterations: int) -> bool:
-        """Cool once from the best plan; whether a better one was found."""
+        Parameters
+        ----------
+        iterations : int
+        stop : Stop
+            Its time alone counts here.
+        """
         if self._certificate.sequence is None:
             return False
         asked = self._certificate.incumbent
@@ -121,7 +119,7 @@ class Exchanges:
         best = present = self._total(now)
         scale, found_any = abs(self._certificate.cost), False
         for made in range(iterations):
-            if self._stop.remaining_s() <= 0.0:
+            if stop.remaining_s() <= 0.0:
                 break
             heat = scale * HOT * (COLD / HOT) ** (made / iterations)
             self.counters["exchanges"] += 1
@@ -259,7 +257,7 @@ class Exchanges:
                         changed = self._open((*route[:at], *stop, *route[at:]))
                         least = self._least(chaser, changed) - costs[chaser]
                         ways.append(_Place(least, chaser, body, changed))
-        ways.sort(key=_growth)
+        ways.sort(key=itemgetter(0))  # by how much costs grow at least
         for way in ways:
             if best is not None and way.grows >= best.grows:
                 break
@@ -275,7 +273,3 @@ class Exchanges:
         if known is not None:
             return known.cost
         return self._campaign.missions[chaser].schedules.least_cost(route)
-
-
-def _growth(place: _Place) -> float:
-    return place.grows

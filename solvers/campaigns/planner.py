@@ -109,6 +109,7 @@ def plan(
     proves: bool = True,
     until_done: bool = False,
     cost: bool = False,
+    prizes_alone: bool = False,
 ) -> Result:
     """The best plan that the time allows, and a proof where one is found.
 
@@ -132,13 +133,15 @@ def plan(
     cost : bool
         Go on to the least cost of plans that collect as much, once the prizes are proven, with the
         plan made cheaper first.
+    prizes_alone : bool
+        The plan need not be cheap: no time is kept for that.
     """
     began = time.perf_counter()
     certificate, pool = CampaignCertificate(campaign, progress), Pool(campaign)
-    asks_for_cost = campaign.instance.objective.cost != "delta-v"
+    asks_for_cost = campaign.instance.objective.cost != "delta-v" and not prizes_alone
     within: Stop = Part(stop, 1.0 - LAST_FOR_COST) if asks_for_cost else stop
     search = RouteSearch(campaign, seed, within, certificate, pool)
-    exchanges = Exchanges(campaign, seed, within, certificate, pool)
+    exchanges = Exchanges(campaign, seed, certificate, pool)
     drifts = campaign.instance.transfer.may_drift
     search.begin(None if start is None else tuple(map(tuple, start)))
     lacking = lacks_plan(campaign, certificate)
@@ -172,7 +175,7 @@ def plan(
                 else:
                     prover.advance()
             search.pack(PACKING_S)
-            if drifts and exchanges.anneal(_many(certificate)):
+            if drifts and exchanges.anneal(_many(certificate), within):
                 search.begin_again()
             for _ in range(moves):
                 if certificate.proven or within.remaining_s() <= 0.0:
@@ -190,8 +193,7 @@ def plan(
         settle(campaign, certificate, pool, stop)
         search.pack(PACKING_S)
     if asks_for_cost or (cost and certificate.proven):
-        exchanges.within(Part(stop, FOR_COST if cost else 1.0))
-        exchanges.anneal(_many(certificate))
+        exchanges.anneal(_many(certificate), Part(stop, FOR_COST) if cost else stop)
     counters: dict[str, float] = {"rounds": rounds, **search.counters, **exchanges.counters}
     if prover is not None:
         counters |= prover.counters
@@ -202,7 +204,7 @@ def plan(
                 campaign, certificate, stop,
                 lambda sooner, within: plan(
                     method, sooner, seed=seed, stop=within, progress=silent, options=options,
-                    until_done=True,
+                    until_done=True, prizes_alone=True,
                 ),
                 lambda found: certificate.offer(found.routes),
             )  # fmt: skip

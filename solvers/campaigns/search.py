@@ -66,9 +66,7 @@ class RouteSearch:
         self._stop = stop
         self._certificate = certificate
         self._pool = pool
-        self._kind_of = {
-            chaser: number for number, kind in enumerate(campaign.kinds) for chaser in kind.chasers
-        }
+        self._kind_of = campaign.kind_of
         self._routes: Routes = tuple(() for _ in campaign.missions)
         self._worth = -np.inf
         self._idle = 0

@@ -278,15 +278,20 @@ class _Work(NamedTuple):
     tanks: bool
     settings: Settings
 
+    @property
+    def key(self) -> tuple[str, float, bool, Settings]:
+        """What it is told apart by; instances with given connections are not to be compared."""
+        return self.instance.sha256, self.longest_s, self.tanks, self.settings
 
-_mine: tuple[_Work, Shared] | None = None
-"""What this process worked on last, and what its points have in common."""
+
+_mine: tuple[Any, Shared] | None = None
+"""The key of what this process worked on last, and what its points have in common."""
 
 
 def _run_there(work: _Work, known: Point, quick: bool) -> Point:
     global _mine
-    if _mine is None or _mine[0] != work:
-        _mine = work, Shared(work.instance, work.longest_s, tanks=work.tanks)
+    if _mine is None or _mine[0] != work.key:
+        _mine = work.key, Shared(work.instance, work.longest_s, tanks=work.tanks)
     problem = _mine[1].problem(known.limits)
     return run_point(problem, work.settings, known, quick=quick, alone=False, stop=None)
 
