@@ -175,7 +175,7 @@ def test_bounds_of_campaigns_are_verified(draw, least):
         instance = draw(seed)
         if not is_verifiable(instance):
             continue
-        found = adr_opt.solve(instance, "exact", time_limit=15.0)
+        found = adr_opt.solve(instance, "exact", time_limit=60.0)
         if found.status in ("infeasible", "optimal") and found.evidence is None:
             continue  # found by going through all sets of a few targets, which is no evidence
         asked += 1
