@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from solvers.campaigns.tours.bound import Bounding, Linear, bound, memories, neighbourhoods
+from solvers.campaigns.tours.bound import Bounding, Tangent, bound, memories, neighbourhoods
 from solvers.campaigns.tours.costs import FORBIDDEN, Expense, Grid
 from solvers.campaigns.tours.planner import Annealing, plan
 
@@ -121,36 +121,35 @@ def test_no_bound_exceeds_the_best_tour(tried, remembered, carried_kg):
     """Whatever is remembered and wherever the expense is made linear, bounds lie below the best."""
     cost, least = tried
     cells = np.ascontiguousarray(cost.transpose(3, 0, 1, 2))
-    linear = Linear.tangent(EXPENSE, GRID.unit_m_s, carried_kg, 0.3)
+    tangent = Tangent.at(EXPENSE, carried_kg)
     bit, carried = memories(neighbourhoods(cells, remembered))
-    found = bound(cells, GRID, linear, bit, carried, Bounding(rounds=60))
+    found = bound(cells, GRID, EXPENSE, tangent, bit, carried, Bounding(rounds=60))
     assert found.value <= least + 1e-9
-    again = bound(cells, GRID, linear, bit, carried, Bounding(rounds=0), found.prices)
+    again = bound(cells, GRID, EXPENSE, tangent, bit, carried, Bounding(rounds=0), found.prices)
     assert again.value == pytest.approx(found.value, abs=1e-3)
 
 
 @pytest.mark.parametrize("missions", [1, 2, 3])
-@pytest.mark.parametrize("legs", [0.1, 0.6, 1.3])
-def test_no_bound_on_so_many_missions_exceeds_their_best_tour(tried, missions, legs):
+@pytest.mark.parametrize("carried_kg", [200.0, 1500.0, 4000.0])
+def test_no_bound_on_so_many_missions_exceeds_their_best_tour(tried, missions, carried_kg):
     """With the number of missions given, bounds lie below the best tour that has as many."""
     cost, least = tried
     cells = np.ascontiguousarray(cost.transpose(3, 0, 1, 2))
     bit, carried = memories(neighbourhoods(cells, 2))
-    linear = Linear.tangent(EXPENSE, GRID.unit_m_s, 1500.0, legs)
+    tangent = Tangent.at(EXPENSE, carried_kg)
     own = every_tour(cost, missions)
     assert own >= least
     settings = Bounding(rounds=60)
-    found = bound(cells, GRID, linear, bit, carried, settings, missions=missions)
+    found = bound(cells, GRID, EXPENSE, tangent, bit, carried, settings, missions=missions)
     assert found.value <= own + 1e-9
-    again = bound(
-        cells, GRID, linear, bit, carried, Bounding(rounds=0), found.prices, missions, found.fee
-    )
+    fixed = (cells, GRID, EXPENSE, tangent, bit, carried)
+    again = bound(*fixed, Bounding(rounds=0), found.prices, missions, found.fee)
     assert again.value == pytest.approx(found.value, abs=1e-3)
     random = np.random.default_rng(missions)
     for _ in range(10):
         prices = random.normal(8.0, 12.0, cells.shape[1])
         fee = random.normal(0.0, 40.0)
-        asked = bound(cells, GRID, linear, bit, carried, Bounding(rounds=0), prices, missions, fee)
+        asked = bound(*fixed, Bounding(rounds=0), prices, missions, fee)
         assert asked.value <= own
 
 
@@ -161,22 +160,18 @@ def test_prices_of_any_kind_give_bounds(tried):
     bit, carried = memories(neighbourhoods(cells, 2))
     random = np.random.default_rng(0)
     for _ in range(30):
-        linear = Linear.tangent(
-            EXPENSE, 1.0, random.uniform(60.0, 6000.0), random.uniform(0.0, 1.0)
-        )
+        tangent = Tangent.at(EXPENSE, random.uniform(60.0, 6000.0))
         prices = random.normal(8.0, 12.0, cells.shape[1])
-        assert bound(cells, GRID, linear, bit, carried, Bounding(rounds=0), prices).value <= least
+        settings = Bounding(rounds=0, levels=int(random.integers(2, 6)))
+        found = bound(cells, GRID, EXPENSE, tangent, bit, carried, settings, prices)
+        assert found.value <= least
 
 
 @pytest.mark.parametrize("seed", range(20))
 def test_a_tangent_never_exceeds_the_expense(seed):
-    """Missions of any legs cost at least what the linear expense says."""
+    """Missions of any mass cost at least what a tangent of the expense says."""
     random = np.random.default_rng(seed)
-    linear = Linear.tangent(EXPENSE, 1.0, random.uniform(60.0, 6000.0), random.uniform(0.0, 1.0))
-    for count in range(1, 25):
-        legs = random.uniform(0.0, 400.0, count - 1)
-        mass = EXPENSE.dry_kg + EXPENSE.kit_kg
-        for leg in legs[::-1]:
-            mass = mass * math.exp(leg / EXPENSE.exhaust_m_s) + EXPENSE.kit_kg
-        true = EXPENSE.fixed + EXPENSE.per_kg_squared * (mass - EXPENSE.dry_kg) ** 2
-        assert linear.fixed + linear.kit * count + linear.slope * legs.sum() <= true + 1e-9
+    tangent = Tangent.at(EXPENSE, random.uniform(60.0, 6000.0))
+    for carried_kg in random.uniform(0.0, 8000.0, 25):
+        true = EXPENSE.fixed + EXPENSE.per_kg_squared * carried_kg**2
+        assert tangent.fixed + tangent.per_kg * (EXPENSE.dry_kg + carried_kg) <= true + 1e-9

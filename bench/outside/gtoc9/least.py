@@ -12,7 +12,7 @@ import math
 import time
 from dataclasses import dataclass
 
-from solvers.campaigns.tours.bound import Bounding, Linear, bound, memories, neighbourhoods
+from solvers.campaigns.tours.bound import Bounding, Tangent, bound, memories, neighbourhoods
 from solvers.campaigns.tours.costs import Grid
 
 from ..reading import FloatArray
@@ -28,20 +28,24 @@ REMEMBERED = 6
 """Neighbours of each debris that walks remember."""
 
 LEGS = 0.024
-"""ΔV over exhaust speed of legs, for each debris, as a first guess: where the expense is made
-linear first."""
+"""ΔV over exhaust speed of legs, for each debris, as a first guess: where the tangent of the
+expense touches it first."""
 
 MOST_LEGS = 1.25
 """Of one mission: a full tank."""
 
-DEAR_MEUR = 320.0
+DEAR_MEUR = 340.0
 """So many missions as launches and kits alone make dearer are not looked at."""
 
-TARGET_MEUR = 2.6
+TARGET_MEUR = 2.7
 """What the steps of prices aim at for each debris."""
 
 STAGE_S = 30.0
-"""Processor time of a stage: then the expense is made linear where the last walk was [s]."""
+"""Processor time of a stage: then the tangent touches where the last walks were [s]."""
+
+LEVELS = 3, 6, 12
+"""Masses between which costs are linear: in the first stages of a number of missions, and in all
+that follow. Prices are found with few, and bounds by many."""
 
 
 @dataclass(frozen=True)
@@ -68,13 +72,28 @@ class Proven:
 
 @dataclass
 class _Campaigns:
-    """What is known of campaigns of so many missions."""
+    """What is known of campaigns of so many missions.
+
+    Attributes
+    ----------
+    missions : int
+    carried_kg : float
+        By each of them, in the mean.
+    value : float
+        A bound.
+    prices : (debris,) float64, optional
+    launch : float, optional
+        What walks pay for one of a mission that carries so much.
+    stages : int
+        Of rounds so far.
+    """
 
     missions: int
-    legs: float
+    carried_kg: float
     value: float
     prices: FloatArray | None = None
     launch: float | None = None
+    stages: int = 0
 
 
 def launches_and_kits_meur(missions: int, count: int) -> float:
@@ -90,8 +109,8 @@ def proven(rows: FloatArray, time_limit_s: float, step_d: float = STEP_D) -> Pro
     """Prove a bound on J of every campaign that removes these debris by the estimate.
 
     What K missions cost is convex in what each of them carries. So it is bounded for each K apart,
-    by the tangent that touches where K missions share all legs and debris: for few missions legs
-    are dear, for many launches are. It is gone on with where the bound is least.
+    by the tangent that touches where K missions share all of that: for few missions legs are dear,
+    for many launches are. It is gone on with where the bound is least.
 
     Parameters
     ----------
@@ -109,7 +128,9 @@ def proven(rows: FloatArray, time_limit_s: float, step_d: float = STEP_D) -> Pro
     while launches_and_kits_meur(len(few) + 1, count) < DEAR_MEUR:
         missions = len(few) + 1
         legs = min(LEGS * count / missions, MOST_LEGS)
-        few.append(_Campaigns(missions, legs, launches_and_kits_meur(missions, count)))
+        kits_kg = EXPENSE.kit_kg * count / missions * math.expm1(legs) / legs
+        carried_kg = EXPENSE.dry_kg * math.expm1(legs) + kits_kg
+        few.append(_Campaigns(missions, carried_kg, launches_and_kits_meur(missions, count)))
     rest = min(launches_and_kits_meur(each, count) for each in range(len(few) + 1, count + 1))
     rounds, left = 0, time_limit_s
     stage_s = min(STAGE_S, time_limit_s / max(len(few), 1))
@@ -118,15 +139,20 @@ def proven(rows: FloatArray, time_limit_s: float, step_d: float = STEP_D) -> Pro
         if now.value >= rest:
             break
         begun = time.thread_time()
-        carried_kg = EXPENSE.dry_kg * math.expm1(now.legs) + EXPENSE.kit_kg * count / now.missions
-        linear = Linear.tangent(EXPENSE, UNIT_M_S, carried_kg, now.legs)
-        settings = Bounding(10**9, min(stage_s, left), TARGET_MEUR * count)
-        # A launch goes on to cost walks what it did, whatever part of that the tangent says.
-        fee = 0.0 if now.launch is None else now.launch - linear.fixed
-        found = bound(table, grid, linear, bit, carried, settings, now.prices, now.missions, fee)
+        tangent = Tangent.at(EXPENSE, now.carried_kg)
+        levels = LEVELS[min(now.stages, len(LEVELS) - 1)]
+        settings = Bounding(10**9, min(stage_s, left), TARGET_MEUR * count, levels=levels)
+        # A launch of so much goes on to cost walks what it did, whatever the tangent.
+        mass_kg = EXPENSE.dry_kg + now.carried_kg
+        fee = 0.0 if now.launch is None else now.launch - tangent.fixed - tangent.per_kg * mass_kg
+        found = bound(
+            table, grid, EXPENSE, tangent, bit, carried, settings, now.prices, now.missions, fee
+        )
         rounds += found.rounds
-        now.value, now.launch = max(now.value, found.value), linear.fixed + found.fee
-        now.legs = 0.5 * (now.legs + found.units * UNIT_M_S / EXPENSE.exhaust_m_s / now.missions)
+        now.stages, now.value = now.stages + 1, max(now.value, found.value)
+        now.carried_kg = 0.5 * (now.carried_kg + found.carried_kg)
+        mass_kg = EXPENSE.dry_kg + now.carried_kg
+        now.launch = tangent.fixed + found.fee + tangent.per_kg * mass_kg
         for each in few:
             if each is now or each.prices is None:
                 each.prices = found.prices

@@ -51,7 +51,7 @@ WIDER = 2.0
 """The same, as a multiple of itself, for a round after one that has found none."""
 
 SLOW_D = 0.15
-"""Rounds that gain less are followed by those of smaller parts."""
+"""Rounds that gain less are followed by those of smaller parts, others by those of the largest."""
 
 LITTLE_D = 1e-4
 """Tours that are shorter by less are not looked for: states are compared with so much to spare."""
@@ -170,10 +170,11 @@ def rounds_of(
             ahead *= WIDER
             continue
         ahead = AHEAD_D
-        if gained < SLOW_D:
-            depth += 1
-            if depth > DEPTHS[1]:
-                return
+        # A pair of cells that stood in the way is past: coarse ones, of a sixteenth of the work or
+        # less, gain most again.
+        depth = depth + 1 if gained < SLOW_D else DEPTHS[0]
+        if depth > DEPTHS[1]:
+            return
         wanted = wanted_by(arrivals, found, min(latest, proven + ahead))
 
         def raise_row(place: int, depth: int = depth, wanted: FloatArray = wanted) -> None:

@@ -1,16 +1,16 @@
 r"""A bound on the expense of all tours: prices of targets, raised until walks do each about once.
 
-A mission of N targets whose legs come to X = Σ ΔV / exhaust speed carries at launch
+A mission whose legs come to X = Σ ΔV / exhaust speed carries at launch
 
-    c  =  dry (e^X − 1) + kit Σ e^{X up to each target}  ≥  dry (e^X − 1) + kit N ,
+    c  =  dry (e^X − 1) + kit Σ e^{X up to each target} ,
 
-which is convex in (X, N), and so is the expense of it, convex and growing in c. The tangent of
-that expense at any X and N never exceeds it: every tangent makes a bound, with a launch, a target
-and a unit of ΔV at fixed costs. Where the number of missions is given, one more price, a fee for
-each launch that is given back for so many of them, makes walks launch about as often, and a tangent
-that touches where so many missions share all targets loses least. Prices follow subgradients
-(M. Held, P. Wolfe and H. Crowder, Mathematical Programming 6, 1974, 62–88), smoothed over rounds.
-The value that counts is swept once more in double precision at the best prices.
+and its expense is convex and growing in c. The tangent at any c never exceeds it: every tangent
+makes a bound, with a launch and a kilogram at launch at fixed costs. Where the number of missions
+is given, one more price, a fee for each launch that is given back for so many of them, makes walks
+launch about as often, and the tangent that touches what so many missions carry in the mean loses
+least. Prices follow subgradients (M. Held, P. Wolfe and H. Crowder, Mathematical Programming 6,
+1974, 62–88), smoothed over rounds; where walks are mixtures, of some that are drawn. The value that
+counts is swept once more in double precision at the best prices.
 """
 
 from __future__ import annotations
@@ -36,38 +36,48 @@ SAFETY = 1e-6
 FEE = 3.0
 """What a fee is counted in, as a multiple of prices: launches are few, and dear."""
 
+BEFORE = 1.25
+"""By how much the highest level exceeds the mass that a tangent touches: beyond it costs of a
+kilogram are those of its launch, but the legs before it."""
+
+BEYOND = 1e35
+"""By what a leg makes mass grow that is forbidden: no cost reaches that, nor is it infinite."""
+
+DRAWN = 8
+"""Walks of a mixture that a direction is the mean of."""
+
 NEAR_M_S = 100.0
 """Scale of ΔV on which neighbours are told from others."""
 
 
 @dataclass(frozen=True)
-class Linear:
-    """At most the expense of a mission: fixed + kit · targets + slope · units of ΔV."""
+class Tangent:
+    """At most the expense of a mission: fixed + per_kg · mass at launch.
+
+    Attributes
+    ----------
+    fixed, per_kg : float
+    touches_kg : float
+        The mass at launch of which it is the expense.
+    """
 
     fixed: float
-    kit: float
-    slope: float
+    per_kg: float
+    touches_kg: float
 
     @classmethod
-    def tangent(cls, expense: Expense, unit_m_s: float, carried_kg: float, legs: float) -> Linear:
-        """The tangent where so much is carried and legs come to so much.
+    def at(cls, expense: Expense, carried_kg: float) -> Tangent:
+        """The tangent where so much is carried.
 
         Parameters
         ----------
         expense : Expense
-        unit_m_s : float
         carried_kg : float
-            c at the point of contact; its N need be no whole number, nor positive.
-        legs : float
-            X at the point of contact.
+            Kits and propellant.
         """
-        marginal = expense.per_kg + 2.0 * expense.per_kg_squared * carried_kg
-        total = expense.fixed + expense.per_kg * carried_kg + expense.per_kg_squared * carried_kg**2
-        # marginal · (dry (e^X − 1) + kit N − c), and e^X at least its own tangent.
-        growth = math.exp(legs)
-        slope = marginal * expense.dry_kg * growth
-        fixed = total + marginal * (expense.dry_kg * (growth - 1.0) - carried_kg) - slope * legs
-        return cls(fixed, marginal * expense.kit_kg, slope * unit_m_s / expense.exhaust_m_s)
+        per_kg = expense.per_kg + 2.0 * expense.per_kg_squared * carried_kg
+        fixed = expense.fixed - expense.per_kg_squared * carried_kg**2
+        return cls(fixed - per_kg * expense.dry_kg, per_kg, expense.dry_kg + carried_kg)
 
 
 @dataclass(frozen=True)
@@ -90,6 +100,8 @@ class Bounding:
         Weight of the directions before.
     most_step : float
         That a price changes by for each time that a target is done too often.
+    levels : int
+        Masses between which costs are linear, at least two.
     """
 
     rounds: int = 100
@@ -99,6 +111,7 @@ class Bounding:
     patience: int = 5
     smoothing: float = 0.6
     most_step: float = 0.5
+    levels: int = 3
 
 
 @dataclass(frozen=True)
@@ -112,15 +125,15 @@ class Bound:
     rounds : int
     fee : float
         For each launch, where the number of missions is given.
-    units : float
-        ΔV of the legs of the last walk [units of the costs].
+    carried_kg : float
+        By a mission of the last walks in the mean.
     """
 
     value: float
     prices: FloatArray
     rounds: int
     fee: float = 0.0
-    units: float = 0.0
+    carried_kg: float = 0.0
 
 
 def neighbourhoods(cells: Costs, count: int) -> Integers:
@@ -167,6 +180,27 @@ def memories(neighbours: Integers) -> tuple[Integers, npt.NDArray[np.uint16]]:
     return bit, carried
 
 
+def levels_of(expense: Expense, tangent: Tangent, count: int) -> FloatArray:
+    """Masses from an empty chaser to more than the tangent touches, in a geometric series [kg].
+
+    Parameters
+    ----------
+    expense : Expense
+    tangent : Tangent
+    count : int
+    """
+    full_kg = expense.dry_kg + expense.most_propellant_kg
+    top_kg = min(BEFORE * tangent.touches_kg, full_kg)
+    return np.geomspace(expense.dry_kg, max(top_kg, BEFORE * expense.dry_kg), count)
+
+
+def growths(expense: Expense, unit_m_s: float) -> FloatArray:
+    """The share by which legs of so many units make mass grow, shape (65536,)."""
+    growth = np.exp(np.arange(FORBIDDEN + 1) * (unit_m_s / expense.exhaust_m_s))
+    growth[FORBIDDEN] = BEYOND
+    return growth
+
+
 class _Walks:
     """The cheapest walk at any prices, in a precision of its own."""
 
@@ -174,23 +208,30 @@ class _Walks:
         self,
         cells: Costs,
         grid: Grid,
-        linear: Linear,
+        expense: Expense,
+        tangent: Tangent,
         bit: Integers,
         carried: npt.NDArray[np.uint16],
+        levels: int,
         kind: type[np.floating],
     ) -> None:
         times, targets = cells.shape[:2]
         self._kind = kind
-        self._cells, self._linear = cells, linear
+        self._cells, self._expense, self._tangent = cells, expense, tangent
+        self._growth = growths(expense, grid.unit_m_s).astype(kind)
+        self._level = levels_of(expense, tangent, levels).astype(kind)
         self._rules = grid.apart, grid.least_gap, bit, carried
-        self._walks = np.empty((targets, carried.shape[2], times), kind)
+        self._walks = np.empty((targets, carried.shape[2], levels, times), kind)
         self._ended = np.empty(times + 1, kind)
         self._done = np.zeros(targets, np.int64)
 
     def _asked(self, prices: FloatArray, fee: float) -> tuple[Any, ...]:
-        kind, linear = self._kind, self._linear
-        costs = kind(linear.slope), kind(linear.fixed + fee), kind(linear.kit)
-        return (self._cells, *costs, prices.astype(kind), *self._rules, self._walks, self._ended)
+        kind, tangent = self._kind, self._tangent
+        costs = kind(tangent.per_kg), kind(tangent.fixed + fee), kind(self._expense.kit_kg)
+        return (
+            self._cells, self._growth, self._level, *costs, prices.astype(kind), *self._rules,
+            self._walks, self._ended,
+        )  # fmt: skip
 
     def value(self, prices: FloatArray, fee: float) -> float:
         """The least of all walks at some prices and a fee for launches, and all prices."""
@@ -199,19 +240,27 @@ class _Walks:
         total = float(prices.astype(self._kind).sum(dtype=np.float64))
         return total + min(float(self._ended[-1]), 0.0)
 
-    def missing(self, prices: FloatArray, fee: float) -> tuple[FloatArray, float, int]:
-        """One less how often the cheapest walk does each target, its units and its missions.
+    def missing(
+        self, prices: FloatArray, fee: float, random: np.random.Generator
+    ) -> tuple[FloatArray, float, float]:
+        """One less how often the cheapest walks do each target, their missions, and what is carried.
 
-        After :meth:`value` at the same prices.
+        After :meth:`value` at the same prices; means over some walks that are drawn.
         """
-        units, missions = trace(*self._asked(prices, fee), self._done)
-        return 1.0 - self._done.astype(np.float64), float(units), int(missions)
+        done, mass, missions = np.zeros(self._done.size), 0.0, 0
+        for _ in range(DRAWN):
+            draws = random.random(4 * self._done.size)
+            more_mass, more = trace(*self._asked(prices, fee), draws, self._done)
+            done, mass, missions = done + self._done, mass + float(more_mass), missions + int(more)
+        carried_kg = mass / max(missions, 1) - self._expense.dry_kg
+        return 1.0 - done / DRAWN, missions / DRAWN, carried_kg
 
 
 def bound(
     cells: Costs,
     grid: Grid,
-    linear: Linear,
+    expense: Expense,
+    tangent: Tangent,
     bit: Integers,
     carried: npt.NDArray[np.uint16],
     settings: Bounding,
@@ -228,7 +277,9 @@ def bound(
         At most what a leg costs between arrivals in two cells, by the first of them.
     grid : Grid
         Of the cells: least gap, and cells between a last arrival and a launch.
-    linear : Linear
+    expense : Expense
+    tangent : Tangent
+        Of that expense.
     bit, carried : int64, uint16
         See :func:`memories`.
     settings : Bounding
@@ -242,19 +293,21 @@ def bound(
         Is called with the round and the best bound so far.
     """
     count = cells.shape[1]
-    now = np.full(count, linear.kit) if prices is None else prices.astype(float)
+    kit_price = tangent.per_kg * expense.kit_kg
+    now = np.full(count, kit_price) if prices is None else prices.astype(float)
     best, made = -math.inf, 0
     # The fee stands behind the prices; where it is none, nothing ever moves it.
     now = best_prices = np.append(now, fee / FEE if missions else 0.0)
-    units, given = 0.0, missions or 0
+    carried_kg, given = 0.0, missions or 0
+    asked = cells, grid, expense, tangent, bit, carried, settings.levels
     if settings.rounds > 0:
-        walks = _Walks(cells, grid, linear, bit, carried, np.float32)
+        walks, random = _Walks(*asked, np.float32), np.random.default_rng(0)
         share, stalled, direction = settings.share, 0, np.zeros(count + 1)
         since = time.thread_time()
         while made < settings.rounds and time.thread_time() - since < settings.time_limit_s:
             fee = FEE * now[-1]
             found = walks.value(now[:-1], fee) - fee * given
-            short, units, launched = walks.missing(now[:-1], fee)
+            short, launched, carried_kg = walks.missing(now[:-1], fee, random)
             missing = np.append(short, FEE * (launched - given) if missions else 0.0)
             weight = settings.smoothing if made else 0.0
             direction = weight * direction + (1.0 - weight) * missing
@@ -272,11 +325,11 @@ def bound(
             square = max(float(direction @ direction), 1e-9)
             now = now + min(share * max(aim, 1.0) / square, settings.most_step) * direction
         now = best_prices
-    exact = _Walks(cells, grid, linear, bit, carried, np.float64)
+    exact = _Walks(*asked, np.float64)
     fee = FEE * float(now[-1])
     value = exact.value(now[:-1], fee) - fee * given
     # Sums lose a share of what they run through: prices on one side, costs on the other.
     value -= SAFETY * (
         abs(value) + float(np.abs(now[:-1]).sum()) + 2.0 * abs(fee) * (given + count)
     )
-    return Bound(value, now[:-1], made, fee, units)
+    return Bound(value, now[:-1], made, fee, carried_kg)
