@@ -43,13 +43,17 @@ def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:
     heavy = wanted > 0 and chaser.kit_mass_kg > 0.0
     most = min(wanted, wanted if chaser.kits is None else chaser.kits)
     if not heavy and (most == wanted or wanted == len(instance.targets)):
-        if not tows:
+        if not tows and not chaser.lacks_by_mass:
             return None
         takes[:], most = 0, 0
     allowed = most_targets(instance, chaser)
     most = most if allowed is None else min(most, allowed)
     cargo = chaser.kit_mass_kg * np.arange(most + 1)
     full = [(1.0 - margin) * chaser.tank.full_m_s(float(mass)) + SLACK_M_S for mass in cargo]
+    first = list(full)
+    if chaser.lacks_by_mass:
+        lacking = [chaser.tank.spent_with_m_s(float(mass)) for mass in cargo]
+        first = [each - less for each, less in zip(full, lacking, strict=True)]
     scale = np.ones((takes.size, most + 1))
     loss = np.zeros_like(scale)
     if heavy:
@@ -65,7 +69,7 @@ def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:
         scale[body] = kept
         loss[body] = (1.0 - kept) * tow.object_kg / (chaser.tank.dry_mass_kg + cargo)
         flown[body] = tow.delta_v_m_s
-    columns = takes, np.array(full), scale, loss
+    columns = takes, np.array(full), np.array(first), scale, loss
     for column in (*columns, flown):
         column.setflags(write=False)
     return Loads(chaser.tank.exhaust_m_s, *columns, heavy, flown)
@@ -131,8 +135,8 @@ def followed(
     tank, kits = chaser.tank, kits_of(instance, (destination for destination, _ in legs))
     takers = {target.name for target in instance.targets if target.removal == "kit"}
     tows = tow_by_name(instance)
-    # Kits without a mass, where it is not full at the start.
-    left = tank.full_m_s(kits * chaser.kit_mass_kg) - tank.spent_m_s
+    cargo_kg = kits * chaser.kit_mass_kg
+    left = tank.full_m_s(cargo_kg) - tank.spent_with_m_s(cargo_kg)
     found = [Aboard(left, _mass_kg(chaser, kits, left), kits, left)]
     for destination, delta_v in legs:
         arrived = left = left - delta_v

@@ -92,6 +92,10 @@ class Tank(Record):
     def _without_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
         return _without(write(self), "initial_delta_v_m_s")
 
+    def spent_with_m_s(self, cargo_kg: float) -> float:
+        """What is lacking of a full tank at the start, with so much aboard [m/s]."""
+        return self.spent_m_s
+
     @property
     def spent_m_s(self) -> float:
         """What is lacking of a full tank at the start [m/s]."""
@@ -140,13 +144,18 @@ class TankByMass(Record):
     def _without_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
         return _without(write(self), "initial_propellant_kg")
 
-    @property
-    def spent_m_s(self) -> float:
-        """What is lacking of a full tank at the start, nothing being aboard [m/s]."""
+    def spent_with_m_s(self, cargo_kg: float) -> float:
+        """What is lacking of a full tank at the start, with so much aboard [m/s]."""
         initial = self.initial_propellant_kg
         if initial is None:
             return 0.0
-        return self.delta_v_m_s - self.exhaust_m_s * math.log1p(initial / self.dry_mass_kg)
+        empty_kg = self.dry_mass_kg + cargo_kg
+        return self.full_m_s(cargo_kg) - self.exhaust_m_s * math.log1p(initial / empty_kg)
+
+    @property
+    def spent_m_s(self) -> float:
+        """What is lacking of a full tank at the start, nothing being aboard [m/s]."""
+        return self.spent_with_m_s(0.0)
 
     @model_validator(mode="after")
     def _can_be_counted(self) -> Self:
@@ -259,22 +268,21 @@ class Chaser(Record):
                 "field tank: what it holds at the start is given, and at a station it is filled; "
                 "start in an orbit, or leave it out"
             )
-        if self.tank.spent_m_s > 0.0 and self.kit_mass_kg > 0.0:
-            raise ValueError(
-                "field tank: what it holds at the start cannot be given where kits have a mass; "
-                "write kit_mass_kg 0.0, or leave it out"
-            )
-        if self.tank.spent_m_s > 0.0 and self.expense is not None and self.expense.counts_mass:
-            raise ValueError(
-                "field tank: what it holds at the start cannot be given where expense counts what "
-                "is carried; leave one of the two out"
-            )
         return self
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         check_window("available_s", self.available_s)
         return self
+
+    @property
+    def lacks_by_mass(self) -> bool:
+        """Whether its tank is not full at the start, and masses make a difference to what lacks.
+
+        Then what lacks goes with the kits that are taken along, or must not be counted as flown.
+        """
+        weighs = self.kit_mass_kg > 0.0 or (self.expense is not None and self.expense.counts_mass)
+        return weighs and self.tank.spent_m_s > 0.0
 
     @property
     def start_name(self) -> str:

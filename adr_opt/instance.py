@@ -210,11 +210,14 @@ class Instance(Shown, InstanceFile):
 
     @property
     def spent_m_s(self) -> dict[int, float]:
-        """What is lacking of the tanks that are not full at the start, by the body of it [m/s]."""
+        """What first legs pay for tanks that are not full at the start, by the body of it [m/s].
+
+        But for chasers of which masses say what is lacking: see :class:`.kernels.loads.Loads`.
+        """
         return {
             self.names.index(chaser.name): chaser.tank.spent_m_s
             for chaser in self.chasers
-            if chaser.tank.spent_m_s > 0.0
+            if chaser.tank.spent_m_s > 0.0 and not chaser.lacks_by_mass
         }
 
     @property

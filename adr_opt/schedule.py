@@ -181,11 +181,11 @@ class Scheduler:
     def beginning(self, kits: int) -> Front:
         """The label at the start, with so many kits aboard."""
         rules, nothing, needed = self._rules(), np.zeros(1, dtype=np.int64), np.zeros(1)
-        full = rules.budget if rules.loads is None else float(rules.loads.full[kits])
+        left = rules.budget if rules.loads is None else float(rules.loads.first[kits])
         if self._weighs:
             needed[0] = kits * self._chaser.kit_mass_kg
         ready = np.array([rules.ready])
-        return Front(ready, np.array([full]), needed, nothing, nothing, np.zeros(1))
+        return Front(ready, np.array([left]), needed, nothing, nothing, np.zeros(1))
 
     def extended(self, here: Front, i: int, j: int, aboard: int, *, refuelled: bool) -> Front:
         """The labels after a move.

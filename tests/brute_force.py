@@ -299,10 +299,11 @@ def _at_start(chaser: Chaser, full: list[float]) -> list[float]:
         if tank.initial_propellant_kg is None:
             return full
         # What is lacking is ΔV of the whole tank, also where a margin of it is kept back.
-        lacking = (tank.dry_mass_kg + tank.initial_propellant_kg) / (
-            tank.dry_mass_kg + tank.propellant_kg
-        )
-        return [each * lacking for each in full]
+        empty = [tank.dry_mass_kg + kits * chaser.kit_mass_kg for kits in range(len(full))]
+        return [
+            each * (alone + tank.initial_propellant_kg) / (alone + tank.propellant_kg)
+            for each, alone in zip(full, empty, strict=True)
+        ]
     if tank.initial_delta_v_m_s is None:
         return full
     return [each - (tank.delta_v_m_s - tank.initial_delta_v_m_s) for each in full]

@@ -213,8 +213,7 @@ def begun(chaser: Chaser, rng: np.random.Generator) -> Chaser:
     What is drawn after it does not depend on it.
     """
     (own,) = rng.spawn(1)
-    counts = chaser.expense is not None and chaser.expense.counts_mass
-    if isinstance(chaser.start, AtStation) or chaser.kit_mass_kg > 0.0 or counts:
+    if isinstance(chaser.start, AtStation):
         return chaser.replace(tank=filled(chaser.tank))
     if own.random() < 0.4:
         return chaser.replace(tank=filled(chaser.tank))

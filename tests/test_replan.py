@@ -21,6 +21,7 @@ from adr_opt.errors import InputError
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import DAY_S
 from adr_opt.plan import InstanceReference, Plan, Unvisited, cost_of
+from adr_opt.routes import routes_of
 from adr_opt.settings import KeepOutZone
 
 ZONE = KeepOutZone(
@@ -199,6 +200,76 @@ def test_campaigns_are_planned_on() -> None:
         assert adr_opt.check(made.instance, made.plan) == ()
         assert violations(instance, made) == ()
         assert made.prize_after >= made.prize_before
+
+
+def with_kits(seed: int, kit_kg: float = 6.0) -> Instance:
+    """The tiny field of :func:`tiny` with a tank by mass and a kit for every target."""
+    field, _ = tiny(seed, by_mass=True)
+    targets = tuple(target.replace(removal="kit") for target in field.targets)
+    chaser = field.chaser.replace(kit_mass_kg=kit_kg)
+    return field.replace(targets=targets, chasers=(chaser,))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_kits_that_are_aboard_weigh_until_they_are_left(seed: int) -> None:
+    """The rest has the kits that are aboard and no more; those that it cannot use are carried."""
+    instance = with_kits(seed)
+    plan = adr_opt.solve(instance, "auto", time_limit=20.0).plan
+    at_s = 0.4 * instance.mission.duration_s
+    (state,) = states_at(instance, plan, at_s)
+    left = [leg.destination for leg in plan.legs[len(state.legs) :]]
+    targets = [name for name in left if name not in instance.station_names]
+    assert state.kits == len(targets) >= 2
+    made = replan(instance, plan, at_s)
+    assert adr_opt.check(made.instance, made.plan) == ()
+    assert violations(instance, made) == ()
+    assert made.prize_after >= made.prize_before
+    others = [target.name for target in made.instance.targets if target.name not in targets[:1]]
+    fewer = replan(instance, plan, at_s, lost=others)
+    assert adr_opt.check(fewer.instance, fewer.plan) == ()
+    idle = len(targets) - int(fewer.prize_after)
+    assert idle >= 1
+    assert fewer.states[0].idle_kits == idle
+    heavier = fewer.instance.chaser.tank.dry_mass_kg - instance.chaser.tank.dry_mass_kg
+    assert heavier == pytest.approx(idle * instance.chaser.kit_mass_kg)
+
+
+def test_what_stations_gave_is_not_given_again() -> None:
+    """Of a station with limits the rest has what is left, in refuellings and in kilograms."""
+    instance, plan = tiny(1, by_mass=True)
+    stops = [leg for leg in plan.legs if leg.destination in instance.station_names]
+    assert stops
+    station = instance.stations[0].replace(max_refuellings=len(stops), max_propellant_kg=500.0)
+    limited = instance.replace(stations=(station, *instance.stations[1:]))
+    reference = InstanceReference(name=limited.name, sha256=limited.sha256)
+    made = replan(limited, plan.replace(instance=reference), stops[0].end_s + 1.0)
+    (rest,) = made.instance.stations
+    assert rest.max_refuellings == len(stops) - 1
+    assert 500.0 - 72.0 <= rest.max_propellant_kg < 500.0
+    assert adr_opt.check(made.instance, made.plan) == ()
+    assert violations(limited, made) == ()
+
+
+def test_what_was_launched_is_paid_for_and_all_there_is() -> None:
+    """Where launched mass costs, who flies already has what its route needs, and costs no more."""
+    field = adr_opt.generate("removal", 1, targets=6, chasers=2)
+    prices = {"fixed": 55.0, "per_kg_squared": 2e-6}
+    chasers = tuple(chaser.replace(expense=prices) for chaser in field.chasers)
+    instance = field.replace(chasers=chasers, objective={"cost": "expense"})
+    plan = adr_opt.solve(instance, "auto", time_limit=10.0).plan
+    first = min(leg.end_s for leg in plan.legs)
+    flying = states_at(instance, plan, first + 1.0)
+    made = replan(instance, plan, first + 1.0, time_limit=10.0)
+    assert adr_opt.check(made.instance, made.plan) == ()
+    assert made.prize_after >= made.prize_before
+    for state, chaser in zip(flying, made.instance.chasers, strict=True):
+        assert (chaser.expense is None) == bool(state.legs)
+        if not state.is_new:
+            end = next(each for each in routes_of(instance, plan) if each.chaser == state.chaser)
+            full = end.carried(instance)
+            assert chaser.tank.initial_propellant_kg < state.chaser.tank.propellant_kg
+            # What its route needs: nothing is left of it at the end.
+            assert state.propellant_kg <= full.used_kg + 1e-6
 
 
 def test_drifting_missions_are_planned_on() -> None:

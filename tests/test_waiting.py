@@ -35,7 +35,7 @@ def carrying(what: str) -> Loads | None:
         return None
     nothing = np.zeros((2, 2))
     kits, full, flown = np.ones(2, np.int64), np.zeros(2), np.zeros(2)
-    return Loads(3000.0, kits, full, nothing, nothing, what == "weights", flown)
+    return Loads(3000.0, kits, full, full, nothing, nothing, what == "weights", flown)
 
 
 def dominates(

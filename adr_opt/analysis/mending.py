@@ -165,11 +165,19 @@ def _window(mission: Mission, moves: Moves, made: int) -> float | None:
 
 
 def _with_tank(chaser: Chaser, scale: float) -> Chaser:
-    """A chaser whose full tank holds so many times as much: ΔV, or propellant."""
+    """A chaser whose full tank holds so many times as much: ΔV, or propellant.
+
+    What is lacking at the start stays lacking: more in a full tank is more at the start, too.
+    """
     tank = chaser.tank
     if isinstance(tank, TankByMass):
-        return chaser.replace(tank=tank.replace(propellant_kg=scale * tank.propellant_kg))
-    # What is lacking at the start stays lacking: more in a full tank is more at the start, too.
+        added_kg, initial_kg = (scale - 1.0) * tank.propellant_kg, tank.initial_propellant_kg
+        if initial_kg is not None:
+            initial_kg += added_kg
+        propellant_kg = tank.propellant_kg + added_kg
+        return chaser.replace(
+            tank=tank.replace(propellant_kg=propellant_kg, initial_propellant_kg=initial_kg)
+        )
     full = scale * tank.delta_v_m_s
     initial = full - tank.spent_m_s if tank.spent_m_s else None
     return chaser.replace(tank=Tank(delta_v_m_s=full, initial_delta_v_m_s=initial))

@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from ..bodies import Station
 from ..campaign import Problem, is_campaign, problem_of
+from ..cargo import kits_of
 from ..errors import InputError
 from ..front import solve
 from ..instance import Instance
@@ -26,10 +28,11 @@ from ..pricing import burns_of, transfer_of
 from ..result import Result, certify_routes
 from ..routes import weighed
 from ..settings import KeepOutZone
+from ..station_limits import StationLimits
 from ..stop import AnyOf, MaxRuntime, Stop
 from ..tow import refuse_tows
 from .replanned import Orders, Replanned, compared
-from .state import State, going_on, states_at
+from .state import State, as_flown, going_on, heavier, states_at
 
 QUICK, SEVERAL = "beam", "auto"
 """Planners of the rest, where nobody names one: for one chaser and for several."""
@@ -102,26 +105,41 @@ def replan(
             "a chaser is; replan works on those of the model"
         )
     refuse_tows(instance, "replan")
-    for station in instance.stations:
-        if station.is_limited:
-            raise InputError(
-                f"{station.name!r} has a limit, and replan does not count what was taken there; "
-                "leave the limits out"
-            )
     states = states_at(instance, plan, at_s, keep=keep, failed=failed)
     zoned = instance.replace(keep_out_zones=(*instance.keep_out_zones, *zones))
     notes = tuple(_crossings(zoned, states, at_s, len(instance.keep_out_zones)))
     gone = tuple(dict.fromkeys(lost))
-    rest = _rest(zoned, states, gone, at_s)
     former = _former(plan, states)
-    best: tuple[Instance, tuple[State, ...], Result] | None = None
-    for beginning, begun in _beginnings(rest, states, former):
-        orders = _orders(beginning, former, begun, states)
-        made = _planned(beginning, orders, method, time_limit, seed, stop)
-        if best is None or _is_better(made, best[2]):
-            best = beginning, begun, made
-    assert best is not None
-    return compared(instance, *best, former, gone, notes, began)
+    while True:
+        best: tuple[Instance, tuple[State, ...], Result] | None = None
+        rest = _rest(zoned, states, gone, at_s)
+        for beginning, begun in _beginnings(zoned, rest, states, former):
+            orders = _orders(beginning, former, begun, states)
+            made = _planned(beginning, orders, method, time_limit, seed, stop)
+            if best is None or _is_better(made, best[2]):
+                best = beginning, begun, made
+        assert best is not None
+        carrying = tuple(_carrying(zoned, state, best[2].plan) for state in states)
+        if carrying == states:
+            return compared(instance, *best, former, gone, notes, began)
+        # Kits that are not left behind weigh on, which that plan did not know.
+        states = carrying
+
+
+def _carrying(instance: Instance, state: State, rest: Plan | None) -> State:
+    """The state with the kits that a new rest leaves behind; more that are aboard stay there."""
+    if state.is_new or state.kits is None or state.chaser.kit_mass_kg == 0.0:
+        return state
+    legs = () if rest is None else _legs_of(rest, state.chaser.name)
+    needed = kits_of(instance, (leg.destination for leg in legs))
+    return replace(state, kits=needed, idle_kits=state.idle_kits + state.kits - needed)
+
+
+def _legs_of(plan: Plan, chaser: str) -> tuple[Leg, ...]:
+    """What a chaser flies; all legs where there is one route."""
+    if len(plan.routes) == 1:
+        return plan.legs
+    return next((route.legs for route in plan.routes if route.chaser == chaser), ())
 
 
 def _crossings(zoned: Instance, states: Sequence[State], at_s: float, before: int) -> Iterator[str]:
@@ -157,7 +175,28 @@ def _rest(zoned: Instance, states: Sequence[State], lost: Sequence[str], at_s: f
     )
     chasers = tuple(going_on(zoned, state) for state in states)
     name = f"{zoned.name}-from-{at_s:.0f}s"
-    return zoned.replace(name=name, targets=targets, chasers=chasers)
+    stations = _stations_left(zoned, states)
+    assert stations is not None  # what is flown kept to the limits
+    return zoned.replace(name=name, targets=targets, chasers=chasers, stations=stations)
+
+
+def _stations_left(instance: Instance, states: Sequence[State]) -> tuple[Station, ...] | None:
+    """The stations with what is left of their limits; None where more was taken than there is."""
+    limits = StationLimits(instance)
+    uses = [
+        limits.use(as_flown(state), [(leg.destination, leg.delta_v_m_s) for leg in state.legs])
+        for state in states
+    ]
+    if not limits.allow(uses):
+        return None
+    left = iter(limits.left(uses).tolist())
+    return tuple(
+        station.replace(
+            max_refuellings=None if station.max_refuellings is None else round(next(left)),
+            max_propellant_kg=None if station.max_propellant_kg is None else next(left),
+        )
+        for station in instance.stations
+    )
 
 
 def _former(plan: Plan, states: Sequence[State]) -> Orders:
@@ -172,21 +211,32 @@ def _former(plan: Plan, states: Sequence[State]) -> Orders:
 
 
 def _beginnings(
-    rest: Instance, states: tuple[State, ...], former: Orders
+    zoned: Instance, rest: Instance, states: tuple[State, ...], former: Orders
 ) -> Iterator[tuple[Instance, tuple[State, ...]]]:
-    """The instances that the rest may begin with: chasers as they are, or refuelled first."""
+    """The instances that the rest may begin with: chasers as they are, or refuelled first.
+
+    The last one is that of chasers as they are, where no other one is possible.
+    """
     ways = []
     for number, (state, order) in enumerate(zip(states, former, strict=True)):
         about_to = bool(order) and order[0] in rest.station_names
         low = not order or state.left_m_s < NEAR_EMPTY * state.chaser.tank.delta_v_m_s
         more = list(_refuelled(rest, state, number)) if about_to or low else []
         ways.append(more if about_to and more else [state, *more])
+    found = 0
     for chosen in product(*ways):
+        stations = _stations_left(zoned, chosen)
+        if stations is None:
+            continue
         chasers = tuple(
             rest.chasers[number] if one is states[number] else going_on(rest, one)
             for number, one in enumerate(chosen)
         )
-        yield rest.replace(chasers=chasers) if chasers != rest.chasers else rest, chosen
+        same = chasers == rest.chasers
+        yield rest if same else rest.replace(chasers=chasers, stations=stations), chosen
+        found += 1
+    if not found:
+        yield rest, states
 
 
 def _refuelled(rest: Instance, state: State, number: int) -> Iterator[State]:
@@ -195,11 +245,13 @@ def _refuelled(rest: Instance, state: State, number: int) -> Iterator[State]:
         return
     mission = Mission(rest, chaser=number)
     connecting, limits = mission.connecting, limits_of(rest, number)
-    i, chaser = rest.starts[number], rest.chasers[number]
+    i, chaser = rest.starts[number], heavier(rest.chasers[number], state.kits or 0)
+    full_m_s = chaser.tank.delta_v_m_s
     for station, name in enumerate(rest.station_names):
         found = connecting.of_pair(i, station, connecting.planning_resolution_m_s)
         found = found.after(state.free_s)
-        paid = found.delta_v <= chaser.tank.delta_v_m_s + SLACK_M_S
+        delta_v = found.delta_v - connecting.spent_m_s(i)
+        paid = delta_v <= state.left_m_s + SLACK_M_S
         ends = np.where(paid, found.arrival, math.inf) + limits.service[station]
         if not ends.size or ends.min() > limits.duration:
             continue
@@ -218,7 +270,7 @@ def _refuelled(rest: Instance, state: State, number: int) -> Iterator[State]:
             arrival_s=float(found.arrival[taken]),
             end_s=float(ends[taken]),
             delta_v_m_s=connecting.modelled(i, station, revolutions, float(found.delta_v[taken])),
-            delta_v_left_m_s=chaser.tank.delta_v_m_s,
+            delta_v_left_m_s=full_m_s,
             phasing_revolutions=max(revolutions, 0),
             eccentricity_delta_v_m_s=flown.shape,
             burns=burns_of(flown),
@@ -226,7 +278,7 @@ def _refuelled(rest: Instance, state: State, number: int) -> Iterator[State]:
         (leg,) = weighed(rest, chaser.replace(kits=None), [leg])
         yield replace(
             state, legs=(*state.legs, leg), body=name, free_s=leg.end_s,
-            left_m_s=chaser.tank.delta_v_m_s, propellant_kg=None, since_refuelling=0,
+            left_m_s=full_m_s, propellant_kg=None, since_refuelling=0,
         )  # fmt: skip
 
 

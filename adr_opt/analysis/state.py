@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..cargo import kits_of
 from ..chasers import AtStation, Chaser, InOrbit, TankByMass
 from ..errors import InputError
+from ..expense import carried_kg
 from ..instance import Instance
 from ..orbit import Orbit
 from ..plan import Leg, Plan
@@ -33,11 +34,16 @@ class State:
     propellant_kg : float or None
         Of tanks by mass.
     kits : int or None
-        The most it may still have aboard; None where there is no limit.
+        The most it may still leave behind; None where there is no limit. Where kits have a mass,
+        those that are aboard.
     since_refuelling : int
         Targets serviced since the last one.
     since_s : float
         When it may fly at all [s].
+    loaded : Chaser
+        As it was launched, with no more propellant than is paid for where launched masses are.
+    idle_kits : int
+        More are aboard, which nothing takes any more: they are carried along.
     """
 
     chaser: Chaser
@@ -49,6 +55,8 @@ class State:
     kits: int | None
     since_refuelling: int
     since_s: float
+    loaded: Chaser
+    idle_kits: int = 0
 
     @property
     def is_new(self) -> bool:
@@ -104,7 +112,8 @@ def _state(instance: Instance, flown: Flown, at_s: float, keep: int, failed: int
             break
     chaser, stations = flown.chaser, instance.station_names
     legs = tuple(leg for _, leg in fixed)
-    aboard = flown.aboard(instance)[len(legs)]
+    loaded = _loaded(instance, flown)
+    aboard = loaded.aboard(instance)[len(legs)]
     propellant = None
     if isinstance(chaser.tank, TankByMass) and aboard.mass_kg is not None:
         propellant = max(
@@ -114,17 +123,52 @@ def _state(instance: Instance, flown: Flown, at_s: float, keep: int, failed: int
     for leg in legs:
         since = 0 if leg.destination in stations else since + 1
     kits = chaser.kits
-    if kits is not None:
+    if legs and chaser.kit_mass_kg > 0.0:
+        kits = aboard.kits
+    elif kits is not None:
         kits -= kits_of(instance, (leg.destination for leg in legs))
     body = legs[-1].destination if legs else None if chaser.is_launched else chaser.start_name
     since_s, _ = instance.available_s[instance.chasers.index(chaser)]
     free_s = max(at_s, legs[-1].end_s if legs else since_s)
     left_m_s = max(aboard.left_m_s, 0.0)
-    return State(chaser, legs, body, free_s, left_m_s, propellant, kits, since, since_s)
+    return State(
+        chaser, legs, body, free_s, left_m_s, propellant, kits, since, since_s, loaded.chaser
+    )
+
+
+def _loaded(instance: Instance, flown: Flown) -> Flown:
+    """What a chaser flies, with no more propellant than it was launched with.
+
+    Where launched masses are paid for, that is what its route needs, and no drop more.
+    """
+    chaser, tank = flown.chaser, flown.chaser.tank
+    starts_full = isinstance(chaser.start, AtStation) or not chaser.priced.counts_mass
+    if starts_full or not isinstance(tank, TankByMass):
+        return flown
+    kits_kg = chaser.kit_mass_kg * kits_of(instance, (name for name, _ in flown.spent))
+    least_kg = (carried_kg(instance, chaser, flown.spent) or 0.0) - kits_kg
+    holds_kg = min(least_kg, tank.propellant_kg)
+    return replace(flown, chaser=chaser.replace(tank=_tank(chaser, None, holds_kg)))
+
+
+def as_flown(state: State) -> Chaser:
+    """The chaser as its legs were flown: kits that are still aboard were so all the time."""
+    return heavier(state.loaded, (state.kits or 0) + state.idle_kits)
+
+
+def heavier(chaser: Chaser, kits: int) -> Chaser:
+    """A chaser of which some kits have become a part."""
+    tank, kits_kg = chaser.tank, kits * chaser.kit_mass_kg
+    if not isinstance(tank, TankByMass) or kits_kg == 0.0:
+        return chaser
+    return chaser.replace(tank=tank.replace(dry_mass_kg=tank.dry_mass_kg + kits_kg))
 
 
 def going_on(instance: Instance, state: State) -> Chaser:
-    """The chaser of a state, as an instance that begins with it has it."""
+    """The chaser of a state, as an instance that begins with it has it.
+
+    What it was launched for is paid, so that it has no expense any more.
+    """
     chaser, stations = state.chaser, instance.station_names
     done = sum(leg.destination not in stations for leg in state.legs)
     changes: dict[str, object] = {"kits": state.kits}
@@ -134,6 +178,9 @@ def going_on(instance: Instance, state: State) -> Chaser:
     body = state.body
     if body is None:
         return chaser.replace(**changes)
+    if not state.is_new:
+        changes["expense"] = None
+    chaser = heavier(chaser, state.idle_kits)
     if body in stations:
         return chaser.replace(
             **changes, start=AtStation(station=body), tank=_tank(chaser, None, None)

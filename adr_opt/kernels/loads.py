@@ -35,6 +35,8 @@ class Loads(NamedTuple):
         Kits that the service of each body takes.
     full : (most + 1,) float64
         What a full tank is worth with so many kits aboard, with the slack of the model [m/s].
+    first : (most + 1,) float64
+        What there is of it at the start. The same, where the first leg pays for what is lacking.
     scale, loss : (bodies, most + 1) float64
         exp(v / g₀ Isp) becomes scale · exp(v / g₀ Isp) − loss by the service of a body with so many
         kits aboard.
@@ -47,6 +49,7 @@ class Loads(NamedTuple):
     exhaust: float
     takes: np.ndarray
     full: np.ndarray
+    first: np.ndarray
     scale: np.ndarray
     loss: np.ndarray
     heavy: bool
@@ -63,6 +66,14 @@ def full_tank(loads, budget, kits):
     if loads is None:
         return budget
     return loads.full[kits]
+
+
+@inlined
+def first_tank(loads, budget, kits):
+    """What there is in the tank at the start with so many kits aboard [m/s]."""
+    if loads is None:
+        return budget
+    return loads.first[kits]
 
 
 @inlined

@@ -20,7 +20,7 @@ import numpy as np
 
 from . import timetable
 from .compile import inlined, kernel
-from .loads import Loads, after_service, flown_in_service, full_tank, most_kits
+from .loads import Loads, after_service, first_tank, flown_in_service, full_tank, most_kits
 from .memory import borrowed
 
 
@@ -118,8 +118,8 @@ def beginning(rules):
 @inlined
 def beginning_with(rules, kits):
     """The state in which a mission begins with so many kits."""
-    full = full_tank(rules.loads, rules.budget, kits)
-    return State(np.int64(rules.start), rules.ready, full, np.int64(0), np.int64(0), np.int64(kits))
+    left = first_tank(rules.loads, rules.budget, kits)
+    return State(np.int64(rules.start), rules.ready, left, np.int64(0), np.int64(0), np.int64(kits))
 
 
 @inlined

@@ -74,7 +74,7 @@ def tariffs_of(mission: Mission) -> tuple[Tariff, ...]:
     the start where the first leg takes out of the tank what was spent by then.
     """
     loads, chaser = mission.rules.loads, mission.chaser
-    full = np.array([mission.rules.budget]) if loads is None else np.array(loads.full)
+    full = np.array([mission.rules.budget]) if loads is None else np.array(loads.first)
     ones = np.ones(full.size)
     if mission.instance.objective.cost != "expense":
         spent = mission.connecting.spent_m_s(mission.rules.start)

@@ -196,7 +196,7 @@ class WalkBound:
         self.unit = 2.0 ** -math.floor(math.log2(room))
         self.toll = np.empty((1, 0), dtype=np.int32)
         self.price, self.worths, self.flown = np.zeros(1), self.prize, np.zeros(bodies)
-        self.tank = np.array([rules.budget]) if self.loads is None else np.array(self.loads.full)
+        self.tank = np.array([rules.budget]) if self.loads is None else np.array(self.loads.first)
         self.constant = np.zeros(self.tank.size)
         self._begun = np.empty(bodies, dtype=np.int64)
         self._common: tuple[Any, ...] = ()

@@ -196,7 +196,7 @@ def levels_of(expense: Expense, tangent: Tangent, count: int) -> FloatArray:
 
 def growths(expense: Expense, unit_m_s: float) -> FloatArray:
     """The share by which legs of so many units make mass grow, shape (65536,)."""
-    growth = np.exp(np.arange(FORBIDDEN + 1) * (unit_m_s / expense.exhaust_m_s))
+    growth: FloatArray = np.exp(np.arange(FORBIDDEN + 1) * (unit_m_s / expense.exhaust_m_s))
     growth[FORBIDDEN] = BEYOND
     return growth
 
@@ -243,7 +243,7 @@ class _Walks:
     def missing(
         self, prices: FloatArray, fee: float, random: np.random.Generator
     ) -> tuple[FloatArray, float, float]:
-        """One less how often the cheapest walks do each target, their missions, and what is carried.
+        """One less how often the cheapest walks do each target, their missions, and their load.
 
         After :meth:`value` at the same prices; means over some walks that are drawn.
         """
