@@ -110,7 +110,7 @@ def within(r_1, v_1, r_2, v_2, seconds, limit):
                     x = lambert._guess_direct(wanted, ratio)
                 else:
                     x = lambert._guess_round(wanted, revolutions, branch == 1)
-                x = lambert.invert(wanted, ratio, revolutions, x)
+                x = lambert.invert(wanted, ratio, revolutions, branch == 1, x)
                 y = math.sqrt(1.0 - ratio * ratio * (1.0 - x * x))
                 up_1 = gamma * ((ratio * y - x) - rho * (ratio * y + x)) / length_1
                 up_2 = -gamma * ((ratio * y - x) + rho * (ratio * y + x)) / length_2

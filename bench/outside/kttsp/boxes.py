@@ -299,10 +299,10 @@ def _possible_way(
         if revolutions == 0:
             ends = (
                 lambert.invert(
-                    wanted_high, l_high, 0, lambert._guess_direct(wanted_high, l_high)
+                    wanted_high, l_high, 0, False, lambert._guess_direct(wanted_high, l_high)
                 ) - SLACK,
                 lambert.invert(
-                    wanted_low, l_low, 0, lambert._guess_direct(wanted_low, l_low)
+                    wanted_low, l_low, 0, False, lambert._guess_direct(wanted_low, l_low)
                 ) + SLACK,
             )  # fmt: skip
             if _possible_clipped(ends, inner, outer, one, other, box, least_across, limit):
@@ -333,7 +333,7 @@ def _possible_way(
 @inlined
 def _invert(wanted, ratio, revolutions, upper):
     x = lambert._guess_round(wanted, revolutions, upper)
-    return lambert.invert(wanted, ratio, revolutions, x)
+    return lambert.invert(wanted, ratio, revolutions, upper, x)
 
 
 @kernel

@@ -19,8 +19,9 @@ from adr_opt.kernels.compile import inlined, kernel
 SERIES = 1e-2
 """Nearer to x = 1 than this the flight is taken from a series; the rest loses digits there."""
 
-STEPS, CLOSE = 20, 1e-9
-"""Most steps of a method, and the step in x after which the error is that of rounding."""
+STEPS, MANY, CLOSE = 20, 100, 1e-9
+"""Steps of a method that are enough where it converges, most steps, and the step in x after which
+the error is that of rounding."""
 
 LN_2 = math.log(2.0)
 
@@ -76,32 +77,74 @@ def _slopes(x, ratio, taken):
 
 
 @kernel
-def invert(wanted, ratio, revolutions, x):
-    """The x of a flight, by Householder's method of third order from a guess."""
-    for _ in range(STEPS):
+def invert(wanted, ratio, revolutions, upper, x):
+    """The x of a flight, by Householder's method of third order from a guess.
+
+    The flight falls with x, and with revolutions it falls to the least one and rises again: from
+    each x one can tell on which side of it the one looked for lies. So that one is kept between
+    two others, and where a step leads outside, or not far enough, they are halved instead. Near
+    the line through the centre the method alone goes astray.
+
+    Parameters
+    ----------
+    wanted, ratio : float
+    revolutions : int
+    upper : bool
+        Of the two solutions with revolutions, that beyond the least flight. There has to be one.
+    x : float
+        The guess.
+    """
+    low, high = -1.0, 1.0 if revolutions else math.inf
+    if not low < x < high:
+        x = 0.0
+    for number in range(MANY):
         taken = flight(x, ratio, revolutions)
         off = taken - wanted
         first, second, third = _slopes(x, ratio, taken)
+        # On the other side of the least flight its own solution would be found.
+        strays = revolutions > 0 and (first > 0.0) != upper
+        if upper if strays else (off > 0.0) != upper:
+            low = x
+        else:
+            high = x
         above = first * first - 0.5 * off * second
         below = first * (first * first - off * second) + third * off * off / 6.0
-        step = off * above / below
-        x -= step
-        if abs(step) < CLOSE:
+        now = x - off * above / below if below != 0.0 else math.inf
+        if not strays and abs(now - x) < CLOSE:
+            return now
+        # After the steps that are enough where all goes well, every other one halves.
+        if strays or not low < now < high or (number >= STEPS and number % 2 == 0):
+            now = 0.5 * (low + high) if high < math.inf else 2.0 * low + 2.0
+        x = now
+        if high - low < CLOSE:
             break
     return x
 
 
 @kernel
 def least_flight(ratio, revolutions):
-    """The least T with so many revolutions, M > 0, and its x; by Halley's method."""
-    x = 0.0
+    """The least T with so many revolutions, M > 0, and its x; by Halley's method.
+
+    The slope of T rises with x and passes zero there: between an x where it falls and one where it
+    rises it is kept, and halved where a step leads outside.
+    """
+    x, low, high = 0.0, -1.0, 1.0
     taken = math.acos(ratio) + ratio * math.sqrt(1.0 - ratio * ratio) + revolutions * math.pi
-    for _ in range(STEPS):
+    for number in range(MANY):
         first, second, third = _slopes(x, ratio, taken)
-        step = 2.0 * first * second / (2.0 * second * second - first * third)
-        x -= step
+        if first < 0.0:
+            low = x
+        else:
+            high = x
+        below = 2.0 * second * second - first * third
+        now = x - 2.0 * first * second / below if below != 0.0 else math.inf
+        if abs(now - x) < CLOSE:
+            break
+        if not low < now < high or (number >= STEPS and number % 2 == 0):
+            now = 0.5 * (low + high)
+        x = now
         taken = flight(x, ratio, revolutions)
-        if abs(step) < CLOSE:
+        if high - low < CLOSE:
             break
     return taken, x
 
@@ -190,7 +233,7 @@ def arcs(r_1, r_2, seconds, mu, most_revolutions, found):
                     x = _guess_direct(wanted, ratio)
                 else:
                     x = _guess_round(wanted, revolutions, branch == 1)
-                x = invert(wanted, ratio, revolutions, x)
+                x = invert(wanted, ratio, revolutions, branch == 1, x)
                 _velocities(
                     x, ratio, sign, s, chord, mu, r_1, r_2, length_1, length_2,
                     tangent_1, tangent_2, found[count],
