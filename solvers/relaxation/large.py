@@ -2,9 +2,10 @@
 
 First every service is taken at its least time and ΔV (:mod:`.floors`), which takes no time to speak
 of. Then, if the legs of all origins fit into memory and can be made in time, as whole numbers
-(:mod:`.stream`), walks over them bring the bound down (:mod:`.pooled`), one evaluation after the
-other. How fine ΔV is counted is found out by making the legs of a few origins. Nothing is searched
-for: labels need the network.
+(:mod:`.stream`), walks over them bring the bound down, one evaluation after the other: first those
+that pay for ΔV (:mod:`.pooled`), and when they come to their end, if there is memory and time for
+it, those that know how much is left of a tank (:mod:`.tanks`). How fine ΔV is counted is found out
+by making the legs of a few origins. Nothing is searched for: labels need the network.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from .floors import floor_bound
 from .multipliers import Descent
 from .pooled import PooledBound
 from .stream import MOST, NoRoom, Source, Stream
+from .tanks import BYTES, TankBound, width_of
 from .walks import TimeIsOver
 
 LEG_BYTES = 8
@@ -48,6 +50,21 @@ TIME_SHARE = 0.7
 
 UNITS_M_S = (5.0, 20.0, 50.0, 150.0)
 """How finely ΔV is counted, the finest that there is room for [m/s]."""
+
+TANK_UNITS_M_S = (25.0, 50.0, 100.0)
+"""The same for walks that know how much is left of a tank."""
+
+PAYING_SHARE = 0.25
+"""Part of the time after which walks that pay have to have come to their end, if others follow."""
+
+TANK_BYTES = 4.0 * 2**30
+"""Most memory of their values."""
+
+TANK_S = 4e-9
+"""Time of one evaluation for each leg and unit, on one core [s]."""
+
+TANK_EVALUATIONS = 25
+"""There has to be time for so many."""
 
 STEP_SHARE = 1.0 / 60.0
 """A step of time, as a share of the shortest leg."""
@@ -115,8 +132,11 @@ class LargeProof:
         self._mission, self._certificate, self._stop = mission, certificate, stop
         self._jobs = jobs
         self._descent: Descent | None = None
-        self._bound: PooledBound | None = None
+        self._bound: PooledBound | TankBound | None = None
+        self._before = 0
         self._unit = math.nan
+        self._layout: Layout | None = None
+        self._pays, self._until_s = True, -math.inf
         self._evaluations = FIRST_EVALUATIONS
         self.done = certificate.proven
 
@@ -130,6 +150,8 @@ class LargeProof:
         with suppress(TimeIsOver):
             if self._descent is None:
                 self._set_up()
+            elif self._pays and (self._descent.done or self._stop.remaining_s() < self._until_s):
+                self._know_tanks()
             for _ in range(self._evaluations):
                 if self._descent is None or self._descent.done or enough():
                     break
@@ -138,8 +160,8 @@ class LargeProof:
                 if self._certificate.proven:
                     break
         self._evaluations *= 2
-        descent = self._descent
-        self.done = descent is None or descent.done or self._certificate.proven
+        over = self._descent is None or (self._descent.done and not self._tank_layouts())
+        self.done = over or self._certificate.proven
 
     def _over(self) -> bool:
         return self._stop.remaining_s() <= 0.0
@@ -157,7 +179,44 @@ class LargeProof:
             if stream is not None and stream.least > 0:
                 self._bound = PooledBound(self._mission, stream, jobs=self._jobs, over=self._over)
                 self._descent, self._unit = Descent(self._bound), layout.unit
+                self._layout = layout
+                self._until_s = (1.0 - PAYING_SHARE) * self._stop.remaining_s()
                 return
+
+    def _tank_layouts(self) -> list[Layout]:
+        """Ways to count legs with tanks for which there is room and time, the finest first."""
+        found, rules = [], self._mission.rules
+        if not self._pays or rules.loads is not None or self._layout is None:
+            return []
+        most = min(TANK_BYTES, MEMORY_SHARE * available_bytes())
+        for unit in TANK_UNITS_M_S:
+            width = width_of(rules.budget, unit)
+            least = BYTES * width * len(self._mission.names) * rules.duration / most
+            layout = self._layout._replace(length=max(self._layout.length, least), unit=unit)
+            takes_s = layout.takes_s + TANK_EVALUATIONS * TANK_S * layout.legs * width
+            if takes_s < self._jobs * self._stop.remaining_s():
+                found.append(layout)
+        return found
+
+    def _know_tanks(self) -> None:
+        """Go on with walks that know how much is left of a tank."""
+        assert self._layout is not None
+        assert self._descent is not None
+        for layout in self._tank_layouts():
+            stream = self._made(
+                Source(self._mission), layout, math.ceil(SPARE * layout.legs) + 1000
+            )
+            if stream is not None and stream.least > 0:
+                self._before += self._descent.evaluations
+                start, self._pays = self._descent.multipliers[:-1], False
+                self.close()
+                self._bound = TankBound(
+                    self._mission, stream, start=start, jobs=self._jobs, over=self._over
+                )
+                self._descent, self._unit = Descent(self._bound), layout.unit
+                return
+        self._until_s = -math.inf
+        self._layout = None
 
     def _made(self, source: Source, layout: Layout, room: int) -> Stream | None:
         """The legs, or None if they are more than was expected."""
@@ -169,7 +228,7 @@ class LargeProof:
     @property
     def counters(self) -> dict[str, float]:
         """What was done so far."""
-        evaluations = 0 if self._descent is None else self._descent.evaluations
+        evaluations = self._before + (0 if self._descent is None else self._descent.evaluations)
         counted: dict[str, float] = {"evaluations": evaluations, "searches": 0, "labels": 0}
         if self._descent is not None:
             counted["delta_v_unit_m_s"] = self._unit

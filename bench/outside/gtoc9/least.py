@@ -40,12 +40,10 @@ DEAR_MEUR = 340.0
 TARGET_MEUR = 2.7
 """What the steps of prices aim at for each debris."""
 
-STAGE_S = 30.0
-"""Processor time of a stage: then the tangent touches where the last walks were [s]."""
-
-LEVELS = 3, 6, 12
-"""Masses between which costs are linear: in the first stages of a number of missions, and in all
-that follow. Prices are found with few, and bounds by many."""
+STAGES = (3, 30.0), (6, 60.0), (12, 240.0)
+"""Masses between which costs are linear, and processor time [s]: in the first stages of a number of
+missions, and in all that follow. Prices are found with few masses, and bounds with many. After each
+stage the tangent touches where the last walks were."""
 
 
 @dataclass(frozen=True)
@@ -133,14 +131,13 @@ def proven(rows: FloatArray, time_limit_s: float, step_d: float = STEP_D) -> Pro
         few.append(_Campaigns(missions, carried_kg, launches_and_kits_meur(missions, count)))
     rest = min(launches_and_kits_meur(each, count) for each in range(len(few) + 1, count + 1))
     rounds, left = 0, time_limit_s
-    stage_s = min(STAGE_S, time_limit_s / max(len(few), 1))
     while few and left > 0.0:
         now = min(few, key=lambda each: each.value)
         if now.value >= rest:
             break
         begun = time.thread_time()
         tangent = Tangent.at(EXPENSE, now.carried_kg)
-        levels = LEVELS[min(now.stages, len(LEVELS) - 1)]
+        levels, stage_s = STAGES[min(now.stages, len(STAGES) - 1)]
         settings = Bounding(10**9, min(stage_s, left), TARGET_MEUR * count, levels=levels)
         # A launch of so much goes on to cost walks what it did, whatever the tangent.
         mass_kg = EXPENSE.dry_kg + now.carried_kg
