@@ -209,7 +209,7 @@ def test_for_no_price_the_bound_is_that_of_walks_without_slots(seed):
 def test_walks_that_know_their_tank_are_those_of_slots():
     """With fine steps and the same slots the best walk is worth what it is in the network.
 
-    But for the steps of time: orbits that are left a moment before one is there may be left in time.
+    But for steps of time: an orbit that is left a moment before one is there may be left in time.
     """
     same = 0
     for seed in range(8):
