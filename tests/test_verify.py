@@ -13,6 +13,7 @@ from brute_force import brute_force, brute_force_campaign
 from random_rules import (
     carrying,
     drifting_mission,
+    filled,
     given_mission,
     mixed_campaign,
     random_campaign,
@@ -158,15 +159,27 @@ def test_walks_that_remember_all_are_the_plans(draw):
     assert decided > 10
 
 
+def apart(seed: int) -> Instance:
+    """A campaign whose chasers are launched anywhere, and at least so long apart."""
+    drawn = random_campaign(seed)
+    chasers = (
+        chaser.replace(start="anywhere", tank=filled(chaser.tank)) for chaser in drawn.chasers
+    )
+    rest_s = float(np.random.default_rng([14, seed]).uniform(0.0, 0.6)) * drawn.mission.duration_s
+    mission = drawn.mission.replace(launch_separation_s=rest_s)
+    return drawn.replace(chasers=tuple(chasers), mission=mission)
+
+
 @pytest.mark.parametrize(
     ("draw", "least"),
     [
         (random_campaign, 1.0),
+        (apart, 0.5),
         (mixed_campaign, 0.5),
         (lambda seed: random_campaign(seed, drifting_mission), 0.9),
         (lambda seed: carrying(random_mission(seed), seed), 0.2),
     ],
-    ids=["alike", "mixed", "j2", "launched"],
+    ids=["alike", "apart", "mixed", "j2", "launched"],
 )
 def test_bounds_of_campaigns_are_verified(draw, least):
     """The bound before the last packing is verified and holds; where it is the last, all is."""

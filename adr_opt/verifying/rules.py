@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from ..bodies import Station, Target
@@ -26,7 +27,7 @@ KNOWN: dict[type[Record], frozenset[str]] = {
     }),
     MissionSettings: frozenset({
         "duration_s", "service_revolutions", "service_s", "refuel_revolutions",
-        "disposal_altitude_m",
+        "disposal_altitude_m", "launch_separation_s",
     }),
 }  # fmt: skip
 """Fields whose meaning the verifier knows. What is in ``transfer`` makes connections, and what is
@@ -35,7 +36,6 @@ are refused."""
 
 REFUSED: dict[type[Record], frozenset[str]] = {
     Station: frozenset({"max_refuellings", "max_propellant_kg"}),
-    MissionSettings: frozenset({"launch_separation_s"}),
 }
 """Fields that are refused where they are stated. So is any field that is in neither list."""
 
@@ -70,6 +70,23 @@ def refuse_unknown(instance: Instance) -> None:
                 f"not yet verifiable: {chaser.name!r} has kits for {chaser.kits} of "
                 f"{len(takers)} targets that take one, and others take none"
             )
+
+
+def kept_apart(instance: Instance) -> tuple[Chaser, ...]:
+    """The chasers, each available from when it may be launched at the earliest.
+
+    They are launched in the order of the file, each so long after the one before as the instance
+    says, whether that one is used or not.
+    """
+    apart_s, earliest_s, found = instance.mission.launch_separation_s or 0.0, -math.inf, []
+    for chaser in instance.chasers:
+        since, until = chaser.available_s
+        if chaser.is_launched:
+            since = max(since, earliest_s)
+            earliest_s = since + apart_s
+        # Not validated once more: nobody may be available who is launched too late.
+        found.append(chaser.model_copy(update={"available_s": (since, until)}))
+    return tuple(found)
 
 
 def _records(instance: Instance) -> Iterator[tuple[str, Record]]:

@@ -19,7 +19,7 @@ from ..instance import Instance
 from ..plan import Plan
 from .claim import bound_of, check_names, gains
 from .legs import legs_of
-from .rules import refuse_unknown
+from .rules import kept_apart, refuse_unknown
 from .sampling import Sampled, sample_connections
 from .walks import walks_reach
 
@@ -137,7 +137,7 @@ def _asked(
     for at, names in walks.neighbourhoods.items():
         neighbourhoods[number[at], [number[name] for name in names]] = True
     made, seen = 0, []
-    for chaser in instance.chasers:
+    for chaser in kept_apart(instance):
         alike = chaser.model_copy(update={"name": ""})
         if chaser.name not in walks.chasers or alike in seen:
             continue
