@@ -16,6 +16,7 @@ from .mission import Mission
 from .plan import Burn, Leg, Reason, Unvisited
 from .plan import Tow as TowFlown
 from .routes import weighed
+from .schedule import left_at_start
 from .tow import Tow, burn_vectors, tows_of
 
 FloatArray = npt.NDArray[np.float64]
@@ -189,7 +190,7 @@ def _left_out(mission: Mission, moves: list[int]) -> Iterator[tuple[str, Reason]
     rules = mission.rules
     body = moves[-1] if moves else rules.start
     time = float(timing.ends[-1]) if moves else rules.ready
-    left = float(timing.lefts[-1]) if moves else rules.budget
+    left = float(timing.lefts[-1]) if moves else left_at_start(rules, 0)
     heavy = mission.chaser.kit_mass_kg > 0.0
     tows = tows_of(mission.instance)
     for j in sorted(set(range(rules.first_target, len(mission.names))) - set(moves)):

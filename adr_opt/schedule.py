@@ -84,6 +84,11 @@ class Front(NamedTuple):
     spent: FloatArray = np.empty(0)
 
 
+def left_at_start(rules: Rules, kits: int) -> float:
+    """What is in a tank at the start with so many kits aboard [m/s]."""
+    return rules.budget if rules.loads is None else float(rules.loads.first[kits])
+
+
 class Scheduler:
     """Schedules orders of one mission; what two orders begin with in common is worked out once.
 
@@ -181,7 +186,7 @@ class Scheduler:
     def beginning(self, kits: int) -> Front:
         """The label at the start, with so many kits aboard."""
         rules, nothing, needed = self._rules(), np.zeros(1, dtype=np.int64), np.zeros(1)
-        left = rules.budget if rules.loads is None else float(rules.loads.first[kits])
+        left = left_at_start(rules, kits)
         if self._weighs:
             needed[0] = kits * self._chaser.kit_mass_kg
         ready = np.array([rules.ready])

@@ -14,6 +14,7 @@ from .errors import InputError
 from .kernels.loads import most_kits
 from .mission import Mission
 from .plan import Plan
+from .schedule import left_at_start
 
 Start = Plan | Iterable[int | str] | Iterable[Iterable[int | str]]
 """A plan, or its bodies in order; of several chasers a sequence each."""
@@ -124,7 +125,7 @@ def _refuse_violations(mission: Problem, plan: Plan) -> None:
 def why_illegal(mission: Mission, moves: list[int], made: int) -> str:
     """What is wrong with the first illegal move of a sequence."""
     timing, rules = mission.time(moves[:made]), mission.rules
-    body, time, left = rules.start, rules.ready, rules.budget
+    body, time, left = rules.start, rules.ready, left_at_start(rules, 0)
     if made:
         body, time, left = moves[made - 1], float(timing.ends[-1]), float(timing.lefts[-1])
     j = moves[made]

@@ -16,7 +16,7 @@ from two_chasers import campaign, planned
 import adr_opt
 from adr_opt.analysis import Replanned, price, replan
 from adr_opt.analysis.state import states_at
-from adr_opt.chasers import TankByMass
+from adr_opt.chasers import Expense, InOrbit, TankByMass
 from adr_opt.errors import InputError
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import DAY_S
@@ -234,6 +234,36 @@ def test_kits_that_are_aboard_weigh_until_they_are_left(seed: int) -> None:
     assert heavier == pytest.approx(idle * instance.chaser.kit_mass_kg)
 
 
+def test_with_kits_nothing_new_is_nothing_worse() -> None:
+    """Whatever kits a better plan would not need, the former rest stays one that may be flown."""
+    idle = 0
+    for seed in (9, 17, 32, 64, 76):
+        rng = np.random.default_rng(seed)
+        field = adr_opt.generate("tiny", seed % 10, targets=8).with_limits(2.0 * DAY_S, 500.0)
+        stations = field.stations if rng.random() < 0.5 else ()
+        kit_kg, propellant_kg = float(rng.choice([6.0, 20.0, 40.0])), rng.choice([72.0, 110.0, 150])
+        chaser = field.chaser.replace(
+            kit_mass_kg=kit_kg, start=field.chaser.start if stations else "anywhere",
+            tank=TankByMass(dry_mass_kg=400.0, propellant_kg=float(propellant_kg), isp_s=310.0),
+        )  # fmt: skip
+        targets = tuple(
+            target.replace(
+                removal="kit" if rng.random() < 0.7 else "visit", prize=float(rng.integers(1, 6))
+            )
+            for target in field.targets
+        )
+        instance = field.replace(chasers=(chaser,), targets=targets, stations=stations)
+        plan = adr_opt.solve(instance, "greedy" if rng.random() < 0.7 else "auto", time_limit=2.0)
+        made = replan(instance, plan.plan, plan.plan.legs[0].end_s + 1.0, time_limit=2.0)
+        assert made.prize_after >= made.prize_before, seed
+        assert adr_opt.check(made.instance, made.plan) == (), seed
+        carried = made.states[0].idle_kits
+        # Kits that are carried along to the end no plan of the whole mission knows.
+        assert carried > 0 or violations(instance, made) == (), seed
+        idle += carried > 0
+    assert idle > 0
+
+
 def test_what_stations_gave_is_not_given_again() -> None:
     """Of a station with limits the rest has what is left, in refuellings and in kilograms."""
     instance, plan = tiny(1, by_mass=True)
@@ -263,13 +293,42 @@ def test_what_was_launched_is_paid_for_and_all_there_is() -> None:
     assert adr_opt.check(made.instance, made.plan) == ()
     assert made.prize_after >= made.prize_before
     for state, chaser in zip(flying, made.instance.chasers, strict=True):
-        assert (chaser.expense is None) == bool(state.legs)
+        assert chaser.expense == (Expense(**prices) if state.is_new else Expense())
         if not state.is_new:
             end = next(each for each in routes_of(instance, plan) if each.chaser == state.chaser)
             full = end.carried(instance)
             assert chaser.tank.initial_propellant_kg < state.chaser.tank.propellant_kg
             # What its route needs: nothing is left of it at the end.
             assert state.propellant_kg <= full.used_kg + 1e-6
+
+
+def test_a_chaser_that_flies_costs_nothing_more() -> None:
+    """Where all chasers fly already, what they were launched for is paid, and there is a rest."""
+    field = adr_opt.generate("removal", 1, targets=6, chasers=2)
+    prices = {"fixed": 55.0, "per_kg_squared": 2e-6}
+    chasers = tuple(chaser.replace(expense=prices) for chaser in field.chasers)
+    instance = field.replace(chasers=chasers, objective={"cost": "expense"})
+    plan = adr_opt.solve(instance, "auto", time_limit=10.0).plan
+    at_s = max(route.legs[0].end_s for route in plan.routes) + 1.0
+    made = replan(instance, plan, at_s, time_limit=5.0)
+    assert adr_opt.check(made.instance, made.plan) == ()
+    assert made.plan.cost == 0.0
+    assert made.prize_after >= made.prize_before
+
+
+def test_expenses_that_nobody_counts_leave_tanks_full() -> None:
+    """By ΔV a chaser was launched with a full tank, whatever a kilogram would have cost."""
+    instance, plan = tiny(0, by_mass=True)
+    orbit = instance.stations[0].orbit
+    free = instance.chaser.replace(name="own", start=InOrbit(orbit=orbit))
+    plain = instance.replace(chasers=(free,), stations=())
+    priced = plain.replace(chasers=(free.replace(expense={"per_kg": 0.01}),))
+    plan = adr_opt.solve(plain, "exact", time_limit=20.0).plan
+    reference = InstanceReference(name=priced.name, sha256=priced.sha256)
+    at_s = plan.legs[1].end_s
+    (one,) = states_at(plain, plan, at_s)
+    (other,) = states_at(priced, plan.replace(instance=reference), at_s)
+    assert one.propellant_kg == other.propellant_kg > 0.0
 
 
 def test_drifting_missions_are_planned_on() -> None:

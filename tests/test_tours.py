@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 
+from solvers.campaigns.tours import walks
 from solvers.campaigns.tours.bound import Bounding, Tangent, bound, memories, neighbourhoods
 from solvers.campaigns.tours.costs import FORBIDDEN, Expense, Grid
 from solvers.campaigns.tours.planner import Annealing, plan
@@ -165,6 +166,70 @@ def test_prices_of_any_kind_give_bounds(tried):
         settings = Bounding(rounds=0, levels=int(random.integers(2, 6)))
         found = bound(cells, GRID, EXPENSE, tangent, bit, carried, settings, prices)
         assert found.value <= least
+
+
+def cheapest_walk(cost, tangent, prices):
+    """The least cost of missions one after another, of any targets, at fixed prices; 0 for none.
+
+    All missions are tried, each target once in each of them, with what tangents say of their mass.
+    """
+    targets, _, gaps, times = cost.shape
+    ended = [0.0] * times
+    for end in range(times):
+        # Backwards: targets of a mission, when it is at the first of them, and the mass on arrival.
+        going = [((last,), end, EXPENSE.dry_kg + EXPENSE.kit_kg) for last in range(targets)]
+        ended[end] = ended[end - 1] if end else 0.0
+        while going:
+            done, at, mass = going.pop()
+            before = ended[at - GRID.apart] if at >= GRID.apart else 0.0
+            paid = tangent.fixed + tangent.per_kg * mass - sum(prices[one] for one in done)
+            ended[end] = min(ended[end], before + paid)
+            for one, gap in itertools.product(set(range(targets)) - set(done), range(gaps)):
+                since = at - GRID.least_gap - gap
+                if since >= 0 and cost[one, done[0], gap, since] != FORBIDDEN:
+                    grown = math.exp(float(cost[one, done[0], gap, since]) / EXPENSE.exhaust_m_s)
+                    going.append(((one, *done), since, mass * grown + EXPENSE.kit_kg))
+    return ended[-1]
+
+
+def test_walks_are_no_dearer_than_missions_at_any_price():
+    """At fixed prices no mission beats the cheapest walk, however few the masses; many meet it."""
+    met = 0
+    for seed in range(60):
+        random = np.random.default_rng(seed)
+        count = int(random.integers(4, 6))
+        cost = random.integers(300, 3000, (count, count, 3, 10)).astype(np.uint16)
+        cost[random.random(cost.shape) < 0.2] = FORBIDDEN
+        cost[range(count), range(count)] = FORBIDDEN
+        cells = np.ascontiguousarray(cost.transpose(3, 0, 1, 2))
+        tangent = Tangent.at(EXPENSE, random.uniform(200.0, 6000.0))
+        launch = 10.0 + tangent.per_kg * EXPENSE.dry_kg * random.uniform(0.1, 1.0)
+        prices = random.uniform(0.5, 2.5, count) * launch
+        true = prices.sum() + cheapest_walk(cost, tangent, prices)
+        for remembered in (0, 1, count - 1):
+            bit, carried = memories(neighbourhoods(cells, remembered))
+            for levels in (2, 3, 5, 40):
+                settings = Bounding(rounds=0, levels=levels)
+                found = bound(cells, GRID, EXPENSE, tangent, bit, carried, settings, prices)
+                assert found.value <= true + 1e-9, (seed, remembered, levels)
+        met += found.value >= true - 1e-4 * prices.sum()
+    assert met > 40
+
+
+def test_a_label_is_hidden_by_one_that_is_no_worse_at_any_mass():
+    """One that remembers no more and costs no more at each level, and no other one."""
+    random = np.random.default_rng(1)
+    hidden = 0
+    for _ in range(2000):
+        masks, values = random.integers(0, 8, 3), random.integers(0, 4, (3, 3)).astype(float)
+        mask, value = int(random.integers(0, 8)), random.integers(1, 5, 3).astype(float)
+        wanted = any(
+            one & ~mask == 0 and (row <= value).all()
+            for one, row in zip(masks.tolist(), values, strict=True)
+        )
+        assert walks.is_hidden(masks, values, 3, mask, value) == wanted
+        hidden += wanted
+    assert 200 < hidden < 1800
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -16,6 +16,7 @@ from random_rules import (
     filled,
     given_mission,
     mixed_campaign,
+    priced,
     random_campaign,
     random_mission,
 )
@@ -34,7 +35,7 @@ from adr_opt.result import Result
 from adr_opt.settings import MissionSettings
 from adr_opt.verifying import Verdict, verify
 from adr_opt.verifying.legs import legs_of
-from adr_opt.verifying.rules import KNOWN, REFUSED, refuse_unknown
+from adr_opt.verifying.rules import KNOWN, REFUSED, kept_apart, refuse_unknown
 from adr_opt.verifying.sampling import sample_connections
 from adr_opt.verifying.walks import walks_reach
 
@@ -170,16 +171,30 @@ def apart(seed: int) -> Instance:
     return drawn.replace(chasers=tuple(chasers), mission=mission)
 
 
+def weighed(seed: int) -> Instance:
+    """A mission by expense, of a chaser that starts in an orbit with some of its propellant."""
+    return priced(random_mission(seed), seed)
+
+
+def test_windows_of_launches_are_those_of_the_instance():
+    """Launches that lie apart may be when the instance says, worked out once more."""
+    for seed in range(60):
+        instance = apart(seed)
+        windows = tuple(chaser.available_s for chaser in kept_apart(instance))
+        assert windows == instance.available_s
+
+
 @pytest.mark.parametrize(
     ("draw", "least"),
     [
         (random_campaign, 1.0),
         (apart, 0.5),
+        (weighed, 0.5),
         (mixed_campaign, 0.5),
         (lambda seed: random_campaign(seed, drifting_mission), 0.9),
         (lambda seed: carrying(random_mission(seed), seed), 0.2),
     ],
-    ids=["alike", "apart", "mixed", "j2", "launched"],
+    ids=["alike", "apart", "weighed", "mixed", "j2", "launched"],
 )
 def test_bounds_of_campaigns_are_verified(draw, least):
     """The bound before the last packing is verified and holds; where it is the last, all is."""

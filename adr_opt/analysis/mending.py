@@ -167,17 +167,17 @@ def _window(mission: Mission, moves: Moves, made: int) -> float | None:
 def _with_tank(chaser: Chaser, scale: float) -> Chaser:
     """A chaser whose full tank holds so many times as much: ΔV, or propellant.
 
-    What is lacking at the start stays lacking: more in a full tank is more at the start, too.
+    The ΔV that is lacking at the start stays lacking, as first legs pay for it: more in a full tank
+    is more at the start, too.
     """
     tank = chaser.tank
     if isinstance(tank, TankByMass):
-        added_kg, initial_kg = (scale - 1.0) * tank.propellant_kg, tank.initial_propellant_kg
-        if initial_kg is not None:
-            initial_kg += added_kg
-        propellant_kg = tank.propellant_kg + added_kg
-        return chaser.replace(
-            tank=tank.replace(propellant_kg=propellant_kg, initial_propellant_kg=initial_kg)
-        )
+        larger = tank.replace(propellant_kg=scale * tank.propellant_kg, initial_propellant_kg=None)
+        if tank.spent_m_s > 0.0:
+            left_m_s = larger.delta_v_m_s - tank.spent_m_s
+            left_kg = tank.dry_mass_kg * math.expm1(left_m_s / tank.exhaust_m_s)
+            larger = larger.replace(initial_propellant_kg=max(left_kg, 0.0))
+        return chaser.replace(tank=larger)
     full = scale * tank.delta_v_m_s
     initial = full - tank.spent_m_s if tank.spent_m_s else None
     return chaser.replace(tank=Tank(delta_v_m_s=full, initial_delta_v_m_s=initial))

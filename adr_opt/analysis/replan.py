@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import product
 from typing import Any
@@ -44,6 +44,12 @@ HURRY = 110.0 / 75.0
 
 NEAR_EMPTY = 0.5
 """With less of a tank than this it is tried to refuel first."""
+
+Found = tuple[Instance, tuple[State, ...], Result]
+"""What is left of the mission, where chasers go on from, and a plan of it."""
+
+Finding = Callable[[Instance, list[list[str]]], Result]
+"""A plan of what is left, from what is left of the former orders."""
 
 
 def replan(
@@ -110,20 +116,38 @@ def replan(
     notes = tuple(_crossings(zoned, states, at_s, len(instance.keep_out_zones)))
     gone = tuple(dict.fromkeys(lost))
     former = _former(plan, states)
-    while True:
-        best: tuple[Instance, tuple[State, ...], Result] | None = None
-        rest = _rest(zoned, states, gone, at_s)
-        for beginning, begun in _beginnings(zoned, rest, states, former):
-            orders = _orders(beginning, former, begun, states)
-            made = _planned(beginning, orders, method, time_limit, seed, stop)
-            if best is None or _is_better(made, best[2]):
-                best = beginning, begun, made
-        assert best is not None
-        carrying = tuple(_carrying(zoned, state, best[2].plan) for state in states)
-        if carrying == states:
-            return compared(instance, *best, former, gone, notes, began)
-        # Kits that are not left behind weigh on, which that plan did not know.
-        states = carrying
+
+    def planned(beginning: Instance, orders: list[list[str]]) -> Result:
+        return _planned(beginning, orders, method, time_limit, seed, stop)
+
+    def flown_on(beginning: Instance, orders: list[list[str]]) -> Result:
+        problem = problem_of(beginning)
+        return _certified(problem, _flyable(problem, orders), seed, 0.0)
+
+    def settled(found: Finding) -> Found:
+        """What is found where each chaser has the kits aboard that it leaves behind, or carries."""
+        now = states
+        while True:
+            best: Found | None = None
+            rest = _rest(zoned, now, gone, at_s)
+            for beginning, begun in _beginnings(zoned, rest, now, former):
+                made = found(beginning, _orders(beginning, former, begun, now))
+                if best is None or _is_better(made, best[2]):
+                    best = beginning, begun, made
+            assert best is not None
+            carrying = tuple(_carrying(zoned, state, best[2].plan) for state in now)
+            if carrying == now:
+                return best
+            # Kits that are not left behind weigh on, which that plan did not know.
+            now = carrying
+
+    best = settled(planned)
+    if any(state.idle_kits for state in best[1]):
+        # Planned with other kits, the former rest was none of those that it was compared with.
+        own = settled(flown_on)
+        if _is_better(own[2], best[2]):
+            best = own
+    return compared(instance, *best, former, gone, notes, began)
 
 
 def _carrying(instance: Instance, state: State, rest: Plan | None) -> State:
@@ -317,14 +341,18 @@ def _planned(
             start = flyable if len(beginning.chasers) > 1 else flyable[0]
             more = {"start": start, "repair": True}
         found = solve(problem, method, time_limit=time_limit, seed=seed, stop=stop, **more)
-    own = certify_routes(
-        problem, "former", [mission.numbers(order) for mission, order in
-                            zip(problem.missions, flyable, strict=True)],
-        seed=seed, runtime_s=found.runtime_s,
-    )  # fmt: skip
+    own = _certified(problem, flyable, seed, found.runtime_s)
     if own.plan is not None and (found.plan is None or own.objective > found.objective):
         return own
     return found
+
+
+def _certified(problem: Problem, orders: list[list[str]], seed: int, runtime_s: float) -> Result:
+    """What is left of the former rest, as a result."""
+    moves = [
+        mission.numbers(order) for mission, order in zip(problem.missions, orders, strict=True)
+    ]
+    return certify_routes(problem, "former", moves, seed=seed, runtime_s=runtime_s)
 
 
 _practised: set[bool] = set()

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from ..cargo import kits_of
-from ..chasers import AtStation, Chaser, InOrbit, TankByMass
+from ..chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
 from ..errors import InputError
 from ..expense import carried_kg
 from ..instance import Instance
@@ -40,8 +40,6 @@ class State:
         Targets serviced since the last one.
     since_s : float
         When it may fly at all [s].
-    loaded : Chaser
-        As it was launched, with no more propellant than is paid for where launched masses are.
     idle_kits : int
         More are aboard, which nothing takes any more: they are carried along.
     """
@@ -55,7 +53,6 @@ class State:
     kits: int | None
     since_refuelling: int
     since_s: float
-    loaded: Chaser
     idle_kits: int = 0
 
     @property
@@ -112,8 +109,7 @@ def _state(instance: Instance, flown: Flown, at_s: float, keep: int, failed: int
             break
     chaser, stations = flown.chaser, instance.station_names
     legs = tuple(leg for _, leg in fixed)
-    loaded = _loaded(instance, flown)
-    aboard = loaded.aboard(instance)[len(legs)]
+    aboard = _loaded(instance, flown).aboard(instance)[len(legs)]
     propellant = None
     if isinstance(chaser.tank, TankByMass) and aboard.mass_kg is not None:
         propellant = max(
@@ -131,9 +127,7 @@ def _state(instance: Instance, flown: Flown, at_s: float, keep: int, failed: int
     since_s, _ = instance.available_s[instance.chasers.index(chaser)]
     free_s = max(at_s, legs[-1].end_s if legs else since_s)
     left_m_s = max(aboard.left_m_s, 0.0)
-    return State(
-        chaser, legs, body, free_s, left_m_s, propellant, kits, since, since_s, loaded.chaser
-    )
+    return State(chaser, legs, body, free_s, left_m_s, propellant, kits, since, since_s)
 
 
 def _loaded(instance: Instance, flown: Flown) -> Flown:
@@ -142,8 +136,8 @@ def _loaded(instance: Instance, flown: Flown) -> Flown:
     Where launched masses are paid for, that is what its route needs, and no drop more.
     """
     chaser, tank = flown.chaser, flown.chaser.tank
-    starts_full = isinstance(chaser.start, AtStation) or not chaser.priced.counts_mass
-    if starts_full or not isinstance(tank, TankByMass):
+    paid = instance.objective.cost == "expense" and chaser.priced.counts_mass
+    if isinstance(chaser.start, AtStation) or not paid or not isinstance(tank, TankByMass):
         return flown
     kits_kg = chaser.kit_mass_kg * kits_of(instance, (name for name, _ in flown.spent))
     least_kg = (carried_kg(instance, chaser, flown.spent) or 0.0) - kits_kg
@@ -152,8 +146,8 @@ def _loaded(instance: Instance, flown: Flown) -> Flown:
 
 
 def as_flown(state: State) -> Chaser:
-    """The chaser as its legs were flown: kits that are still aboard were so all the time."""
-    return heavier(state.loaded, (state.kits or 0) + state.idle_kits)
+    """The chaser as `check` follows it: full, and with kits that are still aboard all the time."""
+    return heavier(state.chaser, (state.kits or 0) + state.idle_kits)
 
 
 def heavier(chaser: Chaser, kits: int) -> Chaser:
@@ -178,8 +172,8 @@ def going_on(instance: Instance, state: State) -> Chaser:
     body = state.body
     if body is None:
         return chaser.replace(**changes)
-    if not state.is_new:
-        changes["expense"] = None
+    if not state.is_new and chaser.expense is not None:
+        changes["expense"] = Expense()
     chaser = heavier(chaser, state.idle_kits)
     if body in stations:
         return chaser.replace(

@@ -62,6 +62,7 @@ class Legs(NamedTuple):
     starts: npt.NDArray[np.int64]
     ready: FloatArray
     tank: float
+    begun: float
     launched: float
     most_targets: int
     shortest: float
@@ -118,12 +119,17 @@ def legs_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Legs:
         ready = np.maximum(begin - SLACK_S, opens) + service
         in_time = (ready <= closes + SLACK_S) & (np.arange(bodies) >= first_target)
         starts = np.append(starts, np.flatnonzero(in_time)[: bodies if most else 0])
+    # What is lacking of the tank at the start the first leg has paid, but for one who is launched;
+    # and nobody has where masses count.
+    begun, launched = tank, tank - chaser.tank.spent_m_s
+    if chaser.lacks_by_mass:
+        begun = launched
     shortest = float(np.min(end - departure, initial=math.inf))
     if shortest < LEAST_S:
         raise InputError(f"not yet verifiable: there are legs that take {shortest:g} s")
     return Legs(
         first, pair, departure, end, delta_v, cheapest, np.arange(bodies) < stations, may_end,
-        home, starts, ready, tank, tank - connecting.spent_m_s(home), most, shortest,
+        home, starts, ready, tank, begun, launched, most, shortest,
     )  # fmt: skip
 
 

@@ -108,7 +108,7 @@ def _begin(
     for at, body in enumerate(legs.starts):
         labels.body[at], labels.came_from[at] = body, -1
         labels.time[at] = legs.ready[body]
-        labels.left[at] = legs.tank if body == legs.home else legs.launched
+        labels.left[at] = legs.begun if body == legs.home else legs.launched
         # Who is launched onto a target has serviced it by then.
         labels.visits[at] = int(question.counts and body != legs.home)
         labels.value[at] = question.gain[body] if body != legs.home else 0

@@ -45,7 +45,7 @@ def folder_of(name: str, data: Path) -> Path:
     return inner if inner.is_dir() else data
 
 
-BOUND_S = 400.0
+BOUND_S = 1000.0
 """What the proof of a bound of gtoc9 gets where nothing else is asked for."""
 
 

@@ -151,7 +151,7 @@ class LargeProof:
             if self._descent is None:
                 self._set_up()
             elif self._pays and (self._descent.done or self._stop.remaining_s() < self._until_s):
-                self._know_tanks()
+                self._know_tanks(self._descent)
             for _ in range(self._evaluations):
                 if self._descent is None or self._descent.done or enough():
                     break
@@ -198,25 +198,26 @@ class LargeProof:
                 found.append(layout)
         return found
 
-    def _know_tanks(self) -> None:
-        """Go on with walks that know how much is left of a tank."""
-        assert self._layout is not None
-        assert self._descent is not None
-        for layout in self._tank_layouts():
+    def _know_tanks(self, paying: Descent) -> None:
+        """Go on with walks that know how much is left of a tank, if there is room and time."""
+        ways, start = self._tank_layouts(), paying.multipliers[:-1]
+        self._pays = False
+        if not ways:
+            return
+        self._before = paying.evaluations
+        del paying
+        self.close()
+        self._bound = self._descent = None  # their legs make room for others
+        for layout in ways:
             stream = self._made(
                 Source(self._mission), layout, math.ceil(SPARE * layout.legs) + 1000
             )
             if stream is not None and stream.least > 0:
-                self._before += self._descent.evaluations
-                start, self._pays = self._descent.multipliers[:-1], False
-                self.close()
                 self._bound = TankBound(
                     self._mission, stream, start=start, jobs=self._jobs, over=self._over
                 )
                 self._descent, self._unit = Descent(self._bound), layout.unit
                 return
-        self._until_s = -math.inf
-        self._layout = None
 
     def _made(self, source: Source, layout: Layout, room: int) -> Stream | None:
         """The legs, or None if they are more than was expected."""

@@ -123,13 +123,14 @@ def proven(rows: FloatArray, time_limit_s: float, step_d: float = STEP_D) -> Pro
     grid = Grid(round(STAY_D / step_d), round((STAY_D + APART_D) / step_d), UNIT_M_S)
     bit, carried = memories(neighbourhoods(table, REMEMBERED))
     few = []
-    while launches_and_kits_meur(len(few) + 1, count) < DEAR_MEUR:
+    while len(few) < count and launches_and_kits_meur(len(few) + 1, count) < DEAR_MEUR:
         missions = len(few) + 1
         legs = min(LEGS * count / missions, MOST_LEGS)
         kits_kg = EXPENSE.kit_kg * count / missions * math.expm1(legs) / legs
         carried_kg = EXPENSE.dry_kg * math.expm1(legs) + kits_kg
         few.append(_Campaigns(missions, carried_kg, launches_and_kits_meur(missions, count)))
-    rest = min(launches_and_kits_meur(each, count) for each in range(len(few) + 1, count + 1))
+    more = (launches_and_kits_meur(each, count) for each in range(len(few) + 1, count + 1))
+    rest = min(more, default=math.inf)
     rounds, left = 0, time_limit_s
     while few and left > 0.0:
         now = min(few, key=lambda each: each.value)
