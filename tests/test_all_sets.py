@@ -21,7 +21,7 @@ from solvers.campaigns.cheapest import cheapest_routes
 
 
 @pytest.mark.parametrize("method", ["auto", "exact"])
-@pytest.mark.parametrize(("draw", "seed"), [(random_mission, 126), (given_field, 495)])
+@pytest.mark.parametrize(("draw", "seed"), [(random_mission, 135), (given_field, 495)])
 def test_a_plan_is_found_where_chasers_must_fly_for_little(method, draw, seed) -> None:
     """Where all must get to an end, for no prizes or past stations with limits, plans are found."""
     instance = drawn(seed, draw)
