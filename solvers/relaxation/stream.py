@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.compile import inlined, kernel
 from adr_opt.kernels.lists import wider
 from adr_opt.kernels.timetable import earliest_taken
 from adr_opt.mission import Mission
@@ -75,6 +75,19 @@ class Stream(NamedTuple):
     first: np.ndarray
     last: np.ndarray
     least: int
+
+
+@inlined
+def first_leg(stream, body, step):
+    """The first leg of a body that departs at a step or later; behind its last one if none does."""
+    low, high = stream.first[body], stream.last[body]
+    while low < high:
+        middle = (low + high) // 2
+        if stream.legs[middle] >> DEPARTURE < step:
+            low = middle + 1
+        else:
+            high = middle
+    return low
 
 
 class NoRoom(Exception):

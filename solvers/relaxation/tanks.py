@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 
@@ -22,9 +22,10 @@ from adr_opt.kernels.compile import kernel
 from adr_opt.mission import Mission
 
 from . import simd
-from .stream import AHEAD, DEPARTURE, DESTINATION, FIELD, Stream, units_of
+from .stream import AHEAD, DEPARTURE, DESTINATION, FIELD, Stream, first_leg, units_of
+from .streamed import StreamBound
 from .sweeps import NEVER
-from .walks import LARGEST, TimeIsOver, bonuses
+from .walks import LARGEST
 
 BYTES = 8
 """Memory of each unit of ΔV at each body and step."""
@@ -111,13 +112,7 @@ def _trace(stream, gain, is_station, bits, width, top, best, second, step, body,
         j = packed & mask
         if j == body:
             return length
-        low, high = stream.first[body], stream.last[body]
-        while low < high:
-            middle = (low + high) // 2
-            if stream.legs[middle] >> DEPARTURE < step:
-                low = middle + 1
-            else:
-                high = middle
+        low = first_leg(stream, body, step)
         came_from = mask if is_station[body] else np.int64(body)
         # The first leg that yields this value: waiting for it costs nothing.
         while True:
@@ -140,28 +135,21 @@ def _trace(stream, gain, is_station, bits, width, top, best, second, step, body,
         step, body, left = landing, j, rest
 
 
-class TankBound:
+class TankBound(StreamBound):
     """Best walks of a mission for given multipliers, again and again.
 
     Parameters
     ----------
-    mission : Mission
-        Without loads: no service changes what is left of its tank.
-    stream : Stream
-        Its legs; none of them may land where it departed.
+    mission, stream, jobs, over
+        See :class:`.streamed.StreamBound`; no service of the mission changes what is left of its
+        tank.
     start : (bodies,) float64, optional
-        Multipliers to begin with.
-    jobs : int
-        Threads.
-    over : callable
-        Asked now and then whether the time is over.
+        Multipliers to begin with; bonuses, as walks have them, by default.
 
     Attributes
     ----------
     prize : (bodies,) float64
         Multipliers that leave services worth nothing.
-    walk : (legs,) int64
-        Best walk of the last evaluation: bodies in order.
     """
 
     def __init__(
@@ -173,109 +161,55 @@ class TankBound:
         jobs: int = 1,
         over: Callable[[], bool] = lambda: False,
     ) -> None:
-        rules = mission.rules
-        assert rules.loads is None
-        self._stream, self._jobs, self._over = stream, jobs, over
-        self.prize = np.array(rules.prize)
-        self._first_point = bonuses(mission) if start is None else start
-        bodies = self.prize.size
-        self._is_target = np.arange(bodies) >= rules.first_target
-        self._is_station, self._may_end, self._start = rules.is_station, rules.may_end, rules.start
-        self._top = units_of(rules.budget, stream.unit)
-        self._width = width_of(rules.budget, stream.unit)
-        self._bits = int(bodies).bit_length()
-        self._greatest = float(self.prize.max(initial=0.0)) or 1.0
-        most_legs = stream.steps // max(1, stream.least) + 2
+        assert mission.rules.loads is None
         # Each leg changes a value by a prize and what a multiplier may be above it.
-        room = LARGEST / (1 << self._bits) / most_legs / 3.0 / self._greatest
-        self._unit = 2.0 ** -math.floor(math.log2(room))
-        size = self._width * (1 + bodies * (stream.steps + 1))
+        super().__init__(mission, stream, LARGEST, 3.0, jobs, over)
+        self.prize = self.worth
+        self._first_point = self._bonuses if start is None else start
+        self._width = width_of(mission.rules.budget, stream.unit)
+        size = self._width * (1 + self.worth.size * (stream.steps + 1))
         self._best, self._second = np.empty(size, dtype=np.int32), np.empty(size, dtype=np.int32)
-        self._walk = np.empty(most_legs + 1, dtype=np.int64)
-        self.walk = self._walk[:0]
-        self._pool = ThreadPoolExecutor(jobs) if jobs > 1 else None
+        self._walk = np.empty(self._most_legs + 1, dtype=np.int64)
 
     @property
     def dimensions(self) -> int:
         """Number of multipliers: one for each body."""
         return int(self.prize.size)
 
-    @property
-    def total(self) -> float:
-        """The sum of all prizes."""
-        return float(self.prize[self._is_target].sum())
-
-    @property
-    def radius(self) -> float:
-        """How far from the best multipliers the next ones are looked for."""
-        return 10.0 * self._greatest
-
     def first_point(self) -> np.ndarray:
-        """Multipliers to begin with: those given, or bonuses, as walks have them."""
+        """Multipliers to begin with."""
         return self._first_point.copy()
 
     def allowed(self, point: np.ndarray) -> np.ndarray:
         """The nearest multipliers at which the bound can be evaluated."""
-        allowed: np.ndarray = np.clip(point, 0.0, self.prize + self._greatest)
-        allowed[~self._is_target] = 0.0
-        return allowed
+        return self._within(point)
 
     def at(self, point: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
         """The bound near a point, the multipliers for which it holds, and its slope there.
 
         −inf if there is no plan at all.
         """
-        # Multipliers are rounded down so that what a service is worth beside them is a whole number
-        # of units; where none is left that number is rounded up.
-        gain = np.ceil((self.prize - point) / self._unit)
-        multipliers = np.maximum(0.0, self.prize - gain * self._unit)
-        gain = np.where(multipliers > 0.0, gain, np.ceil(self.prize / self._unit))
-        gain[~self._is_target], multipliers[~self._is_target] = 0.0, 0.0
-        value = self._evaluate(gain.astype(np.int64))
-        slope = 1.0 - np.bincount(self.walk, minlength=self.prize.size).astype(float)
-        slope[~self._is_target] = 0.0
-        return value + float(multipliers.sum()), multipliers, slope
+        gain, multipliers = self._rounded(point)
+        value = self._evaluate(gain)
+        return value + float(multipliers.sum()), multipliers, self._missing()
 
     def _evaluate(self, gain: np.ndarray) -> float:
         """Value of the best walk."""
-        bodies, steps, width = np.arange(self.prize.size), self._stream.steps, self._width
+        bodies, stream, width = np.arange(self.worth.size), self._stream, self._width
         worth = ((gain << self._bits) + bodies).astype(np.int32)
-        best, second = self._best, self._second
+        best, second, pointer = self._best, self._second, stream.last.copy()
         # In the last step a walk can only stop, where it may, and has itself as next.
-        last = best[width:].reshape(bodies.size, steps + 1, width)[:, steps]
-        last[:] = np.where(self._may_end, bodies, NEVER)[:, None]
-        second[width:].reshape(bodies.size, steps + 1, width)[:, steps] = NEVER
+        shape = bodies.size, stream.steps + 1, width
+        best[width:].reshape(shape)[:, -1] = np.where(self._may_end, bodies, NEVER)[:, None]
+        second[width:].reshape(shape)[:, -1] = NEVER
         best[:width], second[:width] = NEVER, NEVER
-        pointer, high = self._stream.last.copy(), steps
-        rules = worth, self._is_station, np.int64(self._bits), width, self._top
-        while high > 0:
-            if self._over():
-                raise TimeIsOver
-            # No leg that departs in these steps lands in one of them.
-            low = max(0, high - self._stream.least)
-            common = self._stream, *rules, best, second, pointer
-            if self._pool is None:
-                _sweep(*common, 0, 1, high, low)
-            else:
-                parts = [
-                    self._pool.submit(_sweep, *common, first, self._jobs, high, low)
-                    for first in range(self._jobs)
-                ]
-                for part in parts:
-                    part.result()
-            high = low
-        root = self._start * (steps + 1) + self._stream.root + 1
-        found = int(best[root * width + self._top])
+        rules = worth, self._is_station, np.int64(self._bits), width, self._units
+        self._sweep(partial(_sweep, stream, *rules, best, second, pointer))
+        root = self._start * (stream.steps + 1) + stream.root + 1
+        found = int(best[root * width + self._units])
         if found < NEVER // 2:
             self.walk = self._walk[:0]
             return -math.inf
-        length = _trace(
-            self._stream, *rules, best, second, self._stream.root, self._start, self._walk
-        )
+        length = _trace(stream, *rules, best, second, stream.root, self._start, self._walk)
         self.walk = self._walk[:length].copy()
         return (found >> self._bits) * self._unit
-
-    def close(self) -> None:
-        """End the threads."""
-        if self._pool is not None:
-            self._pool.shutdown()
