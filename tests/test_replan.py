@@ -280,20 +280,30 @@ def test_what_stations_gave_is_not_given_again() -> None:
     assert violations(limited, made) == ()
 
 
-def test_what_was_launched_is_paid_for_and_all_there_is() -> None:
-    """Where launched mass costs, who flies already has what its route needs, and costs no more."""
+PRICES = {"fixed": 55.0, "per_kg_squared": 2e-6}
+
+
+@cache
+def paid_for() -> tuple[Instance, Plan]:
+    """Two launches whose mass costs, and their plan."""
     field = adr_opt.generate("removal", 1, targets=6, chasers=2)
-    prices = {"fixed": 55.0, "per_kg_squared": 2e-6}
-    chasers = tuple(chaser.replace(expense=prices) for chaser in field.chasers)
+    chasers = tuple(chaser.replace(expense=PRICES) for chaser in field.chasers)
     instance = field.replace(chasers=chasers, objective={"cost": "expense"})
     plan = adr_opt.solve(instance, "auto", time_limit=10.0).plan
+    assert plan is not None
+    return instance, plan
+
+
+def test_what_was_launched_is_paid_for_and_all_there_is() -> None:
+    """Where launched mass costs, who flies already has what its route needs, and costs no more."""
+    instance, plan = paid_for()
     first = min(leg.end_s for leg in plan.legs)
     flying = states_at(instance, plan, first + 1.0)
     made = replan(instance, plan, first + 1.0, time_limit=10.0)
     assert adr_opt.check(made.instance, made.plan) == ()
     assert made.prize_after >= made.prize_before
     for state, chaser in zip(flying, made.instance.chasers, strict=True):
-        assert chaser.expense == (Expense(**prices) if state.is_new else Expense())
+        assert chaser.expense == (Expense(**PRICES) if state.is_new else Expense())
         if not state.is_new:
             end = next(each for each in routes_of(instance, plan) if each.chaser == state.chaser)
             full = end.carried(instance)
@@ -304,11 +314,7 @@ def test_what_was_launched_is_paid_for_and_all_there_is() -> None:
 
 def test_a_chaser_that_flies_costs_nothing_more() -> None:
     """Where all chasers fly already, what they were launched for is paid, and there is a rest."""
-    field = adr_opt.generate("removal", 1, targets=6, chasers=2)
-    prices = {"fixed": 55.0, "per_kg_squared": 2e-6}
-    chasers = tuple(chaser.replace(expense=prices) for chaser in field.chasers)
-    instance = field.replace(chasers=chasers, objective={"cost": "expense"})
-    plan = adr_opt.solve(instance, "auto", time_limit=10.0).plan
+    instance, plan = paid_for()
     at_s = max(route.legs[0].end_s for route in plan.routes) + 1.0
     made = replan(instance, plan, at_s, time_limit=5.0)
     assert adr_opt.check(made.instance, made.plan) == ()

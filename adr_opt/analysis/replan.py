@@ -26,7 +26,7 @@ from ..planner import PLANNERS, takes_start
 from ..prepared import method_of, prepare, warm_up
 from ..pricing import burns_of, transfer_of
 from ..result import Result, certify_routes
-from ..routes import weighed
+from ..routes import routes_of, weighed
 from ..settings import KeepOutZone
 from ..station_limits import StationLimits
 from ..stop import AnyOf, MaxRuntime, Stop
@@ -135,7 +135,7 @@ def replan(
                 if best is None or _is_better(made, best[2]):
                     best = beginning, begun, made
             assert best is not None
-            carrying = tuple(_carrying(zoned, state, best[2].plan) for state in now)
+            carrying = _carrying(now, best)
             if carrying == now:
                 return best
             # Kits that are not left behind weigh on, which that plan did not know.
@@ -150,20 +150,21 @@ def replan(
     return compared(instance, *best, former, gone, notes, began)
 
 
-def _carrying(instance: Instance, state: State, rest: Plan | None) -> State:
-    """The state with the kits that a new rest leaves behind; more that are aboard stay there."""
-    if state.is_new or state.kits is None or state.chaser.kit_mass_kg == 0.0:
-        return state
-    legs = () if rest is None else _legs_of(rest, state.chaser.name)
-    needed = kits_of(instance, (leg.destination for leg in legs))
-    return replace(state, kits=needed, idle_kits=state.idle_kits + state.kits - needed)
+def _carrying(states: tuple[State, ...], found: Found) -> tuple[State, ...]:
+    """The states with the kits that a new rest leaves behind; more that are aboard stay there."""
+    instance, _, made = found
+    flown = () if made.plan is None else routes_of(instance, made.plan)
+    needed = {
+        route.chaser.name: kits_of(instance, (body for body, _ in route.spent)) for route in flown
+    }
 
+    def carrying(state: State) -> State:
+        if state.is_new or state.kits is None or state.chaser.kit_mass_kg == 0.0:
+            return state
+        kits = needed.get(state.chaser.name, 0)
+        return replace(state, kits=kits, idle_kits=state.idle_kits + state.kits - kits)
 
-def _legs_of(plan: Plan, chaser: str) -> tuple[Leg, ...]:
-    """What a chaser flies; all legs where there is one route."""
-    if len(plan.routes) == 1:
-        return plan.legs
-    return next((route.legs for route in plan.routes if route.chaser == chaser), ())
+    return tuple(carrying(state) for state in states)
 
 
 def _crossings(zoned: Instance, states: Sequence[State], at_s: float, before: int) -> Iterator[str]:

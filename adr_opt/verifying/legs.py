@@ -42,9 +42,10 @@ class Legs(NamedTuple):
         That, and the targets that it may be launched onto.
     ready : (bodies,) float64
         Since when, at each of these [s].
-    tank, launched : float
-        What a full one is worth, and that of who is launched onto his first target, with the slack
-        of the model; others pay with their first leg for what it lacks at the start [m/s].
+    tank, begun, launched : float
+        What a full one is worth, what there is of it at the start, and for who is launched onto his
+        first target, with the slack of the model; where masses do not count others pay with their
+        first leg for what it lacks at the start [m/s].
     most_targets : int
     shortest : float
         Least time from departure to the end of service [s].
@@ -119,11 +120,8 @@ def legs_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Legs:
         ready = np.maximum(begin - SLACK_S, opens) + service
         in_time = (ready <= closes + SLACK_S) & (np.arange(bodies) >= first_target)
         starts = np.append(starts, np.flatnonzero(in_time)[: bodies if most else 0])
-    # What is lacking of the tank at the start the first leg has paid, but for one who is launched;
-    # and nobody has where masses count.
-    begun, launched = tank, tank - chaser.tank.spent_m_s
-    if chaser.lacks_by_mass:
-        begun = launched
+    launched = tank - chaser.tank.spent_m_s
+    begun = launched if chaser.lacks_by_mass else tank
     shortest = float(np.min(end - departure, initial=math.inf))
     if shortest < LEAST_S:
         raise InputError(f"not yet verifiable: there are legs that take {shortest:g} s")

@@ -170,8 +170,8 @@ def rounds_of(
             ahead *= WIDER
             continue
         ahead = AHEAD_D
-        # A pair of cells that stood in the way is past: coarse ones, of a sixteenth of the work or
-        # less, gain most again.
+        # A pair of cells that stood in the way is past: coarse ones, which are far less work, are
+        # enough again.
         depth = depth + 1 if gained < SLOW_D else DEPTHS[0]
         if depth > DEPTHS[1]:
             return
