@@ -67,6 +67,55 @@ def test_no_box_of_a_leg_is_ruled_out(problem, i, j, limit):
     assert met > 50
 
 
+def crossings(elements, normal, until_s):
+    """Times at which a target crosses a plane through the centre [s]."""
+    times = np.arange(0.0, until_s, 60.0)
+    heights = kepler.states_of(elements, times)[0] @ normal
+    found = []
+    for k in np.flatnonzero(heights[:-1] * heights[1:] < 0.0):
+        low, high = times[k], times[k + 1]
+        for _ in range(40):
+            middle = 0.5 * (low + high)
+            height = float(kepler.states_of(elements, np.array([middle]))[0][0] @ normal)
+            low, high = (middle, high) if height * heights[k] > 0.0 else (low, middle)
+        found.append(low)
+    return np.array(found)
+
+
+@pytest.mark.parametrize(("i", "j"), [(20, 11), (16, 24), (4, 6), (14, 32), (27, 14)])
+def test_arcs_in_line_with_the_centre_are_told_by_their_cost(problem, i, j):
+    """Boxes about both nodes hold the arcs that lie in any plane, and few arcs of nine tenths of it."""
+    one, other = problem.elements[i], problem.elements[j]
+    normals = spans.normal_of(one), spans.normal_of(other)
+    between = math.acos(float(normals[0] @ normals[1]))
+    # Who is in the other one's plane is on the line in which both planes meet.
+    leaves = crossings(one, normals[1], 5.0 * DAY_S)
+    lands = crossings(other, normals[0], 8.0 * DAY_S)
+    rng = np.random.default_rng(5)
+    rows = np.empty((1, 10)), np.empty((1, 10))
+    met = ruled_out = 0
+    for leave, land in itertools.product(leaves, lands):
+        if not 0.05 * DAY_S < land - leave < 3.0 * DAY_S:
+            continue
+        half = 10.0 ** rng.uniform(-1.0, 1.5)
+        shifts = half * rng.uniform(-1.0, 1.0, (40, 2))
+        least = min(
+            costs.delta_v_m_s(
+                problem, i, j, (leave + late) / DAY_S, (land - leave + later - late) / DAY_S
+            )
+            for late, later in shifts
+        )
+        for elements, time, row in zip((one, other), (leave, land), rows, strict=True):
+            spans.spans(elements, np.array([time]), half, row)
+        seconds = land - leave - 2.0 * half, land - leave + 2.0 * half
+        box = rows[0][0], rows[1][0], *normals, between, *seconds
+        assert boxes.possible(*box, least * (1.0 + 1e-9))
+        met += 1
+        ruled_out += not boxes.possible(*box, 0.9 * least)
+    assert met >= 10
+    assert ruled_out > 0.9 * met
+
+
 def test_no_arc_is_slower_than_the_slowest():
     """Whatever angles planes have, an arc within the limit is no slower than a box says."""
     rng = np.random.default_rng(9)

@@ -7,6 +7,8 @@ give. What an arc costs is bounded from below over all of them:
 *Planes.* An arc's plane holds both ends. Its angle γ to a target's plane, about the end at that
 target, has sin γ = |h · r'| / sin θ with the normal h of that plane and the direction r' of the
 other end, and both angles together are no less than the angle between the planes of both targets.
+Where the ends are all but in line with the centre, h · r' says nothing and an arc may lie in any
+plane between: then what one angle has less the other has more, and this is gone through in parts.
 
 *Energy.* What velocities lose across leaves a budget within the plane, and with it a range of
 speeds at both ends, so one of 1 − x² = s / 2a.
@@ -32,6 +34,12 @@ SLACK = 1e-7
 
 PIECES = 6
 """How often an interval of x is halved before it counts as possible."""
+
+TILTS = 16
+"""Parts of the angle between the planes that an arc may take at its beginning."""
+
+FREE = 0.9
+"""Share of that angle of which less is known; above it parts are hardly worth their time."""
 
 
 @inlined
@@ -199,7 +207,6 @@ def possible(one, other, normal_1, normal_2, between, fly_low, fly_high, limit):
     limit : float
         [m/s].
     """
-    mu = kepler.MU_MOON_M3_S2
     limit = limit * (1.0 + SLACK) + 1e-5
     theta_low, theta_high, sine_1, sine_2 = _angles(one, other, normal_1, normal_2, between)
     if sine_1 > 1.0 or sine_2 > 1.0:
@@ -215,6 +222,29 @@ def possible(one, other, normal_1, normal_2, between, fly_low, fly_high, limit):
         least_across = min(first, second)
     if least_across > limit:
         return False
+    box = one, other, normal_1, normal_2, theta_low, theta_high, fly_low, fly_high
+    if not _possible_tilted(box, sine_1, sine_2, least_across, limit):
+        return False
+    if angle_1 + angle_2 > FREE * between:
+        return True
+    # The same arc costs the more at an end the larger its angle there, and beyond a right one no
+    # less than at that: so what is known of an angle may be taken for it.
+    width = (between - angle_1 - angle_2) / TILTS
+    for part in range(TILTS):
+        # The first angle is no less than where the part begins, the other one than where it ends.
+        sine_1 = math.sin(min(angle_1 + part * width, 0.5 * math.pi))
+        sine_2 = math.sin(min(angle_2 + (TILTS - 1 - part) * width, 0.5 * math.pi))
+        least_across = one[8] * sine_1 + other[8] * sine_2
+        if least_across <= limit and _possible_tilted(box, sine_1, sine_2, least_across, limit):
+            return True
+    return False
+
+
+@kernel
+def _possible_tilted(box, sine_1, sine_2, least_across, limit):
+    """The same, of arcs whose angles to both planes are at least those of these sines."""
+    one, other, normal_1, normal_2, theta_low, theta_high, fly_low, fly_high = box
+    mu = kepler.MU_MOON_M3_S2
     budget = math.sqrt(limit * limit - least_across * least_across)
     cos_1, cos_2 = math.sqrt(1.0 - sine_1 * sine_1), math.sqrt(1.0 - sine_2 * sine_2)
     # Energies: speeds in the plane are near those of the targets.

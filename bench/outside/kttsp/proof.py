@@ -4,8 +4,10 @@ A time at which somebody may be ready lies in a cell of departures, and no leg t
 later arrives before a time that :mod:`.cells` proves for continuous departures and flights. The
 least duration over all tours with such arrivals (:mod:`solvers.search.earliest`, which keeps all
 states) is at most that of every real one. Cells that matter to tours which would be shorter than a
-known one are then looked at in ever smaller parts; if in the end there is none, the known tour is
-optimal but for what it was asked to be beaten by.
+known one are then looked at in ever smaller parts, and where that is slow, those that the earliest
+tour itself needs in far smaller ones: what stands in the way is mostly one leg that costs hardly
+more than it may. If in the end there is no such tour, the known one is optimal but for what it was
+asked to be beaten by.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ import numpy as np
 
 from adr_opt.errors import InputError
 from adr_opt.kernels.constants import DAY_S
-from solvers.search.earliest import Arrivals, earliest_tour, near_of
+from solvers.search.earliest import Arrivals, Found, earliest_tour, near_of
 from solvers.search.earliest_live import wanted_by
 
 from ..reading import FloatArray
@@ -41,8 +43,11 @@ WIDEST = 5
 FLIGHT_D = 10.0
 """Longer flights count as possible."""
 
-DEPTHS = 3, 7
+DEPTHS = 3, 5
 """Cells that matter are cut into 2^n parts of a step, at first and at last."""
+
+DEEP = 9
+"""Those that the earliest tour needs are, where this gains little."""
 
 AHEAD_D = 1.8
 """Tours that end so much later than those at the earliest are looked at in a round."""
@@ -50,8 +55,11 @@ AHEAD_D = 1.8
 WIDER = 2.0
 """The same, as a multiple of itself, for a round after one that has found none."""
 
+CLOSE_D = 0.25
+"""The same, for what is looked at along the earliest tour."""
+
 SLOW_D = 0.15
-"""Rounds that gain less are followed by those of smaller parts, others by those of the largest."""
+"""Rounds are followed by those of smaller parts until they have gained so much together."""
 
 LITTLE_D = 1e-4
 """Tours that are shorter by less are not looked for: states are compared with so much to spare."""
@@ -138,6 +146,22 @@ def first_cells(problem: Problem, end_d: float, jobs: int) -> tuple[Arrivals, li
     return arrivals, legs
 
 
+def along(
+    arrivals: Arrivals, found: Found, begin_d: float, wanted: FloatArray
+) -> dict[int, list[tuple[int, int]]]:
+    """The cells of each row that a tour waits or leaves in, as long as arrivals matter."""
+    windows, time_d = {}, begin_d
+    for origin, destination, exceptional in zip(
+        found.order[:-1], found.order[1:], found.exceptional, strict=True
+    ):
+        row = int(arrivals.row[int(exceptional), origin, destination])
+        first = int(time_d / STEP_D)
+        time_d = max(float(arrivals.arrival[row, first]), time_d)
+        matter = np.append(wanted[row, first:] > -np.inf, False)
+        windows[row] = [(first, first + int(np.argmin(matter)))]
+    return windows
+
+
 def rounds_of(
     problem: Problem, shorter_d: float, jobs: int, arrivals: Arrivals, legs: list[Leg],
     proven: float,
@@ -158,34 +182,47 @@ def rounds_of(
     proven : float
         What no tour falls below, as far as is known.
     """
-    depth, ahead = DEPTHS[0], AHEAD_D
+    depth, ahead, slow_from = DEPTHS[0], AHEAD_D, proven
     while proven < shorter_d:
         latest = min(proven + ahead, shorter_d)
         found = earliest_tour(arrivals, latest, begin=problem.begin_d)
         if not found.whole:
             return  # what was left out might have been shorter
-        gained, proven = min(found.end, latest) - proven, min(found.end, latest)
+        proven = min(found.end, latest)
         yield proven
         if not found.order:
             ahead *= WIDER
             continue
         ahead = AHEAD_D
-        # A pair of cells that stood in the way is past: coarse ones, which are far less work, are
-        # enough again.
-        depth = depth + 1 if gained < SLOW_D else DEPTHS[0]
-        if depth > DEPTHS[1]:
-            return
-        wanted = wanted_by(arrivals, found, min(latest, proven + ahead))
+        if proven - slow_from > SLOW_D:
+            # What stood in the way is past: coarse cells, which are far less work, are enough
+            # again.
+            depth, slow_from = DEPTHS[0], proven
+        deep = depth > DEPTHS[1]
+        wanted = wanted_by(arrivals, found, min(latest, proven + (CLOSE_D if deep else AHEAD_D)))
+        if deep:
+            windows = along(arrivals, found, problem.begin_d, wanted)
+        else:
+            rows = np.flatnonzero(wanted.max(axis=1) > -np.inf)
+            windows = {int(row): list(windows_of(wanted[row] > -np.inf)) for row in rows}
 
-        def raise_row(place: int, depth: int = depth, wanted: FloatArray = wanted) -> None:
-            for first, last in windows_of(wanted[place] > -np.inf):
+        def raise_row(
+            row: int, depth: int = DEEP if deep else depth, wanted: FloatArray = wanted,
+            windows: dict[int, list[tuple[int, int]]] = windows,
+        ) -> float:  # fmt: skip
+            before = arrivals.arrival[row].copy()
+            for first, last in windows[row]:
                 raised(
-                    problem, legs[place], first, last, depth, wanted[place] + STEP_D,
-                    arrivals.arrival[place],
+                    problem, legs[row], first, last, depth, wanted[row] + STEP_D,
+                    arrivals.arrival[row],
                 )  # fmt: skip
+            return float(np.max(arrivals.arrival[row] - before))
 
         with ThreadPoolExecutor(jobs) as threads:
-            list(threads.map(raise_row, np.flatnonzero(wanted.max(axis=1) > -np.inf)))
+            most = max(threads.map(raise_row, windows), default=0.0)
+        if deep and most < LITTLE_D:
+            return  # smaller parts would not know more
+        depth += 0 if deep else 1
 
 
 class Cells(NamedTuple):
