@@ -84,7 +84,7 @@ def crossings(elements, normal, until_s):
 
 @pytest.mark.parametrize(("i", "j"), [(20, 11), (16, 24), (4, 6), (14, 32), (27, 14)])
 def test_arcs_in_line_with_the_centre_are_told_by_their_cost(problem, i, j):
-    """Boxes about both nodes hold the arcs that lie in any plane, and few arcs of nine tenths of it."""
+    """Boxes about both nodes hold arcs in any plane, and mostly none of nine tenths of the cost."""
     one, other = problem.elements[i], problem.elements[j]
     normals = spans.normal_of(one), spans.normal_of(other)
     between = math.acos(float(normals[0] @ normals[1]))
