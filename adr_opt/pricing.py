@@ -85,16 +85,25 @@ def _towing(
         if tow is None:
             yield leg
             continue
-        end = legs[at + 1].leaves_s if at + 1 < len(legs) else leg.end_s + tow.time_s
-        start = end - tow.time_s
-        vectors = burn_vectors(mission.transfer_inputs[1][j], tow, start)
-        burns = tuple(
-            Burn(time_s=time, delta_v_m_s=tuple(vector.tolist()), phase="tow")
-            for time, vector in zip((start, end), vectors, strict=True)
-        )
-        yield leg.replace(
-            tow=TowFlown(start_s=start, end_s=end, delta_v_m_s=tow.delta_v_m_s, burns=burns)
-        )
+        start = leg.end_s if at + 1 == len(legs) else legs[at + 1].leaves_s - tow.time_s
+        yield leg.replace(tow=tow_flown(mission.transfer_inputs[1][j], tow, start))
+
+
+def tow_flown(orbit: FloatArray, tow: Tow, start_s: float) -> TowFlown:
+    """A tow that begins at a time, as plans state it.
+
+    Parameters
+    ----------
+    orbit : (columns,) float64
+        Row of the object, :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`.
+    """
+    end_s = start_s + tow.time_s
+    vectors = burn_vectors(orbit, tow, start_s)
+    burns = tuple(
+        Burn(time_s=time, delta_v_m_s=tuple(vector.tolist()), phase="tow")
+        for time, vector in zip((start_s, end_s), vectors, strict=True)
+    )
+    return TowFlown(start_s=start_s, end_s=end_s, delta_v_m_s=tow.delta_v_m_s, burns=burns)
 
 
 class Transfer(NamedTuple):

@@ -103,7 +103,7 @@ def refuse_tows(instance: Instance, what: str) -> None:
     if towed:
         raise InputError(
             f"{what} knows no tows yet, and {towed[0]!r} of {instance.name!r} is towed; use "
-            "check, fly, report and export of the plan, which do"
+            "check, fly, refine, report and export, which do"
         )
 
 

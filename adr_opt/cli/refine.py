@@ -104,8 +104,8 @@ def command(
 
 def _summary(refined: RefinedPlan) -> str:
     planned, flown = refined.planned_delta_v_m_s, refined.flown_delta_v_m_s
-    retargeted = sum(leg.retargeted_delta_v_m_s for leg in refined.legs)
-    kept = f", and {retargeted:.1f} m/s with the plan's own burns" if _is_free(refined) else ""
+    own = refined.retargeted_delta_v_m_s
+    kept = f", and {own:.1f} m/s with the plan's own burns" if _is_free(refined) else ""
     return (
         f"{counted(len(refined.legs), 'leg')} in the field {refined.gravity}: planned with "
         f"{planned:.1f} m/s, flown with {flown:.1f} m/s{kept}"
@@ -122,15 +122,17 @@ def _by_chaser(refined: RefinedPlan) -> Iterator[str]:
         legs = [leg for leg in refined.legs if leg.chaser == chaser]
         yield (
             f"{chaser}: {counted(len(legs), 'leg')}, planned with "
-            f"{sum(leg.planned_delta_v_m_s for leg in legs):.1f} m/s, flown with "
-            f"{sum(leg.flown_delta_v_m_s for leg in legs):.1f} m/s"
+            f"{sum(leg.planned_delta_v_m_s + leg.towing_m_s for leg in legs):.1f} m/s, flown with "
+            f"{sum(leg.flown_delta_v_m_s + leg.towing_m_s for leg in legs):.1f} m/s"
         )
 
 
 def _tables(refined: RefinedPlan, width: int | None) -> list[Table]:
     from .tables import Row, leg_tables
 
-    headings = ["kind", "planned\nm/s", "own burns\nm/s", "flown\nm/s", "burns", "lowest\nkm"]
+    towed = any(leg.tow is not None for leg in refined.legs)
+    tow = ["tow\nm/s"] if towed else []
+    headings = ["kind", "planned\nm/s", "own burns\nm/s", "flown\nm/s", *tow, "burns", "lowest\nkm"]
     rows = [
         Row(
             leg.leg,
@@ -141,6 +143,7 @@ def _tables(refined: RefinedPlan, width: int | None) -> list[Table]:
                 f"{leg.planned_delta_v_m_s:.1f}",
                 f"{leg.retargeted_delta_v_m_s:.1f}",
                 f"{leg.flown_delta_v_m_s:.1f}",
+                *([f"{leg.towing_m_s:.1f}"] if towed else []),
                 str(len(leg.burns)),
                 f"{leg.lowest_altitude_m / 1e3:.0f}",
             ],

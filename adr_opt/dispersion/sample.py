@@ -181,7 +181,8 @@ def _told(
     waiting = missed > WAITING_SHARE * instance.transfer.standoff_m
     revolutions = np.array([leg.revolution_s for leg in flown])
     next_s = _next_departures(instance, refined)
-    spare = np.array([next_s[leg.leg] - leg.end_s for leg in refined.legs])
+    # A tow waits as long as what follows it allows.
+    spare = np.array([next_s[leg.leg] - leg.end_s - leg.towing_s for leg in refined.legs])
     late = (waiting & (revolutions > spare)[:, None]).any(axis=0)
     apart = [np.linalg.norm(leg.standoff[3:], axis=0) for leg in flown]
     legs = tuple(
@@ -205,7 +206,9 @@ def _told(
         corrections=corrections,
         errors=errors,
         refined_delta_v_m_s=refined.flown_delta_v_m_s,
-        delta_v_m_s=Quantile.of(spent.sum(axis=0), share),
+        delta_v_m_s=Quantile.of(
+            spent.sum(axis=0) + math.fsum(leg.towing_m_s for leg in refined.legs), share
+        ),
         waits_s=Quantile.of(revolutions @ waiting, share),
         late_share=float(late.mean()),
         legs=legs,
@@ -221,7 +224,7 @@ def _told(
 
 
 def _next_departures(instance: Instance, refined: RefinedPlan) -> dict[int, float]:
-    """When, after each leg, its chaser leaves again, or the mission ends [s]."""
+    """When, after each leg and its tow, its chaser leaves again, or the mission ends [s]."""
     found: dict[int, float] = {}
     for _, legs in refined_routes(instance, refined):
         departures = [*(leg.states[0].time_s for leg in legs), instance.mission.duration_s]
@@ -235,13 +238,14 @@ def _tanks(
     row = {leg.leg: at for at, leg in enumerate(refined.legs)}
     for one in legs_by_tank(instance, refined):
         legs, budget = one.legs, one.budget_m_s
-        taken = spent[[row[leg.leg] for leg in legs]].sum(axis=0)
+        towing = math.fsum(leg.towing_m_s for leg in legs)
+        taken = spent[[row[leg.leg] for leg in legs]].sum(axis=0) + towing
         yield TankDispersion(
             tank=one.tank,
             first_leg=legs[0].leg,
             last_leg=legs[-1].leg,
             budget_m_s=budget,
-            refined_delta_v_m_s=math.fsum(leg.flown_delta_v_m_s for leg in legs),
+            refined_delta_v_m_s=math.fsum(leg.flown_delta_v_m_s for leg in legs) + towing,
             delta_v_m_s=Quantile.of(taken, share),
             breaks_share=float((taken > budget).mean()),
             chaser=one.chaser.name if several(instance) else None,

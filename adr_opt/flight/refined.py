@@ -20,7 +20,7 @@ from ..errors import InputError
 from ..instance import Instance
 from ..kernels.constants import EARTH_RADIUS_M, J2, MU_M3_S2
 from ..kernels.gravity import J3, J4
-from ..refining.plan import RefinedLeg, RefinedPlan
+from ..refining.plan import RefinedLeg, RefinedPlan, RefinedTow
 from .flyable import refuse_foreign
 from .refined_result import RefinedFlight, RefinedLegFlight
 from .tanks import refined_routes, tanks_of
@@ -178,7 +178,10 @@ class _Ephemeris:
         self._world = world
         wanted: dict[float, set[str]] = {}
         for leg in refined.legs:
-            wanted.setdefault(leg.states[0].time_s, set()).add(leg.origin)
+            begins = leg.states[0] if leg.tow_before is None else leg.tow_before.burns[0]
+            wanted.setdefault(begins.time_s, set()).add(leg.origin)
+            if leg.tow is not None:
+                wanted.setdefault(leg.tow.burns[0].time_s, set()).add(leg.destination)
             for time in (leg.standoff_s, leg.arrival_s):
                 wanted.setdefault(time, set()).add(leg.destination)
         last = {name: time for time in sorted(wanted) for name in wanted[time]}
@@ -211,9 +214,12 @@ def _fly_leg(
     world: _World, bodies: _Ephemeris, leg: RefinedLeg, length_m: float
 ) -> RefinedLegFlight:
     now = leg.states[0].time_s
-    chaser = bodies.state(leg.origin, now)[:, None].copy()
-    begin = leg.states[0]
-    stated = np.array([*begin.position_m, *begin.velocity_m_s])
+    if leg.tow_before is None:
+        chaser = bodies.state(leg.origin, now)[:, None].copy()
+    else:
+        end_s = leg.tow_before.released.time_s
+        chaser = world.coast(_towed(world, bodies, leg.origin, leg.tow_before), end_s, now)
+    begin, begun = leg.states[0], chaser[:3, 0]
     at_standoff = None
     for burn in leg.burns:
         if at_standoff is None and burn.phase == "approach":
@@ -234,9 +240,27 @@ def _fly_leg(
         kind=leg.kind,
         planned_delta_v_m_s=leg.planned_delta_v_m_s,
         flown_delta_v_m_s=math.fsum(burn.size_m_s for burn in leg.burns),
-        departure_miss_m=math.dist(stated[:3], bodies.state(leg.origin, begin.time_s)[:3]),
+        departure_miss_m=math.dist(begin.position_m, begun),
         standoff_miss_m=math.dist(at_standoff[:3], behind[:3]),
         standoff_miss_m_s=math.dist(at_standoff[3:], behind[3:]),
         arrival_miss_m=math.dist(chaser[:3, 0], target[:3]),
         arrival_miss_m_s=math.dist(chaser[3:, 0], target[3:]),
+        tow_miss_m=None if leg.tow is None else _tow_miss_m(world, bodies, leg),
+        towing_m_s=leg.towing_m_s,
     )
+
+
+def _towed(world: _World, bodies: _Ephemeris, name: str, tow: RefinedTow) -> Array:
+    """Where a tow leads, shape (6, 1)."""
+    begin, end = tow.burns
+    state = bodies.state(name, begin.time_s)[:, None].copy()
+    state[3:, 0] += begin.delta_v_m_s
+    state = world.coast(state, begin.time_s, end.time_s).copy()
+    state[3:, 0] += end.delta_v_m_s
+    return state
+
+
+def _tow_miss_m(world: _World, bodies: _Ephemeris, leg: RefinedLeg) -> float:
+    assert leg.tow is not None
+    led = _towed(world, bodies, leg.destination, leg.tow)
+    return math.dist(led[:3, 0], leg.tow.released.position_m)

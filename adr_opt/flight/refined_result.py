@@ -24,11 +24,16 @@ class RefinedLegFlight:
     planned_delta_v_m_s, flown_delta_v_m_s : float
         As the plan states it, and the sum of the burns [m/s].
     departure_miss_m : float
-        How far the stated state of the departure is from the origin as propagated here [m].
+        How far the stated state of the departure is from the origin as propagated here, or from
+        where the tow of the origin leads [m].
     standoff_miss_m, standoff_miss_m_s : float
         Distance from the stand-off when the approach begins [m], and speed relative to it [m/s].
     arrival_miss_m, arrival_miss_m_s : float
         The same from the target, when the chaser docks.
+    tow_miss_m : float or None
+        How far the object is released from where that is stated; None if it is not towed [m].
+    towing_m_s : float
+        What towing it takes; 0 if it is not [m/s].
     """
 
     leg: int
@@ -42,18 +47,23 @@ class RefinedLegFlight:
     standoff_miss_m_s: float
     arrival_miss_m: float
     arrival_miss_m_s: float
+    tow_miss_m: float | None = None
+    towing_m_s: float = 0.0
 
     @property
     def arrives(self) -> bool:
-        """Whether it misses neither its stand-off nor its target."""
+        """Whether it misses neither its stand-off nor its target, nor where it releases that."""
         return (
-            max(self.standoff_miss_m, self.arrival_miss_m) <= MOST_MISS_M
+            max(self.standoff_miss_m, self.arrival_miss_m, self.tow_miss_m or 0.0) <= MOST_MISS_M
             and max(self.standoff_miss_m_s, self.arrival_miss_m_s) <= MOST_MISS_M_S
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
-        return asdict(self) | {"arrives": self.arrives}
+        """As plain data; of a tow where there is one."""
+        content = asdict(self) | {"arrives": self.arrives}
+        if self.tow_miss_m is None:
+            del content["tow_miss_m"], content["towing_m_s"]
+        return content
 
 
 @dataclass(frozen=True)
@@ -109,13 +119,13 @@ class RefinedFlight:
 
     @property
     def planned_delta_v_m_s(self) -> float:
-        """ΔV of the legs as the plan states it [m/s]."""
-        return sum(leg.planned_delta_v_m_s for leg in self.legs)
+        """ΔV of the legs and tows as the plan states it [m/s]."""
+        return sum(leg.planned_delta_v_m_s + leg.towing_m_s for leg in self.legs)
 
     @property
     def flown_delta_v_m_s(self) -> float:
-        """ΔV of the legs as flown [m/s]."""
-        return sum(leg.flown_delta_v_m_s for leg in self.legs)
+        """ΔV of the legs and tows as flown [m/s]."""
+        return sum(leg.flown_delta_v_m_s + leg.towing_m_s for leg in self.legs)
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data: what ``fly --json`` prints."""

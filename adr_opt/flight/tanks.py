@@ -82,6 +82,11 @@ def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[TankLegs]:
     return found
 
 
+def _burnt_m_s(leg: RefinedLeg) -> float:
+    """ΔV of its burns, whatever it states [m/s]."""
+    return math.fsum(burn.size_m_s for burn in leg.burns)
+
+
 def tanks_of(instance: Instance, refined: RefinedPlan) -> tuple[TankFlight, ...]:
     """The tanks of a refined plan, with what is planned and flown of each."""
     return tuple(
@@ -90,8 +95,12 @@ def tanks_of(instance: Instance, refined: RefinedPlan) -> tuple[TankFlight, ...]
             first_leg=one.legs[0].leg,
             last_leg=one.legs[-1].leg,
             budget_m_s=one.budget_m_s,
-            planned_delta_v_m_s=math.fsum(leg.planned_delta_v_m_s for leg in one.legs),
-            flown_delta_v_m_s=math.fsum(burn.size_m_s for leg in one.legs for burn in leg.burns),
+            planned_delta_v_m_s=math.fsum(
+                leg.planned_delta_v_m_s + leg.towing_m_s for leg in one.legs
+            ),
+            flown_delta_v_m_s=math.fsum(
+                part for leg in one.legs for part in (_burnt_m_s(leg), leg.towing_m_s)
+            ),
             chaser=one.chaser.name if several(instance) else None,
         )
         for one in legs_by_tank(instance, refined)

@@ -17,7 +17,6 @@ from ..instance import Instance
 from ..plan import InstanceReference, Plan
 from ..result import versions
 from ..routes import owners
-from ..tow import refuse_tows
 from .bodies import TrueBodies
 from .one_leg import refine_leg
 from .plan import (
@@ -100,12 +99,11 @@ def refine(
         raise InputError(f"jobs = {jobs}: must not be negative; 0 is for all cores")
     if jobs is not None and cluster is not None:
         raise InputError("jobs and a cluster exclude each other; leave one of them out")
-    refuse_tows(instance, "refine")
     refuse_what_cannot_be_flown(instance, plan)
     refuse_broken_chain(instance, plan)
     began = time.monotonic()
     legs = [(n, leg) for n, leg in enumerate(plan.legs, start=1) if leg.kind != "launch"]
-    whose = owners(instance, plan)
+    whose, tows = owners(instance, plan), plan.tows_before
     names = dict.fromkeys(name for _, leg in legs for name in (leg.origin, leg.destination))
     bodies = TrueBodies(instance, gravity, names)
     done: dict[int, RefinedLeg] = {}
@@ -113,7 +111,9 @@ def refine(
     report(0, len(legs))
     with closing(_calls(jobs, cluster)) as calls:
         running: dict[Future[RefinedLeg], int] = {
-            calls.submit(refine_leg, instance, bodies, number, leg, freedom): number
+            calls.submit(
+                refine_leg, instance, bodies, number, leg, freedom, tows.get(number)
+            ): number
             for number, leg in legs
         }
         left = set(running)

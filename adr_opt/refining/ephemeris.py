@@ -62,7 +62,7 @@ def tracks(
             if leg is None
             else f"leg = {leg}: the refined plan has no such leg"
         )
-    start, end = min(one.ready_s for one in legs), max(one.end_s for one in legs)
+    start, end = min(one.ready_s for one in legs), max(one.done_s for one in legs)
     if not (end - start) / step <= MOST_SAMPLES:
         raise InputError(
             f"{end - start:.3g} s, a state every {step:g} s, would be more than {MOST_SAMPLES:,} "
@@ -84,8 +84,9 @@ def _of_leg(
     name = f"leg {leg.leg}, {leg.origin} to {leg.destination}"
     departure = leg.states[0].time_s
     parts = []
-    waiting = moved(states[leg.origin], leg.ready_s, refined.gravity)
-    parts.append(("wait", leg.ready_s, waiting, departure))
+    if leg.tow_before is None:
+        waiting = moved(states[leg.origin], leg.ready_s, refined.gravity)
+        parts.append(("wait", leg.ready_s, waiting, departure))
     position = leg.states[0]
     state = np.array([*position.position_m, *position.velocity_m_s])
     now, phase = departure, "transfer"
@@ -96,6 +97,13 @@ def _of_leg(
         now, phase = burn.time_s, burn.phase
     target = moved(states[leg.destination], leg.arrival_s, refined.gravity)
     parts.append(("service", leg.arrival_s, target, leg.end_s))
+    if leg.tow is not None:
+        first, second = leg.tow.burns
+        waiting = moved(states[leg.destination], leg.end_s, refined.gravity)
+        parts.append(("wait", leg.end_s, waiting, first.time_s))
+        towing = moved(states[leg.destination], first.time_s, refined.gravity)
+        towing[3:] += first.delta_v_m_s
+        parts.append(("tow", first.time_s, towing, second.time_s))
     for phase, begin, begins, end in parts:
         arc = _arc(phase, begin, begins, end, step, refined.gravity)
         if arc is not None:

@@ -12,10 +12,14 @@ from ..expense import cost_of_routes
 from ..flight.result import tank_name
 from ..flight.tanks import legs_by_tank, tanks_of
 from ..instance import Instance
-from ..plan import Plan, Route, Unvisited
+from ..plan import Leg, Plan, Route, Unvisited
+from ..pricing import tow_flown
 from ..result import status_of
 from ..routes import Flown, routes_of, weighed
+from ..tow import tow_by_name
+from .bodies import Gravity, TrueBodies
 from .plan import RefinedLeg, RefinedPlan, reference
+from .towing import towed
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
 """What a leg may miss by, as `fly` judges it."""
@@ -80,7 +84,7 @@ def beginning(
     shown = tuple(
         Route(
             chaser=_route_name(plan, flown),
-            legs=weighed(instance, flown.chaser, (leg for _, leg in flown.legs[:held])),
+            legs=weighed(instance, flown.chaser, _ending(instance, flown, held)),
         )
         for flown, held in routes
     )
@@ -93,9 +97,31 @@ def beginning(
         notes=(*plan.notes, f"of {len(plan.legs)} legs {said} hold when refined"),
     )  # fmt: skip
     renumbered = [
-        leg.replace(leg=kept.index(leg.leg) + 1) for leg in refined.legs if leg.leg in kept
+        _towing(instance, refined.gravity, shorter, leg.replace(leg=kept.index(leg.leg) + 1))
+        for leg in refined.legs
+        if leg.leg in kept
     ]
     return shorter, _with(refined, reference(shorter).sha256, renumbered)
+
+
+def _ending(instance: Instance, flown: Flown, held: int) -> Iterator[Leg]:
+    """So many legs of a chaser. Who tows what is serviced last does not wait for another leg."""
+    tows = tow_by_name(instance)
+    for at, (_, leg) in enumerate(flown.legs[:held], start=1):
+        if leg.tow is None or at < held or held == len(flown.legs):
+            yield leg
+        else:
+            row = instance.orbits()[instance.names.index(leg.destination)]
+            yield leg.replace(tow=tow_flown(row, tows[leg.destination], leg.end_s))
+
+
+def _towing(instance: Instance, gravity: Gravity, plan: Plan, leg: RefinedLeg) -> RefinedLeg:
+    """A refined leg with the tow that its plan has now."""
+    tow = plan.legs[leg.leg - 1].tow
+    if tow is None or leg.tow is None or tow.start_s == leg.tow.burns[0].time_s:
+        return leg
+    bodies = TrueBodies(instance, gravity, [leg.destination])
+    return leg.replace(tow=towed(bodies, leg.destination, tow))
 
 
 def _route_name(plan: Plan, flown: Flown) -> str:

@@ -23,7 +23,6 @@ from ..result import Result
 from ..routes import routes_of
 from ..showing import Card, Shown
 from ..stop import Stop
-from ..tow import refuse_tows
 from .all_legs import refine
 from .holding import beginning, troubles
 from .lessons import Lessons
@@ -68,6 +67,7 @@ class Round:
             self.corrections.corrected(
                 leg.origin, leg.destination, leg.kind, leg.planned_delta_v_m_s
             )
+            + leg.towing_m_s
             for leg in self.refined.legs
         )
 
@@ -216,7 +216,6 @@ def solve_refined(
         raise InputError(f"rounds = {rounds}: must be at least 1")
     mission = problem_of(instance)
     refuse_given(mission.instance)
-    refuse_tows(mission.instance, "refine")
     lessons, best, held = Lessons(spend_savings), _Best(), list[Round]()
 
     able = [method_of(method), *([method_of(bound, BOUNDS)] if bound else [])]

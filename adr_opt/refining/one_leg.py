@@ -8,21 +8,28 @@ import numpy as np
 
 from ..instance import Instance
 from ..kernels.constants import EARTH_RADIUS_M, MU_M3_S2
-from ..plan import Burn, Leg
+from ..plan import Burn, Leg, Tow
 from ..trajectory.bodies import body_states
 from ..trajectory.kepler import drift, secular
-from .bodies import TrueBodies
+from ..trajectory.sampling import after_tow
+from .bodies import TrueBodies, moved
 from .leg import Course, Flown, NoWay, cheapen, close, residual
 from .own_burns import settle
 from .plan import Freedom, RefinedBurn, RefinedLeg, RefinedState
 from .short_periods import Array
+from .towing import state_of, towed
 
 HELPERS = 24
 """Times at which impulses may help where the plan's own burns cannot be closed."""
 
 
 def refine_leg(
-    instance: Instance, bodies: TrueBodies, number: int, leg: Leg, freedom: Freedom
+    instance: Instance,
+    bodies: TrueBodies,
+    number: int,
+    leg: Leg,
+    freedom: Freedom,
+    tow_before: Tow | None = None,
 ) -> RefinedLeg:
     """Lead one leg to its stand-off, and from there to its target.
 
@@ -38,6 +45,8 @@ def refine_leg(
     freedom : {"free", "planned"}
         Whether ΔV is made least with impulses at any time from the first burn to the stand-off, or
         the plan's burns keep their times and are kept near what they were (:mod:`.own_burns`).
+    tow_before : Tow, optional
+        That of the origin, with whose end the leg begins.
 
     Raises
     ------
@@ -48,10 +57,15 @@ def refine_leg(
     before, approach = leg.burns[:first], leg.burns[first:]
     start_s, standoff_s, docked_s = leg.burns[0].time_s, approach[0].time_s, approach[-1].time_s
     length = instance.transfer.standoff_m
-    transfer, to_target = planned_angles(instance, leg)
+    transfer, to_target = planned_angles(instance, leg, tow_before)
     rule = instance.transfer
+    led = None if tow_before is None else towed(bodies, leg.origin, tow_before)
+    if led is None:
+        start = bodies.state(leg.origin, start_s)
+    else:
+        start = moved(state_of(led.released), start_s - led.released.time_s, bodies.gravity)
     course = Course(
-        bodies.state(leg.origin, start_s),
+        start,
         bodies.following(leg.destination, standoff_s, length),
         start_s,
         standoff_s,
@@ -82,7 +96,7 @@ def refine_leg(
         kind="drift" if leg.kind == "drift" else "short",
         origin=leg.origin,
         destination=leg.destination,
-        ready_s=min(leg.ready_s, start_s),
+        ready_s=min(leg.ready_s, start_s) if led is None else start_s,
         standoff_s=standoff_s,
         arrival_s=docked_s,
         end_s=max(leg.end_s, docked_s),
@@ -94,14 +108,21 @@ def refine_leg(
         residual_m_s=max(miss[1] for miss in misses),
         burns=tuple(burns),
         states=tuple(_states(course, flown, docking)),
+        tow_before=led,
+        tow=None if leg.tow is None else towed(bodies, leg.destination, leg.tow),
     )
 
 
-def planned_angles(instance: Instance, leg: Leg) -> tuple[float, float]:
+def planned_angles(
+    instance: Instance, leg: Leg, tow_before: Tow | None = None
+) -> tuple[float, float]:
     """Angles that the chaser runs through by plan: to the stand-off, and from there on [rad]."""
-    position, velocity = (
-        each[0] for each in body_states(instance, leg.origin, leg.burns[0].time_s)
-    )
+    if tow_before is None:
+        position, velocity = (
+            each[0] for each in body_states(instance, leg.origin, leg.burns[0].time_s)
+        )
+    else:
+        position, velocity = after_tow(instance, leg.origin, tow_before)
     angles, approaching = [0.0, 0.0], 0
     for burn, after in zip(leg.burns[:-1], leg.burns[1:], strict=True):
         if burn.phase == "approach":

@@ -29,7 +29,7 @@ Gravity = Literal["two-body", "j2", "j3", "j4"]
 Freedom = Literal["free", "planned"]
 Status = Literal["complete", "incomplete"]
 Phase = Literal[
-    "hohmann-1", "phasing", "co-elliptic", "terminal", "drift", "transfer", "approach"
+    "hohmann-1", "phasing", "co-elliptic", "terminal", "drift", "transfer", "approach", "tow"
 ]  # fmt: skip
 
 Position = Annotated[
@@ -60,7 +60,10 @@ class BodyState(Record):
 
 
 class RefinedBurn(Record):
-    """An impulse. ``phase`` is that of the plan's burn, or ``transfer`` where burns are free."""
+    """An impulse. ``phase`` is that of the plan's burn, or ``transfer`` where burns are free.
+
+    Those of tows have ``tow``.
+    """
 
     time_s: Time
     delta_v_m_s: Velocity
@@ -75,10 +78,38 @@ class RefinedBurn(Record):
 class RefinedState(Record):
     """An osculating state of the chaser at an event, after the burn if there is one."""
 
-    event: Literal["departure", "burn", "stand-off", "arrival"]
+    event: Literal["departure", "burn", "stand-off", "arrival", "release"]
     time_s: Time
     position_m: Position
     velocity_m_s: Velocity
+
+
+class RefinedTow(Record):
+    """How an object is carried down in true dynamics: from its own orbit, by two burns.
+
+    They are made at the plan's times and as large, against the motion that there is. ``released``
+    is where chaser and object are after the second one.
+    """
+
+    burns: Annotated[tuple[RefinedBurn, ...], Field(strict=False, min_length=2, max_length=2)]
+    released: RefinedState
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        begin, end = self.burns
+        if {begin.phase, end.phase} != {"tow"} or not begin.time_s <= end.time_s:
+            raise ValueError('field burns: must be two in time order, of phase "tow"')
+        if self.released.time_s != end.time_s:
+            raise ValueError(
+                f"field released: time_s = {self.released.time_s!r} is not that of the second "
+                f"burn; write {end.time_s!r}"
+            )
+        return self
+
+    @property
+    def delta_v_m_s(self) -> float:
+        """Of both burns [m/s]."""
+        return math.fsum(burn.size_m_s for burn in self.burns)
 
 
 class RefinedLeg(Record):
@@ -89,7 +120,9 @@ class RefinedLeg(Record):
     The residuals are the larger ones of those two. ``planned_delta_v_m_s`` is that of the plan,
     ``retargeted_delta_v_m_s`` that of the plan's own burns, kept near what they were, and
     ``flown_delta_v_m_s`` the sum of ``burns``. ``chaser`` is who flies it, where there are several;
-    where there is one, files say nothing of it.
+    where there is one, files say nothing of it. ``tow`` is that of the destination after its
+    service, ``tow_before`` that of the origin, from whose end the leg begins; their burns count
+    in neither sum. Where there are none, files say nothing of them.
     """
 
     leg: Annotated[int, Field(ge=1)]
@@ -109,12 +142,30 @@ class RefinedLeg(Record):
     residual_m_s: NonNegative
     burns: Annotated[tuple[RefinedBurn, ...], Field(strict=False, min_length=1)]
     states: Annotated[tuple[RefinedState, ...], Field(strict=False, min_length=1)]
+    tow_before: RefinedTow | None = None
+    tow: RefinedTow | None = None
+
+    @property
+    def towing_m_s(self) -> float:
+        """ΔV of the tow of the destination; 0 without one [m/s]."""
+        return 0.0 if self.tow is None else self.tow.delta_v_m_s
+
+    @property
+    def towing_s(self) -> float:
+        """How long that takes [s]."""
+        return 0.0 if self.tow is None else self.tow.released.time_s - self.tow.burns[0].time_s
+
+    @property
+    def done_s(self) -> float:
+        """When the leg is over: its service, or the tow that follows [s]."""
+        return self.end_s if self.tow is None else self.tow.released.time_s
 
     @model_serializer(mode="wrap")
     def _without_none(self, plainly: SerializerFunctionWrapHandler) -> dict[str, Any]:
         content: dict[str, Any] = plainly(self)
-        if self.chaser is None:
-            content.pop("chaser", None)
+        for name in ("chaser", "tow_before", "tow"):
+            if getattr(self, name) is None:
+                content.pop(name, None)
         return content
 
     @model_validator(mode="after")
@@ -133,6 +184,10 @@ class RefinedLeg(Record):
                 f"field flown_delta_v_m_s = {self.flown_delta_v_m_s!r}: the burns add up to "
                 f"{total!r}; write that"
             )
+        if self.tow_before is not None and self.tow_before.released.time_s > times[0]:
+            raise ValueError("field tow_before: ends after the first burn; correct its times")
+        if self.tow is not None and self.tow.burns[0].time_s < self.arrival_s:
+            raise ValueError("field tow: begins before arrival_s; correct its times")
         return self
 
 
@@ -187,13 +242,18 @@ class RefinedPlan(Shown, Record):
 
     @property
     def planned_delta_v_m_s(self) -> float:
-        """ΔV of the refined legs as the plan states it [m/s]."""
-        return math.fsum(leg.planned_delta_v_m_s for leg in self.legs)
+        """ΔV of the refined legs and their tows as the plan states it [m/s]."""
+        return math.fsum(leg.planned_delta_v_m_s + leg.towing_m_s for leg in self.legs)
+
+    @property
+    def retargeted_delta_v_m_s(self) -> float:
+        """The same with the plan's own burns, kept near what they were [m/s]."""
+        return math.fsum(leg.retargeted_delta_v_m_s + leg.towing_m_s for leg in self.legs)
 
     @property
     def flown_delta_v_m_s(self) -> float:
-        """ΔV of the refined legs [m/s]."""
-        return math.fsum(leg.flown_delta_v_m_s for leg in self.legs)
+        """ΔV of the refined legs and their tows [m/s]."""
+        return math.fsum(leg.flown_delta_v_m_s + leg.towing_m_s for leg in self.legs)
 
     def to_json(self) -> str:
         """The refined plan file."""

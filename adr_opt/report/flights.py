@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 
 from ..flight import EccentricFlight, Flight, LegFlight, RefinedFlight, TankFlight
@@ -153,7 +152,7 @@ def _of_refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight 
 
 def _total(refined: RefinedPlan) -> str:
     """What the refined legs take in all."""
-    own = math.fsum(leg.retargeted_delta_v_m_s for leg in refined.legs)
+    own = refined.retargeted_delta_v_m_s
     return (
         f"In all, {counted(len(refined.legs), 'leg')}: planned with "
         f"{fixed(refined.planned_delta_v_m_s, 1)} m/s, {fixed(own, 1)} m/s with the plan’s own "

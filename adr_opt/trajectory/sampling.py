@@ -209,7 +209,7 @@ def _arcs(
     start = leg.leaves_s
     try:
         if before is not None:
-            position, velocity = _towed(instance, leg.origin, before, None)[1]
+            position, velocity = after_tow(instance, leg.origin, before)
         else:
             times = _times(leg.ready_s, start, step_s)
             if times is not None:
@@ -253,6 +253,11 @@ def _stay(instance: Instance, leg: Leg, step_s: float | None) -> Iterator[Arc]:
     arc, _ = _towed(instance, leg.destination, leg.tow, step_s)
     if arc is not None:
         yield arc
+
+
+def after_tow(instance: Instance, body: str, tow: Tow) -> tuple[Array, Array]:
+    """Where the model says that a tow leads to: position [m] and velocity [m/s]."""
+    return _towed(instance, body, tow, None)[1]
 
 
 def _towed(

@@ -1,0 +1,53 @@
+"""Tows in true dynamics: two burns against the motion, as large as the plan's and at its times.
+
+The plan's burns are those between circles, of which the first is half a revolution before the
+second. An osculating orbit is no circle, by kilometres; burns of the same size leave the object on
+an orbit as near to one. Nothing is met at its end, so that there is nothing to correct: the next
+leg begins wherever the tow has led.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..plan import Tow
+from .bodies import TrueBodies, moved
+from .plan import RefinedBurn, RefinedState, RefinedTow
+from .short_periods import Array
+
+
+def towed(bodies: TrueBodies, name: str, tow: Tow) -> RefinedTow:
+    """Tow an object in true dynamics.
+
+    Parameters
+    ----------
+    bodies : TrueBodies
+        With the object.
+    name : str
+        Of the object.
+    tow : Tow
+        Of the plan, with two burns.
+
+    Raises
+    ------
+    ArithmeticError
+        It leads into the Earth.
+    """
+    now = tow.burns[0].time_s
+    state, burns = bodies.state(name, now), []
+    for burn in tow.burns:
+        state, now = moved(state, burn.time_s - now, bodies.gravity), burn.time_s
+        impulse = -burn.size_m_s * state[3:] / np.linalg.norm(state[3:])
+        state[3:] += impulse
+        made = tuple(impulse.tolist())
+        burns.append(RefinedBurn(time_s=burn.time_s, delta_v_m_s=made, phase="tow"))
+    values = state.tolist()
+    released = RefinedState(
+        event="release", time_s=now, position_m=tuple(values[:3]), velocity_m_s=tuple(values[3:])
+    )
+    return RefinedTow(burns=tuple(burns), released=released)
+
+
+def state_of(released: RefinedState) -> Array:
+    """A state as an array, shape (6,) [m, m/s]."""
+    return np.array([*released.position_m, *released.velocity_m_s])
