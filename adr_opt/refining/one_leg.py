@@ -9,9 +9,8 @@ import numpy as np
 from ..instance import Instance
 from ..kernels.constants import EARTH_RADIUS_M, MU_M3_S2
 from ..plan import Burn, Leg, Tow
-from ..trajectory.bodies import body_states
+from ..trajectory.bodies import after_tow, body_states
 from ..trajectory.kepler import drift, secular
-from ..trajectory.sampling import after_tow
 from .bodies import TrueBodies, moved
 from .leg import Course, Flown, NoWay, cheapen, close, residual
 from .own_burns import settle

@@ -12,7 +12,8 @@ from ..instance import Instance
 from ..kernels import orbits
 from ..kernels.constants import MU_M3_S2
 from ..orbit import Orbit
-from .kepler import Array, propagate, turned
+from ..plan import Tow
+from .kepler import Array, drift, propagate, turned
 
 
 def body_states(
@@ -50,6 +51,16 @@ def body_states(
     if true_orbits and orbit.eccentricity > 0.0:
         return _on_ellipse(orbit, instance.oblateness_m2, times)
     return _on_circle(orbit, instance.oblateness_m2, times)
+
+
+def after_tow(instance: Instance, body: str, tow: Tow) -> tuple[Array, Array]:
+    """Where the burns of a tow lead to: position [m] and velocity [m/s], of shape (3,) each."""
+    begin, end = tow.burns
+    position, velocity = (state[0] for state in body_states(instance, body, begin.time_s))
+    velocity = velocity + np.array(begin.delta_v_m_s)
+    span_s = end.time_s - begin.time_s
+    positions, velocities = drift(position, velocity, span_s, instance.oblateness_m2)
+    return positions[0], velocities[0] + np.array(end.delta_v_m_s)
 
 
 def body_secular(instance: Instance, body: str) -> tuple[float, float]:

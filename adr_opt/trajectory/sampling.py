@@ -15,7 +15,7 @@ from ..instance import Instance
 from ..kernels.constants import DAY_S
 from ..limits import service_begins
 from ..plan import Leg, Plan, Tow
-from .bodies import body_secular, body_states
+from .bodies import after_tow, body_secular, body_states
 from .kepler import Array, drift, secular
 
 PHASES = (
@@ -250,32 +250,22 @@ def _stay(instance: Instance, leg: Leg, step_s: float | None) -> Iterator[Arc]:
     times = _times(leg.end_s, leg.tow.start_s, step_s)
     if times is not None:
         yield _at_body("wait", times, instance, leg.destination)
-    arc, _ = _towed(instance, leg.destination, leg.tow, step_s)
+    arc = _towed(instance, leg.destination, leg.tow, step_s)
     if arc is not None:
         yield arc
 
 
-def after_tow(instance: Instance, body: str, tow: Tow) -> tuple[Array, Array]:
-    """Where the model says that a tow leads to: position [m] and velocity [m/s]."""
-    return _towed(instance, body, tow, None)[1]
-
-
-def _towed(
-    instance: Instance, body: str, tow: Tow, step_s: float | None
-) -> tuple[Arc | None, tuple[Array, Array]]:
-    """The arc of a tow, and where it leads to: position [m] and velocity [m/s]."""
+def _towed(instance: Instance, body: str, tow: Tow, step_s: float | None) -> Arc | None:
+    """The arc of a tow; None where it takes next to no time."""
     begin, end = tow.burns
-    position, velocity = (state[0] for state in body_states(instance, body, begin.time_s))
-    velocity = velocity + np.array(begin.delta_v_m_s)
     times = _times(begin.time_s, end.time_s, step_s)
     if times is None:
-        return None, (position, velocity + np.array(end.delta_v_m_s))
+        return None
+    position, velocity = (state[0] for state in body_states(instance, body, begin.time_s))
+    velocity = velocity + np.array(begin.delta_v_m_s)
     oblateness = instance.oblateness_m2
     positions, velocities = drift(position, velocity, times - begin.time_s, oblateness)
-    left = positions[-1], velocities[-1] + np.array(end.delta_v_m_s)
-    return (
-        _arc("tow", times, positions, velocities, *secular(position, velocity, oblateness)), left
-    )  # fmt: skip
+    return _arc("tow", times, positions, velocities, *secular(position, velocity, oblateness))
 
 
 def _step(duration_s: float, step_s: float | None) -> float:
