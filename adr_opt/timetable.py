@@ -314,9 +314,9 @@ class Timetable(Shown):
     ) -> tuple[float, float]:
         """The transfer chosen for a chaser that is ready at ``origin`` at ``time_s``.
 
-        Of all connections that depart then or later, and leave time for service within the window
-        of the destination, the one with the least ΔV + time value · (time until service may
-        begin).
+        Of all connections that depart then or later, when a chaser is there, and leave time for
+        service within the window of the destination, the one with the least ΔV + time value · (time
+        until service may begin).
 
         Returns
         -------

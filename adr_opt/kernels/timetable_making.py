@@ -8,7 +8,7 @@ import numpy as np
 from . import orbits, sequences, transfer
 from .compile import kernel
 from .connections import Found
-from .timetable import LEAST_STEPS, NO_SLOTS, Table, slot_of
+from .timetable import LEAST_STEPS, NO_SLOTS, Table, earliest_taken, slot_of
 
 
 class Limits(NamedTuple):
@@ -99,6 +99,12 @@ def fill(first, last, pairs, leaving, bodies, extra_delta_v, rule, limits, table
             departure = start + m * half_period
             if departure > limits.duration:
                 break
+            if departure < earliest_taken(limits.ready):
+                # Before anybody is there; who asks waits for what leaves later.
+                table.entries[i, m, slot, 0] = math.inf
+                table.entries[i, m, slot, 1] = math.inf
+                m += 1
+                continue
             lead = transfer.target_lead(pair, departure, half_turns + m)
             best = sequences.best_sequence(
                 pair, rule, departure, lead, opens - departure, closes - departure
@@ -123,7 +129,8 @@ def fill(first, last, pairs, leaving, bodies, extra_delta_v, rule, limits, table
 def choose(found, limits, j, time_value, taken):
     """The connections of a pair that are ever chosen, in order of departure; how many.
 
-    Whoever is ready between the departure before and that of a connection takes it.
+    Whoever is ready between the departure before and that of a connection takes it. Nobody is
+    before the mission's time of that.
 
     Parameters
     ----------
@@ -142,6 +149,8 @@ def choose(found, limits, j, time_value, taken):
         begins = max(found.arrival[c], limits.opens[j])
         if begins + limits.service[j] > limits.closes[j] or found.departure[c] > limits.duration:
             continue
+        if found.departure[c] < earliest_taken(limits.ready):
+            break
         cost = found.delta_v[c] + time_value * begins
         # Of those that leave together one is chosen; an earlier one has to be better.
         if cost < best:
