@@ -515,6 +515,25 @@ def test_a_refined_file_says_its_tows():
         following.replace(tow_before=late)
 
 
+@pytest.mark.parametrize("field_name", ["tow", "tow_before"])
+def test_a_refined_plan_without_its_tows_is_refused(field_name):
+    """Whoever leaves a tow out of a refined plan, or adds one, is told so before it is flown."""
+    instance, _, one = refined("j2", 2, "free")
+    at, lost = next((k, leg) for k, leg in enumerate(one.legs) if getattr(leg, field_name))
+    without = lost.replace(**{field_name: None})
+    spoiled = one.replace(legs=(*one.legs[:at], without, *one.legs[at + 1 :]))
+    with pytest.raises(InputError, match="is towed, and the leg has no tow of it"):
+        fly_refined(instance, spoiled)
+    tow = getattr(lost, field_name)
+    other, bare = next((k, leg) for k, leg in enumerate(one.legs) if not getattr(leg, field_name))
+    legs = list(one.legs)
+    # Its times are those of another leg, which nobody looks at before.
+    legs[other] = bare.model_copy(update={field_name: tow})
+    spoiled = one.model_copy(update={"legs": tuple(legs)})
+    with pytest.raises(InputError, match="is not towed"):
+        fly_refined(instance, spoiled)
+
+
 def test_a_plan_with_tows_is_planned_until_it_holds():
     """Rounds of planning and refining know tows, and what is left of a plan keeps its own."""
     instance = field("j2")

@@ -25,6 +25,7 @@ from ..kernels.gravity import FIELDS
 from ..refining.bodies import Gravity
 from ..refining.plan import RefinedBurn, RefinedLeg
 from ..refining.short_periods import Array
+from ..refining.states import state_of
 from .errors import FlightErrors
 
 WORTH_M_S_PER_M = 0.1
@@ -101,9 +102,14 @@ def parts_of(leg: RefinedLeg, gravity: Gravity, corrections: int) -> tuple[Part,
     """
     first = next(at for at, burn in enumerate(leg.burns) if burn.phase == "approach")
     begin = leg.states[0]
-    start = np.array([*begin.position_m, *begin.velocity_m_s])
     transfer = part(
-        start, begin.time_s, leg.burns[:first], leg.standoff_s, gravity, corrections, blind=True
+        state_of(begin),
+        begin.time_s,
+        leg.burns[:first],
+        leg.standoff_s,
+        gravity,
+        corrections,
+        blind=True,
     )
     approach = part(transfer.goal, leg.standoff_s, leg.burns[first:], leg.arrival_s, gravity)
     return transfer, approach

@@ -78,13 +78,20 @@ def fly_refined(
 
 
 def refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
-    """Raise :class:`InputError` for a refined plan of another instance, or of unknown names."""
+    """Raise :class:`InputError` for a refined plan of another instance, or of unknown names.
+
+    Or for one that lacks a tow, or has one too many.
+    """
     refuse_foreign(instance, refined)
     refined_routes(instance, refined)
+    towed = {target.name for target in instance.targets if target.removal == "tow"}
     for leg in refined.legs:
-        for name in (leg.origin, leg.destination):
+        for name, tow in ((leg.origin, leg.tow_before), (leg.destination, leg.tow)):
             if name not in instance.names:
                 raise InputError(f"leg {leg.leg}: {name!r} is not a body of the instance")
+            if (name in towed) != (tow is not None):
+                wrong = "towed, and the leg has no tow of it" if name in towed else "not towed"
+                raise InputError(f"leg {leg.leg}: {name!r} is {wrong}; refine the plan again")
 
 
 class _World:

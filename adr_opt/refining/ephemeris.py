@@ -13,6 +13,7 @@ from ..trajectory.sampling import FEWEST_INTERVALS, MOST_SAMPLES, SHORTEST_ARC_S
 from .bodies import Gravity, moved
 from .plan import RefinedLeg, RefinedPlan
 from .short_periods import Array
+from .states import state_of
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ def tracks(
             f"{end - start:.3g} s, a state every {step:g} s, would be more than {MOST_SAMPLES:,} "
             "states; take a longer step"
         )
-    states = {one.name: np.array([*one.position_m, *one.velocity_m_s]) for one in refined.bodies}
+    states = {one.name: state_of(one) for one in refined.bodies}
     if body is not None:
         if body not in states:
             raise InputError(f"{body!r} is not a body that the refined plan visits")
@@ -87,8 +88,7 @@ def _of_leg(
     if leg.tow_before is None:
         waiting = moved(states[leg.origin], leg.ready_s, refined.gravity)
         parts.append(("wait", leg.ready_s, waiting, departure))
-    position = leg.states[0]
-    state = np.array([*position.position_m, *position.velocity_m_s])
+    state = state_of(leg.states[0])
     now, phase = departure, "transfer"
     for burn in leg.burns:
         parts.append((phase, now, state, burn.time_s))

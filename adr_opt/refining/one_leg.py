@@ -16,7 +16,8 @@ from .leg import Course, Flown, NoWay, cheapen, close, residual
 from .own_burns import settle
 from .plan import Freedom, RefinedBurn, RefinedLeg, RefinedState
 from .short_periods import Array
-from .towing import state_of, towed
+from .states import recorded, state_of
+from .towing import towed
 
 HELPERS = 24
 """Times at which impulses may help where the plan's own burns cannot be closed."""
@@ -184,26 +185,14 @@ def _burns(flown: Flown, phases: list[str]) -> list[RefinedBurn]:
 
 def _states(course: Course, flown: Flown, docking: Flown) -> list[RefinedState]:
     """States at the departure, after each burn, at the stand-off, and docked."""
-    found = [_state("departure", course.start_s, course.start)]
+    found = [recorded("departure", course.start_s, course.start)]
     for part in (flown, docking):
         for time, before, impulse in zip(part.times, part.states[:-1], part.impulses, strict=True):
             after = before.copy()
             after[3:] += impulse
-            found.append(_state("burn", time, after))
+            found.append(recorded("burn", time, after))
         if part is flown:
-            found.append(_state("stand-off", course.end_s, part.states[-1]))
+            found.append(recorded("stand-off", course.end_s, part.states[-1]))
     # The last burn is at the target: what follows it is docked.
-    found.append(_state("arrival", docking.times[-1], docking.states[-1]))
+    found.append(recorded("arrival", docking.times[-1], docking.states[-1]))
     return found
-
-
-def _state(event: str, time: float, state: Array) -> RefinedState:
-    values = state.tolist()
-    return RefinedState.model_validate(
-        {
-            "event": event,
-            "time_s": float(time),
-            "position_m": tuple(values[:3]),
-            "velocity_m_s": tuple(values[3:]),
-        }
-    )

@@ -12,8 +12,8 @@ import numpy as np
 
 from ..plan import Tow
 from .bodies import TrueBodies, moved
-from .plan import RefinedBurn, RefinedState, RefinedTow
-from .short_periods import Array
+from .plan import RefinedBurn, RefinedTow
+from .states import recorded
 
 
 def towed(bodies: TrueBodies, name: str, tow: Tow) -> RefinedTow:
@@ -41,13 +41,4 @@ def towed(bodies: TrueBodies, name: str, tow: Tow) -> RefinedTow:
         state[3:] += impulse
         made = tuple(impulse.tolist())
         burns.append(RefinedBurn(time_s=burn.time_s, delta_v_m_s=made, phase="tow"))
-    values = state.tolist()
-    released = RefinedState(
-        event="release", time_s=now, position_m=tuple(values[:3]), velocity_m_s=tuple(values[3:])
-    )
-    return RefinedTow(burns=tuple(burns), released=released)
-
-
-def state_of(released: RefinedState) -> Array:
-    """A state as an array, shape (6,) [m, m/s]."""
-    return np.array([*released.position_m, *released.velocity_m_s])
+    return RefinedTow(burns=tuple(burns), released=recorded("release", now, state))
