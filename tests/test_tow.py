@@ -17,49 +17,29 @@ from random_rules import (
     random_mission,
     towing,
 )
+from towed_fields import field
 
 import adr_opt
 from adr_opt import analysis
 from adr_opt.campaign import Campaign
 from adr_opt.cargo import followed, loads_of
 from adr_opt.checking.tank import Tank
-from adr_opt.dispersion import sample_flights
 from adr_opt.episodes import check_playable
 from adr_opt.errors import InputError
 from adr_opt.export import write_matrix
-from adr_opt.flight import fly, fly_refined
+from adr_opt.flight import fly
 from adr_opt.instance import Instance
 from adr_opt.kernels import drift, orbits
-from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2, SLACK_M_S
+from adr_opt.kernels.constants import SLACK_M_S
 from adr_opt.kernels.loads import after_service
 from adr_opt.mission import Mission
 from adr_opt.plan import Plan
 from adr_opt.planes import ahead, outward
 from adr_opt.plot.segments import segments
-from adr_opt.refining import refine
-from adr_opt.refining.ephemeris import tracks
-from adr_opt.refining.holding import beginning
-from adr_opt.refining.plan import RefinedPlan
 from adr_opt.tow import leaving_orbits, tows_of
 from adr_opt.trajectory import sample, write_plan
 
 CASES = 96
-
-TANK = {"dry_mass_kg": 300.0, "propellant_kg": 600.0, "isp_s": 300.0}
-
-
-def field(dynamics: str = "two-body", every: int = 2) -> Instance:
-    """A tiny field, by turns with objects that are towed and that are not, and a heavy tank."""
-    drawn = adr_opt.generate("tiny", 0, targets=6)
-    return drawn.replace(
-        dynamics=dynamics,
-        targets=tuple(
-            target.replace(removal="tow" if number % every == 0 else "visit", mass_kg=250.0)
-            for number, target in enumerate(drawn.targets)
-        ),
-        chasers=(drawn.chaser.replace(tank=TANK),),
-        mission=drawn.mission.replace(disposal_altitude_m=450e3),
-    )
 
 
 @cache
@@ -412,155 +392,3 @@ def test_what_is_exported_has_the_burns_of_tows(tmp_path):
         write_plan(instance, plan, tmp_path / "leg.script", leg=number)
     with pytest.raises(InputError, match="knows no tows"):
         write_matrix(Mission(instance), tmp_path / "a.vrp", [0.0])
-
-
-@cache
-def refined(dynamics: str, every: int, freedom: str) -> tuple[Instance, Plan, RefinedPlan]:
-    """A plan with tows in true dynamics."""
-    instance = field(dynamics, every)
-    plan = adr_opt.solve(instance, "greedy-guarded").plan
-    return instance, plan, refine(instance, plan, freedom=freedom)
-
-
-REFINED = [
-    (dynamics, every, freedom)
-    for dynamics in ("two-body", "j2")
-    for every in (1, 2)
-    for freedom in ("free", "planned")
-]
-
-
-@pytest.mark.parametrize("case", REFINED)
-def test_refined_legs_begin_where_tows_lead(case):
-    """Flown by another integrator all legs arrive that begin where tows end, and so do the tows."""
-    instance, plan, one = refined(*case)
-    assert len(plan.tows_before) >= 2
-    flight = fly_refined(instance, one)
-    assert flight.holds
-    assert flight.worst_miss_m < 0.1
-    assert max(leg.departure_miss_m for leg in flight.legs) < 0.1
-    for leg, planned, flown in zip(one.legs, plan.legs, flight.legs, strict=True):
-        assert (leg.tow is None) == (planned.tow is None) == (flown.tow_miss_m is None)
-        before = plan.tows_before.get(leg.leg)
-        assert (leg.tow_before is None) == (before is None)
-        if before is not None:
-            assert leg.states[0].time_s == pytest.approx(before.end_s, abs=1e-6)
-        if leg.tow is not None:
-            assert flown.tow_miss_m < 0.1
-            assert leg.towing_m_s == pytest.approx(planned.tow.delta_v_m_s)
-
-
-@pytest.mark.parametrize("case", REFINED)
-def test_refined_tows_are_paid_for(case):
-    """Tanks and totals hold legs and tows, and with the plan's own burns about what it states."""
-    instance, plan, one = refined(*case)
-    towing = math.fsum(leg.tow.delta_v_m_s for leg in plan.legs if leg.tow)
-    assert one.planned_delta_v_m_s == pytest.approx(plan.delta_v_m_s)
-    legs = math.fsum(leg.flown_delta_v_m_s for leg in one.legs)
-    assert one.flown_delta_v_m_s == pytest.approx(legs + towing)
-    assert one.retargeted_delta_v_m_s == pytest.approx(plan.delta_v_m_s, rel=0.005)
-    flight = fly_refined(instance, one)
-    assert flight.flown_delta_v_m_s == pytest.approx(one.flown_delta_v_m_s)
-    assert math.fsum(tank.flown_delta_v_m_s for tank in flight.tanks) == pytest.approx(
-        one.flown_delta_v_m_s
-    )
-    flown = [(leg.destination, leg.flown_delta_v_m_s) for leg in one.legs]
-    left = followed(instance, instance.chaser, flown)[-1].left_m_s
-    tank = flight.tanks[-1]
-    assert tank.budget_m_s - tank.flown_delta_v_m_s == pytest.approx(left)
-
-
-@pytest.mark.parametrize("case", REFINED)
-def test_objects_are_released_where_they_are_disposed_of(case):
-    """They end on circles at the disposal altitude, under J2 up to its short periods."""
-    instance, _, one = refined(*case)
-    near_m = 1e-3 if instance.dynamics == "two-body" else 15e3
-    for tow in (leg.tow for leg in one.legs if leg.tow is not None):
-        radius = math.hypot(*tow.released.position_m)
-        axis = 1.0 / (2.0 / radius - math.hypot(*tow.released.velocity_m_s) ** 2 / MU_M3_S2)
-        for length in (radius, axis):
-            disposal = instance.mission.disposal_altitude_m + EARTH_RADIUS_M
-            assert abs(length - disposal) < near_m
-
-
-def test_the_ephemeris_of_tows_has_no_gaps():
-    """Arcs of a refined flight with tows join each other in time and place."""
-    _, _, one = refined("j2", 2, "free")
-    arcs = [track.arc for track in tracks(one)]
-    assert sum(arc.phase == "tow" for arc in arcs) == sum(leg.tow is not None for leg in one.legs)
-    for first, second in pairwise(arcs):
-        assert second.times_s[0] == pytest.approx(first.times_s[-1], abs=1e-3)
-        assert np.linalg.norm(second.positions_m[0] - first.positions_m[-1]) < 10.0
-
-
-def test_a_refined_file_says_its_tows():
-    """A refined plan with tows is read as it is written; spoiled tows are refused in a sentence."""
-    _, _, one = refined("j2", 2, "free")
-    assert RefinedPlan.from_json(one.to_json()) == one
-    towed = next(leg for leg in one.legs if leg.tow is not None)
-    first, second = towed.tow.burns
-    with pytest.raises(ValueError, match="two in time order"):
-        towed.tow.replace(burns=(second, first))
-    with pytest.raises(ValueError, match="not that of the second burn"):
-        towed.tow.replace(released=towed.tow.released.replace(time_s=first.time_s))
-    with pytest.raises(ValueError, match="begins before arrival_s"):
-        towed.replace(arrival_s=second.time_s, end_s=second.time_s)
-    following = next(leg for leg in one.legs if leg.tow_before is not None)
-    first, second = following.tow_before.burns
-    late = following.tow_before.replace(
-        burns=(first, second.replace(time_s=following.arrival_s)),
-        released=following.tow_before.released.replace(time_s=following.arrival_s),
-    )
-    with pytest.raises(ValueError, match="ends after the first burn"):
-        following.replace(tow_before=late)
-
-
-@pytest.mark.parametrize("field_name", ["tow", "tow_before"])
-def test_a_refined_plan_without_its_tows_is_refused(field_name):
-    """Whoever leaves a tow out of a refined plan, or adds one, is told so before it is flown."""
-    instance, _, one = refined("j2", 2, "free")
-    at, lost = next((k, leg) for k, leg in enumerate(one.legs) if getattr(leg, field_name))
-    without = lost.replace(**{field_name: None})
-    spoiled = one.replace(legs=(*one.legs[:at], without, *one.legs[at + 1 :]))
-    with pytest.raises(InputError, match="is towed, and the leg has no tow of it"):
-        fly_refined(instance, spoiled)
-    tow = getattr(lost, field_name)
-    other, bare = next((k, leg) for k, leg in enumerate(one.legs) if not getattr(leg, field_name))
-    legs = list(one.legs)
-    # Its times are those of another leg, which nobody looks at before.
-    legs[other] = bare.model_copy(update={field_name: tow})
-    spoiled = one.model_copy(update={"legs": tuple(legs)})
-    with pytest.raises(InputError, match="is not towed"):
-        fly_refined(instance, spoiled)
-
-
-def test_a_plan_with_tows_is_planned_until_it_holds():
-    """Rounds of planning and refining know tows, and what is left of a plan keeps its own."""
-    instance = field("j2")
-    found = adr_opt.solve_refined(instance, "greedy", rounds=2, time_limit=5.0)
-    assert found.holds
-    assert fly_refined(instance, found.refined).holds
-    mission = Mission(instance)
-    _, plan, one = refined("j2", 2, "free")
-    broken = one.replace(
-        status="incomplete", legs=one.legs[:-1],
-        missing=({"leg": len(plan.legs), "reason": "lost"},),
-    )  # fmt: skip
-    shorter, kept = beginning(mission, plan, broken)
-    assert len(shorter.legs) == len(kept.legs) == len(plan.legs) - 1
-    assert adr_opt.check(instance, shorter) == ()
-    assert fly_refined(instance, kept).holds
-    assert kept.legs[-1].tow is not None
-    assert kept.legs[-1].tow.burns[0].time_s == shorter.legs[-1].end_s
-
-
-def test_flights_with_errors_pay_for_tows():
-    """What a flight with errors takes holds the tows, and no leg is late for them alone."""
-    instance, _, one = refined("j2", 2, "free")
-    found = sample_flights(instance, one, flights=20)
-    towing = math.fsum(leg.towing_m_s for leg in one.legs)
-    assert found.refined_delta_v_m_s == pytest.approx(one.flown_delta_v_m_s)
-    assert found.delta_v_m_s.value > towing + 0.9 * (one.flown_delta_v_m_s - towing)
-    assert [tank.refined_delta_v_m_s for tank in found.tanks] == pytest.approx(
-        [one.flown_delta_v_m_s]
-    )
