@@ -1,4 +1,4 @@
-"""Fewer pairs of bodies, the nearest ones, where time or memory is short of the whole timetable."""
+"""Fewer pairs of bodies, or none, where time or memory is short of the whole timetable."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from functools import cached_property
 
 from .campaign import Problem
 from .kernels.timetable_making import WAVE
+from .mission import Mission
 from .pairs import nearest_pairs
 from .result import Result, status_of
 from .timetable_size import TABLE_BYTES, estimate
@@ -22,6 +23,10 @@ PATIENCE = 1.5
 
 MOMENT_S = 0.5
 """Who interrupts a build waits for it if it will be done that soon [s]."""
+
+RANKS = 300
+"""At so many destinations of each body, the nearest, searches look that ask for rows on demand,
+and at the required targets."""
 
 LEAST_S = 1.0
 """It may take so long in any case, so that no short limit leaves out a pair of a usual field."""
@@ -54,23 +59,31 @@ class Candidates:
     def none(self) -> bool:
         """Whether there are not even the nearest destinations of one body."""
         timetable = self.mission.missions[0].timetable
+        if timetable.is_asked:
+            return False
         return not self.all and timetable.built < min(WAVE, timetable.pairs.near.shape[1])
 
     @cached_property
     def _cost(self) -> str:
         """What the timetable of everything takes."""
         size, pairs = estimate(self.mission.instance), self.mission.missions[0].timetable.pairs
-        memory = (
-            f" and {size.bytes / 2**30:.3g} GiB of memory"
-            if pairs.near.shape[1] < size.bodies - 1
-            else ""
-        )
-        return f"that of all pairs takes about {self.whole_s:.2g} s{memory}"
+        takes = [f"{self.whole_s:.2g} s"] if self.whole_s else []
+        if pairs.near.shape[1] < size.bodies - 1:
+            takes.append(f"{size.bytes / 2**30:.3g} GiB of memory")
+        return f"that of all pairs takes about {' and '.join(takes)}"
 
     def note(self, *, bounded: bool) -> str:
         """What was left out, and why; ``bounded`` is whether there is a bound all the same."""
         timetable = self.mission.missions[0].timetable
         bodies = len(timetable.names)
+        if timetable.is_asked:
+            near = timetable.pairs.near.shape[1]
+            proven = "" if bounded else "; nothing is proven"
+            return (
+                f"planned without a timetable, on connections that are worked out when they are "
+                f"asked for, to the nearest {near} of {bodies - 1} destinations of each body"
+                f"{proven}: {self._cost}"
+            )
         near = math.ceil(timetable.built / bodies)
         proven = "" if bounded else ", so nothing is proven"
         return (
@@ -115,6 +128,23 @@ class Candidates:
         )
 
 
+LARGE_ENTRIES = 5_000_000
+"""Timetables with fewer entries are built, wherever there is a second for it."""
+
+
+MOST_EVENTS = 2000
+"""With more departure events, of two months, a schedule of as many visits as are found at once
+would take longer than finding them."""
+
+
+def may_ask(whole: Problem) -> bool:
+    """Whether rows may have to be worked out on demand: a large field whose events are regular."""
+    if not isinstance(whole, Mission) or whole.has_timetable or whole.connecting.drifts:
+        return False
+    size = estimate(whole.instance)
+    return size.entries >= LARGE_ENTRIES and size.events <= MOST_EVENTS
+
+
 def candidates(
     whole: Problem,
     limit_s: float,
@@ -124,6 +154,7 @@ def candidates(
     building: Callable[[float], None],
     table_bytes: float = TABLE_BYTES,
     hasty: bool = False,
+    on_demand: bool = False,
 ) -> Candidates:
     """Build the timetable of a mission, of as many pairs of bodies as time and memory allow.
 
@@ -145,13 +176,18 @@ def candidates(
     hasty : bool
         Whether the timetable is of use if it is that of all pairs alone: otherwise it is given up
         as soon as that is known.
+    on_demand : bool
+        Whether rows that are worked out when somebody asks will do where not all pairs can be
+        built: then there are no others.
     """
     if whole.has_timetable:
         return Candidates(whole, 0.0, 0.0)
     began = time.perf_counter()
+    asker = whole if isinstance(whole, Mission) and may_ask(whole) else None
+    on_demand = on_demand and asker is not None
     allowed_s = max(LEAST_S, limit_s if first is None else SHARE * limit_s)
     patience = 1.0 if first is None else PATIENCE
-    patient_s = MOMENT_S if hasty else allowed_s
+    patient_s = MOMENT_S if hasty or on_demand else allowed_s
     paced, whole_s = math.nan, 0.0
 
     def enough(done: float) -> bool:
@@ -171,8 +207,14 @@ def candidates(
         slots = size.slots(table_bytes)
         if hasty and slots < size.bodies:
             slots = min(slots, WAVE)
-        pairs = nearest_pairs(whole.instance, first, slots)
+        if not (on_demand and slots < size.bodies):
+            pairs = nearest_pairs(whole.instance, first, slots)
         if slots < size.bodies:
             whole.connecting.kept.limit(min(size.room_bytes, table_bytes))
-    whole.build(pairs, enough)
+    built = pairs is not None or not on_demand
+    if built:
+        whole.build(pairs, enough)
+    if asker is not None and on_demand and not (built and whole.is_whole):
+        required = sum(target.required for target in whole.instance.targets)
+        asker.ask(nearest_pairs(whole.instance, first or (), RANKS + required))
     return Candidates(whole, time.perf_counter() - began, whole_s)

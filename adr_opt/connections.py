@@ -100,6 +100,7 @@ class Connecting:
         self.inputs = leaving, instance.orbits(), extra, instance.transfer_rule()
         self.given = instance.given
         self.times = _times(instance)
+        self._listed = are_listed(instance)
         self._launches = instance.launches
         self._spent = instance.spent_m_s
         self.kept = Kept()
@@ -117,7 +118,7 @@ class Connecting:
 
         A launch is a connection, too, and so is what is given.
         """
-        return are_listed(self.instance) or bool(self.corrections)
+        return self._listed or bool(self.corrections)
 
     @property
     def planning_resolution_m_s(self) -> float:

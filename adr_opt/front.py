@@ -10,7 +10,7 @@ from itertools import chain
 from typing import Any
 
 from .campaign import Campaign, Problem, problem_of
-from .candidates import candidates
+from .candidates import candidates, may_ask
 from .drift import drift_warning
 from .errors import InputError
 from .instance import Instance
@@ -19,6 +19,7 @@ from .planner import (
     PLANNERS,
     Progress,
     knows_all_pairs,
+    needs_no_table,
     silent,
     takes_jobs,
     takes_start,
@@ -220,6 +221,9 @@ def run(
         warm_up, starts=start is not None, drifts=drifts, campaign=isinstance(whole, Campaign)
     )
     ready(group, method, *others, options=options)
+    on_demand = needs_no_table(prepared.function, prepared.arguments["options"])
+    if on_demand and may_ask(whole):
+        ready(group, method, *others, options=options, asks=True)
     if bound is not None:
         ready(BOUNDS, bound, *others)
     criteria: list[Stop] = [MaxRuntime(time_limit), *others]
@@ -234,6 +238,7 @@ def run(
         building=building,
         table_bytes=TABLE_BYTES if memory_gib is None else memory_gib * 2.0**30,
         hasty=hasty,
+        on_demand=on_demand,
     )
     progress(-math.inf, math.inf)
     if not chosen.all and not hasty and (chosen.none or (group == BOUNDS and not of_all)):

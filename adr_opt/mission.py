@@ -15,9 +15,10 @@ from .connections import Connecting
 from .corrections import Corrections
 from .errors import InputError
 from .instance import Instance
+from .kernels import rows
 from .kernels import rules as kernels
 from .kernels.constants import SLACK_M_S
-from .kernels.timetable import transfer_exists
+from .kernels.timetable import Table, transfer_exists
 from .kernels.timetable_making import Pairs
 from .kernels.transfer import TransferRule
 from .prizes import Prizes
@@ -153,6 +154,19 @@ class Mission(Shown, Prizes):
             chaser=self._number,
         )  # fmt: skip
 
+    def ask(self, pairs: Pairs) -> None:
+        """Do without a timetable: work out what is chosen of a pair when somebody asks.
+
+        Parameters
+        ----------
+        pairs : Pairs
+            That searches look at.
+        """
+        self.__dict__["timetable"] = Timetable(
+            self.instance, time_value_m_s_per_h=self.time_value_m_s_per_h, pairs=pairs,
+            connecting=self.connecting, chaser=self._number, asked=True,
+        )  # fmt: skip
+
     @cached_property
     def rules(self) -> kernels.Rules:
         """The mission as the kernels take it; its arrays are read-only."""
@@ -185,7 +199,7 @@ class Mission(Shown, Prizes):
             not may_end.all(),
             budget,
             limits.duration,
-            kernels.shortest_sortie(table, limits.service, budget, stations, instance.first_target),
+            _shortest_sortie(table, limits.service, budget, stations, instance.first_target),
             loads,
         )
 
@@ -284,20 +298,23 @@ class Mission(Shown, Prizes):
     def with_time_value(self, time_value_m_s_per_h: float) -> Mission:
         """The same mission with the timetable of another choice; what was built before is kept.
 
-        Itself where its timetable is not that of all pairs: another one takes as long as there is.
+        Itself where its timetable is that of some pairs: another one takes as long as there is.
 
         Raises
         ------
         InputError
             The time value is negative or not finite.
         """
-        if time_value_m_s_per_h == self.time_value_m_s_per_h or not self.is_whole:
+        asked = self.has_timetable and self.timetable.is_asked
+        if time_value_m_s_per_h == self.time_value_m_s_per_h or not (self.is_whole or asked):
             return self
         if time_value_m_s_per_h not in self._variants:
             if self._all is None:
                 twin = self._twin and self._twin.with_time_value(time_value_m_s_per_h)
                 other = self._like(time_value_m_s_per_h=time_value_m_s_per_h, twin=twin)
                 other.__dict__["schedules"] = self.schedules
+                if asked:
+                    other.ask(self.timetable.pairs)
             else:
                 barred = np.isneginf(self.rules.closes)
                 worths = np.where(barred, -np.inf, self.worths)
@@ -332,7 +349,10 @@ class Mission(Shown, Prizes):
     @cached_property
     def has_transfer(self) -> npt.NDArray[np.bool_]:
         """Whether any body has a transfer to a body at any departure event, shape (bodies,)."""
-        found: npt.NDArray[np.bool_] = transfer_exists(self.rules.table)
+        table = self.rules.table
+        if table.source is not None:  # one would have to ask for all pairs
+            return np.ones(table.spacing.size, dtype=np.bool_)
+        found: npt.NDArray[np.bool_] = transfer_exists(table)
         return found
 
     def numbers(self, sequence: Iterable[int | str]) -> Sequence:
@@ -424,3 +444,12 @@ class Mission(Shown, Prizes):
             (timing.cost, timing.delta_v, way) for timing, way in made if timing.made == len(way)
         ]
         return min(flown)[-1] if flown else tuple(moves)
+
+
+def _shortest_sortie(
+    table: Table, service: npt.NDArray[np.float64], budget: float, stations: int, first_target: int
+) -> float:
+    """Least time from the departure from a station to the end of a service, or less [s]."""
+    if table.source is not None:
+        return float(rows.shortest_sortie(table.source, stations, first_target))
+    return float(kernels.shortest_sortie(table, service, budget, stations, first_target))

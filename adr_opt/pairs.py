@@ -48,7 +48,8 @@ def nearest_pairs(instance: Instance, first: Sequence[str], ranks: int) -> Pairs
     Returns
     -------
     Pairs
-        Stations are the first destinations of all, and targets without a prize the last.
+        Stations and required targets are the first destinations of all, and targets without a
+        prize the last.
     """
     bodies = len(instance.names)
     ranks = min(ranks, bodies - 1)
@@ -112,18 +113,21 @@ def _near(instance: Instance, ranks: int) -> npt.NDArray[np.int64]:
     """So many destinations of each body, the nearest first, shape (bodies, ranks)."""
     places, bodies, first = _places(instance), len(instance.names), instance.first_target
     stations, worthless = len(instance.stations), _is_worthless(instance)
-    # Stations are near to all, and what is worth nothing, or is the start of a chaser, to none.
-    some = np.flatnonzero(~worthless & (np.arange(bodies) >= first))
+    # Stations are near to all, and so is what must be serviced; what is worth nothing, or is the
+    # start of a chaser, to none.
+    wanted = np.arange(bodies) < stations
+    wanted[first:] = [target.required for target in instance.targets]
+    some = np.flatnonzero(~wanted & ~worthless & (np.arange(bodies) >= first))
     asked = min(ranks + 1, some.size)
     rest = np.setdiff1d(np.arange(bodies), some)
-    rest = np.concatenate([rest[rest < stations], rest[rest >= stations]])
+    rest = np.concatenate([rest[wanted[rest]], rest[~wanted[rest]]])
+    always = int(wanted.sum())
     found = np.empty((bodies, 0), dtype=np.int64)
     if asked:
         found = some[KDTree(places[some]).query(places, k=np.arange(1, asked + 1), workers=-1)[1]]
     everything = np.concatenate(
-        [np.tile(rest[:stations], (bodies, 1)), found,
-         np.tile(rest[stations:], (bodies, 1))], axis=1
-    )  # fmt: skip
+        [np.tile(rest[:always], (bodies, 1)), found, np.tile(rest[always:], (bodies, 1))], axis=1
+    )
     # Without itself, which is among the first of its own row.
     itself = everything == np.arange(bodies)[:, None]
     order = np.argsort(itself, axis=1, kind="stable")

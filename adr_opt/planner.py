@@ -149,6 +149,33 @@ def knows_all_pairs(planner: Planner) -> bool:
     return bool(getattr(planner, _ALL_PAIRS, False))
 
 
+_ON_DEMAND = "plans_on_demand"
+
+
+def plans_on_demand(
+    unless: Callable[[Any], bool] = lambda options: False,
+) -> Callable[[Method], Method]:
+    """Decorate a method that looks up what is chosen of few pairs, and needs no table of them.
+
+    Parameters
+    ----------
+    unless : callable
+        Whether it does need one with options of its own.
+    """
+
+    def decorate(method: Method) -> Method:
+        setattr(method, _ON_DEMAND, unless)
+        return method
+
+    return decorate
+
+
+def needs_no_table(planner: Planner, options: Any) -> bool:
+    """Whether rows of the timetable may be worked out on demand for a method with some options."""
+    unless: Callable[[Any], bool] | None = getattr(planner, _ON_DEMAND, None)
+    return unless is not None and not unless(options)
+
+
 def options_of(planner: Planner) -> type[Options]:
     """The class of the options of a method that :func:`get` has found."""
     found = _options(planner)

@@ -15,6 +15,7 @@ from .instance import Instance
 from .kernels.compile import compiling_s
 from .kernels.constants import DAY_S
 from .mission import Mission
+from .pairs import all_pairs
 from .sizes import transfers_for
 from .stop import Stop
 
@@ -45,6 +46,14 @@ def practice_mission(drifts: bool = False) -> Mission:
             )
         )
     )
+
+
+@cache
+def asking_mission() -> Mission:
+    """The same field, with rows of its timetable that are worked out on demand."""
+    mission = Mission(practice_mission().instance)
+    mission.ask(all_pairs(len(mission.names)))
+    return mission
 
 
 @cache

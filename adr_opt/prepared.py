@@ -30,7 +30,7 @@ from .planner import (
     takes_jobs,
     takes_start,
 )
-from .practice import Practice, habits, practice_campaign, practice_mission
+from .practice import Practice, asking_mission, habits, practice_campaign, practice_mission
 from .pricing import APPROXIMATE
 from .result import Result, certify_routes, noted
 from .start import legal_beginning
@@ -287,6 +287,7 @@ def warm_up(
     options: Mapping[str, Any] | None = None,
     drifts: bool = False,
     campaign: bool = False,
+    asks: bool = False,
 ) -> Exception | None:
     """Let a method compile its kernels, by a run on a small mission; once in a process is enough.
 
@@ -302,6 +303,8 @@ def warm_up(
         Whether nodes will drift.
     campaign : bool
         Whether there will be several chasers.
+    asks : bool
+        Whether rows of the timetable will be worked out on demand.
 
     Returns
     -------
@@ -314,6 +317,7 @@ def warm_up(
         There is no such method or option.
     """
     mission = practice_campaign(drifts) if campaign else practice_mission(drifts)
+    mission = asking_mission() if asks else mission
     prepared = prepare(group, method, options=options)
     # Numbers say how much is done, texts and switches what is done.
     given = prepared.arguments["options"]
@@ -322,7 +326,7 @@ def warm_up(
     begins = {}
     if starts and takes_start(function):
         begins["start"] = ((1,), ()) if campaign else (1,)
-    key = (group, method, drifts, campaign, *begins, *sorted(chosen.items()))
+    key = (group, method, drifts, campaign, asks, *begins, *sorted(chosen.items()))
     habit = habits(prepared.function)
     with _warming:
         if key in _warm:

@@ -27,6 +27,7 @@ from .given import Costs, of_function, of_matrices, of_rows
 from .instance import Instance
 from .kernels import timetable as kernels
 from .kernels import timetable_making as making
+from .kernels.rows import Source
 from .kernels.timetable_making import Pairs
 from .limits import limits_of
 from .matrices import FloatArray, Matrices
@@ -65,6 +66,9 @@ class Timetable(Shown):
     chaser : int, optional
         Number of the one that the choice of transfers is for: when it is there. By default for the
         times in which some chaser is.
+    asked : bool
+        Nothing is built: what is chosen is worked out when somebody asks (:attr:`is_asked`), and
+        ``pairs`` are those that searches look at. Not where connections are listed.
 
     Attributes
     ----------
@@ -96,6 +100,7 @@ class Timetable(Shown):
         time_value_m_s_per_h: float | None = None,
         connecting: Connecting | None = None,
         chaser: int | None = None,
+        asked: bool = False,
     ) -> None:
         if time_value_m_s_per_h is None:
             time_value_m_s_per_h = instance.time_value_m_s_per_h
@@ -120,7 +125,13 @@ class Timetable(Shown):
 
         if connecting is None or connecting.instance is not instance:
             connecting = Connecting(instance, corrections)
-        if not connecting.drifts:
+        if asked and not connecting.drifts:
+            built = 0
+            rule = instance.transfer_rule(time_value_m_s_per_h)
+            source = Source(*connecting.inputs[:3], rule, limits, chosen.near)
+            table = making.without_entries(size.bodies, source)
+            making.space(source.arriving, table)
+        elif not connecting.drifts:
             table = making.allocate(size.bodies, size.events, making.slots_of(chosen))
             given = (*connecting.inputs[:3], instance.transfer_rule(time_value_m_s_per_h))
             making.space(given[0], table)
@@ -140,7 +151,7 @@ class Timetable(Shown):
             )  # fmt: skip
             pairs = chosen = begun(chosen, built)
             table = chooser.table(limits.duration, making.slots_of(chosen))
-        for array in table:
+        for array in table[:-1]:
             array.setflags(write=False)
         self.connecting = connecting
         self.instance = instance
@@ -174,7 +185,7 @@ class Timetable(Shown):
         connecting.counted_as(self.connecting)
         made.connecting = connecting
         made.table, made.limits = making.part_of(self.table, self.limits, bodies)
-        for array in (*made.table, *made.limits[:3]):
+        for array in (*made.table[:-1], *made.limits[:3]):
             array.setflags(write=False)
         made.instance, made.names = instance, instance.names
         made.pairs = all_pairs(bodies.size)
@@ -286,8 +297,15 @@ class Timetable(Shown):
         """Whether all pairs are there."""
         return self.built == len(self.names) * (len(self.names) - 1)
 
+    @property
+    def is_asked(self) -> bool:
+        """Whether nothing is held, and what is chosen is worked out when somebody asks."""
+        return self.table.source is not None
+
     def holds(self, origin: int, destination: int) -> bool:
-        """Whether the table holds a pair, or all of them."""
+        """Whether planners that look at the table look at a pair."""
+        if self.is_asked:
+            return destination in self.pairs.near[origin]
         return self.is_whole or bool(kernels.events(self.table, origin, destination) > 0)
 
     @property

@@ -12,6 +12,7 @@ import argparse
 import time
 
 from machine import heading
+from scale import near_of
 
 import adr_opt
 from adr_opt.mission import Mission
@@ -45,7 +46,7 @@ def main() -> None:
                 if result.plan is None:
                     print(f"| {method} | {limit:g} | {count} | 0 | | {wall:.1f} | |")
                     continue
-                near = mission.timetable.built / len(mission.names)
+                near = near_of(mission.timetable)
                 violations = len(adr_opt.check(instance, result.plan))
                 print(
                     f"| {method} | {limit:g} | {count} | {near:.0f} "

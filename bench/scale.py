@@ -6,7 +6,8 @@
     python bench/scale.py --family large --targets 200 --limit 600                   # 30 days
 
 Every run is a process of its own: drawn, planned by `auto` within the limit, and checked. *Near* is
-for how many destinations of each body the timetable has room and time; *bound* is what no plan is
+for how many destinations of each body the timetable has room and time, or at how many planners look
+that ask for rows on demand; *bound* is what no plan is
 worth more than, of all pairs, and *gap* how far below it the plan is; *all s* is everything from
 the instance file on. Exponents are those of the line through all points from 1,000 targets on (of
 logarithms). With `--dense` the same limit is spent on the table of all pairs, as far as it goes.
@@ -30,10 +31,18 @@ from machine import heading
 
 import adr_opt
 from adr_opt.mission import Mission
+from adr_opt.timetable import Timetable
 
 SIZES = (50, 100, 200, 500, 1000, 2000, 5000, 10_000)
 FROM = 1000
 """Exponents are read from here on: smaller fields have the table of all pairs."""
+
+
+def near_of(timetable: Timetable) -> float:
+    """For how many destinations of each body connections are there, or are asked for."""
+    if timetable.is_asked:
+        return float(timetable.pairs.near.shape[1])
+    return timetable.built / len(timetable.names)
 
 
 def measure(file: Path, limit_s: float, dense: bool) -> dict[str, float]:
@@ -50,7 +59,7 @@ def measure(file: Path, limit_s: float, dense: bool) -> dict[str, float]:
     wall = time.perf_counter() - began
     violations = 1 if result.plan is None else len(adr_opt.check(instance, result.plan))
     return {
-        "near": mission.timetable.built / len(mission.names),
+        "near": near_of(mission.timetable),
         "visits": result.objective,
         "bound": result.upper_bound,
         "wall_s": wall,

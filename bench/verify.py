@@ -1,11 +1,12 @@
 """What it takes to verify a proof, against what the proof took.
 
-    python bench/verify.py nominal
-    python bench/verify.py tiny reduced-time --count 5 --limit 60
+    python bench/verify.py nominal --count 20
+    python bench/verify.py tiny nominal reduced-time reduced-fuel --limit 60
+    python bench/verify.py removal --method auto --limit 200
 
-For each field of the families a proof by `exact`, its certificate, and `verify` of both with the
-1,000 connections that are sampled by default. Processor time of all threads, with kernels that are
-compiled already, and wall time beside it; both begin with reading the file.
+For each field of the families in the library a proof, its certificate, and `verify` of both with
+the 1,000 connections that are sampled by default. Processor time of all threads, with kernels that
+are compiled already, and wall time beside it; both begin with the instance.
 """
 
 from __future__ import annotations
@@ -22,10 +23,11 @@ from machine import heading
 import adr_opt
 from adr_opt.certificate import Certificate, certificate_of
 from adr_opt.errors import InputError
+from adr_opt.library import Entry, load_library
 from adr_opt.result import Result
 from adr_opt.verifying import verify
 
-INSTANCES = Path(__file__).parents[1] / "instances"
+LIBRARY = Path(__file__).parents[1] / "instances" / "library.json"
 
 Found = TypeVar("Found")
 
@@ -37,24 +39,24 @@ def timed(task: Callable[[], Found]) -> tuple[Found, float, float]:
     return found, time.process_time() - cpu, time.perf_counter() - wall
 
 
-def proof_of(path: Path, limit_s: float) -> tuple[Result, Certificate]:
+def proof_of(entry: Entry, method: str, limit_s: float) -> tuple[Result, Certificate]:
     """The proof of a field, and its certificate."""
-    instance = adr_opt.load(path)
-    result = adr_opt.solve(instance, "exact", time_limit=limit_s)
+    instance = entry.generate()
+    result = adr_opt.solve(instance, method, time_limit=limit_s)
     return result, certificate_of(instance, result)
 
 
-def row(path: Path, limit_s: float) -> tuple[str, float]:
+def row(entry: Entry, method: str, limit_s: float) -> tuple[str, float]:
     """The row of a field, and how many times the processor time of the proof verifying it takes."""
-    (result, certificate), cpu, wall = timed(lambda: proof_of(path, limit_s))
-    verdict, own_cpu, own_wall = timed(lambda: verify(adr_opt.load(path), result.plan, certificate))
+    (result, certificate), cpu, wall = timed(lambda: proof_of(entry, method, limit_s))
+    verdict, own_cpu, own_wall = timed(lambda: verify(entry.generate(), result.plan, certificate))
     answer = "yes" if verdict.verified else "no: " + "; ".join(verdict.reasons)
     size = len(certificate.to_json())
     ratio = own_cpu / cpu
     return (
-        f"| {path.stem} | {result.objective:g} | {verdict.upper_bound:g} | {cpu:.1f} | {wall:.1f} "
-        f"| {own_cpu:.1f} | {own_wall:.1f} | {ratio:.2f} | {verdict.labels:,} | {size:,} "
-        f"| {answer} |"
+        f"| {entry.name} | {result.objective:g} | {result.upper_bound:g} | {verdict.upper_bound:g} "
+        f"| {cpu:.1f} | {wall:.1f} | {own_cpu:.1f} | {own_wall:.1f} | {ratio:.2f} "
+        f"| {verdict.labels:,} | {size:,} | {answer} |"
     ), ratio
 
 
@@ -62,28 +64,29 @@ def main() -> None:
     """Print a table."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("families", nargs="+")
-    parser.add_argument("--count", type=int, default=20, help="fields of each family")
+    parser.add_argument("--count", type=int, help="fields of each family; all by default")
+    parser.add_argument("--method", default="exact", help="that proves")
     parser.add_argument("--limit", type=float, default=300.0, help="of a proof [s]")
     asked = parser.parse_args()
-    paths = [
-        path
-        for family in asked.families
-        for path in sorted((INSTANCES / family).glob("*.json"))[: asked.count]
+    library = load_library(LIBRARY)
+    entries = [
+        entry for family in asked.families for entry in library.of_family(family)[: asked.count]
     ]
-    proven, certificate = proof_of(INSTANCES / "tiny" / "tiny-000.json", 60.0)  # compiles
-    verify(adr_opt.load(INSTANCES / "tiny" / "tiny-000.json"), proven.plan, certificate)
+    first = library.of_family("tiny")[0]
+    proven, certificate = proof_of(first, asked.method, 60.0)  # compiles
+    verify(first.generate(), proven.plan, certificate)
     print(heading())
     print(
-        "| field | objective | bound | proof, processor s | wall s | `verify`, processor s "
-        "| wall s | ratio | labels | bytes | verified |"
+        "| field | objective | bound | bound verified | proof, processor s | wall s "
+        "| `verify`, processor s | wall s | ratio | labels | bytes | verified |"
     )
-    print("|---|---|---|---|---|---|---|---|---|---|---|")
+    print("|---|---|---|---|---|---|---|---|---|---|---|---|")
     ratios = []
-    for path in paths:
+    for entry in entries:
         try:
-            line, ratio = row(path, asked.limit)
+            line, ratio = row(entry, asked.method, asked.limit)
         except InputError as error:
-            line, ratio = f"| {path.stem} | " + " | " * 8 + f" | {error} |", 0.0
+            line, ratio = f"| {entry.name} | " + " | " * 9 + f" | {error} |", 0.0
         print(line, flush=True)
         ratios += [ratio] if ratio else []
     if ratios:

@@ -136,6 +136,35 @@ def state_at(states, place):
 
 
 @inlined
+def looked_at(rules):
+    """At how many destinations of each body searches look."""
+    return _ranks(rules.table.source, rules)
+
+
+@inlined
+def _ranks(source, rules):
+    if source is None:
+        return rules.service.size - rules.first_target
+    return source.near.shape[1]
+
+
+@inlined
+def destination(rules, body, place):
+    """One of the destinations that searches look at from a body: all targets, or the nearest.
+
+    Among the nearest there are stations, too.
+    """
+    return _placed(rules.table.source, rules, body, place)
+
+
+@inlined
+def _placed(source, rules, body, place):
+    if source is None:
+        return np.int64(rules.first_target + place)
+    return np.int64(source.near[body, place])
+
+
+@inlined
 def fits(rules, body, time, left, destination):
     """What a move costs, and whether it fits ΔV and time.
 

@@ -19,9 +19,9 @@ second does.
 import numpy as np
 
 from .compile import kernel
+from .events import earliest_taken
 from .lists import chosen, rising, wider
 from .loads import after_service
-from .timetable import earliest_taken
 
 
 @kernel

@@ -26,7 +26,7 @@ class Sequence(NamedTuple):
 
 
 @kernel
-def best_sequence(pair, rule, departure, lead, earliest, latest):
+def best_sequence(pair, rule, departure, lead, earliest, latest, most=math.inf):
     """The sequence of a departure event with the least ΔV + w·T (MODEL sections 2 and 4).
 
     Parameters
@@ -40,6 +40,8 @@ def best_sequence(pair, rule, departure, lead, earliest, latest):
     earliest, latest : float
         A sequence that takes less time than ``earliest`` has to wait at its end, so that T is that
         much; one that takes more than ``latest`` is out of the question [s].
+    most : float
+        So is one whose ΔV + w·T is no less than this [m/s].
 
     Returns
     -------
@@ -47,7 +49,7 @@ def best_sequence(pair, rule, departure, lead, earliest, latest):
         Ties, up to the slack, go to the shorter time, then to the smaller k; ``delta_v`` is +inf
         if every sequence is out of limits or blocked.
     """
-    best_cost, best_delta_v, best_time, best_k, best_r = math.inf, math.inf, math.inf, -1, math.nan
+    best_cost, best_delta_v, best_time, best_k, best_r = most, math.inf, math.inf, -1, math.nan
     w = rule.time_value
     k_max = rule.max_phasing_revolutions
     phase = 3.0 * math.pi - lead + rule.standoff / pair.radius_j

@@ -12,7 +12,7 @@ not; then a table holds when the connections depart that are ever chosen, and no
 
 A table need not hold all pairs. Those that it does not hold have no event. Where there are so many
 bodies that nobody has the memory for all pairs, each origin has room for its nearest destinations
-alone, and :attr:`Table.slot` tells their places.
+alone, and :attr:`Table.slot` tells their places; or it holds none at all (:mod:`.rows`).
 
 Hints are worked out for ready times a fixed step apart, see :func:`steps_begun`.
 """
@@ -22,8 +22,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from . import rows
 from .compile import inlined, kernel
-from .constants import SLACK_S
+from .events import counted_event, earliest_taken
 
 LEAST_STEPS = 500
 """Where events are not regular, the duration is divided into so many steps at least."""
@@ -52,6 +53,9 @@ class Table(NamedTuple):
     slot : (bodies, bodies) int16
         Slot of each destination at an origin, −1 for none; without bodies where each destination
         has the slot of its number.
+    source : Source or None
+        Where nothing is held, and rows are worked out on demand: then there are no slots and no
+        events, and :func:`lookup` is all that can be asked.
     """
 
     first: np.ndarray
@@ -60,6 +64,7 @@ class Table(NamedTuple):
     entries: np.ndarray
     departure: np.ndarray
     slot: np.ndarray
+    source: rows.Source | None = None
 
 
 NO_SLOTS = np.empty((0, 0), dtype=np.int16)
@@ -132,24 +137,6 @@ def entry_at(table, i, j, event):
 
 
 @inlined
-def earliest_taken(ready):
-    """The earliest departure that a chaser takes who is ready at a time: a slack before it."""
-    return ready - SLACK_S
-
-
-@inlined
-def counted_event(first, spacing, total, earliest):
-    """The first of events a fixed time apart that is no earlier than a time; ``total`` for none."""
-    m = max(0, math.ceil((earliest - first) / spacing))
-    # The quotient may be rounded across an integer; the event's own time decides.
-    if m > 0 and first + (m - 1) * spacing >= earliest:
-        m -= 1
-    elif first + m * spacing < earliest:
-        m += 1
-    return min(m, total)
-
-
-@inlined
 def _next_in(table, i, slot, ready):
     """The event of a slot that a chaser takes."""
     earliest = earliest_taken(ready)
@@ -183,6 +170,13 @@ def lookup(table, i, j, time):
     arrival : float
         End of the approach, before service [s].
     """
+    return _looked_up(table.source, table, i, j, time)
+
+
+@inlined
+def _looked_up(source, table, i, j, time):
+    if source is not None:
+        return rows.chosen(source, i, j, time)
     slot = slot_of(table, i, j)
     if slot < 0:
         return math.inf, math.inf

@@ -8,7 +8,9 @@ import numpy as np
 from . import orbits, sequences, transfer
 from .compile import kernel
 from .connections import Found
-from .timetable import LEAST_STEPS, NO_SLOTS, Table, earliest_taken, slot_of
+from .events import earliest_taken
+from .rows import Source
+from .timetable import LEAST_STEPS, NO_SLOTS, Table, slot_of
 
 
 class Limits(NamedTuple):
@@ -212,6 +214,19 @@ def allocate(bodies: int, most: int, slot: np.ndarray, *, regular: bool = True) 
         entries=np.empty((bodies, most, slots, 2)),
         departure=np.empty((bodies, 0 if regular else most, slots)),
         slot=slot,
+    )
+
+
+def without_entries(bodies: int, source: Source) -> Table:
+    """A table that holds nothing: rows are worked out on demand."""
+    return Table(
+        first=np.empty((0, 0)),
+        spacing=np.empty(bodies),
+        total=np.empty((0, 0), dtype=np.int32),
+        entries=np.empty((0, 0, 0, 2)),
+        departure=np.empty((0, 0, 0)),
+        slot=np.empty((1, 1), dtype=np.int16),
+        source=source,
     )
 
 

@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .compile import inlined, kernel
-from .timetable import Table, counted_event, departure_at, earliest_taken, entry_at, events
+from .events import counted_event, earliest_taken
+from .timetable import Table, departure_at, entry_at, events
 
 
 class Column(NamedTuple):

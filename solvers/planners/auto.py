@@ -15,7 +15,13 @@ import numpy as np
 from adr_opt.campaign import Campaign
 from adr_opt.mission import Mission
 from adr_opt.options import option
-from adr_opt.planner import Progress, bounds_all_pairs, for_campaigns, shows_evidence
+from adr_opt.planner import (
+    Progress,
+    bounds_all_pairs,
+    for_campaigns,
+    plans_on_demand,
+    shows_evidence,
+)
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
@@ -47,6 +53,9 @@ MOST_GUIDED = 16
 
 WIDEST = 30_000
 
+ASKING = 0.1
+"""Share of the usual widths where rows are worked out on demand."""
+
 USUAL_TARGETS = 50
 """Fields of this size get beams of the widths above; larger ones narrower ones."""
 
@@ -69,7 +78,7 @@ class _Search:
         self._stop = stop
         self._certificate = certificate
         self._rng = np.random.default_rng(seed)
-        self._beams = Beams(mission, stop)
+        self._beams, self._beams_apart = Beams(mission, stop), Beams(mission, stop)
         self._widest = 0
         self._strings: Strings | None = None
         self._fruitless = 0
@@ -160,9 +169,20 @@ class _Search:
                 break
             self._found.offer(self._beside.anneal(ANNEALED))
 
+    def apart(self, width: int) -> Callable[[], None]:
+        """A varied beam that is drawn now, to search in a thread; :meth:`meet` brings it back."""
+        mission, settings, seed = varied(self._mission, width, self._rng)
+        self.counters["beams"] += 1
+
+        def search() -> None:
+            if self._stop.remaining_s() > 0.0:
+                self._found.offer(self._beams_apart.search(settings, seed=seed, mission=mission))
+
+        return search
+
     def meet(self) -> None:
-        """Tell what the second order has come to."""
-        if self._beside is not None and self._found.sequence is not None:
+        """Tell what was found in a thread."""
+        if self._found.sequence is not None:
             self._certificate.offer(self._found.sequence)
 
     def improve(self, recreations: int, width: int) -> None:
@@ -217,6 +237,7 @@ def _campaign(
 
 @bounds_all_pairs
 @for_campaigns(_campaign)
+@plans_on_demand()
 @shows_evidence
 def auto(
     mission: Mission,
@@ -260,20 +281,26 @@ def auto(
 
     # Large fields get narrower beams, so that a round takes about as long on all of them.
     scale = min(1.0, (USUAL_TARGETS / max(1, len(mission.instance.targets))) ** 2)
+    # Where rows are worked out on demand all beams look at as many destinations, but dearer ones.
+    asks = mission.timetable.is_asked
+    if asks:
+        scale = ASKING
+    usual = PILOT_WIDTH if asks else USUAL_WIDTH
 
     def scaled(width: int) -> int:
         return max(10, int(scale * width))
 
     rounds = 0
+    if asks and prover is not None and not is_over():
+        prover.advance()  # only beginning takes no time, and beams may take all of it
+        prover.deliver()
     if not is_over():
         search.usual(PILOT_WIDTH)
     # Beside a proof a beam is slower, so where time is short it comes before; on one core the proof
     # would come before it, and take what there is.
-    short_of_time = (
-        options.cores == 1 or search.needed_s(USUAL_WIDTH) > UNHURRIED * stop.remaining_s()
-    )
+    short_of_time = options.cores == 1 or search.needed_s(usual) > UNHURRIED * stop.remaining_s()
     if short_of_time and not certificate.proven:
-        search.usual(USUAL_WIDTH)
+        search.usual(usual)
     # An annealing of few targets is as good after a few: the proof is not to wait for the others.
     share = min(1.0, (len(mission.instance.targets) / USUAL_TARGETS) ** 2)
     width, recreations, annealings = VARIED_WIDTH, 20, max(2, round(share * ANNEALINGS))
@@ -291,6 +318,8 @@ def auto(
                     task = partial(search.part, annealings)
             elif search.may_part():
                 task = partial(search.part, annealings)
+            elif asks:
+                task = search.apart(scaled(width))
             if task is not None and options.cores > 1:
                 advancing = pool.submit(task)
             elif task is not None:
@@ -299,7 +328,7 @@ def auto(
             if proof is not None and proof.latest is not None:
                 search.guided(proof.latest, min(2**rounds, MOST_GUIDED))
             else:
-                search.usual(max(USUAL_WIDTH, scaled(width)))
+                search.usual(max(usual, scaled(width)))
             search.varied(scaled(width))
             search.anneal(annealings, VARIED_WIDTH)
             search.improve(recreations, scaled(width // 20))

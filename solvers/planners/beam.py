@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from adr_opt.mission import Mission
 from adr_opt.options import Options, option
-from adr_opt.planner import Progress
+from adr_opt.planner import Progress, plans_on_demand
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 
@@ -67,6 +67,7 @@ class BeamOptions(Options, method="beam"):
     )
 
 
+@plans_on_demand(unless=lambda options: bool(options.policy))
 def beam(
     mission: Mission,
     *,

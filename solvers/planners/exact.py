@@ -19,7 +19,14 @@ import numpy as np
 from adr_opt.campaign import Campaign
 from adr_opt.mission import Mission
 from adr_opt.options import option
-from adr_opt.planner import Progress, bounds_all_pairs, for_campaigns, shows_evidence, silent
+from adr_opt.planner import (
+    Progress,
+    bounds_all_pairs,
+    for_campaigns,
+    plans_on_demand,
+    shows_evidence,
+    silent,
+)
 from adr_opt.practice import practises
 from adr_opt.result import Result, certify
 from adr_opt.stop import Clock, Stop
@@ -73,6 +80,7 @@ def _campaign(
 
 @bounds_all_pairs
 @for_campaigns(_campaign)
+@plans_on_demand()
 @practises(rounds=12)
 @shows_evidence
 def exact(

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from adr_opt.campaign import Campaign, Problem
 from adr_opt.mission import Mission
 from adr_opt.options import Options, option
-from adr_opt.planner import Progress, for_campaigns
+from adr_opt.planner import Progress, for_campaigns, plans_on_demand
 from adr_opt.result import Result, certify_routes
 from adr_opt.stop import Stop
 
@@ -92,6 +92,7 @@ def _guarded_campaign(
 
 
 @for_campaigns(_greedy_campaign)
+@plans_on_demand()
 def greedy(
     mission: Mission,
     *,
@@ -110,6 +111,7 @@ def greedy(
 
 
 @for_campaigns(_guarded_campaign)
+@plans_on_demand()
 def greedy_guarded(
     mission: Mission,
     *,

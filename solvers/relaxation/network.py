@@ -17,8 +17,8 @@ import numpy as np
 
 from adr_opt.kernels import connections
 from adr_opt.kernels.compile import inlined, kernel
+from adr_opt.kernels.events import earliest_taken
 from adr_opt.kernels.lists import chosen, rising
-from adr_opt.kernels.timetable import earliest_taken
 from adr_opt.mission import Mission
 
 from .stale import mark_stale

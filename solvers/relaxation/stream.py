@@ -25,8 +25,8 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels.compile import inlined, kernel
+from adr_opt.kernels.events import earliest_taken
 from adr_opt.kernels.lists import wider
-from adr_opt.kernels.timetable import earliest_taken
 from adr_opt.mission import Mission
 
 from .network import found_of, listed_of, reachable

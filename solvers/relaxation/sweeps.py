@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.timetable import earliest_taken
+from adr_opt.kernels.events import earliest_taken
 
 from . import simd
 from .layers import after_service, top_of

@@ -30,7 +30,7 @@ from typing import Any
 
 import numpy as np
 
-from adr_opt.kernels.timetable import earliest_taken
+from adr_opt.kernels.events import earliest_taken
 from adr_opt.mission import Mission
 
 from . import simd

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.compile import inlined, kernel
 from adr_opt.kernels.constants import HOUR_S
 from adr_opt.mission import Mission
 from adr_opt.stop import Stop
@@ -52,6 +52,9 @@ LEAST_CANDIDATES = 1024
 
 HURRIED = 20
 """States kept on the levels that are left when the time is over: some ten milliseconds."""
+
+HURRIED_ASKING = 2
+"""The same where rows are worked out on demand."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +98,14 @@ def usual_settings(mission: Mission, width: int) -> BeamSettings:
     """Settings by what an hour and a km/s are worth in the mission."""
     worth = worth_of(mission)
     return BeamSettings(width, worth.hour, worth.kilometre_per_s)
+
+
+@inlined
+def _few(source):
+    """States kept when the time is over."""
+    if source is None:
+        return HURRIED
+    return HURRIED_ASKING
 
 
 @kernel
@@ -153,12 +164,12 @@ def beam_kernel(rules, done, first, guide, guided, weights, halt):
         np.empty(buckets, np.int32), np.empty(width, np.int32), np.empty(bodies, np.int64),
         np.empty(cand.score.size, np.int64), which,
     )  # fmt: skip
-    most = width
+    most, few = width, _few(rules.table.source)
     depth, priced = 0, 0
     while depth < remaining and size > 0:
         if halt[0]:
-            size = min(size, HURRIED)
-            most = min(width, HURRIED)
+            size = min(size, few)
+            most = min(width, few)
         share = most
         if weights.crowding < remaining:
             share = max(1, math.ceil(weights.crowding * most / remaining))

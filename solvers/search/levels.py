@@ -243,7 +243,6 @@ def succeed(search, level, size, serviced, wanted, cand):
     keys, guide = borrowed(search.keys), borrowed(search.guide)
     guided, weights = search.guided, search.weights
     room = cand.score.size
-    bodies = rules.service.size
     ways = np.empty(rules.stations + 1, np.int64)
     back = np.empty(rules.stations + 1)
     full = np.empty(rules.stations + 1)
@@ -260,13 +259,7 @@ def succeed(search, level, size, serviced, wanted, cand):
                 if legal:
                     ways[choices], back[choices], full[choices] = station, delta_v, after.time
                     choices += 1
-        for j in range(rules.first_target, bodies):
-            if _is_in(level, s, j):
-                continue
-            shade = 0.0
-            if weights.noise > 0.0:
-                word = _mix((level.key[s] + keys[j]) ^ (keys[j] * np.uint64(3)))
-                shade = weights.noise * (np.float64(word >> np.uint64(11)) * 2.0**-53)
+        for place in range(rule_kernels.looked_at(rules)):
             for way in range(choices):
                 begin = here
                 if way > 0:
@@ -274,6 +267,13 @@ def succeed(search, level, size, serviced, wanted, cand):
                         ways[way], full[way], full_tank(rules.loads, rules.budget, here.kits),
                         np.int64(0), np.int64(serviced), here.kits,
                     )  # fmt: skip
+                j = rule_kernels.destination(rules, begin.body, place)
+                if j < rules.first_target or j == here.body or _is_in(level, s, j):
+                    continue
+                shade = 0.0
+                if weights.noise > 0.0:
+                    word = _mix((level.key[s] + keys[j]) ^ (keys[j] * np.uint64(3)))
+                    shade = weights.noise * (np.float64(word >> np.uint64(11)) * 2.0**-53)
                 legal, delta_v, after = rule_kernels.step(rules, begin, j)
                 if not legal:
                     continue

@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels.compile import inlined, kernel
+from adr_opt.kernels.events import earliest_taken
 from adr_opt.kernels.memory import borrowed
-from adr_opt.kernels.timetable import earliest_taken
 
 STRAIGHT = -1
 """Stands for no station on the way."""

@@ -1,0 +1,132 @@
+"""Rows of a timetable that are worked out on demand: they say what a table that is built says."""
+
+import math
+
+import numpy as np
+import pytest
+
+import adr_opt
+from adr_opt import candidates
+from adr_opt.kernels import rows
+from adr_opt.kernels import timetable as tables
+from adr_opt.mission import Mission
+from adr_opt.pairs import all_pairs, nearest_pairs
+from adr_opt.timetable import Timetable
+from solvers.search.beams import BeamSettings, beam_search, hurried
+from solvers.search.greedy_order import greedy_sequence
+
+LOOKED_UP = 4000
+
+
+def drawn(seed: int) -> adr_opt.Instance:
+    """A field with windows, zones, eccentric orbits and a chaser that comes later, or none."""
+    rng = np.random.default_rng(seed)
+    field = adr_opt.generate("nominal", seed, targets=12, zones=int(rng.integers(0, 4)))
+    duration = field.mission.duration_s
+    targets = []
+    for target in field.targets:
+        opens, closes = np.sort(rng.uniform(0.0, duration, 2)).tolist()
+        orbit = target.orbit.replace(eccentricity=float(rng.choice([0.0, rng.uniform(0.0, 0.01)])))
+        window = (opens, closes) if rng.random() < 0.3 else (0.0, None)
+        targets.append(target.replace(orbit=orbit, window_s=window))
+    since = float(rng.choice([0.0, rng.uniform(0.0, 0.3 * duration)]))
+    chaser = field.chaser.replace(available_s=(since, None))
+    return field.replace(targets=tuple(targets), chasers=(chaser,))
+
+
+def asking(instance: adr_opt.Instance) -> Mission:
+    """A mission without a timetable, whose searches look at all pairs."""
+    mission = Mission(instance)
+    mission.ask(all_pairs(len(instance.names)))
+    return mission
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("worth", [0.0, 20.0, 110.0, 2000.0])
+def test_what_is_asked_for_is_what_a_table_holds(seed, worth):
+    """Whatever an hour is worth, at any time, of any pair: the same ΔV and the same arrival."""
+    instance = drawn(seed)
+    held = Timetable(instance, time_value_m_s_per_h=worth)
+    asked = Timetable(
+        instance, time_value_m_s_per_h=worth, pairs=all_pairs(len(instance.names)), asked=True
+    )
+    rng, bodies = np.random.default_rng(seed), len(instance.names)
+    found = 0
+    for _ in range(LOOKED_UP):
+        i, j = rng.integers(0, bodies, 2)
+        if i == j:
+            continue
+        ready = float(rng.uniform(0.0, instance.mission.duration_s))
+        if rng.random() < 0.3:  # as one departs, or a rounding before or after
+            event = int(rng.integers(0, 1 + tables.events(held.table, i, j) // 2))
+            ready = tables.departure_at(held.table, i, j, event) + rng.choice([-1e-9, 0.0, 1e-9])
+        there, here = tables.lookup(held.table, i, j, ready), asked.lookup(i, j, ready)
+        found += math.isfinite(here[0])
+        assert here == pytest.approx(there, rel=1e-12, abs=1e-7)
+    assert found > LOOKED_UP / 10
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_search_that_asks_finds_what_one_on_a_table_finds(seed):
+    """With all pairs to look at greedy orders and beams are the same, move by move."""
+    instance = drawn(seed)
+    there, here = hurried(Mission(instance)), hurried(asking(instance))
+    for guarded in (True, False):
+        orders = [greedy_sequence(each, beta=0.01, guarded=guarded) for each in (there, here)]
+        assert orders[0].tolist() == orders[1].tolist()
+    settings = BeamSettings(width=50, time_weight=0.2, delta_v_weight=0.3, noise=0.1)
+    (one, worth, *_), (other, own, *_) = (
+        beam_search(each, settings, seed=seed) for each in (there, here)
+    )
+    assert one.tolist() == other.tolist()
+    assert worth == own
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_sortie_is_shorter_than_said(seed):
+    """The least time from a station to the end of a service is no more than a table's."""
+    instance = drawn(seed)
+    asked = asking(instance)
+    own = rows.shortest_sortie(asked.timetable.table.source, 1, instance.first_target)
+    assert 0.0 < own <= Mission(instance).rules.shortest_sortie
+
+
+@pytest.mark.parametrize("method", ["auto", "exact", "beam", "greedy", "greedy-guarded"])
+def test_plans_without_a_table(monkeypatch, method):
+    """Where no table is built a plan is legal, its bound holds, and a note says what was done."""
+    monkeypatch.setattr(candidates, "LARGE_ENTRIES", 0)
+    monkeypatch.setattr(candidates, "LEAST_S", 0.0)
+    monkeypatch.setattr(candidates, "MOMENT_S", 0.0)
+    monkeypatch.setattr(candidates, "SHARE", 0.0)
+    monkeypatch.setattr(candidates, "RANKS", 10)
+    instance = adr_opt.generate("nominal", 3, targets=30)
+    required = instance.targets[7].replace(required=True)
+    instance = instance.replace(targets=(*instance.targets[:7], required, *instance.targets[8:]))
+    result = adr_opt.solve(instance, method, time_limit=3.0)
+    assert adr_opt.check(instance, result.plan) == ()
+    best = adr_opt.solve(instance, "beam").objective
+    assert 0.4 * best <= result.objective <= result.upper_bound
+    assert any("connections that are worked out when they are asked for, to the nearest 11 of 30"
+               in note for note in result.notes)  # fmt: skip
+    left_out = {each.target for each in result.plan.unvisited if each.reason == "not-considered"}
+    assert left_out
+
+
+def test_a_required_target_is_looked_at_from_everywhere():
+    """However far a required target is, it is among the destinations of every body."""
+    instance = adr_opt.generate("nominal", 1, targets=40)
+    last = instance.targets[-1]
+    instance = instance.replace(targets=(*instance.targets[:-1], last.replace(required=True)))
+    near = nearest_pairs(instance, (), 3).near
+    number = len(instance.names) - 1
+    assert (near[:number] == number).any(axis=1).all()
+
+
+def test_long_missions_have_tables(monkeypatch):
+    """With thousands of departure events of a pair nothing is asked for, nor where planes drift."""
+    monkeypatch.setattr(candidates, "LARGE_ENTRIES", 0)
+    field = adr_opt.generate("nominal", 0, targets=5)
+    assert candidates.may_ask(Mission(field))
+    year = field.with_limits(duration_s=86400.0 * 365.0)
+    assert not candidates.may_ask(Mission(year))
+    assert not candidates.may_ask(Mission(field.replace(dynamics="j2")))
