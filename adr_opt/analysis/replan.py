@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import product
+from pathlib import PurePath
 from typing import Any
 
 import numpy as np
@@ -16,11 +17,13 @@ from ..campaign import Problem, is_campaign, problem_of
 from ..cargo import kits_of
 from ..errors import InputError
 from ..front import solve
+from ..given import among
 from ..instance import Instance
 from ..keep_out import crossed
 from ..kernels.constants import SLACK_M_S
 from ..limits import limits_of
 from ..mission import Mission
+from ..numbering import Numbering
 from ..plan import Leg, Plan
 from ..planner import PLANNERS, takes_start
 from ..prepared import method_of, prepare, warm_up
@@ -71,8 +74,9 @@ def replan(
     What has begun is finished (:func:`.state.states_at`). A chaser that has serviced a target
     since it refuelled last may refuel at once; to be full earlier is never worse, so that is one
     more beginning, by the connection that arrives first. Where the former plan is about to do so
-    it is taken; where it had ended, or less than half a tank is left, both are tried. The rest of
-    the former plan, without what it cannot fly any more, is what the new one has to beat.
+    it is taken; where it had ended, less than half a tank is left, or the chaser has to end at a
+    station, both are tried. The rest of the former plan, without what it cannot fly any more, is
+    what the new one has to beat.
 
     Parameters
     ----------
@@ -105,17 +109,15 @@ def replan(
     began = time.perf_counter()
     if plan.instance.sha256 != instance.sha256:
         raise InputError("the plan belongs to another instance; give the one it was made for")
-    if instance.transfer.given is not None:
-        raise InputError(
-            f"{instance.name!r} has given connections, which lead from bodies and not from where "
-            "a chaser is; replan works on those of the model"
-        )
     refuse_tows(instance, "replan")
     states = states_at(instance, plan, at_s, keep=keep, failed=failed)
     zoned = instance.replace(keep_out_zones=(*instance.keep_out_zones, *zones))
     notes = tuple(_crossings(zoned, states, at_s, len(instance.keep_out_zones)))
     gone = tuple(dict.fromkeys(lost))
     former = _former(plan, states)
+
+    def left(now: tuple[State, ...]) -> Instance | None:
+        return _rest(zoned, now, gone, at_s)
 
     def planned(beginning: Instance, orders: list[list[str]]) -> Result:
         return _planned(beginning, orders, method, time_limit, seed, stop)
@@ -129,8 +131,7 @@ def replan(
         now = states
         while True:
             best: Found | None = None
-            rest = _rest(zoned, now, gone, at_s)
-            for beginning, begun in _beginnings(zoned, rest, now, former):
+            for beginning, begun in _beginnings(left, now, former):
                 made = found(beginning, _orders(beginning, former, begun, now))
                 if best is None or _is_better(made, best[2]):
                     best = beginning, begun, made
@@ -186,8 +187,10 @@ def _crossings(zoned: Instance, states: Sequence[State], at_s: float, before: in
             yield f"the leg under way {said}, and is finished all the same"
 
 
-def _rest(zoned: Instance, states: Sequence[State], lost: Sequence[str], at_s: float) -> Instance:
-    """The instance that is left, with chasers where they are."""
+def _rest(
+    zoned: Instance, states: Sequence[State], lost: Sequence[str], at_s: float
+) -> Instance | None:
+    """The instance that is left, with chasers where they are; None where a station has run out."""
     done = {leg.destination for state in states for leg in state.legs}
     names = {target.name for target in zoned.targets}
     for name in lost:
@@ -201,8 +204,28 @@ def _rest(zoned: Instance, states: Sequence[State], lost: Sequence[str], at_s: f
     chasers = tuple(going_on(zoned, state) for state in states)
     name = f"{zoned.name}-from-{at_s:.0f}s"
     stations = _stations_left(zoned, states)
-    assert stations is not None  # what is flown kept to the limits
-    return zoned.replace(name=name, targets=targets, chasers=chasers, stations=stations)
+    if stations is None:
+        return None
+    return _changed(zoned, states, name=name, targets=targets, chasers=chasers, stations=stations)
+
+
+def _changed(instance: Instance, states: Sequence[State], **changes: Any) -> Instance:
+    """The instance with changes, and its given connections as they lead on from where chasers are.
+
+    They lead from a start by its name, so that it takes over those of the target that it is at.
+    """
+    of_all = instance.transfer.given
+    if instance.given is None or of_all is None:
+        return instance.replace(**changes)
+    parts = [changes.get(part, getattr(instance, part)) for part in Numbering.__annotations__]
+    starts = {
+        state.body: state.chaser.name for state in states if state.body and state.is_at_target
+    }
+    given = among(instance.given, Numbering(*parts).names, starts)
+    # Beside the file of all of them, and of no other rest.
+    file = f"{PurePath(of_all.file).stem}-{given.sha256[:8]}.parquet"
+    emptied = instance.with_given(among(instance.given, ()))
+    return emptied.replace(**changes).with_given(given, file)
 
 
 def _stations_left(instance: Instance, states: Sequence[State]) -> tuple[Station, ...] | None:
@@ -236,37 +259,34 @@ def _former(plan: Plan, states: Sequence[State]) -> Orders:
 
 
 def _beginnings(
-    zoned: Instance, rest: Instance, states: tuple[State, ...], former: Orders
+    left: Callable[[tuple[State, ...]], Instance | None], states: tuple[State, ...], former: Orders
 ) -> Iterator[tuple[Instance, tuple[State, ...]]]:
     """The instances that the rest may begin with: chasers as they are, or refuelled first.
 
     The last one is that of chasers as they are, where no other one is possible.
     """
+    rest = left(states)
+    assert rest is not None  # what is flown kept to the limits
     ways = []
     for number, (state, order) in enumerate(zip(states, former, strict=True)):
         about_to = bool(order) and order[0] in rest.station_names
         low = not order or state.left_m_s < NEAR_EMPTY * state.chaser.tank.delta_v_m_s
-        more = list(_refuelled(rest, state, number)) if about_to or low else []
+        may = about_to or low or state.has_to_return
+        more = list(_refuelled(rest, state, number)) if may else []
         ways.append(more if about_to and more else [state, *more])
     found = 0
     for chosen in product(*ways):
-        stations = _stations_left(zoned, chosen)
-        if stations is None:
-            continue
-        chasers = tuple(
-            rest.chasers[number] if one is states[number] else going_on(rest, one)
-            for number, one in enumerate(chosen)
-        )
-        same = chasers == rest.chasers
-        yield rest if same else rest.replace(chasers=chasers, stations=stations), chosen
-        found += 1
+        beginning = rest if chosen == states else left(chosen)
+        if beginning is not None:
+            yield beginning, chosen
+            found += 1
     if not found:
         yield rest, states
 
 
 def _refuelled(rest: Instance, state: State, number: int) -> Iterator[State]:
     """The chaser as it is after refuelling first, at each station that it can reach."""
-    if state.since_refuelling == 0 or not rest.targets:
+    if not state.is_at_target or not (rest.targets or state.has_to_return):
         return
     mission = Mission(rest, chaser=number)
     connecting, limits = mission.connecting, limits_of(rest, number)

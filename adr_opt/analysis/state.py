@@ -10,7 +10,7 @@ from ..chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
 from ..errors import InputError
 from ..expense import carried_kg
 from ..instance import Instance
-from ..orbit import Orbit
+from ..numbering import LEO
 from ..plan import Leg, Plan
 from ..routes import Flown, routes_of
 
@@ -59,6 +59,16 @@ class State:
     def is_new(self) -> bool:
         """Whether it has flown nothing."""
         return not self.legs
+
+    @property
+    def is_at_target(self) -> bool:
+        """Whether it is at a target, which it has serviced."""
+        return self.since_refuelling > 0
+
+    @property
+    def has_to_return(self) -> bool:
+        """Whether it has to end at a station."""
+        return isinstance(self.chaser.end, AtStation)
 
 
 def states_at(
@@ -170,17 +180,18 @@ def going_on(instance: Instance, state: State) -> Chaser:
         changes["max_targets"] = max(chaser.max_targets - done, 0)
     changes["available_s"] = (state.free_s, _end(chaser, state.free_s))
     body = state.body
-    if body is None:
+    if state.is_new or body is None:
         return chaser.replace(**changes)
-    if not state.is_new and chaser.expense is not None:
+    if chaser.expense is not None:
         changes["expense"] = Expense()
     chaser = heavier(chaser, state.idle_kits)
     if body in stations:
         return chaser.replace(
             **changes, start=AtStation(station=body), tank=_tank(chaser, None, None)
         )
-    orbit = _orbits(instance)[body]
-    tank = chaser.tank if state.is_new else _tank(chaser, state.left_m_s, state.propellant_kg)
+    # Where connections are given there may be no orbit, and nothing comes of the one that is said.
+    orbit = instance.known_orbits[instance.names.index(body)] or LEO
+    tank = _tank(chaser, state.left_m_s, state.propellant_kg)
     return chaser.replace(**changes, start=InOrbit(orbit=orbit), tank=tank)
 
 
@@ -206,7 +217,3 @@ def _tank(
         "delta_v_m_s": full,
         "initial_delta_v_m_s": None if left_m_s is None else min(left_m_s, full),
     }
-
-
-def _orbits(instance: Instance) -> dict[str, Orbit]:
-    return dict(zip(instance.names, instance.body_orbits, strict=True))
