@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import PurePath
@@ -33,9 +33,8 @@ from ..routes import routes_of, weighed
 from ..settings import KeepOutZone
 from ..station_limits import StationLimits
 from ..stop import AnyOf, MaxRuntime, Stop
-from ..tow import refuse_tows
-from .replanned import Orders, Replanned, compared
-from .state import State, as_flown, going_on, heavier, states_at
+from .replanned import Replanned, compared
+from .state import State, as_flown, going_on, heavier, put_s, states_at
 
 QUICK, SEVERAL = "beam", "auto"
 """Planners of the rest, where nobody names one: for one chaser and for several."""
@@ -50,6 +49,12 @@ NEAR_EMPTY = 0.5
 
 Found = tuple[Instance, tuple[State, ...], Result]
 """What is left of the mission, where chasers go on from, and a plan of it."""
+
+Former = Mapping[str, tuple[str, ...]]
+"""What each chaser was about to do, by its name."""
+
+MOMENT_S = 1e-3
+"""So much later is later, whatever differs by the slack of the model."""
 
 Finding = Callable[[Instance, list[list[str]]], Result]
 """A plan of what is left, from what is left of the former orders."""
@@ -109,12 +114,12 @@ def replan(
     began = time.perf_counter()
     if plan.instance.sha256 != instance.sha256:
         raise InputError("the plan belongs to another instance; give the one it was made for")
-    refuse_tows(instance, "replan")
     states = states_at(instance, plan, at_s, keep=keep, failed=failed)
     zoned = instance.replace(keep_out_zones=(*instance.keep_out_zones, *zones))
     notes = tuple(_crossings(zoned, states, at_s, len(instance.keep_out_zones)))
     gone = tuple(dict.fromkeys(lost))
     former = _former(plan, states)
+    states = _in_order(zoned, states)
 
     def left(now: tuple[State, ...]) -> Instance | None:
         return _rest(zoned, now, gone, at_s)
@@ -136,11 +141,16 @@ def replan(
                 if best is None or _is_better(made, best[2]):
                     best = beginning, begun, made
             assert best is not None
-            carrying = _carrying(now, best)
-            if carrying == now:
+            if _is_usurped(best):
+                known = _in_order(zoned, _kept_waiting(now))
+                if known == now:
+                    return settled(flown_on)
+            else:
+                # Kits that are not left behind weigh on, which that plan did not know.
+                known = _carrying(now, best)
+            if known == now:
                 return best
-            # Kits that are not left behind weigh on, which that plan did not know.
-            now = carrying
+            now = known
 
     best = settled(planned)
     if any(state.idle_kits for state in best[1]):
@@ -148,7 +158,22 @@ def replan(
         own = settled(flown_on)
         if _is_better(own[2], best[2]):
             best = own
-    return compared(instance, *best, former, gone, notes, began)
+    notes = (*notes, *_waits(states, best))
+    orders = tuple(former[state.chaser.name] for state in best[1])
+    return compared(instance, *best, orders, gone, notes, began)
+
+
+def _waits(states: Sequence[State], found: Found) -> Iterator[str]:
+    """What is said of chasers that go on from a disposal orbit where they have waited."""
+    released = {state.chaser.name for state in states if state.is_released}
+    instance, begun, made = found
+    flown = set() if made.plan is None else {each.chaser for each in made.plan.routes if each.legs}
+    flown |= {state.chaser.name for state in begun if not state.is_released}
+    for name in sorted(released & flown):
+        yield (
+            f"{name} goes on from a disposal orbit where it waits, which the rules of "
+            f"{instance.name!r} allow and those of the whole mission do not"
+        )
 
 
 def _carrying(states: tuple[State, ...], found: Found) -> tuple[State, ...]:
@@ -198,15 +223,79 @@ def _rest(
             raise InputError(f"lost {name!r}: not a target of {zoned.name!r}")
         if name in done:
             raise InputError(f"lost {name!r}: it is done by then, or the leg to it has begun")
+    put = {state.body: put_s(zoned, state) for state in states if state.is_put}
     targets = tuple(
-        target for target in zoned.targets if target.name not in done and target.name not in lost
+        # What is still to be towed is worth nothing any more, and there for who is put onto it.
+        target.replace(prize=0.0, required=True, window_s=put[target.name])
+        if target.name in put
+        else target
+        for target in zoned.targets
+        if target.name in put or (target.name not in done and target.name not in lost)
     )
     chasers = tuple(going_on(zoned, state) for state in states)
+    # Launches are apart by their times then, and who is put somewhere is not launched.
+    mission = zoned.mission.replace(launch_separation_s=None) if put else zoned.mission
     name = f"{zoned.name}-from-{at_s:.0f}s"
     stations = _stations_left(zoned, states)
     if stations is None:
         return None
-    return _changed(zoned, states, name=name, targets=targets, chasers=chasers, stations=stations)
+    return _changed(
+        zoned, states, name=name, targets=targets, chasers=chasers, stations=stations,
+        mission=mission,
+    )  # fmt: skip
+
+
+def _in_order(zoned: Instance, states: tuple[State, ...]) -> tuple[State, ...]:
+    """Where some are put onto targets, all by their times, launches apart.
+
+    Chasers that start anywhere are launched in the order of the file. Of those that are put
+    somewhere no two begin at once: nobody else comes to the target of the first one in time, so
+    that it is put there, nor to that of the second one, and so on.
+    """
+    if not any(state.is_put for state in states):
+        return states
+    order, last_s, found = [chaser.name for chaser in zoned.chasers], -math.inf, []
+    for state in sorted(states, key=lambda state: order.index(state.chaser.name)):
+        if state.body is None:
+            state = replace(state, free_s=max(state.free_s, last_s))
+            last_s = state.free_s + (zoned.mission.launch_separation_s or 0.0)
+        found.append(state)
+    last_s = -math.inf
+    for at, state in sorted(enumerate(found), key=lambda each: _begins_s(zoned, each[1])):
+        if state.is_put:
+            late_s = max(last_s + MOMENT_S - _begins_s(zoned, state), 0.0)
+            found[at] = replace(state, free_s=state.free_s + late_s)
+            last_s = _begins_s(zoned, found[at])
+    return tuple(sorted(found, key=lambda state: _begins_s(zoned, state)))
+
+
+def _begins_s(zoned: Instance, state: State) -> float:
+    """When a chaser begins with its rest [s]."""
+    return put_s(zoned, state)[0] if state.is_put else state.free_s
+
+
+def _is_usurped(found: Found) -> bool:
+    """Whether another chaser is first at the target of one that is put there.
+
+    That one is free for something better then, as nothing says who it is that has to be put there.
+    """
+    _, states, made = found
+    if made.plan is None:
+        return False
+    first = {route.chaser: route.legs[0].destination for route in made.plan.routes if route.legs}
+    return any(state.is_put and first.get(state.chaser.name) != state.body for state in states)
+
+
+def _kept_waiting(states: tuple[State, ...]) -> tuple[State, ...]:
+    """The states where nobody else flies until all are put who are.
+
+    That costs the others some hours, so that it is only done where a target is usurped.
+    """
+    last_s = max(state.free_s for state in states if state.is_put) + MOMENT_S
+    return tuple(
+        state if state.is_put else replace(state, free_s=max(state.free_s, last_s))
+        for state in states
+    )
 
 
 def _changed(instance: Instance, states: Sequence[State], **changes: Any) -> Instance:
@@ -247,19 +336,20 @@ def _stations_left(instance: Instance, states: Sequence[State]) -> tuple[Station
     )
 
 
-def _former(plan: Plan, states: Sequence[State]) -> Orders:
+def _former(plan: Plan, states: Sequence[State]) -> Former:
     """What the plan was about to do after what is fixed."""
     flown = {route.chaser: route.legs for route in plan.routes}
     if len(states) == 1:
         flown = {states[0].chaser.name: plan.legs}
-    return tuple(
-        tuple(leg.destination for leg in flown.get(state.chaser.name, ())[len(state.legs) :])
-        for state in states
-    )
+    fixed = {state.chaser.name: len(state.legs) for state in states}
+    return {
+        name: tuple(leg.destination for leg in flown.get(name, ())[count:])
+        for name, count in fixed.items()
+    }
 
 
 def _beginnings(
-    left: Callable[[tuple[State, ...]], Instance | None], states: tuple[State, ...], former: Orders
+    left: Callable[[tuple[State, ...]], Instance | None], states: tuple[State, ...], former: Former
 ) -> Iterator[tuple[Instance, tuple[State, ...]]]:
     """The instances that the rest may begin with: chasers as they are, or refuelled first.
 
@@ -268,7 +358,8 @@ def _beginnings(
     rest = left(states)
     assert rest is not None  # what is flown kept to the limits
     ways = []
-    for number, (state, order) in enumerate(zip(states, former, strict=True)):
+    for number, state in enumerate(states):
+        order = former[state.chaser.name]
         about_to = bool(order) and order[0] in rest.station_names
         low = not order or state.left_m_s < NEAR_EMPTY * state.chaser.tank.delta_v_m_s
         may = about_to or low or state.has_to_return
@@ -287,6 +378,8 @@ def _beginnings(
 def _refuelled(rest: Instance, state: State, number: int) -> Iterator[State]:
     """The chaser as it is after refuelling first, at each station that it can reach."""
     if not state.is_at_target or not (rest.targets or state.has_to_return):
+        return
+    if state.is_put:  # by the rules of the rest it may refuel at once
         return
     mission = Mission(rest, chaser=number)
     connecting, limits = mission.connecting, limits_of(rest, number)
@@ -310,7 +403,7 @@ def _refuelled(rest: Instance, state: State, number: int) -> Iterator[State]:
             kind=flown.kind,
             origin=state.body or chaser.name,
             destination=name,
-            ready_s=state.legs[-1].end_s,
+            ready_s=state.legs[-1].free_s,
             departure_s=flown.departure,
             arrival_s=float(found.arrival[taken]),
             end_s=float(ends[taken]),
@@ -328,16 +421,19 @@ def _refuelled(rest: Instance, state: State, number: int) -> Iterator[State]:
 
 
 def _orders(
-    beginning: Instance, former: Orders, states: tuple[State, ...], before: tuple[State, ...]
+    beginning: Instance, former: Former, states: tuple[State, ...], before: tuple[State, ...]
 ) -> list[list[str]]:
-    """The former rest as far as there are such bodies; a stop that is made already is left out."""
+    """The former rest as far as there are such bodies; a stop that is made already is left out.
+
+    It begins with the target that a chaser is put onto.
+    """
     names, stations = set(beginning.names), beginning.station_names
     orders = []
-    for order, state, former_state in zip(former, states, before, strict=True):
-        left = [name for name in order if name in names]
+    for state, former_state in zip(states, before, strict=True):
+        left = [name for name in former[state.chaser.name] if name in names]
         if state is not former_state and left and left[0] in stations:
             left = left[1:]
-        orders.append(left)
+        orders.append([state.body, *left] if state.is_put and state.body else left)
     return orders
 
 
