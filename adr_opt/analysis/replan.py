@@ -33,6 +33,7 @@ from ..routes import routes_of, weighed
 from ..settings import KeepOutZone
 from ..station_limits import StationLimits
 from ..stop import AnyOf, MaxRuntime, Stop
+from .putting import in_order, is_usurped, kept_waiting
 from .replanned import Replanned, compared
 from .state import State, as_flown, going_on, heavier, put_s, states_at
 
@@ -52,9 +53,6 @@ Found = tuple[Instance, tuple[State, ...], Result]
 
 Former = Mapping[str, tuple[str, ...]]
 """What each chaser was about to do, by its name."""
-
-MOMENT_S = 1e-3
-"""So much later is later, whatever differs by the slack of the model."""
 
 Finding = Callable[[Instance, list[list[str]]], Result]
 """A plan of what is left, from what is left of the former orders."""
@@ -82,6 +80,10 @@ def replan(
     it is taken; where it had ended, less than half a tank is left, or the chaser has to end at a
     station, both are tried. The rest of the former plan, without what it cannot fly any more, is
     what the new one has to beat.
+
+    A chaser with an object that it is still to tow is put onto that once more (:mod:`.putting`),
+    and one that has begun its last tow goes on from the disposal orbit. There nobody waits by the
+    rules of the whole mission, so a note says so.
 
     Parameters
     ----------
@@ -119,7 +121,7 @@ def replan(
     notes = tuple(_crossings(zoned, states, at_s, len(instance.keep_out_zones)))
     gone = tuple(dict.fromkeys(lost))
     former = _former(plan, states)
-    states = _in_order(zoned, states)
+    states = in_order(zoned, states)
 
     def left(now: tuple[State, ...]) -> Instance | None:
         return _rest(zoned, now, gone, at_s)
@@ -141,8 +143,8 @@ def replan(
                 if best is None or _is_better(made, best[2]):
                     best = beginning, begun, made
             assert best is not None
-            if _is_usurped(best):
-                known = _in_order(zoned, _kept_waiting(now))
+            if is_usurped(*best[1:]):
+                known = in_order(zoned, kept_waiting(now))
                 if known == now:
                     return settled(flown_on)
             else:
@@ -243,59 +245,6 @@ def _rest(
         zoned, states, name=name, targets=targets, chasers=chasers, stations=stations,
         mission=mission,
     )  # fmt: skip
-
-
-def _in_order(zoned: Instance, states: tuple[State, ...]) -> tuple[State, ...]:
-    """Where some are put onto targets, all by their times, launches apart.
-
-    Chasers that start anywhere are launched in the order of the file. Of those that are put
-    somewhere no two begin at once: nobody else comes to the target of the first one in time, so
-    that it is put there, nor to that of the second one, and so on.
-    """
-    if not any(state.is_put for state in states):
-        return states
-    order, last_s, found = [chaser.name for chaser in zoned.chasers], -math.inf, []
-    for state in sorted(states, key=lambda state: order.index(state.chaser.name)):
-        if state.body is None:
-            state = replace(state, free_s=max(state.free_s, last_s))
-            last_s = state.free_s + (zoned.mission.launch_separation_s or 0.0)
-        found.append(state)
-    last_s = -math.inf
-    for at, state in sorted(enumerate(found), key=lambda each: _begins_s(zoned, each[1])):
-        if state.is_put:
-            late_s = max(last_s + MOMENT_S - _begins_s(zoned, state), 0.0)
-            found[at] = replace(state, free_s=state.free_s + late_s)
-            last_s = _begins_s(zoned, found[at])
-    return tuple(sorted(found, key=lambda state: _begins_s(zoned, state)))
-
-
-def _begins_s(zoned: Instance, state: State) -> float:
-    """When a chaser begins with its rest [s]."""
-    return put_s(zoned, state)[0] if state.is_put else state.free_s
-
-
-def _is_usurped(found: Found) -> bool:
-    """Whether another chaser is first at the target of one that is put there.
-
-    That one is free for something better then, as nothing says who it is that has to be put there.
-    """
-    _, states, made = found
-    if made.plan is None:
-        return False
-    first = {route.chaser: route.legs[0].destination for route in made.plan.routes if route.legs}
-    return any(state.is_put and first.get(state.chaser.name) != state.body for state in states)
-
-
-def _kept_waiting(states: tuple[State, ...]) -> tuple[State, ...]:
-    """The states where nobody else flies until all are put who are.
-
-    That costs the others some hours, so that it is only done where a target is usurped.
-    """
-    last_s = max(state.free_s for state in states if state.is_put) + MOMENT_S
-    return tuple(
-        state if state.is_put else replace(state, free_s=max(state.free_s, last_s))
-        for state in states
-    )
 
 
 def _changed(instance: Instance, states: Sequence[State], **changes: Any) -> Instance:
