@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -111,14 +112,30 @@ class Given(Shown):
         return int(np.bincount(pair[new]).max(initial=0)), int(time.size)
 
 
-def among(given: Given, names: Sequence[str]) -> Given:
-    """The connections between some of the bodies."""
-    left = set(names)
-    known = np.array([name in left for name in given.names], dtype=np.bool_)
-    mine = known[given.origin] & known[given.destination] if known.size else slice(0)
+def among(
+    given: Given, names: Collection[str], starts: Mapping[str, str] = MappingProxyType({})
+) -> Given:
+    """The connections between some of the bodies.
+
+    Parameters
+    ----------
+    given : Given
+    names : collection of str
+        Bodies that stay.
+    starts : mapping of str to str, optional
+        Bodies that are left for good, and the start that takes over what leads from each: nothing
+        leads to a start, and nothing else from it.
+    """
+    new = set(starts.values())
+    known = [*given.names, *sorted(new.difference(given.names))]
+    number = {name: at for at, name in enumerate(known)}
+    stays = np.array([name in names and name not in new for name in given.names], dtype=np.bool_)
+    leads = stays | np.array([name in starts for name in given.names], dtype=np.bool_)
+    become = np.array([number[starts.get(name, name)] for name in given.names], dtype=np.int32)
+    mine = leads[given.origin] & stays[given.destination]
     return _made(
-        given.origin[mine], given.destination[mine], given.departure[mine], given.arrival[mine],
-        given.cost[mine], given.names, "row {}",
+        become[given.origin[mine]], given.destination[mine], given.departure[mine],
+        given.arrival[mine], given.cost[mine], known, "row {}",
     )  # fmt: skip
 
 

@@ -108,6 +108,11 @@ class Leg(Shown, Record):
         return self.end_s if self.tow is None else self.tow.end_s
 
     @property
+    def free_s(self) -> float:
+        """Since when the chaser may leave the destination: after the service, and a tow [s]."""
+        return self.end_s + (0.0 if self.tow is None else self.tow.end_s - self.tow.start_s)
+
+    @property
     def spent_m_s(self) -> float:
         """ΔV of the transfer and of the tow [m/s]."""
         return self.delta_v_m_s + (0.0 if self.tow is None else self.tow.delta_v_m_s)

@@ -3,8 +3,9 @@
 A tow is a Hohmann transfer of the chaser with the object from the circle that the object is planned
 on (MODEL section 1) to one at the disposal altitude, in the object's plane: two burns against the
 motion, half a revolution apart. The object is released after the second one. The chaser may wait
-before a tow, but not after it: a tow ends when the next transfer leaves, or follows the service at
-once where there is none. So who leaves a towed object at a time t is on the disposal orbit then,
+before a tow, but not after it: a tow ends when the next transfer leaves. Where there is none, plans
+have it follow the service at once, and it may be later. So who leaves a towed object at a time t is
+on the disposal orbit then,
 
     u(t) = u_j(t − T) + π,    Ω(t) = Ω_j(t − T) + Ω̇_h T,
 
@@ -24,12 +25,12 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .errors import InputError
 from .instance import Instance
 from .kernels import orbits
 from .kernels.burns import half_ellipse_speeds
 from .kernels.constants import EARTH_RADIUS_M, MU_M3_S2
 from .kernels.eccentricity import matchings
+from .orbit import Orbit
 from .planes import Arcs, Plane, ahead, outward
 
 FloatArray = npt.NDArray[np.float64]
@@ -90,23 +91,6 @@ def tow_by_name(instance: Instance) -> dict[str, Tow]:
     return {names[body]: tow for body, tow in tows_of(instance).items()}
 
 
-def refuse_tows(instance: Instance, what: str) -> None:
-    """Raise :class:`InputError` for an instance with tows, for what does not know them yet.
-
-    Parameters
-    ----------
-    instance : Instance
-    what : str
-        Who asks, as the subject of a sentence.
-    """
-    towed = list(tow_by_name(instance))
-    if towed:
-        raise InputError(
-            f"{what} knows no tows yet, and {towed[0]!r} of {instance.name!r} is towed; use "
-            "check, fly, refine, report and export, which do"
-        )
-
-
 def leaving_orbits(instance: Instance) -> FloatArray:
     """The bodies as they are left, shape (bodies, columns): as :meth:`Instance.orbits` says.
 
@@ -126,6 +110,23 @@ def leaving_orbits(instance: Instance) -> FloatArray:
             tow.radius_m, row[orbits.INCLINATION], instance.oblateness_m2
         )
     return rows
+
+
+def released_orbit(instance: Instance, name: str, time_s: float) -> Orbit:
+    """The disposal orbit of a chaser that has released an object at a time, and stays there."""
+    row = leaving_orbits(instance)[instance.names.index(name)]
+    radius, inclination = float(row[orbits.RADIUS]), float(row[orbits.INCLINATION])
+    latitude_rate = float(orbits.latitude_rate(radius, inclination, instance.oblateness_m2))
+    node = float(orbits.node_at(row, time_s)) - row[orbits.COASTING_RAAN_RATE] * time_s
+    latitude = float(orbits.latitude_at(row, time_s)) - latitude_rate * time_s
+    return Orbit(
+        semi_major_axis_m=radius,
+        eccentricity=0.0,
+        inclination_deg=math.degrees(inclination),
+        raan_deg=math.degrees(node) % 360.0,
+        argument_of_perigee_deg=0.0,
+        true_anomaly_deg=math.degrees(latitude) % 360.0,
+    )
 
 
 def leaving_eccentricity_delta_v(instance: Instance, leaving: FloatArray) -> FloatArray:

@@ -11,16 +11,17 @@ import numpy as np
 import pytest
 from conftest import Cli, refused
 from hand_made import PERIOD_S, hand_made
+from on_from import violations
 from two_chasers import campaign, planned
 
 import adr_opt
-from adr_opt.analysis import Replanned, price, replan
+from adr_opt.analysis import price, replan
 from adr_opt.analysis.state import states_at
 from adr_opt.chasers import Expense, InOrbit, TankByMass
 from adr_opt.errors import InputError
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import DAY_S
-from adr_opt.plan import InstanceReference, Plan, Unvisited, cost_of
+from adr_opt.plan import InstanceReference, Plan
 from adr_opt.routes import routes_of
 from adr_opt.settings import KeepOutZone
 
@@ -39,25 +40,6 @@ def tiny(seed: int = 0, *, by_mass: bool = False) -> tuple[Instance, Plan]:
     plan = adr_opt.solve(instance, "exact", time_limit=30.0).plan
     assert plan is not None
     return instance, plan
-
-
-def violations(instance: Instance, made: Replanned, zones=()) -> tuple:
-    """What `check` says of what is flown and planned together, on the instance with new zones."""
-    zoned = instance.replace(keep_out_zones=(*instance.keep_out_zones, *zones))
-    routes = made.whole()
-    legs = [leg for route in routes for leg in route.legs]
-    visited = {leg.destination for leg in legs}
-    objective = sum(target.prize for target in instance.targets if target.name in visited)
-    whole = made.plan.replace(
-        instance=InstanceReference(name=zoned.name, sha256=zoned.sha256), routes=routes,
-        objective=objective, upper_bound=None, gap=None, status="feasible", cost_bound=None,
-        cost_gap=None, cost_status=None, cost=cost_of(zoned.objective, legs),
-        unvisited=tuple(
-            Unvisited(target=target.name, reason="not-worth-it")
-            for target in instance.targets if target.name not in visited
-        ),
-    )  # fmt: skip
-    return adr_opt.check(zoned, whole)
 
 
 @pytest.mark.parametrize("by_mass", [False, True])

@@ -20,7 +20,6 @@ from random_rules import (
 from towed_fields import field
 
 import adr_opt
-from adr_opt import analysis
 from adr_opt.campaign import Campaign
 from adr_opt.cargo import followed, loads_of
 from adr_opt.checking.tank import Tank
@@ -367,9 +366,7 @@ def test_files_without_tows_do_not_speak_of_them():
 
 def test_who_knows_no_tows_says_so():
     """Methods and verbs that do not know tows refuse them in a sentence."""
-    instance, plan = field(), planned()
-    with pytest.raises(InputError, match="replan knows no tows yet"):
-        analysis.replan(instance, plan, at_s=1000.0)
+    instance = field()
     with pytest.raises(InputError, match="knows no tows, and those of"):
         adr_opt.solve(instance, "ortools")
     with pytest.raises(InputError, match="has tows that count"):

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
+from pathlib import PurePath
 from typing import Any
 
 import numpy as np
@@ -16,11 +17,13 @@ from ..campaign import Problem, is_campaign, problem_of
 from ..cargo import kits_of
 from ..errors import InputError
 from ..front import solve
+from ..given import among
 from ..instance import Instance
 from ..keep_out import crossed
 from ..kernels.constants import SLACK_M_S
 from ..limits import limits_of
 from ..mission import Mission
+from ..numbering import Numbering
 from ..plan import Leg, Plan
 from ..planner import PLANNERS, takes_start
 from ..prepared import method_of, prepare, warm_up
@@ -30,9 +33,9 @@ from ..routes import routes_of, weighed
 from ..settings import KeepOutZone
 from ..station_limits import StationLimits
 from ..stop import AnyOf, MaxRuntime, Stop
-from ..tow import refuse_tows
-from .replanned import Orders, Replanned, compared
-from .state import State, as_flown, going_on, heavier, states_at
+from .putting import in_order, is_usurped, kept_waiting
+from .replanned import Replanned, compared
+from .state import State, as_flown, going_on, heavier, put_s, states_at
 
 QUICK, SEVERAL = "beam", "auto"
 """Planners of the rest, where nobody names one: for one chaser and for several."""
@@ -47,6 +50,9 @@ NEAR_EMPTY = 0.5
 
 Found = tuple[Instance, tuple[State, ...], Result]
 """What is left of the mission, where chasers go on from, and a plan of it."""
+
+Former = Mapping[str, tuple[str, ...]]
+"""What each chaser was about to do, by its name."""
 
 Finding = Callable[[Instance, list[list[str]]], Result]
 """A plan of what is left, from what is left of the former orders."""
@@ -71,8 +77,13 @@ def replan(
     What has begun is finished (:func:`.state.states_at`). A chaser that has serviced a target
     since it refuelled last may refuel at once; to be full earlier is never worse, so that is one
     more beginning, by the connection that arrives first. Where the former plan is about to do so
-    it is taken; where it had ended, or less than half a tank is left, both are tried. The rest of
-    the former plan, without what it cannot fly any more, is what the new one has to beat.
+    it is taken; where it had ended, less than half a tank is left, or the chaser has to end at a
+    station, both are tried. The rest of the former plan, without what it cannot fly any more, is
+    what the new one has to beat.
+
+    A chaser with an object that it is still to tow is put onto that once more (:mod:`.putting`),
+    and one that has begun its last tow goes on from the disposal orbit. There nobody waits by the
+    rules of the whole mission, so a note says so.
 
     Parameters
     ----------
@@ -105,17 +116,15 @@ def replan(
     began = time.perf_counter()
     if plan.instance.sha256 != instance.sha256:
         raise InputError("the plan belongs to another instance; give the one it was made for")
-    if instance.transfer.given is not None:
-        raise InputError(
-            f"{instance.name!r} has given connections, which lead from bodies and not from where "
-            "a chaser is; replan works on those of the model"
-        )
-    refuse_tows(instance, "replan")
     states = states_at(instance, plan, at_s, keep=keep, failed=failed)
     zoned = instance.replace(keep_out_zones=(*instance.keep_out_zones, *zones))
     notes = tuple(_crossings(zoned, states, at_s, len(instance.keep_out_zones)))
     gone = tuple(dict.fromkeys(lost))
     former = _former(plan, states)
+    states = in_order(zoned, states)
+
+    def left(now: tuple[State, ...]) -> Instance | None:
+        return _rest(zoned, now, gone, at_s)
 
     def planned(beginning: Instance, orders: list[list[str]]) -> Result:
         return _planned(beginning, orders, method, time_limit, seed, stop)
@@ -129,17 +138,21 @@ def replan(
         now = states
         while True:
             best: Found | None = None
-            rest = _rest(zoned, now, gone, at_s)
-            for beginning, begun in _beginnings(zoned, rest, now, former):
+            for beginning, begun in _beginnings(left, now, former):
                 made = found(beginning, _orders(beginning, former, begun, now))
                 if best is None or _is_better(made, best[2]):
                     best = beginning, begun, made
             assert best is not None
-            carrying = _carrying(now, best)
-            if carrying == now:
+            if is_usurped(*best[1:]):
+                known = in_order(zoned, kept_waiting(now))
+                if known == now:
+                    return settled(flown_on)
+            else:
+                # Kits that are not left behind weigh on, which that plan did not know.
+                known = _carrying(now, best)
+            if known == now:
                 return best
-            # Kits that are not left behind weigh on, which that plan did not know.
-            now = carrying
+            now = known
 
     best = settled(planned)
     if any(state.idle_kits for state in best[1]):
@@ -147,7 +160,22 @@ def replan(
         own = settled(flown_on)
         if _is_better(own[2], best[2]):
             best = own
-    return compared(instance, *best, former, gone, notes, began)
+    notes = (*notes, *_waits(states, best))
+    orders = tuple(former[state.chaser.name] for state in best[1])
+    return compared(instance, *best, orders, gone, notes, began)
+
+
+def _waits(states: Sequence[State], found: Found) -> Iterator[str]:
+    """What is said of chasers that go on from a disposal orbit where they have waited."""
+    released = {state.chaser.name for state in states if state.is_released}
+    instance, begun, made = found
+    flown = set() if made.plan is None else {each.chaser for each in made.plan.routes if each.legs}
+    flown |= {state.chaser.name for state in begun if not state.is_released}
+    for name in sorted(released & flown):
+        yield (
+            f"{name} goes on from a disposal orbit where it waits, which the rules of "
+            f"{instance.name!r} allow and those of the whole mission do not"
+        )
 
 
 def _carrying(states: tuple[State, ...], found: Found) -> tuple[State, ...]:
@@ -186,8 +214,10 @@ def _crossings(zoned: Instance, states: Sequence[State], at_s: float, before: in
             yield f"the leg under way {said}, and is finished all the same"
 
 
-def _rest(zoned: Instance, states: Sequence[State], lost: Sequence[str], at_s: float) -> Instance:
-    """The instance that is left, with chasers where they are."""
+def _rest(
+    zoned: Instance, states: Sequence[State], lost: Sequence[str], at_s: float
+) -> Instance | None:
+    """The instance that is left, with chasers where they are; None where a station has run out."""
     done = {leg.destination for state in states for leg in state.legs}
     names = {target.name for target in zoned.targets}
     for name in lost:
@@ -195,14 +225,45 @@ def _rest(zoned: Instance, states: Sequence[State], lost: Sequence[str], at_s: f
             raise InputError(f"lost {name!r}: not a target of {zoned.name!r}")
         if name in done:
             raise InputError(f"lost {name!r}: it is done by then, or the leg to it has begun")
+    put = {state.body: put_s(zoned, state) for state in states if state.is_put}
     targets = tuple(
-        target for target in zoned.targets if target.name not in done and target.name not in lost
+        # What is still to be towed is worth nothing any more, and there for who is put onto it.
+        target.replace(prize=0.0, required=True, window_s=put[target.name])
+        if target.name in put
+        else target
+        for target in zoned.targets
+        if target.name in put or (target.name not in done and target.name not in lost)
     )
     chasers = tuple(going_on(zoned, state) for state in states)
+    # Launches are apart by their times then, and who is put somewhere is not launched.
+    mission = zoned.mission.replace(launch_separation_s=None) if put else zoned.mission
     name = f"{zoned.name}-from-{at_s:.0f}s"
     stations = _stations_left(zoned, states)
-    assert stations is not None  # what is flown kept to the limits
-    return zoned.replace(name=name, targets=targets, chasers=chasers, stations=stations)
+    if stations is None:
+        return None
+    return _changed(
+        zoned, states, name=name, targets=targets, chasers=chasers, stations=stations,
+        mission=mission,
+    )  # fmt: skip
+
+
+def _changed(instance: Instance, states: Sequence[State], **changes: Any) -> Instance:
+    """The instance with changes, and its given connections as they lead on from where chasers are.
+
+    They lead from a start by its name, so that it takes over those of the target that it is at.
+    """
+    of_all = instance.transfer.given
+    if instance.given is None or of_all is None:
+        return instance.replace(**changes)
+    parts = [changes.get(part, getattr(instance, part)) for part in Numbering.__annotations__]
+    starts = {
+        state.body: state.chaser.name for state in states if state.body and state.is_at_target
+    }
+    given = among(instance.given, Numbering(*parts).names, starts)
+    # Beside the file of all of them, and of no other rest.
+    file = f"{PurePath(of_all.file).stem}-{given.sha256[:8]}.parquet"
+    emptied = instance.with_given(among(instance.given, ()))
+    return emptied.replace(**changes).with_given(given, file)
 
 
 def _stations_left(instance: Instance, states: Sequence[State]) -> tuple[Station, ...] | None:
@@ -224,49 +285,50 @@ def _stations_left(instance: Instance, states: Sequence[State]) -> tuple[Station
     )
 
 
-def _former(plan: Plan, states: Sequence[State]) -> Orders:
+def _former(plan: Plan, states: Sequence[State]) -> Former:
     """What the plan was about to do after what is fixed."""
     flown = {route.chaser: route.legs for route in plan.routes}
     if len(states) == 1:
         flown = {states[0].chaser.name: plan.legs}
-    return tuple(
-        tuple(leg.destination for leg in flown.get(state.chaser.name, ())[len(state.legs) :])
-        for state in states
-    )
+    fixed = {state.chaser.name: len(state.legs) for state in states}
+    return {
+        name: tuple(leg.destination for leg in flown.get(name, ())[count:])
+        for name, count in fixed.items()
+    }
 
 
 def _beginnings(
-    zoned: Instance, rest: Instance, states: tuple[State, ...], former: Orders
+    left: Callable[[tuple[State, ...]], Instance | None], states: tuple[State, ...], former: Former
 ) -> Iterator[tuple[Instance, tuple[State, ...]]]:
     """The instances that the rest may begin with: chasers as they are, or refuelled first.
 
     The last one is that of chasers as they are, where no other one is possible.
     """
+    rest = left(states)
+    assert rest is not None  # what is flown kept to the limits
     ways = []
-    for number, (state, order) in enumerate(zip(states, former, strict=True)):
+    for number, state in enumerate(states):
+        order = former[state.chaser.name]
         about_to = bool(order) and order[0] in rest.station_names
         low = not order or state.left_m_s < NEAR_EMPTY * state.chaser.tank.delta_v_m_s
-        more = list(_refuelled(rest, state, number)) if about_to or low else []
+        may = about_to or low or state.has_to_return
+        more = list(_refuelled(rest, state, number)) if may else []
         ways.append(more if about_to and more else [state, *more])
     found = 0
     for chosen in product(*ways):
-        stations = _stations_left(zoned, chosen)
-        if stations is None:
-            continue
-        chasers = tuple(
-            rest.chasers[number] if one is states[number] else going_on(rest, one)
-            for number, one in enumerate(chosen)
-        )
-        same = chasers == rest.chasers
-        yield rest if same else rest.replace(chasers=chasers, stations=stations), chosen
-        found += 1
+        beginning = rest if chosen == states else left(chosen)
+        if beginning is not None:
+            yield beginning, chosen
+            found += 1
     if not found:
         yield rest, states
 
 
 def _refuelled(rest: Instance, state: State, number: int) -> Iterator[State]:
     """The chaser as it is after refuelling first, at each station that it can reach."""
-    if state.since_refuelling == 0 or not rest.targets:
+    if not state.is_at_target or not (rest.targets or state.has_to_return):
+        return
+    if state.is_put:  # by the rules of the rest it may refuel at once
         return
     mission = Mission(rest, chaser=number)
     connecting, limits = mission.connecting, limits_of(rest, number)
@@ -290,7 +352,7 @@ def _refuelled(rest: Instance, state: State, number: int) -> Iterator[State]:
             kind=flown.kind,
             origin=state.body or chaser.name,
             destination=name,
-            ready_s=state.legs[-1].end_s,
+            ready_s=state.legs[-1].free_s,
             departure_s=flown.departure,
             arrival_s=float(found.arrival[taken]),
             end_s=float(ends[taken]),
@@ -308,16 +370,19 @@ def _refuelled(rest: Instance, state: State, number: int) -> Iterator[State]:
 
 
 def _orders(
-    beginning: Instance, former: Orders, states: tuple[State, ...], before: tuple[State, ...]
+    beginning: Instance, former: Former, states: tuple[State, ...], before: tuple[State, ...]
 ) -> list[list[str]]:
-    """The former rest as far as there are such bodies; a stop that is made already is left out."""
+    """The former rest as far as there are such bodies; a stop that is made already is left out.
+
+    It begins with the target that a chaser is put onto.
+    """
     names, stations = set(beginning.names), beginning.station_names
     orders = []
-    for order, state, former_state in zip(former, states, before, strict=True):
-        left = [name for name in order if name in names]
+    for state, former_state in zip(states, before, strict=True):
+        left = [name for name in former[state.chaser.name] if name in names]
         if state is not former_state and left and left[0] in stations:
             left = left[1:]
-        orders.append(left)
+        orders.append([state.body, *left] if state.is_put and state.body else left)
     return orders
 
 

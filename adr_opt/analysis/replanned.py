@@ -24,7 +24,7 @@ class Replanned(Shown):
     ----------
     instance : Instance
         What is left to do: chasers where they are, with what they have; without what is done or
-        lost; with the new zones.
+        lost, but for objects that are still to be towed; with the new zones.
     result : Result
         Of planning that; its plan belongs to that instance.
     states : tuple of State
@@ -72,10 +72,12 @@ class Replanned(Shown):
         new = {} if plan is None else {route.chaser: route.legs for route in plan.routes}
         routes = []
         for state in self.states:
-            legs = list(state.legs)
-            for leg in new.get(state.chaser.name, ()):
+            legs, rest = list(state.legs), new.get(state.chaser.name, ())
+            if state.is_put and rest:
+                legs[-1] = legs[-1].replace(tow=rest[0].tow)
+            for leg in state.onward(rest):
                 where = legs[-1].destination if legs else state.chaser.start_name
-                free_s = legs[-1].end_s if legs else state.since_s
+                free_s = legs[-1].free_s if legs else state.since_s
                 legs.append(leg.replace(origin=where, ready_s=free_s))
             routes.append(Route(chaser=state.chaser.name, legs=tuple(legs)))
         return tuple(routes)
@@ -126,11 +128,11 @@ def compared(
     prizes = {target.name: target.prize for target in instance.targets}
     before = [name for order in former for name in order if name in prizes]
     plan = result.plan
-    after = [] if plan is None else [n for n in plan.destinations if n in prizes]
-    kept = 0
+    after, kept = list[str](), 0
     routes = {} if plan is None else {route.chaser: route.legs for route in plan.routes}
     for state, order in zip(states, former, strict=True):
-        new = tuple(leg.destination for leg in routes.get(state.chaser.name, ()))
+        new = [leg.destination for leg in state.onward(routes.get(state.chaser.name, ()))]
+        after += [name for name in new if name in prizes]
         kept += _common(new, order)
     return Replanned(
         instance=chosen,

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 from ..cargo import kits_of
 from ..chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
 from ..errors import InputError
 from ..expense import carried_kg
 from ..instance import Instance
-from ..orbit import Orbit
+from ..limits import limits_of
+from ..numbering import LEO
 from ..plan import Leg, Plan
 from ..routes import Flown, routes_of
+from ..tow import released_orbit, tows_of
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,8 @@ class State:
     body : str or None
         Where it is once they are; None for one that is not launched yet.
     free_s : float
-        Since when it is free there, at least the time asked for [s].
+        Since when it is free there, at least the time asked for [s]. Here, and of what is left:
+        before a tow that has not begun, but after one that has.
     left_m_s : float
         ΔV left then.
     propellant_kg : float or None
@@ -42,6 +46,9 @@ class State:
         When it may fly at all [s].
     idle_kits : int
         More are aboard, which nothing takes any more: they are carried along.
+    is_put : bool
+        Whether it is with an object that it is still to tow, before it goes on. Its rest begins
+        with that target: it is put there, as chasers are launched, while its service ends.
     """
 
     chaser: Chaser
@@ -54,11 +61,31 @@ class State:
     since_refuelling: int
     since_s: float
     idle_kits: int = 0
+    is_put: bool = False
 
     @property
     def is_new(self) -> bool:
         """Whether it has flown nothing."""
         return not self.legs
+
+    @property
+    def is_at_target(self) -> bool:
+        """Whether it is at a target, which it has serviced."""
+        return self.since_refuelling > 0
+
+    @property
+    def is_released(self) -> bool:
+        """Whether it has begun its last tow, or ended it: then it is on the disposal orbit."""
+        return bool(self.legs) and self.legs[-1].tow is not None and not self.is_put
+
+    def onward(self, legs: tuple[Leg, ...]) -> tuple[Leg, ...]:
+        """Of its legs in a rest those that lead on: not the one that puts it where it is."""
+        return legs[1:] if self.is_put else legs
+
+    @property
+    def has_to_return(self) -> bool:
+        """Whether it has to end at a station."""
+        return isinstance(self.chaser.end, AtStation)
 
 
 def states_at(
@@ -66,8 +93,9 @@ def states_at(
 ) -> tuple[State, ...]:
     """Where each chaser is at a time.
 
-    A leg that has begun is finished: whoever has left cannot turn back. The legs after it that
-    have not begun are fixed too if ``keep`` says so, as many of each chaser.
+    A leg that has begun is finished: whoever has left cannot turn back. One that leaves a disposal
+    orbit begins with the tow: it leaves as that ends. The legs after it that have not begun are
+    fixed too if ``keep`` says so, as many of each chaser.
 
     Parameters
     ----------
@@ -96,13 +124,14 @@ def states_at(
 
 
 def _state(instance: Instance, flown: Flown, at_s: float, keep: int, failed: int | None) -> State:
-    begun = sum(leg.leaves_s < at_s for _, leg in flown.legs)
+    begins_s = _begins_s(flown)
+    begun = sum(time_s < at_s for time_s in begins_s)
     fixed = flown.legs[: begun + keep]
-    for at, (number, leg) in enumerate(fixed):
+    for at, (number, _) in enumerate(fixed):
         if number == failed:
             if at < begun:
                 raise InputError(
-                    f"failed leg {failed}: it has begun at {leg.leaves_s:.0f} s, before {at_s:g} "
+                    f"failed leg {failed}: it has begun at {begins_s[at]:.0f} s, before {at_s:g} "
                     "s; tell a target that was not reached as lost"
                 )
             fixed = fixed[:at]
@@ -110,11 +139,12 @@ def _state(instance: Instance, flown: Flown, at_s: float, keep: int, failed: int
     chaser, stations = flown.chaser, instance.station_names
     legs = tuple(leg for _, leg in fixed)
     aboard = _loaded(instance, flown).aboard(instance)[len(legs)]
+    tow = legs[-1].tow if legs else None
+    is_put = tow is not None and tow.start_s >= at_s
     propellant = None
     if isinstance(chaser.tank, TankByMass) and aboard.mass_kg is not None:
-        propellant = max(
-            aboard.mass_kg - chaser.tank.dry_mass_kg - aboard.kits * chaser.kit_mass_kg, 0.0
-        )
+        mass_kg = aboard.mass_kg + (aboard.towing_kg if is_put else 0.0)
+        propellant = max(mass_kg - chaser.tank.dry_mass_kg - aboard.kits * chaser.kit_mass_kg, 0.0)
     since = 0
     for leg in legs:
         since = 0 if leg.destination in stations else since + 1
@@ -125,9 +155,23 @@ def _state(instance: Instance, flown: Flown, at_s: float, keep: int, failed: int
         kits -= kits_of(instance, (leg.destination for leg in legs))
     body = legs[-1].destination if legs else None if chaser.is_launched else chaser.start_name
     since_s, _ = instance.available_s[instance.chasers.index(chaser)]
-    free_s = max(at_s, legs[-1].end_s if legs else since_s)
-    left_m_s = max(aboard.left_m_s, 0.0)
-    return State(chaser, legs, body, free_s, left_m_s, propellant, kits, since, since_s)
+    free_s = since_s
+    if legs:
+        free_s = legs[-1].end_s if is_put else legs[-1].done_s
+    left_m_s = max(aboard.on_arrival_m_s if is_put else aboard.left_m_s, 0.0)
+    return State(
+        chaser, legs, body, max(at_s, free_s), left_m_s, propellant, kits, since, since_s,
+        is_put=is_put,
+    )  # fmt: skip
+
+
+def _begins_s(flown: Flown) -> list[float]:
+    """When each leg begins: as the chaser leaves, or begins to tow down what it leaves."""
+    tows = [None, *(leg.tow for _, leg in flown.legs)]
+    return [
+        leg.leaves_s if tow is None else tow.start_s
+        for tow, (_, leg) in zip(tows, flown.legs, strict=False)
+    ]
 
 
 def _loaded(instance: Instance, flown: Flown) -> Flown:
@@ -165,23 +209,38 @@ def going_on(instance: Instance, state: State) -> Chaser:
     """
     chaser, stations = state.chaser, instance.station_names
     done = sum(leg.destination not in stations for leg in state.legs)
-    changes: dict[str, object] = {"kits": state.kits}
+    changes: dict[str, Any] = {"kits": state.kits}
     if chaser.max_targets is not None:
-        changes["max_targets"] = max(chaser.max_targets - done, 0)
-    changes["available_s"] = (state.free_s, _end(chaser, state.free_s))
+        changes["max_targets"] = max(chaser.max_targets - done, 0) + state.is_put
+    since_s = put_s(instance, state)[0] if state.is_put else state.free_s
+    changes["available_s"] = (since_s, _end(chaser, state.free_s))
     body = state.body
-    if body is None:
+    if state.is_new or body is None:
         return chaser.replace(**changes)
-    if not state.is_new and chaser.expense is not None:
+    if chaser.expense is not None:
         changes["expense"] = Expense()
     chaser = heavier(chaser, state.idle_kits)
     if body in stations:
         return chaser.replace(
             **changes, start=AtStation(station=body), tank=_tank(chaser, None, None)
         )
-    orbit = _orbits(instance)[body]
-    tank = chaser.tank if state.is_new else _tank(chaser, state.left_m_s, state.propellant_kg)
-    return chaser.replace(**changes, start=InOrbit(orbit=orbit), tank=tank)
+    changes["tank"] = _tank(chaser, state.left_m_s, state.propellant_kg)
+    if state.is_put:
+        return chaser.replace(**changes, start="anywhere")
+    if state.is_released:
+        orbit = released_orbit(instance, body, state.legs[-1].done_s)
+    else:
+        # Where connections are given there may be none, and nothing comes of the one that is said.
+        orbit = instance.known_orbits[instance.names.index(body)] or LEO
+    return chaser.replace(**changes, start=InOrbit(orbit=orbit))
+
+
+def put_s(instance: Instance, state: State) -> tuple[float, float]:
+    """When the service takes place with which a chaser is put onto its target [s]."""
+    assert state.body is not None
+    body = instance.names.index(state.body)
+    service_s = float(limits_of(instance).service[body]) - tows_of(instance)[body].time_s
+    return max(state.free_s - service_s, 0.0), state.free_s
 
 
 def _end(chaser: Chaser, free_s: float) -> float | None:
@@ -206,7 +265,3 @@ def _tank(
         "delta_v_m_s": full,
         "initial_delta_v_m_s": None if left_m_s is None else min(left_m_s, full),
     }
-
-
-def _orbits(instance: Instance) -> dict[str, Orbit]:
-    return dict(zip(instance.names, instance.body_orbits, strict=True))

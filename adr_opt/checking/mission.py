@@ -207,6 +207,8 @@ def _check_service(
     if abs(leg.end_s - end) > TIME_TOLERANCE_S:
         yield Violation(number, "service", f"end_s = {leg.end_s!r}, but it ends at {end!r}")
     free = end + (towed.time_s if towed else 0.0)
+    if leg.tow is not None:
+        free = max(free, leg.tow.end_s)
     for rule, ends, last in (
         ("duration", free, instance.mission.duration_s),
         ("availability", free, now.chaser.available_s[1]),

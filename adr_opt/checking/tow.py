@@ -93,7 +93,9 @@ def check_tow(
             stated = "towed" if leg.tow else "not towed"
             yield Violation(number, "tow", f"{leg.destination!r} is {stated} by the plan")
         return
-    last = end + towed.time_s if following is None else following.leaves_s
+    # Who leads nowhere after it may wait before it, too, as far as the mission goes.
+    soonest = end + towed.time_s
+    last = max(soonest, leg.tow.end_s) if following is None else following.leaves_s
     for name, stated_s, true in (
         ("start_s", leg.tow.start_s, last - towed.time_s), ("end_s", leg.tow.end_s, last),
     ):  # fmt: skip

@@ -21,6 +21,7 @@ from .parameters import (
 
 if TYPE_CHECKING:
     from ..analysis.replanned import Replanned
+    from ..analysis.state import State
     from ..instance import Instance
     from ..settings import KeepOutZone
 
@@ -163,13 +164,23 @@ def read_zones(path: str) -> tuple[KeepOutZone, ...]:
     return tuple(zones)
 
 
+def _where(state: State) -> str:
+    if state.body is None:
+        return "is not launched yet"
+    if state.is_put:
+        return f"is at {state.body}, which is still to be towed"
+    if state.is_released:
+        return f"is on the disposal orbit of {state.body}"
+    return f"is at {state.body}"
+
+
 def _tell(made: Replanned) -> None:
     from .timeline import clock, summary, timelines
 
     for state in made.states:
-        where = "is not launched yet" if state.body is None else f"is at {state.body}"
         emit(
-            f"{state.chaser.name}: {counted(len(state.legs), 'leg')} flown or fixed, {where}, free "
+            f"{state.chaser.name}: {counted(len(state.legs), 'leg')} flown or fixed, "
+            f"{_where(state)}, free "
             f"on {clock(state.free_s)} with {state.left_m_s:.1f} m/s"
         )
     for note in made.notes:

@@ -1,0 +1,70 @@
+"""Chasers that a rest puts onto the objects that they are still to tow: which of them, and when.
+
+An instance does not say who has to be launched onto a target, so that times have to: its window is
+that of one service, and only one chaser is there in time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ..instance import Instance
+from ..result import Result
+from .state import State, put_s
+
+MOMENT_S = 1e-3
+"""So much later is later, whatever differs by the slack of the model."""
+
+
+def in_order(zoned: Instance, states: tuple[State, ...]) -> tuple[State, ...]:
+    """Where some are put onto targets, all by their times, launches apart.
+
+    Chasers that start anywhere are launched in the order of the file. Of those that are put
+    somewhere no two begin at once: nobody else comes to the target of the first one in time, so
+    that it is put there, nor to that of the second one, and so on.
+    """
+    if not any(state.is_put for state in states):
+        return states
+    order, last_s, found = [chaser.name for chaser in zoned.chasers], -math.inf, []
+    for state in sorted(states, key=lambda state: order.index(state.chaser.name)):
+        if state.body is None:
+            state = replace(state, free_s=max(state.free_s, last_s))
+            last_s = state.free_s + (zoned.mission.launch_separation_s or 0.0)
+        found.append(state)
+    last_s = -math.inf
+    for at, state in sorted(enumerate(found), key=lambda each: _begins_s(zoned, each[1])):
+        if state.is_put:
+            late_s = max(last_s + MOMENT_S - _begins_s(zoned, state), 0.0)
+            found[at] = replace(state, free_s=state.free_s + late_s)
+            last_s = _begins_s(zoned, found[at])
+    return tuple(sorted(found, key=lambda state: _begins_s(zoned, state)))
+
+
+def _begins_s(zoned: Instance, state: State) -> float:
+    """When a chaser begins with its rest [s]."""
+    return put_s(zoned, state)[0] if state.is_put else state.free_s
+
+
+def is_usurped(states: Sequence[State], made: Result) -> bool:
+    """Whether another chaser is first at the target of one that is put there.
+
+    That one is free for something better then, as nothing says who it is that has to be put there.
+    """
+    if made.plan is None:
+        return False
+    first = {route.chaser: route.legs[0].destination for route in made.plan.routes if route.legs}
+    return any(state.is_put and first.get(state.chaser.name) != state.body for state in states)
+
+
+def kept_waiting(states: tuple[State, ...]) -> tuple[State, ...]:
+    """The states where nobody else flies until all are put who are.
+
+    That costs the others some hours, so that it is only done where a target is usurped.
+    """
+    last_s = max(state.free_s for state in states if state.is_put) + MOMENT_S
+    return tuple(
+        state if state.is_put else replace(state, free_s=max(state.free_s, last_s))
+        for state in states
+    )

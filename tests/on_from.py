@@ -1,0 +1,83 @@
+"""What is flown and a new rest of it as one mission, and the best rest by enumeration."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+import adr_opt
+from adr_opt.analysis import Replanned
+from adr_opt.checking import Violation
+from adr_opt.instance import Instance
+from adr_opt.kernels.constants import SLACK_M_S, SLACK_S
+from adr_opt.plan import InstanceReference, Unvisited, cost_of
+
+Rows = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+def violations(instance: Instance, made: Replanned, zones=()) -> tuple[Violation, ...]:
+    """What `check` says of what is flown and planned together, on the instance with new zones.
+
+    Of what is proven nothing is stated, and nothing asked.
+    """
+    zoned = instance.replace(keep_out_zones=(*instance.keep_out_zones, *zones))
+    routes = made.whole()
+    legs = [leg for route in routes for leg in route.legs]
+    visited = {leg.destination for leg in legs}
+    objective = sum(target.prize for target in instance.targets if target.name in visited)
+    whole = made.plan.replace(
+        instance=InstanceReference(name=zoned.name, sha256=zoned.sha256), routes=routes,
+        objective=objective, upper_bound=None, gap=None, status="feasible", cost_bound=None,
+        cost_gap=None, cost_status=None, cost=cost_of(zoned.objective, legs),
+        unvisited=tuple(
+            Unvisited(target=target.name, reason="not-worth-it")
+            for target in instance.targets if target.name not in visited
+        ),
+    )  # fmt: skip
+    found = adr_opt.check(zoned, whole)
+    return tuple(violation for violation in found if violation.rule != "status")
+
+
+class Field(NamedTuple):
+    """A mission of one chaser without stations, as enumeration takes it.
+
+    Attributes
+    ----------
+    rows : callable
+        Departures, arrivals [s] and costs [m/s] from a body to another one, by name.
+    prizes : mapping of str to float
+    stays : mapping of str to float
+        How long a chaser is not free after it has come [s].
+    last_s : float
+    after : callable
+        What is left after a target, of what was left on arrival [m/s].
+    """
+
+    rows: Callable[[str, str], Rows]
+    prizes: Mapping[str, float]
+    stays: Mapping[str, float]
+    last_s: float
+    after: Callable[[str, float], float]
+
+
+def most(field: Field, body: str, ready_s: float, left_m_s: float, todo: frozenset[str]) -> float:
+    """The most that can be collected on from a body, by trying every order and connection."""
+    best = 0.0
+    for name in sorted(todo):
+        departure, arrival, cost = field.rows(body, name)
+        can = (departure >= ready_s - SLACK_S) & (cost <= left_m_s + SLACK_M_S)
+        can &= arrival + field.stays[name] <= field.last_s + SLACK_S
+        cheapest = np.inf
+        for at in np.lexsort((cost, arrival)):
+            # One that arrives later is worth a look only if it is cheaper.
+            if not can[at] or cost[at] >= cheapest:
+                continue
+            cheapest = cost[at]
+            left = field.after(name, left_m_s - float(cost[at]))
+            if left >= -SLACK_M_S:
+                ready = float(arrival[at]) + field.stays[name]
+                on = most(field, name, ready, left, todo - {name})
+                best = max(best, field.prizes[name] + on)
+    return best
