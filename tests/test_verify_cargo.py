@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -12,6 +13,7 @@ from random_rules import (
     carrying,
     drifting_mission,
     given_field,
+    limited,
     mixed_campaign,
     random_campaign,
     random_mission,
@@ -22,20 +24,23 @@ from random_rules import (
 import adr_opt
 from adr_opt.campaign import Campaign, problem_of
 from adr_opt.certificate import Certificate, certificate_of
-from adr_opt.chasers import TankByMass
+from adr_opt.chasers import AtStation, TankByMass
 from adr_opt.checking.tank import Tank
 from adr_opt.connections import Connecting
 from adr_opt.errors import InputError
+from adr_opt.evidence import Evidence, Walks
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import SLACK_M_S
 from adr_opt.mission import Mission
 from adr_opt.verifying import verify
 from adr_opt.verifying.cargo import after_service
+from adr_opt.verifying.claim import bound_of, check_names
 from adr_opt.verifying.legs import Legs, legs_of
 from adr_opt.verifying.rules import kept_apart
 from adr_opt.verifying.sampling import sample_connections
 from adr_opt.verifying.walks import walks_reach
 
+DAY_S = 86400.0
 FEW = 10
 """Connections that are flown again."""
 
@@ -51,13 +56,33 @@ def towing_and_laden(seed: int) -> Instance:
     return towing(carrying((random_mission, drifting_mission)[seed % 2](seed), seed), seed)
 
 
+def refuelling(seed: int) -> Instance:
+    """A mission of days with kits, by turns with tows, and tanks that have to be filled."""
+    drawn = random_mission(seed)
+    made = carrying(drawn.replace(stations=drawn.stations or random_mission(0).stations), seed)
+    made = made if seed % 4 else towing(made, seed)
+    rng, dry_kg, exhaust = np.random.default_rng([15, seed]), 200.0, 3000.0
+    ratio = float(np.expm1(rng.uniform(250.0, 600.0) / exhaust))
+    chaser = made.chaser.replace(
+        start=AtStation(station=made.stations[0].name), available_s=(0.0, None), max_targets=None,
+        tank=TankByMass(
+            dry_mass_kg=dry_kg, propellant_kg=dry_kg * ratio, isp_s=exhaust / 9.80665
+        ),
+        kit_mass_kg=dry_kg * float(rng.choice([0.2, 0.5, 1.0])),
+    )  # fmt: skip
+    mission = made.mission.replace(duration_s=2.5 * DAY_S)
+    return made.replace(chasers=(chaser,), mission=mission, keep_out_zones=())
+
+
 def campaign_with_cargo(seed: int) -> Instance:
     """Several chasers with kits, and every third time tows."""
     made = carrying((random_campaign, mixed_campaign)[seed % 2](seed), seed)
     return made if seed % 3 else towing(made, seed)
 
 
-every_mission = pytest.mark.parametrize("draw", [laden, towing_mission, towing_and_laden])
+every_mission = pytest.mark.parametrize(
+    "draw", [laden, towing_mission, towing_and_laden, refuelling]
+)
 
 
 def legs_for(instance: Instance) -> Legs:
@@ -188,11 +213,97 @@ def test_bounds_of_campaigns_are_verified():
     assert whole > 0.8 * asked
 
 
+def running_empty(seed: int) -> Instance:
+    """A chaser that refuels at stations that run empty, and launches that lie apart."""
+    made = refuelling(seed)
+    return limited(made.replace(targets=made.targets[:4]), seed)
+
+
+def scarce(seed: int) -> Instance:
+    """Two chasers who share one or two refuellings at each station."""
+    made, rng = refuelling(seed), np.random.default_rng([16, seed])
+    return made.replace(
+        stations=tuple(
+            each.replace(max_refuellings=int(rng.integers(1, 3))) for each in made.stations
+        ),
+        chasers=tuple(made.chaser.replace(name=f"chaser-{number}") for number in (1, 2)),
+        targets=tuple(
+            each.replace(prize=float(rng.choice([1.0, 1.5, 2.0])), window_s=(0.0, None),
+                         required=False)
+            for each in made.targets
+        ),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("draw", "seeds", "least_paid"),
+    [(running_empty, range(0, 40, 2), 0), (scarce, [*range(12), 30, 43], 3)],
+)
+def test_bounds_where_stations_run_empty_are_verified(draw, seeds, least_paid):
+    """The bound before the last packing is verified and holds, refuellings paid for or not."""
+    asked = paid = 0
+    for seed in seeds:
+        instance = draw(seed)
+        _, certificate = proven(instance)
+        if certificate is None:
+            continue
+        verdict = verify(instance, None, certificate, connections=0)
+        assert verdict.verified, seed
+        assert verdict.upper_bound >= brute_force_campaign(Campaign(instance))[0] - 1e-9, seed
+        asked += bool(certificate.walks)
+        paid += any(station.name in certificate.multipliers for station in instance.stations)
+    assert asked > 6
+    assert paid >= least_paid
+
+
+def test_multipliers_of_stations_count_as_often_as_there_are_refuellings():
+    """Whoever writes a certificate and who verifies it add the same up; others have none."""
+    drawn = adr_opt.generate("tiny", 0)
+    instance = drawn.replace(stations=(drawn.stations[0].replace(max_refuellings=3),))
+    multipliers = np.zeros(len(instance.names))
+    multipliers[0] = 0.5
+    walks = Walks((0,), 1.0, np.zeros((multipliers.size, multipliers.size), dtype=np.bool_))
+    result = replace(
+        adr_opt.solve(instance, "greedy"), upper_bound=2.0,
+        evidence=Evidence(multipliers, (walks,), 20.0),
+    )  # fmt: skip
+    certificate = certificate_of(instance, result)
+    assert certificate.upper_bound == bound_of(instance, certificate) == 2.0
+    unrounded = certificate.replace(prize_step=None)
+    assert bound_of(instance, unrounded) == pytest.approx(2.5, rel=1e-15)
+    with pytest.raises(InputError, match=r"'station' is neither a target .* with max_refuellings"):
+        check_names(
+            drawn,
+            certificate.replace(instance=certificate.instance.replace(sha256=drawn.sha256)),
+        )
+
+
+def test_whatever_refuellings_cost_the_best_plan_is_worth_no_more_than_follows():
+    """With any multipliers of stations, what the best plan collects is below no bound."""
+    asked = 0
+    for seed in range(60):
+        instance = running_empty(seed)
+        prizes, _ = brute_force_campaign(Campaign(instance))
+        often = {each.name: each.max_refuellings for each in instance.stations}
+        if not math.isfinite(prizes) or all(each is None for each in often.values()):
+            continue
+        rng, worths = np.random.default_rng(seed), worths_of(instance, Fraction(0))
+        remembered = rng.random((len(worths), len(worths))) < rng.choice([0.0, 1.0])
+        most, gains = Fraction(prizes) - Fraction(1, 10**9), list(worths)
+        for body, limit in enumerate(often.values()):
+            if limit is not None:
+                gains[body] -= Fraction(float(rng.uniform(0.0, 2.0)))
+                most += limit * gains[body]
+        assert walks_reach(legs_for(instance), gains, remembered, most, 20.0).reached, seed
+        asked += 1
+    assert asked > 20
+
+
 def test_walks_that_are_said_to_collect_less_are_refused():
     """A bound below what brute force finds is refused, with whatever numbers it is claimed."""
     refused = 0
-    for seed in range(24):
-        instance = (laden, towing_mission, towing_and_laden)[seed % 3](seed)
+    for seed in range(32):
+        instance = (laden, towing_mission, towing_and_laden, refuelling)[seed % 4](seed)
         result, certificate = proven(instance)
         if certificate is None or not certificate.walks or not result.objective:
             continue
@@ -266,3 +377,28 @@ def test_connections_from_where_tows_lead_are_those_of_check():
         assert sampled.faults == (), seed
         looked_at += sampled.departures
     assert looked_at > 40
+
+
+def test_a_proof_with_heavy_kits_is_verified():
+    """So is that of a campaign of launches, with 16 of the rocket bodies of the family."""
+    instance = adr_opt.generate("removal", 0, targets=16, chasers=2)
+    result, certificate = proven(instance)
+    assert result.status == "optimal"
+    assert certificate is not None
+    assert certificate.walks
+    verdict = verify(instance, result.plan, certificate, connections=100)
+    assert verdict.reasons == ()
+    assert verdict.upper_bound == result.upper_bound
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_proofs_of_the_removal_family_are_verified(seed):
+    """The bound before the last packing is verified, and the plan where that bound is its own."""
+    instance = adr_opt.generate("removal", seed)
+    result = adr_opt.solve(instance, "auto", time_limit=200.0)
+    certificate = certificate_of(instance, result)
+    assert certificate.walks
+    assert verify(instance, None, certificate).reasons == ()
+    verdict = verify(instance, result.plan, certificate)
+    assert verdict.verified == (certificate.upper_bound == pytest.approx(result.upper_bound))

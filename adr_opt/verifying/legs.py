@@ -90,6 +90,9 @@ def legs_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Legs:
     # In two-body motion no connection is left out; elsewhere what saves no more than the
     # resolution is no part of the instance.
     resolution = connecting.planning_resolution_m_s
+    for body, station in enumerate(instance.stations):
+        if station.max_refuellings == 0:
+            closes[body] = -math.inf
     home = names.index(chaser.start_name)
     columns: list[tuple[FloatArray, FloatArray, FloatArray]] = []
     sizes = np.zeros(bodies * bodies + 1, dtype=np.int64)

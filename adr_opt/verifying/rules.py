@@ -17,7 +17,7 @@ KNOWN: dict[type[Record], frozenset[str]] = {
         "format", "name", "epoch", "dynamics", "stations", "targets", "chasers", "mission",
         "transfer", "objective", "keep_out_zones",
     }),
-    Station: frozenset({"name", "orbit"}),
+    Station: frozenset({"name", "orbit", "max_refuellings", "max_propellant_kg"}),
     Target: frozenset({
         "name", "orbit", "prize", "required", "window_s", "mass_kg", "removal",
     }),
@@ -31,15 +31,11 @@ KNOWN: dict[type[Record], frozenset[str]] = {
     }),
 }  # fmt: skip
 """Fields whose meaning the verifier knows. What is in ``transfer`` makes connections, and what is
-in ``objective`` decides between plans that collect as much."""
+in ``objective`` decides between plans that collect as much. How much propellant a station has is
+ignored: walks may take any amount."""
 
 REMOVALS = frozenset({"visit", "kit", "tow"})
 """Ways to service a target that the verifier knows."""
-
-REFUSED: dict[type[Record], frozenset[str]] = {
-    Station: frozenset({"max_refuellings", "max_propellant_kg"}),
-}
-"""Fields that are refused where they are stated. So is any field that is in neither list."""
 
 
 def refuse_unknown(instance: Instance) -> None:
