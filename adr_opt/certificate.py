@@ -22,6 +22,7 @@ from .prizes import Prizes
 from .records import Name, NonNegative, Positive, Record
 from .result import Result
 from .showing import Card, Shown
+from .station_limits import StationLimits
 from .tolerance import meets, rounded_down
 
 FORMAT: Literal["adr-opt-certificate/1"] = "adr-opt-certificate/1"
@@ -37,9 +38,9 @@ class ProvenWalks(Record):
     """What is said of the walks of chasers that can do the same.
 
     No walk of one of ``chasers`` collects ``most``, where each service counts what the target is
-    worth less its multiplier. A walk may come back to a target that it has forgotten: when it
-    comes to a body, it goes on remembering those of ``neighbourhoods`` there and the target that it
-    comes from, and no others.
+    worth less its multiplier, and each refuelling takes off that of the station. A walk may come
+    back to a target that it has forgotten: when it comes to a body, it goes on remembering those of
+    ``neighbourhoods`` there and the target that it comes from, and no others.
     """
 
     chasers: Names
@@ -52,7 +53,8 @@ class Certificate(Shown, Record):
 
     No plan collects more than ``upper_bound``; null says that no plan keeps to all rules. A target
     is worth its prize, and ``required_worth`` more if it is required. ``multipliers`` are those of
-    "each target at most once", 0 where none is given; all prizes are multiples of ``prize_step``,
+    "each target at most once" and "each station ``max_refuellings`` times at most", 0 where none is
+    given; all prizes are multiples of ``prize_step``,
     null for none. ``walks`` has every chaser once, or nothing where the prizes alone are the proof.
     ``delta_v_slot_m_s`` is the slot of ΔV in which the method has looked ahead: what is true does
     not depend on it, how long it takes to see it does. ``plan_sha256`` is that of the plan file
@@ -186,7 +188,8 @@ def _stated(instance: Instance, walks: Walks) -> ProvenWalks:
 def _proven(prizes: Prizes, evidence: Evidence) -> float:
     """The bound that evidence shows."""
     parts = [len(each.chasers) * each.most for each in evidence.walks]
-    worth = rounded_down(math.fsum([*evidence.multipliers, *parts]), prizes.prize_step)
+    paid = StationLimits(prizes.instance).total(evidence.multipliers)
+    worth = rounded_down(math.fsum([paid, *parts]), prizes.prize_step)
     shown = prizes.shown(worth)
     least = min((each.prize for each in prizes.instance.targets if each.prize), default=0.0)
     if 0.0 <= shown < least:

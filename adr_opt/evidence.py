@@ -35,13 +35,13 @@ class Walks:
 class Evidence:
     """What a bound rests on (MODEL section 8).
 
-    All plans together collect less than the sum of the multipliers and, for each chaser, the most
-    of its walks.
+    All plans together collect less than the sum of the multipliers, each as often as its body may
+    be gone to, and, for each chaser, the most of its walks.
 
     Attributes
     ----------
     multipliers : (bodies,) float64
-        At least 0, and 0 but for targets.
+        At least 0, and 0 but for targets and for stations with so many refuellings only.
     walks : tuple of Walks
         Of all chasers, each once.
     delta_v_slot_m_s : float

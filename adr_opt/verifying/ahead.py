@@ -1,9 +1,10 @@
-"""What a walk can still collect from a body, a time and a ΔV left: one pass backwards in time.
+"""What a walk can still collect from a body, a time, a ΔV left and so many kits aboard.
 
-Times are put into *steps* and ΔV into *slots*, always so that walks may do more than chasers. Who
-is ready within a step may take everything that leaves in it; a leg costs its whole slots only, and
-a tank holds all that it begins. So nobody collects more than is said here, and labels that even
-with this much would collect too little need not be followed (:mod:`.labels`).
+One pass backwards in time, with times in *steps* and ΔV in *slots*, always so that walks may do
+more than chasers. Who is ready within a step may take everything that leaves in it; a leg costs its
+whole slots only, and a tank holds all that it begins, before a service and after it. So nobody
+collects more than is said here, and labels that even with this much would collect too little need
+not be followed (:mod:`.labels`).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import numpy.typing as npt
 
 from ..kernels.compile import inlined, kernel
 from ..kernels.constants import SLACK_S
+from .cargo import after_service, changes, is_unused
 from .legs import Legs
 
 SLOT_SLACK = 1e-9
@@ -46,7 +48,7 @@ class Ahead(NamedTuple):
     ----------
     last : (steps,) float64
         Last departure of each step [s].
-    best : (steps + 1, bodies, slots) int32
+    best : (kits + 1, steps + 1, bodies, slots) int32
         Most that a walk collects from there, packed; from the last step nothing leaves.
     second : the same shape
         Most of those that go to another body next.
@@ -72,17 +74,48 @@ def slots_in(delta_v, slot):
 
 
 @inlined
-def still(ahead, step, body, slots, came_from):
+def still(ahead, step, body, kits, left, came_from):
     """Most units that a walk can still collect that does not go back at once."""
-    packed = ahead.best[step, body, slots]
+    slots = min(slots_in(left, ahead.slot), ahead.best.shape[3] - 1)
+    packed = ahead.best[kits, step, body, slots]
     mask = (1 << ahead.bits) - 1
     if packed & mask == came_from:
-        packed = ahead.second[step, body, slots]
+        packed = ahead.second[kits, step, body, slots]
     return np.int64(packed >> ahead.bits)
 
 
 @kernel
-def _put(own, other, landed, landed_second, whole, code, mask, came_from, cost):
+def _images(cargo, slot, slots, tops, image):
+    """What services make of slots, by kits aboard before them; −1 where there is too little.
+
+    Parameters
+    ----------
+    tops : (kits + 1,) int64
+        Slot of a full tank with so many kits.
+    image : (bodies, kits + 1, slots) int64
+        Written.
+    """
+    for body in range(image.shape[0]):
+        for kits in range(cargo.takes[body], tops.size):
+            for s in range(slots):
+                # All that is in a slot is less than the next one.
+                left = after_service(cargo, body, kits, (s + 1) * slot)
+                image[body, kits, s] = -1
+                if left >= 0.0:
+                    most = tops[kits - cargo.takes[body]]
+                    image[body, kits, s] = min(slots_in(left, slot), most)
+
+
+@inlined
+def _served(values, image, desk):
+    """The values before a service, of those after it."""
+    for s in range(image.size):
+        desk[s] = values[image[s]] if image[s] >= 0 else NEVER
+    return desk
+
+
+@kernel
+def _put(own, other, landed, landed_second, top, code, mask, came_from, cost):
     """Improve the values of a body and step by one leg.
 
     Parameters
@@ -91,16 +124,15 @@ def _put(own, other, landed, landed_second, whole, code, mask, came_from, cost):
         Best and second best; updated.
     landed, landed_second : (slots,) int32
         Those where the leg lands.
-    whole : bool
-        Whether the tank is full after it.
+    top : int
+        Slot of the tank that is filled there; −1 at a target.
     code : int
         What the destination gives, packed with it.
     mask, came_from, cost : int
         Bits of the next body, body that the walk leaves, slots.
     """
-    top = own.size - 1
     for c in range(cost, own.size):
-        at = top if whole else c - cost
+        at = c - cost if top < 0 else top
         value = landed[at]
         if value & mask == came_from:
             value = landed_second[at]
@@ -145,28 +177,39 @@ def _mark_useful(first, departure, lands_in, cost, slots, steps, useful):
 
 @kernel
 def _sweep(
-    origin, destination, cost, lands_in, first, code, is_station, may_end, bits, best, second
-):
+    origin, destination, cost, lands_in, first, code, is_station, may_end, cargo, tops, image, bits,
+    best, second,
+):  # fmt: skip
     """Fill the values, from the last step to the first one."""
-    steps, bodies, slots = best.shape[0] - 1, best.shape[1], best.shape[2]
+    layers, steps, bodies, slots = best.shape[0], best.shape[1] - 1, best.shape[2], best.shape[3]
     mask = np.int32((1 << bits) - 1)
-    for i in range(bodies):
-        for c in range(slots):
-            best[steps, i, c] = mask if may_end[i] else NEVER
-            second[steps, i, c] = NEVER
-    for step in range(steps - 1, -1, -1):
+    desk, other_desk = np.empty(slots, np.int32), np.empty(slots, np.int32)
+    for kits in range(layers):
         for i in range(bodies):
+            ends = may_end[i] and not is_unused(cargo, kits)
             for c in range(slots):
-                best[step, i, c] = best[step + 1, i, c]
-                second[step, i, c] = second[step + 1, i, c]
+                best[kits, steps, i, c] = mask if ends else NEVER
+                second[kits, steps, i, c] = NEVER
+    for step in range(steps - 1, -1, -1):
+        for kits in range(layers):
+            for i in range(bodies):
+                for c in range(slots):
+                    best[kits, step, i, c] = best[kits, step + 1, i, c]
+                    second[kits, step, i, c] = second[kits, step + 1, i, c]
         for leg in range(first[step], first[step + 1]):
             i, j, to = origin[leg], destination[leg], lands_in[leg]
             # A station may be gone back to.
             came_from = np.int32(-1) if is_station[i] else np.int32(i)
-            _put(
-                best[step, i], second[step, i], best[to, j], second[to, j], is_station[j], code[j],
-                mask, came_from, cost[leg],
-            )  # fmt: skip
+            for kits in range(cargo.takes[j], layers):
+                rest = kits - cargo.takes[j]
+                landed, landed_second = best[rest, to, j], second[rest, to, j]
+                if changes(cargo, j, kits):
+                    landed = _served(landed, image[j, kits], desk)
+                    landed_second = _served(landed_second, image[j, kits], other_desk)
+                _put(
+                    best[kits, step, i], second[kits, step, i], landed, landed_second,
+                    tops[kits] if is_station[j] else -1, code[j], mask, came_from, cost[leg],
+                )  # fmt: skip
 
 
 def look_ahead(
@@ -184,14 +227,17 @@ def look_ahead(
     slot_m_s : float
         [m/s].
     """
-    bodies = len(gain)
+    bodies, cargo = len(gain), legs.cargo
+    layers, tank = cargo.full.size, float(cargo.full[0])
     departures = np.unique(legs.departure)
     last = np.empty(departures.size)
     length = max(0.0, min(SHARE * legs.shortest, legs.shortest - 4.0 * SLACK_S))
     last = last[: _steps(departures, length, last)]
-    while slot_m_s < legs.tank and 8.0 * last.size * bodies * legs.tank / slot_m_s > ROOM_BYTES:
+    tables = 8.0 * layers * last.size * bodies
+    while slot_m_s < tank and tables * tank / slot_m_s > ROOM_BYTES:
         slot_m_s *= 2.0
-    slots = slots_in(legs.tank, slot_m_s) + 1
+    tops = np.array([slots_in(full, slot_m_s) for full in cargo.full.tolist()])
+    slots = int(tops[0]) + 1
     left_in = np.searchsorted(last, legs.departure)
     lands_in = np.searchsorted(last, legs.end - SLACK_S)
     assert np.all(left_in < lands_in)
@@ -212,11 +258,13 @@ def look_ahead(
     size = Fraction(unit)
     units = [max(math.ceil(each / size), -math.ceil(largest / size)) for each in gain]
     code = ((np.array(units) << bits) + np.arange(bodies)).astype(np.int32)
-    shape = last.size + 1, bodies, slots
+    image = np.empty((bodies, layers, slots), dtype=np.int64)
+    _images(cargo, slot_m_s, slots, tops, image)
+    shape = layers, last.size + 1, bodies, slots
     best, second = np.empty(shape, dtype=np.int32), np.empty(shape, dtype=np.int32)
     pair = legs.pair[order]
     _sweep(
         pair // bodies, pair % bodies, cost[order], lands_in[order], first, code, legs.is_station,
-        legs.may_end, bits, best, second,
+        legs.may_end, cargo, tops, image, bits, best, second,
     )  # fmt: skip
     return Ahead(last, best, second, bits, slot_m_s, unit)

@@ -27,11 +27,13 @@ def check_names(instance: Instance, certificate: Certificate) -> None:
             f"(sha256 {certificate.instance.sha256[:12]}…), not to {instance.name!r} "
             f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
         )
-    targets = {target.name for target in instance.targets}
-    bodies = set(instance.names)
+    often, bodies = how_often(instance), set(instance.names)
     for name in certificate.multipliers:
-        if name not in targets:
-            raise InputError(f"field multipliers: {name!r} is not a target of the instance")
+        if name not in often:
+            raise InputError(
+                f"field multipliers: {name!r} is neither a target of the instance nor a station "
+                "with max_refuellings"
+            )
     for number, walks in enumerate(certificate.walks):
         strange = set(walks.neighbourhoods).union(*walks.neighbourhoods.values())
         if not strange <= bodies:
@@ -55,15 +57,23 @@ def _is_multiple(prize: Fraction, step: Fraction) -> bool:
     return abs(prize - step * round(prize / step)) <= WHOLE * prize
 
 
+def how_often(instance: Instance) -> dict[str, int]:
+    """How often all chasers together may go to a body, by its name: where there is a limit."""
+    often = {target.name: 1 for target in instance.targets}
+    for station in instance.stations:
+        if station.max_refuellings is not None:
+            often[station.name] = station.max_refuellings
+    return often
+
+
 def gains(instance: Instance, certificate: Certificate) -> list[Fraction]:
     """What each body is worth to walks: its worth less its multiplier."""
-    found = [Fraction(0)] * instance.first_target
+    worths = [Fraction(0)] * instance.first_target
     for target in instance.targets:
-        worth = Fraction(target.prize)
-        if target.required:
-            worth += Fraction(certificate.required_worth)
-        found.append(worth - Fraction(certificate.multipliers.get(target.name, 0.0)))
-    return found
+        extra = certificate.required_worth if target.required else 0.0
+        worths.append(Fraction(target.prize) + Fraction(extra))
+    multipliers = (Fraction(certificate.multipliers.get(name, 0.0)) for name in instance.names)
+    return [worth - less for worth, less in zip(worths, multipliers, strict=True)]
 
 
 def trivial_bound(instance: Instance) -> float:
@@ -82,13 +92,16 @@ def trivial_bound(instance: Instance) -> float:
 def bound_of(instance: Instance, certificate: Certificate) -> float:
     """What no plan exceeds if the walks collect less than they are said to; −inf for no plan.
 
-    Every plan is worth less than the sum of the multipliers and, for each chaser, the most of its
-    walks. What its required targets are worth beyond their prizes goes off that.
+    Every plan is worth less than the sum of the multipliers, each as often as its body may be gone
+    to, and, for each chaser, the most of its walks. What its required targets are worth beyond
+    their prizes goes off that.
     """
     trivial = trivial_bound(instance)
     if not certificate.walks:
         return trivial
-    below = sum((Fraction(each) for each in certificate.multipliers.values()), Fraction(0))
+    often = how_often(instance)
+    paid = (often[name] * Fraction(each) for name, each in certificate.multipliers.items())
+    below = sum(paid, Fraction(0))
     below += sum(
         (len(walks.chasers) * Fraction(walks.most) for walks in certificate.walks), Fraction(0)
     )

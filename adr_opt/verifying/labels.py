@@ -1,11 +1,12 @@
 """Whether any walk collects as much as is said: labels forwards in time, one for each walk.
 
-A *label* is the beginning of a walk: where it is and since when, exact ΔV left, what it has
-collected, how many targets it has serviced, and which it remembers. Labels are gone through in
-order of time. One is dropped if another one at its body is there no later, has as much left, has
+A *label* is the beginning of a walk: where it is and since when, exact ΔV left, kits aboard, what
+it has collected, how many targets it has serviced, and which it remembers. Labels are gone through
+in order of time. One is dropped if another one at its body is there no later, has as much left, has
 collected as much with no more services, and remembers nothing else: whatever the one can do later
-the other can. And one is not made whose value and the most that is still to be had
-(:mod:`.ahead`) together stay below what is asked for. If labels run out, no walk collects as much.
+the other can, if it has as many kits, or more of kits that weigh nothing. And one is not made whose
+value and the most that is still to be had (:mod:`.ahead`) together stay below what is asked for. If
+labels run out, no walk collects as much.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ import numpy.typing as npt
 
 from ..kernels.compile import inlined, kernel
 from ..kernels.constants import SLACK_S
-from .ahead import slots_in, still
+from .ahead import still
+from .cargo import after_service, is_unused
 
 FINE = 16
 """What labels have collected is counted in units finer by so many bits than those of values."""
@@ -36,7 +38,7 @@ class Labels(NamedTuple):
 
     Attributes
     ----------
-    body, visits, came_from : (labels,) int32
+    body, kits, visits, came_from : (labels,) int32
     time, left : (labels,) float64
         Ready since [s], and what is left of the tank, with the slack of the model [m/s].
     value : (labels,) int64
@@ -48,6 +50,7 @@ class Labels(NamedTuple):
     """
 
     body: npt.NDArray[np.int32]
+    kits: npt.NDArray[np.int32]
     visits: npt.NDArray[np.int32]
     came_from: npt.NDArray[np.int32]
     time: npt.NDArray[np.float64]
@@ -58,15 +61,17 @@ class Labels(NamedTuple):
 
 
 class Kept(NamedTuple):
-    """The labels at each body that later ones are compared with.
+    """The labels at each body that later ones are compared with, by the kits aboard.
+
+    *Places* are bodies · (most kits + 1) + kits.
 
     Attributes
     ----------
-    size : (bodies,) int64
-    left : (bodies, room) float64
-    value : (bodies, room) int64
-    visits, came_from : (bodies, room) int32
-    memory : (bodies, words, room) int64
+    size : (places,) int64
+    left : (places, room) float64
+    value : (places, room) int64
+    visits, came_from : (places, room) int32
+    memory : (places, words, room) int64
     """
 
     size: npt.NDArray[np.int64]
@@ -112,13 +117,25 @@ def _first_at(times, time):
 
 
 @kernel
-def _is_dominated(kept, body, left, value, visits, memory):
+def _is_dominated(cargo, kept, body, kits, left, value, visits, memory):
     """Whether a label that is ready by now makes another one superfluous."""
+    place = body * cargo.full.size + kits
+    # One with a kit more weighs more, and what it has left is worth less once that is gone.
+    beyond = place + 1 if cargo.heavy else (body + 1) * cargo.full.size
+    for each in range(place, beyond):
+        if _is_dominated_at(kept, each, left, value, visits, memory):
+            return True
+    return False
+
+
+@kernel
+def _is_dominated_at(kept, place, left, value, visits, memory):
+    """Whether one of some place does."""
     words = memory.size
-    lefts, values, counts = kept.left[body], kept.value[body], kept.visits[body]
-    memories = kept.memory[body]
-    for begin in range(0, kept.size[body], BLOCK):
-        end = min(begin + BLOCK, kept.size[body])
+    lefts, values, counts = kept.left[place], kept.value[place], kept.visits[place]
+    memories = kept.memory[place]
+    for begin in range(0, kept.size[place], BLOCK):
+        end = min(begin + BLOCK, kept.size[place])
         found = False
         if words == 1:
             beyond, own = ~memory[0], memories[0]
@@ -140,21 +157,31 @@ def _is_dominated(kept, body, left, value, visits, memory):
 
 
 @kernel
-def _forget_late(ahead, question, kept, body, step):
-    """Drop those kept at a body for whom it is too late: they dominate nothing that is not."""
-    size = 0
-    for k in range(kept.size[body]):
-        slots = slots_in(kept.left[body, k], ahead.slot)
-        most = still(ahead, step, body, slots, kept.came_from[body, k])
-        if kept.value[body, k] + (most << FINE) >= question.need:
-            kept.left[body, size] = kept.left[body, k]
-            kept.value[body, size] = kept.value[body, k]
-            kept.visits[body, size] = kept.visits[body, k]
-            kept.came_from[body, size] = kept.came_from[body, k]
+def _forget_late(ahead, question, kept, place, step):
+    """Drop those kept at a place for whom it is too late: they dominate nothing that is not."""
+    layers, size = ahead.best.shape[0], 0
+    body, kits = place // layers, place % layers
+    for k in range(kept.size[place]):
+        most = still(ahead, step, body, kits, kept.left[place, k], kept.came_from[place, k])
+        if kept.value[place, k] + (most << FINE) >= question.need:
+            kept.left[place, size] = kept.left[place, k]
+            kept.value[place, size] = kept.value[place, k]
+            kept.visits[place, size] = kept.visits[place, k]
+            kept.came_from[place, size] = kept.came_from[place, k]
             for w in range(kept.memory.shape[1]):
-                kept.memory[body, w, size] = kept.memory[body, w, k]
+                kept.memory[place, w, size] = kept.memory[place, w, k]
             size += 1
-    kept.size[body] = size
+    kept.size[place] = size
+
+
+@inlined
+def _rest(cargo, to_station, j, kits, left):
+    """What is left after the stay at j of who has so much left on arrival; less than 0 for none."""
+    if left < 0.0:
+        return left
+    if to_station:
+        return cargo.full[kits]
+    return after_service(cargo, j, kits, left)
 
 
 @kernel
@@ -177,6 +204,7 @@ def _extend(legs, ahead, question, labels, kept, head, count, label, memory):
     """
     bodies, words = question.gain.size, memory.size
     i, time, left = labels.body[label], labels.time[label], labels.left[label]
+    kits, cargo = labels.kits[label], legs.cargo
     came_from = np.int32(-1) if legs.is_station[i] else i
     for j in range(bodies):
         pair = i * bodies + j
@@ -187,8 +215,10 @@ def _extend(legs, ahead, question, labels, kept, head, count, label, memory):
         if not to_station and (
             labels.memory[label, j // WORD] >> (j % WORD) & 1
             or labels.visits[label] == legs.most_targets
+            or kits < cargo.takes[j]
         ):
             continue
+        aboard = kits - cargo.takes[j]
         value = labels.value[label] + question.gain[j]
         visits = labels.visits[label] + (1 if question.counts and not to_station else 0)
         for w in range(words):
@@ -199,25 +229,27 @@ def _extend(legs, ahead, question, labels, kept, head, count, label, memory):
         for leg in range(low + _first_at(legs.end[low:high], time - SLACK_S), high):
             step = _first_at(ahead.last, legs.end[leg] - SLACK_S)
             # Not even with the cheapest of all later ones: then with none of them.
-            most_left = legs.tank if to_station else left - legs.cheapest[leg]
+            most_left = _rest(cargo, to_station, j, kits, left - legs.cheapest[leg])
             if most_left < 0.0:
                 break
-            most = still(ahead, step, j, slots_in(most_left, ahead.slot), came_from)
+            most = still(ahead, step, j, aboard, most_left, came_from)
             if value + (most << FINE) < question.need:
                 break
             cost = legs.delta_v[leg]
             if legs.departure[leg] < time - SLACK_S or cost >= best or cost > left:
                 continue
             best = cost
-            rest = legs.tank if to_station else left - cost
-            most = still(ahead, step, j, slots_in(rest, ahead.slot), came_from)
+            rest = _rest(cargo, to_station, j, kits, left - cost)
+            if rest < 0.0:
+                continue
+            most = still(ahead, step, j, aboard, rest, came_from)
             if value + (most << FINE) < question.need:
                 continue
-            if _is_dominated(kept, j, rest, value, visits, memory):
+            if _is_dominated(cargo, kept, j, aboard, rest, value, visits, memory):
                 continue
             if count == labels.body.size:
                 return -count
-            labels.body[count], labels.visits[count] = j, visits
+            labels.body[count], labels.kits[count], labels.visits[count] = j, aboard, visits
             labels.came_from[count] = came_from
             labels.time[count], labels.left[count] = legs.end[leg], rest
             labels.value[count] = value
@@ -247,7 +279,7 @@ def search(legs, ahead, question, labels, kept, head, cursor, ready):
         NONE if labels have run out, FOUND if one of them collects as much as is asked for, FULL if
         there is no room.
     """
-    bodies, memory = question.gain.size, np.empty(labels.memory.shape[1], np.int64)
+    cargo, memory = legs.cargo, np.empty(labels.memory.shape[1], np.int64)
     while cursor[0] < head.size:
         step = cursor[0]
         if cursor[3] < 0:
@@ -265,31 +297,34 @@ def search(legs, ahead, question, labels, kept, head, cursor, ready):
                 chosen[k] = ready[order[k]]
             for k in range(size):
                 ready[k] = chosen[k]
-            for body in range(bodies):
-                _forget_late(ahead, question, kept, body, step)
+            for place in range(kept.size.size):
+                _forget_late(ahead, question, kept, place, step)
             cursor[2], cursor[3] = 0, size
         while cursor[2] < cursor[3]:
             label = ready[cursor[2]]
-            body = labels.body[label]
+            body, kits = labels.body[label], labels.kits[label]
             if not _is_dominated(
-                kept, body, labels.left[label], labels.value[label], labels.visits[label],
-                labels.memory[label],
+                cargo, kept, body, kits, labels.left[label], labels.value[label],
+                labels.visits[label], labels.memory[label],
             ):  # fmt: skip
-                if labels.value[label] >= question.need and legs.may_end[body]:
+                ends = legs.may_end[body] and not is_unused(cargo, kits)
+                if ends and labels.value[label] >= question.need:
                     return FOUND
-                at = kept.size[body]
+                place = body * cargo.full.size + kits
+                at = kept.size[place]
                 if at == kept.left.shape[1]:
                     return FULL
                 count = _extend(legs, ahead, question, labels, kept, head, cursor[1], label, memory)
                 cursor[1] = abs(count)
                 if count < 0:
                     return FULL
-                kept.left[body, at], kept.value[body, at] = labels.left[label], labels.value[label]
-                kept.visits[body, at] = labels.visits[label]
-                kept.came_from[body, at] = labels.came_from[label]
+                kept.left[place, at] = labels.left[label]
+                kept.value[place, at] = labels.value[label]
+                kept.visits[place, at] = labels.visits[label]
+                kept.came_from[place, at] = labels.came_from[label]
                 for w in range(memory.size):
-                    kept.memory[body, w, at] = labels.memory[label, w]
-                kept.size[body] = at + 1
+                    kept.memory[place, w, at] = labels.memory[label, w]
+                kept.size[place] = at + 1
             cursor[2] += 1
         cursor[0] += 1
         cursor[3] = -1

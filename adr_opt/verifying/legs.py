@@ -10,11 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from ..chasers import AtStation, Chaser
+from ..checking.tow import towed_bodies
 from ..connections import Connecting
 from ..errors import InputError
 from ..instance import Instance
-from ..kernels.constants import SLACK_M_S, SLACK_S
+from ..kernels.constants import SLACK_S
 from ..kernels.orbits import LATITUDE_RATE
+from .cargo import Cargo, cargo_of
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -23,7 +25,7 @@ LEAST_S = 1e-4
 
 
 class Legs(NamedTuple):
-    """Legs by pair of bodies, each pair's in order of the end of service, then of ΔV.
+    """Legs by pair of bodies, each pair's in order of the end of their stay, then of ΔV.
 
     Attributes
     ----------
@@ -31,7 +33,7 @@ class Legs(NamedTuple):
         First leg of each pair, number origin · bodies + destination.
     pair : (legs,) int64
     departure, end, delta_v : (legs,) float64
-        [s], end of service [s], [m/s].
+        [s], end of service, or of the tow that follows it [s], [m/s].
     cheapest : (legs,) float64
         Least ΔV of the leg and those of its pair that end later [m/s].
     is_station, may_end : (bodies,) bool
@@ -42,13 +44,14 @@ class Legs(NamedTuple):
         That, and the targets that it may be launched onto.
     ready : (bodies,) float64
         Since when, at each of these [s].
-    tank, begun, launched : float
-        What a full one is worth, what there is of it at the start, and for who is launched onto his
-        first target, with the slack of the model; where masses do not count others pay with their
-        first leg for what it lacks at the start [m/s].
+    cargo : Cargo
+    begun : (most kits + 1,) float64
+        What there is in the tank at the start, with so many kits: a full one where the first leg
+        pays for what it lacks [m/s].
     most_targets : int
+        So many services are to be counted.
     shortest : float
-        Least time from departure to the end of service [s].
+        Least time from departure to the end of the stay [s].
     """
 
     first: npt.NDArray[np.int64]
@@ -62,9 +65,8 @@ class Legs(NamedTuple):
     home: int
     starts: npt.NDArray[np.int64]
     ready: FloatArray
-    tank: float
-    begun: float
-    launched: float
+    cargo: Cargo
+    begun: FloatArray
     most_targets: int
     shortest: float
 
@@ -73,7 +75,10 @@ def legs_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Legs:
     """The legs of a chaser that end in time and that its tank can pay for."""
     names, first_target = instance.names, instance.first_target
     bodies, stations = len(names), len(instance.stations)
-    service = _services_s(instance)
+    service, tows = _services_s(instance), np.zeros(bodies)
+    towed = towed_bodies(instance, instance.orbits())
+    for name, tow in towed.items():
+        tows[names.index(name)] = tow.time_s
     begin, over = chaser.available_s
     last = min(instance.mission.duration_s, math.inf if over is None else over)
     opens, closes = np.full(bodies, -math.inf), np.full(bodies, last)
@@ -81,10 +86,13 @@ def legs_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Legs:
         opened, closed = target.window_s
         opens[body] = opened
         closes[body] = min(last, math.inf if closed is None else closed)
-    tank = chaser.tank.delta_v_m_s + SLACK_M_S
+    cargo = cargo_of(instance, chaser, towed)
     # In two-body motion no connection is left out; elsewhere what saves no more than the
     # resolution is no part of the instance.
     resolution = connecting.planning_resolution_m_s
+    for body, station in enumerate(instance.stations):
+        if station.max_refuellings == 0:
+            closes[body] = -math.inf
     home = names.index(chaser.start_name)
     columns: list[tuple[FloatArray, FloatArray, FloatArray]] = []
     sizes = np.zeros(bodies * bodies + 1, dtype=np.int64)
@@ -95,9 +103,11 @@ def legs_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Legs:
             if chaser.is_launched and i == home:  # it begins at its first target
                 continue
             found = connecting.of_pair(i, j, resolution)
-            end = np.maximum(found.arrival, opens[j]) + service[j]
-            fits = (end <= closes[j] + SLACK_S) & (found.delta_v <= tank)
+            served = np.maximum(found.arrival, opens[j]) + service[j]
+            end = served + tows[j]
+            fits = (served <= closes[j] + SLACK_S) & (end <= last + SLACK_S)
             fits &= found.departure >= begin - SLACK_S
+            fits &= found.delta_v <= cargo.full[0]  # a tank is worth most with nothing aboard
             order = np.lexsort((found.delta_v[fits], end[fits]))
             columns.append(
                 (found.departure[fits][order], end[fits][order], found.delta_v[fits][order])
@@ -116,18 +126,20 @@ def legs_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Legs:
     pair = np.repeat(np.arange(bodies * bodies), np.diff(first))
     most = _most_targets(instance, chaser)
     starts, ready = np.array([home]), np.full(bodies, begin)
+    begun = cargo.full if connecting.spent_m_s(home) else cargo.begun
     if chaser.is_launched:
-        ready = np.maximum(begin - SLACK_S, opens) + service
-        in_time = (ready <= closes + SLACK_S) & (np.arange(bodies) >= first_target)
+        begun = cargo.begun  # no leg leads onto the first target
+        served = np.maximum(begin - SLACK_S, opens) + service
+        ready = served + tows
+        in_time = (served <= closes + SLACK_S) & (ready <= last + SLACK_S)
+        in_time &= np.arange(bodies) >= first_target
         starts = np.append(starts, np.flatnonzero(in_time)[: bodies if most else 0])
-    launched = tank - chaser.tank.spent_m_s
-    begun = launched if chaser.lacks_by_mass else tank
     shortest = float(np.min(end - departure, initial=math.inf))
     if shortest < LEAST_S:
         raise InputError(f"not yet verifiable: there are legs that take {shortest:g} s")
     return Legs(
         first, pair, departure, end, delta_v, cheapest, np.arange(bodies) < stations, may_end,
-        home, starts, ready, tank, begun, launched, most, shortest,
+        home, starts, ready, cargo, begun, most, shortest,
     )  # fmt: skip
 
 
@@ -156,8 +168,10 @@ def _may_follow(i: int, j: int, home: int, stations: int, first_target: int) -> 
 
 
 def _most_targets(instance: Instance, chaser: Chaser) -> int:
-    """So many targets it may service."""
+    """So many targets it may service; all of them where the kits that it takes along say it."""
     limits = [len(instance.targets), chaser.max_targets]
     if all(target.removal == "kit" for target in instance.targets):
+        if chaser.kit_mass_kg > 0.0:
+            return len(instance.targets)
         limits.append(chaser.kits)
     return min(limit for limit in limits if limit is not None)

@@ -17,7 +17,7 @@ KNOWN: dict[type[Record], frozenset[str]] = {
         "format", "name", "epoch", "dynamics", "stations", "targets", "chasers", "mission",
         "transfer", "objective", "keep_out_zones",
     }),
-    Station: frozenset({"name", "orbit"}),
+    Station: frozenset({"name", "orbit", "max_refuellings", "max_propellant_kg"}),
     Target: frozenset({
         "name", "orbit", "prize", "required", "window_s", "mass_kg", "removal",
     }),
@@ -31,13 +31,11 @@ KNOWN: dict[type[Record], frozenset[str]] = {
     }),
 }  # fmt: skip
 """Fields whose meaning the verifier knows. What is in ``transfer`` makes connections, and what is
-in ``objective`` decides between plans that collect as much. A disposal altitude is for tows, which
-are refused."""
+in ``objective`` decides between plans that collect as much. How much propellant a station has is
+ignored: walks may take any amount."""
 
-REFUSED: dict[type[Record], frozenset[str]] = {
-    Station: frozenset({"max_refuellings", "max_propellant_kg"}),
-}
-"""Fields that are refused where they are stated. So is any field that is in neither list."""
+REMOVALS = frozenset({"visit", "kit", "tow"})
+"""Ways to service a target that the verifier knows."""
 
 
 def refuse_unknown(instance: Instance) -> None:
@@ -52,23 +50,10 @@ def refuse_unknown(instance: Instance) -> None:
         for field, about in type(record).model_fields.items():
             if field not in KNOWN[type(record)] and getattr(record, field) != about.default:
                 raise InputError(f"not yet verifiable: {where} with a field {field}")
-    takers = [target for target in instance.targets if target.removal == "kit"]
     for target in instance.targets:
-        if target.removal not in ("visit", "kit"):
+        if target.removal not in REMOVALS:
             raise InputError(
                 f"not yet verifiable: {target.name!r} has the removal {target.removal!r}"
-            )
-    for chaser in instance.chasers:
-        if takers and chaser.kit_mass_kg > 0.0:
-            raise InputError(
-                f"not yet verifiable: {chaser.name!r} leaves kits of {chaser.kit_mass_kg:g} kg, "
-                "and what its tank is worth goes with them"
-            )
-        some = len(takers) < len(instance.targets)
-        if chaser.kits is not None and chaser.kits < len(takers) and some:
-            raise InputError(
-                f"not yet verifiable: {chaser.name!r} has kits for {chaser.kits} of "
-                f"{len(takers)} targets that take one, and others take none"
             )
 
 

@@ -21,6 +21,10 @@ STEADY_RAD = 0.02
 """Sequences that carry their line of nodes further are not looked at: those of one event leave far
 apart there, and connections have only the cheapest of those that arrive together [rad]."""
 
+NEAREST_RAD = 1e-4
+"""Nor are those between planes that are nearer at the departure, whose line of nodes the flight
+itself makes: of objects in one plane, say, one of which was towed [rad]."""
+
 
 class Way(NamedTuple):
     """A transfer: when it leaves and arrives [s], and what it costs [m/s]."""
@@ -141,9 +145,10 @@ def _drifting(
         step = abs(left - departure) + abs(there - met)
         departure, met = left, there
         if step < CLOSE_S:
-            still, _, _ = orbits.relative_node(
+            still, _, angle = orbits.relative_node(
                 pair.inclination_i, 0.0, pair.inclination_j, pair.lag + pair.lag_rate * departure
             )
             is_steady = abs(math.remainder(alpha_i - still, math.pi)) < STEADY_RAD
+            is_steady &= angle > NEAREST_RAD
             return (departure, met, radius, theta) if is_steady else None
     return None

@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from ..kernels.constants import SLACK_S
 from .ahead import look_ahead
+from .cargo import after_service
 from .labels import FINE, FOUND, FULL, WORD, Kept, Labels, Question, search
 from .legs import Legs
 
@@ -74,7 +75,8 @@ def walks_reach(
         remembered[i, j // WORD] |= 1 << (j % WORD)
     counts = legs.most_targets < int(np.count_nonzero(~legs.is_station))
     question = Question(np.array(worth), need, remembered, counts)
-    labels, kept = _labels_room(FIRST_LABELS, words), _kept_room(len(gains), words, FIRST_KEPT)
+    labels = _labels_room(FIRST_LABELS, words)
+    kept = _kept_room(len(gains) * legs.cargo.full.size, words, FIRST_KEPT)
     head = np.full(ahead.last.size + 1, -1)
     cursor = _begin(legs, ahead.last, question, labels, head)
     ready = np.empty(FIRST_LABELS, dtype=np.int64)
@@ -89,7 +91,7 @@ def walks_reach(
                 new[: old.shape[0]] = old
             labels, ready = more, np.append(ready, ready)
         else:
-            wider = _kept_room(len(gains), words, 2 * kept.left.shape[1])
+            wider = _kept_room(kept.size.size, words, 2 * kept.left.shape[1])
             wider.size[:] = kept.size
             arrays = zip(wider[1:], kept[1:], strict=True)
             for new, old in arrays:
@@ -104,34 +106,46 @@ def _begin(
     labels: Labels,
     head: npt.NDArray[np.int64],
 ) -> npt.NDArray[np.int64]:
-    """The first labels, and the cursor of the search."""
-    for at, body in enumerate(legs.starts):
-        labels.body[at], labels.came_from[at] = body, -1
-        labels.time[at] = legs.ready[body]
-        labels.left[at] = legs.begun if body == legs.home else legs.launched
-        # Who is launched onto a target has serviced it by then.
-        labels.visits[at] = int(question.counts and body != legs.home)
-        labels.value[at] = question.gain[body] if body != legs.home else 0
-        labels.memory[at] = 0
-        step = int(np.searchsorted(last, legs.ready[body] - SLACK_S))
-        labels.following[at], head[step] = head[step], at
-    return np.array([0, legs.starts.size, 0, -1])
+    """The first labels, and the cursor of the search.
+
+    Of kits that weigh something there are as many aboard as will be left behind, be it any number.
+    """
+    cargo, at = legs.cargo, 0
+    most_kits = cargo.full.size - 1
+    for body in legs.starts.tolist():
+        is_launch = body != legs.home
+        takes = int(cargo.takes[body]) if is_launch else 0
+        for kits in range(takes if cargo.heavy else most_kits, most_kits + 1):
+            left = float(legs.begun[kits])
+            if is_launch:  # who is launched onto a target has serviced it by then
+                left = float(after_service(cargo, body, kits, left)) if kits >= takes else -1.0
+            if left < 0.0:
+                continue
+            labels.body[at], labels.came_from[at] = body, -1
+            labels.time[at], labels.left[at] = legs.ready[body], left
+            labels.kits[at], labels.visits[at] = kits - takes, int(question.counts and is_launch)
+            labels.value[at] = question.gain[body] if is_launch else 0
+            labels.memory[at] = 0
+            step = int(np.searchsorted(last, legs.ready[body] - SLACK_S))
+            labels.following[at], head[step] = head[step], at
+            at += 1
+    return np.array([0, at, 0, -1])
 
 
 def _labels_room(size: int, words: int) -> Labels:
     """Room for labels."""
-    body, visits, came_from = (np.empty(size, dtype=np.int32) for _ in range(3))
+    body, kits, visits, came_from = (np.empty(size, dtype=np.int32) for _ in range(4))
     time, left = np.empty(size), np.empty(size)
     value, following = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
     memory = np.empty((size, words), dtype=np.int64)
-    return Labels(body, visits, came_from, time, left, value, memory, following)
+    return Labels(body, kits, visits, came_from, time, left, value, memory, following)
 
 
-def _kept_room(bodies: int, words: int, size: int) -> Kept:
+def _kept_room(places: int, words: int, size: int) -> Kept:
     """Room for labels to compare with."""
-    visits, came_from = (np.empty((bodies, size), dtype=np.int32) for _ in range(2))
+    visits, came_from = (np.empty((places, size), dtype=np.int32) for _ in range(2))
     return Kept(
-        np.zeros(bodies, dtype=np.int64), np.empty((bodies, size)),
-        np.empty((bodies, size), dtype=np.int64), visits, came_from,
-        np.empty((bodies, words, size), dtype=np.int64),
+        np.zeros(places, dtype=np.int64), np.empty((places, size)),
+        np.empty((places, size), dtype=np.int64), visits, came_from,
+        np.empty((places, words, size), dtype=np.int64),
     )  # fmt: skip
