@@ -11,8 +11,9 @@ from functools import cached_property
 from .campaign import Problem
 from .kernels.timetable_making import WAVE
 from .mission import Mission
-from .pairs import nearest_pairs
+from .pairs import nearest_pairs, neighbours
 from .result import Result, status_of
+from .timetable import Timetable
 from .timetable_size import TABLE_BYTES, estimate
 
 SHARE = 1.0 / 3.0
@@ -66,9 +67,9 @@ class Candidates:
     @cached_property
     def _cost(self) -> str:
         """What the timetable of everything takes."""
-        size, pairs = estimate(self.mission.instance), self.mission.missions[0].timetable.pairs
+        size, timetable = estimate(self.mission.instance), self.mission.missions[0].timetable
         takes = [f"{self.whole_s:.2g} s"] if self.whole_s else []
-        if pairs.near.shape[1] < size.bodies - 1:
+        if timetable.is_asked or timetable.pairs.near.shape[1] < size.bodies - 1:
             takes.append(f"{size.bytes / 2**30:.3g} GiB of memory")
         return f"that of all pairs takes about {' and '.join(takes)}"
 
@@ -77,7 +78,7 @@ class Candidates:
         timetable = self.mission.missions[0].timetable
         bodies = len(timetable.names)
         if timetable.is_asked:
-            near = timetable.pairs.near.shape[1]
+            near = looked_at(timetable)
             proven = "" if bounded else "; nothing is proven"
             return (
                 f"planned without a timetable, on connections that are worked out when they are "
@@ -132,14 +133,22 @@ LARGE_ENTRIES = 5_000_000
 """Timetables with fewer entries are built, wherever there is a second for it."""
 
 
+def looked_at(timetable: Timetable) -> float:
+    """At how many destinations of each body planners look."""
+    source = timetable.table.source
+    return timetable.built / len(timetable.names) if source is None else source.near.shape[2]
+
+
 MOST_EVENTS = 2000
 """With more departure events, of two months, a schedule of as many visits as are found at once
 would take longer than finding them."""
 
 
 def may_ask(whole: Problem) -> bool:
-    """Whether rows may have to be worked out on demand: a large field whose events are regular."""
-    if not isinstance(whole, Mission) or whole.has_timetable or whole.connecting.drifts:
+    """Whether rows may have to be worked out on demand: a large field and a mission of weeks."""
+    if not isinstance(whole, Mission) or whole.has_timetable:
+        return False
+    if not whole.connecting.may_be_asked:
         return False
     size = estimate(whole.instance)
     return size.entries >= LARGE_ENTRIES and size.events <= MOST_EVENTS
@@ -216,5 +225,5 @@ def candidates(
         whole.build(pairs, enough)
     if asker is not None and on_demand and not (built and whole.is_whole):
         required = sum(target.required for target in whole.instance.targets)
-        asker.ask(nearest_pairs(whole.instance, first or (), RANKS + required))
+        asker.ask(neighbours(whole.instance, RANKS + required))
     return Candidates(whole, time.perf_counter() - began, whole_s)

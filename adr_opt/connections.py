@@ -121,6 +121,16 @@ class Connecting:
         return self._listed or bool(self.corrections)
 
     @property
+    def may_be_asked(self) -> bool:
+        """Whether single connections can be worked out on demand: :mod:`.kernels.rows`.
+
+        Not those that are given, launches, what waits for planes to drift, or what costs more than
+        the model says.
+        """
+        told = self.given is not None or self._launches or self._spent or self.corrections
+        return not told and self.instance.transfer.max_drift_s == 0.0
+
+    @property
     def planning_resolution_m_s(self) -> float:
         """Connections that save no more are left out of planning [m/s].
 

@@ -21,6 +21,7 @@ from .kernels.constants import SLACK_M_S
 from .kernels.timetable import Table, transfer_exists
 from .kernels.timetable_making import Pairs
 from .kernels.transfer import TransferRule
+from .pairs import Neighbours
 from .prizes import Prizes
 from .schedule import Schedule, Scheduler
 from .showing import Card, Shown
@@ -154,17 +155,17 @@ class Mission(Shown, Prizes):
             chaser=self._number,
         )  # fmt: skip
 
-    def ask(self, pairs: Pairs) -> None:
+    def ask(self, near: Neighbours) -> None:
         """Do without a timetable: work out what is chosen of a pair when somebody asks.
 
         Parameters
         ----------
-        pairs : Pairs
-            That searches look at.
+        near : Neighbours
+            At which searches look.
         """
         self.__dict__["timetable"] = Timetable(
-            self.instance, time_value_m_s_per_h=self.time_value_m_s_per_h, pairs=pairs,
-            connecting=self.connecting, chaser=self._number, asked=True,
+            self.instance, time_value_m_s_per_h=self.time_value_m_s_per_h,
+            connecting=self.connecting, chaser=self._number, asked=near,
         )  # fmt: skip
 
     @cached_property
@@ -305,16 +306,17 @@ class Mission(Shown, Prizes):
         InputError
             The time value is negative or not finite.
         """
-        asked = self.has_timetable and self.timetable.is_asked
-        if time_value_m_s_per_h == self.time_value_m_s_per_h or not (self.is_whole or asked):
+        source = self.timetable.table.source if self.has_timetable else None
+        may_change = self.is_whole or source is not None
+        if time_value_m_s_per_h == self.time_value_m_s_per_h or not may_change:
             return self
         if time_value_m_s_per_h not in self._variants:
             if self._all is None:
                 twin = self._twin and self._twin.with_time_value(time_value_m_s_per_h)
                 other = self._like(time_value_m_s_per_h=time_value_m_s_per_h, twin=twin)
                 other.__dict__["schedules"] = self.schedules
-                if asked:
-                    other.ask(self.timetable.pairs)
+                if source is not None:
+                    other.ask(Neighbours(source.near, source.period))
             else:
                 barred = np.isneginf(self.rules.closes)
                 worths = np.where(barred, -np.inf, self.worths)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -52,9 +53,38 @@ def nearest_pairs(instance: Instance, first: Sequence[str], ranks: int) -> Pairs
         prize the last.
     """
     bodies = len(instance.names)
-    ranks = min(ranks, bodies - 1)
-    near = _given_near(instance) if instance.given is not None else _near(instance, ranks)
+    ranks, middle_s = min(ranks, bodies - 1), 0.5 * instance.mission.duration_s
+    near = _given_near(instance) if instance.given is not None else _near(instance, ranks, middle_s)
     return Pairs(np.array(_from_start(instance, first)), near[:, :ranks].astype(np.int32))
+
+
+class Neighbours(NamedTuple):
+    """At which destinations of each body searches look.
+
+    Attributes
+    ----------
+    near : (periods, bodies, ranks) int32
+        The nearest first, in each of some periods of a mission.
+    period_s : float
+        How long each is [s].
+    """
+
+    near: npt.NDArray[np.int32]
+    period_s: float
+
+
+PERIODS = 12
+"""Where nodes drift, which bodies are near is found for so many parts of a mission."""
+
+
+def neighbours(instance: Instance, ranks: int) -> Neighbours:
+    """So many destinations of each body, as they lie in the middle of each period."""
+    periods = PERIODS if instance.oblateness_m2 else 1
+    ranks = min(ranks, len(instance.names) - 1)
+    length_s = max(instance.mission.duration_s, 1.0) / periods
+    middles = [(number + 0.5) * length_s for number in range(periods)]
+    near = np.stack([_near(instance, ranks, middle).astype(np.int32) for middle in middles])
+    return Neighbours(near, length_s)
 
 
 def _from_start(instance: Instance, first: Sequence[str]) -> list[int]:
@@ -66,7 +96,7 @@ def _from_start(instance: Instance, first: Sequence[str]) -> list[int]:
     unwanted = [name not in wanted for name in instance.names]
     fixed = range(instance.first_target)
     if instance.given is None:
-        places = _places(instance)
+        places = _places(instance, 0.5 * instance.mission.duration_s)
         away = [np.linalg.norm(places - places[home], axis=1) for home in set(instance.starts)]
     else:
         away = [_given_from(instance, home) for home in set(instance.starts)]
@@ -81,16 +111,15 @@ def _is_worthless(instance: Instance) -> npt.NDArray[np.bool_]:
     return np.array([*(False for _ in range(instance.first_target)), *worthless])
 
 
-def _places(instance: Instance) -> FloatArray:
+def _places(instance: Instance, time_s: float) -> FloatArray:
     """Points whose distances are about the ΔV between bodies, shape (bodies, 7) [m/s].
 
     The normal of the plane times the speed (a turn costs v Δ), half the relative height times the
     speed (a Hohmann transfer costs v Δa / 2a), and half the eccentricity vector times the speed.
-    Where nodes drift planes are as they are in the middle of the mission.
+    Where nodes drift planes are as they are at a time.
     """
     orbits = instance.orbits()
-    time = 0.5 * instance.mission.duration_s
-    node = orbits[:, RAAN] + orbits[:, RAAN_RATE] * time
+    node = orbits[:, RAAN] + orbits[:, RAAN_RATE] * time_s
     inclination, radius = orbits[:, INCLINATION], orbits[:, RADIUS]
     middle = float(np.median(radius))
     speed = math.sqrt(MU_M3_S2 / middle)
@@ -109,9 +138,9 @@ def _places(instance: Instance) -> FloatArray:
     )  # fmt: skip
 
 
-def _near(instance: Instance, ranks: int) -> npt.NDArray[np.int64]:
-    """So many destinations of each body, the nearest first, shape (bodies, ranks)."""
-    places, bodies, first = _places(instance), len(instance.names), instance.first_target
+def _near(instance: Instance, ranks: int, time_s: float) -> npt.NDArray[np.int64]:
+    """So many destinations of each body, the nearest at a time first, shape (bodies, ranks)."""
+    places, bodies, first = _places(instance, time_s), len(instance.names), instance.first_target
     stations, worthless = len(instance.stations), _is_worthless(instance)
     # Stations are near to all, and so is what must be serviced; what is worth nothing, or is the
     # start of a chaser, to none.

@@ -15,7 +15,7 @@ from .instance import Instance
 from .kernels.compile import compiling_s
 from .kernels.constants import DAY_S
 from .mission import Mission
-from .pairs import all_pairs
+from .pairs import neighbours
 from .sizes import transfers_for
 from .stop import Stop
 
@@ -52,7 +52,7 @@ def practice_mission(drifts: bool = False) -> Mission:
 def asking_mission() -> Mission:
     """The same field, with rows of its timetable that are worked out on demand."""
     mission = Mission(practice_mission().instance)
-    mission.ask(all_pairs(len(mission.names)))
+    mission.ask(neighbours(mission.instance, len(mission.names)))
     return mission
 
 

@@ -31,7 +31,7 @@ from .kernels.rows import Source
 from .kernels.timetable_making import Pairs
 from .limits import limits_of
 from .matrices import FloatArray, Matrices
-from .pairs import all_pairs, begun
+from .pairs import Neighbours, all_pairs, begun
 from .showing import Card, Shown
 from .timetable_size import estimate, too_large
 
@@ -66,9 +66,10 @@ class Timetable(Shown):
     chaser : int, optional
         Number of the one that the choice of transfers is for: when it is there. By default for the
         times in which some chaser is.
-    asked : bool
+    asked : Neighbours, optional
         Nothing is built: what is chosen is worked out when somebody asks (:attr:`is_asked`), and
-        ``pairs`` are those that searches look at. Not where connections are listed.
+        these are the pairs that searches look at. Only where
+        :attr:`~adr_opt.connections.Connecting.may_be_asked` says so.
 
     Attributes
     ----------
@@ -100,7 +101,7 @@ class Timetable(Shown):
         time_value_m_s_per_h: float | None = None,
         connecting: Connecting | None = None,
         chaser: int | None = None,
-        asked: bool = False,
+        asked: Neighbours | None = None,
     ) -> None:
         if time_value_m_s_per_h is None:
             time_value_m_s_per_h = instance.time_value_m_s_per_h
@@ -110,6 +111,8 @@ class Timetable(Shown):
             )
         corrections = NO_CORRECTIONS if connecting is None else connecting.corrections
         size = estimate(instance)
+        if asked is not None:
+            pairs = Pairs(np.arange(size.bodies), np.empty((size.bodies, 0), dtype=np.int32))
         if pairs is None:
             if not size.fits:
                 raise InputError(too_large(instance, size))
@@ -125,10 +128,15 @@ class Timetable(Shown):
 
         if connecting is None or connecting.instance is not instance:
             connecting = Connecting(instance, corrections)
-        if asked and not connecting.drifts:
+        if asked is not None:
+            assert connecting.may_be_asked
             built = 0
             rule = instance.transfer_rule(time_value_m_s_per_h)
-            source = Source(*connecting.inputs[:3], rule, limits, chosen.near)
+            interval = instance.transfer.departure_spacing_s
+            source = Source(
+                *connecting.inputs[:3], rule, limits, *asked, connecting.drifts, interval,
+                math.inf if connecting.times is None else connecting.times.most,
+            )  # fmt: skip
             table = making.without_entries(size.bodies, source)
             making.space(source.arriving, table)
         elif not connecting.drifts:
@@ -304,8 +312,8 @@ class Timetable(Shown):
 
     def holds(self, origin: int, destination: int) -> bool:
         """Whether planners that look at the table look at a pair."""
-        if self.is_asked:
-            return destination in self.pairs.near[origin]
+        if self.table.source is not None:
+            return bool((self.table.source.near[:, origin] == destination).any())
         return self.is_whole or bool(kernels.events(self.table, origin, destination) > 0)
 
     @property

@@ -12,9 +12,9 @@ import argparse
 import time
 
 from machine import heading
-from scale import near_of
 
 import adr_opt
+from adr_opt.candidates import looked_at
 from adr_opt.mission import Mission
 from adr_opt.pairs import nearest_pairs
 
@@ -46,7 +46,7 @@ def main() -> None:
                 if result.plan is None:
                     print(f"| {method} | {limit:g} | {count} | 0 | | {wall:.1f} | |")
                     continue
-                near = near_of(mission.timetable)
+                near = looked_at(mission.timetable)
                 violations = len(adr_opt.check(instance, result.plan))
                 print(
                     f"| {method} | {limit:g} | {count} | {near:.0f} "

@@ -30,19 +30,12 @@ import numpy as np
 from machine import heading
 
 import adr_opt
+from adr_opt.candidates import looked_at
 from adr_opt.mission import Mission
-from adr_opt.timetable import Timetable
 
 SIZES = (50, 100, 200, 500, 1000, 2000, 5000, 10_000)
 FROM = 1000
 """Exponents are read from here on: smaller fields have the table of all pairs."""
-
-
-def near_of(timetable: Timetable) -> float:
-    """For how many destinations of each body connections are there, or are asked for."""
-    if timetable.is_asked:
-        return float(timetable.pairs.near.shape[1])
-    return timetable.built / len(timetable.names)
 
 
 def measure(file: Path, limit_s: float, dense: bool) -> dict[str, float]:
@@ -59,7 +52,7 @@ def measure(file: Path, limit_s: float, dense: bool) -> dict[str, float]:
     wall = time.perf_counter() - began
     violations = 1 if result.plan is None else len(adr_opt.check(instance, result.plan))
     return {
-        "near": near_of(mission.timetable),
+        "near": looked_at(mission.timetable),
         "visits": result.objective,
         "bound": result.upper_bound,
         "wall_s": wall,

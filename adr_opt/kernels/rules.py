@@ -145,23 +145,24 @@ def looked_at(rules):
 def _ranks(source, rules):
     if source is None:
         return rules.service.size - rules.first_target
-    return source.near.shape[1]
+    return source.near.shape[2]
 
 
 @inlined
-def destination(rules, body, place):
-    """One of the destinations that searches look at from a body: all targets, or the nearest.
+def destination(rules, body, time, place):
+    """One of the destinations that searches look at from a body: all targets, or the nearest then.
 
     Among the nearest there are stations, too.
     """
-    return _placed(rules.table.source, rules, body, place)
+    return _placed(rules.table.source, rules, body, time, place)
 
 
 @inlined
-def _placed(source, rules, body, place):
+def _placed(source, rules, body, time, place):
     if source is None:
         return np.int64(rules.first_target + place)
-    return np.int64(source.near[body, place])
+    period = min(int(time / source.period), source.near.shape[0] - 1)
+    return np.int64(source.near[period, body, place])
 
 
 @inlined

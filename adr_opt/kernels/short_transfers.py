@@ -67,7 +67,7 @@ def events_of(pair, duration, spacing):
 
 
 @inlined
-def _listed(event, departure):
+def listed_at(event, departure):
     """By when a chaser has to be ready that leaves at a time near an event [s]."""
     steps = math.floor((departure - event + precession.ROUNDING_S) / precession.STEP_S)
     return min(departure, event + steps * precession.STEP_S)
@@ -76,7 +76,7 @@ def _listed(event, departure):
 @kernel
 def _found_again(pair, rule, revolutions, event, departure, stand_off):
     """Whether he who flies a sequence finds its departure again."""
-    ready = max(_listed(event, departure), 0.0)
+    ready = max(listed_at(event, departure), 0.0)
     again = precession.leaving(pair, rule, revolutions, ready, stand_off)
     return abs(again - departure) < precession.ROUNDING_S
 
@@ -248,7 +248,7 @@ def _sift(
             if not better or known.until[c] <= arrival + SLACK_S:
                 cheapest = min(cheapest, known.delta_v[c])
         if better and best < cheapest - resolution and arrival <= duration:
-            shorts.departure[count] = max(_listed(event, departure), 0.0)
+            shorts.departure[count] = max(listed_at(event, departure), 0.0)
             shorts.arrival[count], shorts.delta_v[count] = arrival, best
             shorts.revolutions[count] = best_k
             count += 1
@@ -259,6 +259,15 @@ def _sift(
             )
             known.delta_v[crossing] = min(known.delta_v[crossing], best)
     return count
+
+
+@inlined
+def least_speed(pair, rule):
+    """No chaser is slower where it turns, which costs that much times the sine at least [m/s]."""
+    return (1.0 - 1e-9) * pair.speed_i * math.sqrt(
+        2.0 * pair.radius_i * pair.radius_i
+        / (rule.max_radius * (pair.radius_i + rule.max_radius))
+    )  # fmt: skip
 
 
 @kernel
@@ -287,10 +296,7 @@ def short(pair, rule, duration, spacing, most, resolution):
     """
     half_turns, numbers = events_of(pair, duration, spacing)
     curves, lap = phasing.curves_of(pair, rule), TWO_PI / pair.rate_j
-    least_turn = (1.0 - 1e-9) * pair.speed_i * math.sqrt(
-        2.0 * pair.radius_i * pair.radius_i
-        / (rule.max_radius * (pair.radius_i + rule.max_radius))
-    )  # fmt: skip
+    least_turn = least_speed(pair, rule)
     # Events whose planes are near enough, and their flight times in the first row.
     size, bases = 0, np.empty(half_turns.size)
     for e in range(half_turns.size):

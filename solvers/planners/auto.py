@@ -56,6 +56,9 @@ WIDEST = 30_000
 ASKING = 0.1
 """Share of the usual widths where rows are worked out on demand."""
 
+ASKING_WIDTHS = (10, 30)
+"""Of the first beams there, of which the last tells how wide others may be."""
+
 USUAL_TARGETS = 50
 """Fields of this size get beams of the widths above; larger ones narrower ones."""
 
@@ -78,7 +81,8 @@ class _Search:
         self._stop = stop
         self._certificate = certificate
         self._rng = np.random.default_rng(seed)
-        self._beams, self._beams_apart = Beams(mission, stop), Beams(mission, stop)
+        least = ASKING_WIDTHS[0] if mission.timetable.is_asked else PILOT_WIDTH
+        self._beams, self._beams_apart = Beams(mission, stop, least), Beams(mission, stop, least)
         self._widest = 0
         self._strings: Strings | None = None
         self._fruitless = 0
@@ -96,6 +100,11 @@ class _Search:
     def needed_s(self, width: int) -> float:
         """Seconds that a beam takes."""
         return self._beams.needed_s(width)
+
+    def unhurried(self, width: int) -> int:
+        """A width up to this one whose beam leaves most of the time to others."""
+        needed_s, allowed_s = self.needed_s(width), UNHURRIED * self._stop.remaining_s()
+        return width if needed_s <= allowed_s else max(1, int(width * allowed_s / needed_s))
 
     def usual(self, width: int) -> None:
         """Search one beam with the usual settings, unless as wide a one was searched before."""
@@ -285,17 +294,19 @@ def auto(
     asks = mission.timetable.is_asked
     if asks:
         scale = ASKING
-    usual = PILOT_WIDTH if asks else USUAL_WIDTH
+    usual = ASKING_WIDTHS[0] if asks else USUAL_WIDTH
 
     def scaled(width: int) -> int:
-        return max(10, int(scale * width))
+        least = max(10, int(scale * width))
+        return search.unhurried(least) if asks else least
 
     rounds = 0
     if asks and prover is not None and not is_over():
         prover.advance()  # only beginning takes no time, and beams may take all of it
         prover.deliver()
-    if not is_over():
-        search.usual(PILOT_WIDTH)
+    for width in (*(ASKING_WIDTHS if asks else ()), PILOT_WIDTH):
+        if not is_over():
+            search.usual(search.unhurried(width))
     # Beside a proof a beam is slower, so where time is short it comes before; on one core the proof
     # would come before it, and take what there is.
     short_of_time = options.cores == 1 or search.needed_s(usual) > UNHURRIED * stop.remaining_s()

@@ -106,7 +106,7 @@ def _next(rules, is_required, state, visited, alpha, beta, guarded, required, ur
     best, best_cost = -1, math.inf
     safe, safe_cost = -1, math.inf
     for place in range(rule_kernels.looked_at(rules)):
-        j = rule_kernels.destination(rules, state.body, place)
+        j = rule_kernels.destination(rules, state.body, state.time, place)
         if j < rules.first_target or (required and not is_required[j]):
             continue
         if not rule_kernels.may_go(rules, state, visited, j):

@@ -267,7 +267,7 @@ def succeed(search, level, size, serviced, wanted, cand):
                         ways[way], full[way], full_tank(rules.loads, rules.budget, here.kits),
                         np.int64(0), np.int64(serviced), here.kits,
                     )  # fmt: skip
-                j = rule_kernels.destination(rules, begin.body, place)
+                j = rule_kernels.destination(rules, begin.body, begin.time, place)
                 if j < rules.first_target or j == here.body or _is_in(level, s, j):
                     continue
                 shade = 0.0

@@ -28,10 +28,13 @@ class Beams:
     ----------
     mission : Mission
     stop : Stop
+    least : int
+        Narrower searches do not tell how long wide ones take.
     """
 
-    def __init__(self, mission: Mission, stop: Stop) -> None:
+    def __init__(self, mission: Mission, stop: Stop, least: int = PILOT_WIDTH) -> None:
         self._mission = mission
+        self._least = least
         self._stop = stop
         self._pace_s = 0.0  # per state of width
         self.states = 0
@@ -57,6 +60,6 @@ class Beams:
             mission or self._mission, settings, guide=guide, seed=seed, stop=self._stop
         )
         self.states += states
-        if settings.width >= PILOT_WIDTH:
+        if settings.width >= self._least:
             self._pace_s = (time.perf_counter() - began) / settings.width
         return found
