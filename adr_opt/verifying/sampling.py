@@ -27,8 +27,8 @@ DEPARTURES_SHARE = 0.1
 PAIRS = 200
 """Connections of no more pairs are drawn from; those of a pair may take a while to work out."""
 
-ROUNDED_S = 60.0
-"""Where planes drift, departures of connections are rounded down by less than this [s]."""
+ROUNDED_S = 16.0 + 2e-3
+"""Where planes drift, departures of connections are rounded down by no more than this [s]."""
 
 NO_RULES = frozenset({"burns", "eccentricity", "given"})
 """Violations that are about how a leg is written down."""
@@ -143,7 +143,7 @@ def _is_matched(instance: Instance, found: Connections, way: Way, resolution: fl
     """Whether a way need not be there or something as good is."""
     if way.delta_v > instance.largest_tank_m_s or way.arrival > instance.mission.duration_s:
         return True
-    early = ROUNDED_S if instance.nodes_drift else TIME_TOLERANCE_S
+    early = way.early + (ROUNDED_S if instance.nodes_drift else TIME_TOLERANCE_S)
     most = way.delta_v + resolution + DELTA_V_TOLERANCE_M_S
     as_good = (
         (found.departure >= way.departure - early)
