@@ -114,3 +114,20 @@ def test_every_listed_short_transfer_is_missed_once_it_is_gone():
             all_ += found.departure.size
     assert ways > 1000
     assert needed > 0.9 * all_
+
+
+class Sooner(Connecting):
+    """Connections that arrive sooner than they do [s]."""
+
+    def of_pair(self, i: int, j: int, resolution_m_s: float) -> Connections:
+        """Those of a pair."""
+        found = super().of_pair(i, j, resolution_m_s)
+        return replace(found, arrival=found.arrival - 0.01)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 8])
+def test_connections_that_arrive_too_soon_are_found_out(seed):
+    """Where planes drift no sequence arrives then at all, and that is said."""
+    instance = without_spacing(seed)
+    sampled = sample_connections(instance, Sooner(instance), 20, seed)
+    assert any("cannot be flown" in fault for fault in sampled.faults)
