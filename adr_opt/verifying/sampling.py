@@ -27,8 +27,8 @@ DEPARTURES_SHARE = 0.1
 PAIRS = 200
 """Connections of no more pairs are drawn from; those of a pair may take a while to work out."""
 
-ROUNDED_S = 60.0
-"""Where planes drift, departures of connections are rounded down by less than this [s]."""
+ROUNDED_S = 16.0 + 2e-3
+"""Where planes drift, departures of connections are rounded down by no more than this [s]."""
 
 NO_RULES = frozenset({"burns", "eccentricity", "given"})
 """Violations that are about how a leg is written down."""
@@ -109,6 +109,10 @@ def _faults(
     departure, arrival = float(found.departure[c]), float(found.arrival[c])
     laps, delta_v = int(found.revolutions[c]), float(found.delta_v[c])
     leaves, burns = departure, tuple[Burn, ...]()
+    said = (
+        f"the connection from {names[i]!r} to {names[j]!r} that leaves at {departure!r} s "
+        f"cannot be flown"
+    )
     kind: Literal["given", "drift", "short"] = "drift" if laps < 0 else "short"
     if physics.given is not None:
         kind = "given"
@@ -118,6 +122,9 @@ def _faults(
             physics.left[i], physics.elements[j], 0.0, physics.rule, departure, arrival, laps
         )
         leaves = float(times[0])
+        if not np.isfinite(np.column_stack([times, vectors])).all():
+            yield f"{said}: no crossing of the line of nodes leads to its arrival"
+            return
         burns = tuple(
             Burn(
                 time_s=float(time),
@@ -133,17 +140,14 @@ def _faults(
     )  # fmt: skip
     for violation in check_transfer(instance, physics, 1, leg, i, j, departure):
         if violation.rule not in NO_RULES:
-            yield (
-                f"the connection from {names[i]!r} to {names[j]!r} that leaves at {departure!r} s "
-                f"cannot be flown: {violation.rule}: {violation.message}"
-            )
+            yield f"{said}: {violation.rule}: {violation.message}"
 
 
 def _is_matched(instance: Instance, found: Connections, way: Way, resolution: float) -> bool:
     """Whether a way need not be there or something as good is."""
     if way.delta_v > instance.largest_tank_m_s or way.arrival > instance.mission.duration_s:
         return True
-    early = ROUNDED_S if instance.nodes_drift else TIME_TOLERANCE_S
+    early = way.early + (ROUNDED_S if instance.nodes_drift else TIME_TOLERANCE_S)
     most = way.delta_v + resolution + DELTA_V_TOLERANCE_M_S
     as_good = (
         (found.departure >= way.departure - early)

@@ -15,27 +15,57 @@ from ..kernels import keep_out, orbits, precession, transfer
 from ..plan import Leg
 
 MOST_STEPS, CLOSE_S = 60, 1e-6
-"""Steps of the fixed point of a sequence where planes drift, and when it is found [s]."""
+"""Steps of a fixed point where planes drift, and when it is found [s]."""
 
-STEADY_RAD = 0.02
-"""Sequences that carry their line of nodes further are not looked at: those of one event leave far
-apart there, and connections have only the cheapest of those that arrive together [rad]."""
+STEADY_RAD = 0.2
+"""Sequences that carry their line of nodes further need not be there: a fixed point with so few
+steps as planning can afford may not find them, nor who flies them find them again [rad]."""
 
 NEAREST_RAD = 1e-4
-"""Nor are those between planes that are nearer at the departure, whose line of nodes the flight
+"""Nor need those between planes that are nearer at the departure, whose line of nodes the flight
 itself makes: of objects in one plane, say, one of which was towed [rad]."""
 
 
 class Way(NamedTuple):
-    """A transfer: when it leaves and arrives [s], and what it costs [m/s]."""
+    """A transfer: when it leaves and arrives [s], and what it costs [m/s].
+
+    ``early`` is by how much another one may leave before it and still be as good [s].
+    """
 
     departure: float
     arrival: float
     delta_v: float
+    early: float = 0.0
+
+
+class _Event(NamedTuple):
+    """When the chaser crosses the plane of the target [s], number, and the line of nodes [rad]."""
+
+    time: float
+    half_turns: int
+    alpha_i: float
+    alpha_j: float
+    theta: float
+
+
+class _Found(NamedTuple):
+    """A sequence.
+
+    Number of the crossing on which it meets the target, k, when it leaves and is at the stand-off
+    [s], phasing radius [m], turn and by how much the flight moves the line of nodes [rad].
+    """
+
+    crossing: int
+    laps: int
+    departure: float
+    met: float
+    radius: float
+    theta: float
+    moved: float
 
 
 def ways_after(instance: Instance, physics: Physics, i: int, j: int, time: float) -> Iterator[Way]:
-    """All transfers that leave at the next event after a time, of given ones all rows after it.
+    """What has to be there of the next event after a time, of given connections all rows after it.
 
     Where events are kept apart, which of them are left is no matter of physics: then there are none
     of those, and only those that drift.
@@ -70,85 +100,118 @@ def _leg(leaves: float, lands: float) -> Leg:
 
 
 def _short(instance: Instance, physics: Physics, i: int, j: int, time: float) -> Iterator[Way]:
-    """The co-elliptic sequences of the next crossing of the line of nodes."""
+    """Of the co-elliptic sequences of the next event those that have to be there.
+
+    Where planes drift, the flight itself moves the line of nodes a little, so that the sequences of
+    an event leave apart, and those that meet the target on one crossing meet it apart. Connections
+    have *the cheapest of each crossing*, and sequences of one event count as *leaving together*:
+    then one that meets the target on an earlier crossing is as good if it costs no more.
+    """
     rule = physics.rule
     pair = transfer.prepare(physics.left[i], physics.elements[j], 0.0, rule)
+    approach = rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
+    ends = physics.left[i], physics.elements[j]
+    cheapest: dict[int, tuple[Way, bool]] = {}
+    settled = _drifting if instance.dynamics == "j2" else _fixed
+    for crossing, laps, departure, met, radius, theta, moved in settled(pair, rule, time):
+        if keep_out.is_blocked(pair, rule, laps, radius, departure):
+            continue
+        arrival = met + approach
+        sequence = Sequence(departure, arrival, laps, radius, theta)
+        turned = 4.0 * math.sin(0.5 * theta) ** 2
+        circles = float(transfer.turned_delta_v(pair, rule, laps, radius, turned, 0.0))
+        delta_v = max(circles, matching_cost(*ends, rule, departure, sequence))
+        if crossing not in cheapest or delta_v < cheapest[crossing][0].delta_v:
+            cheapest[crossing] = Way(departure, arrival, delta_v), moved < STEADY_RAD
+    first = math.inf
+    for crossing in sorted(cheapest):
+        way, is_steady = cheapest[crossing]
+        first = min(first, way.departure)
+        if is_steady:
+            yield way._replace(early=way.departure - first)
+
+
+def _limits(pair: transfer.Pair, laps: int) -> tuple[float, float]:
+    """How long a flight with k revolutions may take [s]."""
+    return pair.shortest + laps * pair.shortest_lap, pair.longest + laps * pair.longest_lap
+
+
+def _crossings(
+    pair: transfer.Pair, rule: transfer.TransferRule, departure: float, met: float
+) -> Iterator[tuple[int, int, float]]:
+    """Number, k and time of all on which a chaser may meet the target, and one more either way.
+
+    They are whole laps from one of them.
+    """
     lap = 2.0 * math.pi / pair.rate_j
-    approach = rule.approach_revolutions * lap
     for laps in range(rule.max_phasing_revolutions + 1):
-        low = pair.shortest + laps * pair.shortest_lap
-        high = pair.longest + laps * pair.longest_lap
-        seen = -math.inf
-        for turn in range(int((high - low) / lap) + 3):
-            flight = low + turn * lap
-            if instance.dynamics == "j2":
-                found = _drifting(pair, rule, laps, time, flight)
-            else:
-                found = _fixed(pair, rule, laps, time, flight)
-            if found is None:
-                continue
-            departure, met, radius, theta = found
-            if not low <= met - departure <= high or met - seen < 0.5 * lap:
-                continue
-            seen = met
-            if keep_out.is_blocked(pair, rule, laps, radius, departure):
-                continue
-            arrival = met + approach
-            sequence = Sequence(departure, arrival, laps, radius, theta)
-            turned = 4.0 * math.sin(0.5 * theta) ** 2
-            circles = float(transfer.turned_delta_v(pair, rule, laps, radius, turned, 0.0))
-            ends = physics.left[i], physics.elements[j]
-            yield Way(
-                departure, arrival, max(circles, matching_cost(*ends, rule, departure, sequence))
-            )
+        low, high = _limits(pair, laps)
+        begin = math.ceil((departure + low - met) / lap) - 1
+        end = math.floor((departure + high - met) / lap) + 1
+        for crossing in range(begin, end + 1):
+            yield crossing, laps, met + crossing * lap
 
 
-def _fixed(
-    pair: transfer.Pair, rule: transfer.TransferRule, laps: int, time: float, flight: float
-) -> tuple[float, float, float, float] | None:
-    """Departure, arrival at the stand-off [s], phasing radius [m] and turn of a sequence [rad]."""
+def _fixed(pair: transfer.Pair, rule: transfer.TransferRule, time: float) -> Iterator[_Found]:
+    """All sequences of the next event where planes stay: they leave at once."""
     half_turns = math.ceil((pair.phase_i + pair.rate_i * time) / math.pi)
     departure = (half_turns * math.pi - pair.phase_i) / pair.rate_i
-    behind = math.pi * (half_turns + 1) + rule.standoff / pair.radius_j
-    behind -= pair.phase_j + pair.rate_j * (departure + flight)
-    met = departure + flight + math.remainder(behind, 2.0 * math.pi) / pair.rate_j
-    radius = transfer.phasing_radius(pair, rule, laps, met - departure)
-    return departure, met, radius, pair.theta
+    behind = math.pi * (half_turns + 1) + rule.standoff / pair.radius_j - pair.phase_j
+    for crossing, laps, met in _crossings(pair, rule, departure, behind / pair.rate_j):
+        low, high = _limits(pair, laps)
+        if low <= met - departure <= high:
+            radius = float(transfer.phasing_radius(pair, rule, laps, met - departure))
+            yield _Found(crossing, laps, departure, met, radius, pair.theta, 0.0)
 
 
-def _drifting(
-    pair: transfer.Pair, rule: transfer.TransferRule, laps: int, time: float, flight: float
-) -> tuple[float, float, float, float] | None:
-    """The same where nodes drift, by a fixed point; None where none is found."""
-    departure, met = time, time + flight
-    half_turns: int | None = None
-    for _ in range(MOST_STEPS):
-        radius = float(transfer.phasing_radius(pair, rule, laps, met - departure))
-        apart = pair.lag + pair.lag_rate * departure
-        apart += precession.carried(pair, rule, laps, radius, met - departure)
-        alpha_i, alpha_j, theta = orbits.relative_node(
-            pair.inclination_i, 0.0, pair.inclination_j, apart
-        )
-        past = (pair.latitude_i + pair.rate_i * departure - alpha_i) / math.pi
-        if half_turns is None:
-            half_turns = math.ceil(past)
-            left = departure + (half_turns - past) * math.pi / pair.rate_i
-        else:
-            # The node that was left for may be counted a whole turn away by now.
-            left = departure + math.remainder(half_turns - past, 2.0) * math.pi / pair.rate_i
-        if not math.isfinite(left):
-            return None  # no phasing orbit takes so long
-        crossing = round((pair.latitude_i + pair.rate_i * left - alpha_i) / math.pi)
-        behind = alpha_j + math.pi * (crossing + 1) + rule.standoff / pair.radius_j
-        behind -= pair.latitude_j + pair.rate_j * met
-        there = met + math.remainder(behind, 2.0 * math.pi) / pair.rate_j
-        step = abs(left - departure) + abs(there - met)
-        departure, met = left, there
-        if step < CLOSE_S:
-            still, _, angle = orbits.relative_node(
-                pair.inclination_i, 0.0, pair.inclination_j, pair.lag + pair.lag_rate * departure
+def _drifting(pair: transfer.Pair, rule: transfer.TransferRule, time: float) -> Iterator[_Found]:
+    """The same where nodes drift: each has a line of nodes of its own, by a fixed point.
+
+    It begins at the event, and where the target would be met if the flight itself did nothing to
+    the line.
+    """
+    event = _next_event(pair, time)
+    if event is None or event.theta < NEAREST_RAD:
+        return
+    behind = event.alpha_j + math.pi * (event.half_turns + 1) + rule.standoff / pair.radius_j
+    behind -= pair.latitude_j
+    for crossing, laps, about in _crossings(pair, rule, event.time, behind / pair.rate_j):
+        departure, met = event.time, about
+        for _ in range(MOST_STEPS):
+            radius = float(transfer.phasing_radius(pair, rule, laps, met - departure))
+            apart = pair.lag + pair.lag_rate * departure
+            apart += precession.carried(pair, rule, laps, radius, met - departure)
+            alpha_i, alpha_j, theta = orbits.relative_node(
+                pair.inclination_i, 0.0, pair.inclination_j, apart
             )
-            is_steady = abs(math.remainder(alpha_i - still, math.pi)) < STEADY_RAD
-            is_steady &= angle > NEAREST_RAD
-            return (departure, met, radius, theta) if is_steady else None
+            moved_i = math.remainder(alpha_i - event.alpha_i, 2.0 * math.pi)
+            moved_j = math.remainder(alpha_j - event.alpha_j, 2.0 * math.pi)
+            left, there = event.time + moved_i / pair.rate_i, about + moved_j / pair.rate_j
+            if not math.isfinite(left + there):
+                break  # no phasing orbit takes so long
+            step = abs(left - departure) + abs(there - met)
+            departure, met = left, there
+            if step < CLOSE_S:
+                low, high = _limits(pair, laps)
+                if departure >= 0.0 and low <= met - departure <= high:
+                    moved = max(abs(moved_i), abs(moved_j))
+                    yield _Found(crossing, laps, departure, met, radius, theta, moved)
+                break
+
+
+def _next_event(pair: transfer.Pair, time: float) -> _Event | None:
+    """The next time that the chaser crosses the plane of the target; None where none is found."""
+    there, half_turns = time, 0
+    for step in range(MOST_STEPS):
+        alpha_i, alpha_j, theta = orbits.relative_node(
+            pair.inclination_i, 0.0, pair.inclination_j, pair.lag + pair.lag_rate * there
+        )
+        past = (pair.latitude_i + pair.rate_i * there - alpha_i) / math.pi
+        if step == 0:
+            half_turns = math.ceil(past)
+        # The node that was left for may be counted a whole turn away by now.
+        late = math.remainder(half_turns - past, 2.0) * math.pi / pair.rate_i
+        there += late
+        if abs(late) < CLOSE_S:
+            return _Event(there, round(past), alpha_i, alpha_j, theta)
     return None
