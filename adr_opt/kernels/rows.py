@@ -7,9 +7,9 @@ time.
 
 Where events are regular this is what a table holds, to the last bit. Where connections are listed
 it is what they are listed from, before they are sifted: at the same events the cheapest sequence to
-each crossing of the target, which may differ from those of a list by its resolution (and of nearly
-coplanar pairs by more), and nothing that one has to wait for longer than two days. So a search may ask for it, and a schedule has to be
-made of lists.
+each crossing of the target, which may differ from those of a list by its resolution (of nearly
+coplanar pairs by more), and nothing that one has to wait for longer than two days. So a search may
+ask for it, and a schedule has to be made of lists.
 """
 
 import math
