@@ -189,7 +189,7 @@ def candidates(
         Whether rows that are worked out when somebody asks will do where not all pairs can be
         built: then there are no others.
     """
-    if whole.has_timetable:
+    if whole.has_timetable and (on_demand or not whole.missions[0].timetable.is_asked):
         return Candidates(whole, 0.0, 0.0)
     began = time.perf_counter()
     asker = whole if isinstance(whole, Mission) and may_ask(whole) else None

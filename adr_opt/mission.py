@@ -149,6 +149,7 @@ class Mission(Shown, Prizes):
         pairs, enough, most
             As :class:`Timetable` takes them.
         """
+        self._forget()
         self.__dict__["timetable"] = Timetable(
             self.instance, self._threads, time_value_m_s_per_h=self.time_value_m_s_per_h,
             pairs=pairs, most=most, enough=enough, connecting=self.connecting,
@@ -163,10 +164,17 @@ class Mission(Shown, Prizes):
         near : Neighbours
             At which searches look.
         """
+        self._forget()
         self.__dict__["timetable"] = Timetable(
             self.instance, time_value_m_s_per_h=self.time_value_m_s_per_h,
             connecting=self.connecting, chaser=self._number, asked=near,
         )  # fmt: skip
+
+    def _forget(self) -> None:
+        """Forget what was made of another timetable."""
+        for name in ("rules", "has_transfer"):
+            self.__dict__.pop(name, None)
+        self._variants = {self.time_value_m_s_per_h: self}
 
     @cached_property
     def rules(self) -> kernels.Rules:

@@ -145,6 +145,16 @@ def test_plans_without_a_table(monkeypatch, method, dynamics):
     assert left_out
 
 
+def test_who_needs_a_table_gets_one():
+    """A mission that was planned without a table has one for a method that looks at it."""
+    instance = drawn(1)
+    mission = asking(instance)
+    assert "rows on demand" in repr(mission.timetable)
+    with_it = [adr_opt.solve(each, "mcts", iterations=3) for each in (mission, Mission(instance))]
+    assert with_it[0].sequence == with_it[1].sequence
+    assert not mission.timetable.is_asked
+
+
 def test_a_required_target_is_looked_at_from_everywhere():
     """However far a required target is, it is among the destinations of every body."""
     instance = adr_opt.generate("nominal", 1, targets=40)

@@ -18,10 +18,10 @@ def of_timetable(timetable: Timetable) -> Card:
     """The card of a timetable."""
     bodies = len(timetable.names)
     pairs = "all pairs" if timetable.is_whole else f"the nearest {timetable.built} pairs"
-    facts = (
-        f"{bodies} bodies", pairs, f"{timetable.entries:,} entries",
-        f"{timetable.time_value_m_s_per_h:g} m/s per hour",
-    )  # fmt: skip
+    holds = [pairs, f"{timetable.entries:,} entries"]
+    if timetable.is_asked:
+        holds = ["rows on demand"]
+    facts = (f"{bodies} bodies", *holds, f"{timetable.time_value_m_s_per_h:g} m/s per hour")
     return Card("Timetable", f"of {timetable.instance.name!r}", facts)
 
 

@@ -36,7 +36,7 @@ from ..search.beams import USUAL, hurried, usual_settings
 from ..search.greedy_order import guarded_sequence
 from ..search.recreate import recreate
 from ..search.strings import Strings
-from ..search.timely_beams import PILOT_WIDTH, Beams
+from ..search.timely_beams import Beams, pilots
 from ..search.varied_beams import varied
 
 USUAL_WIDTH = 2000
@@ -55,9 +55,6 @@ WIDEST = 30_000
 
 ASKING = 0.1
 """Share of the usual widths where rows are worked out on demand."""
-
-ASKING_WIDTHS = (10, 30)
-"""Of the first beams there, of which the last tells how wide others may be."""
 
 USUAL_TARGETS = 50
 """Fields of this size get beams of the widths above; larger ones narrower ones."""
@@ -81,8 +78,7 @@ class _Search:
         self._stop = stop
         self._certificate = certificate
         self._rng = np.random.default_rng(seed)
-        least = ASKING_WIDTHS[0] if mission.timetable.is_asked else PILOT_WIDTH
-        self._beams, self._beams_apart = Beams(mission, stop, least), Beams(mission, stop, least)
+        self._beams, self._beams_apart = Beams(mission, stop), Beams(mission, stop)
         self._widest = 0
         self._strings: Strings | None = None
         self._fruitless = 0
@@ -294,7 +290,7 @@ def auto(
     asks = mission.timetable.is_asked
     if asks:
         scale = ASKING
-    usual = ASKING_WIDTHS[0] if asks else USUAL_WIDTH
+    usual = pilots(mission)[0] if asks else USUAL_WIDTH
 
     def scaled(width: int) -> int:
         least = max(10, int(scale * width))
@@ -304,7 +300,7 @@ def auto(
     if asks and prover is not None and not is_over():
         prover.advance()  # only beginning takes no time, and beams may take all of it
         prover.deliver()
-    for width in (*(ASKING_WIDTHS if asks else ()), PILOT_WIDTH):
+    for width in pilots(mission):
         if not is_over():
             search.usual(search.unhurried(width))
     # Beside a proof a beam is slower, so where time is short it comes before; on one core the proof

@@ -19,7 +19,7 @@ from ..learned.decoding import Field
 from ..learned.policy_beam import BeamSettings as PolicyBeam
 from ..learned.policy_beam import beam as beam_by_policy
 from ..search.beams import USUAL, BeamSettings, hurried
-from ..search.timely_beams import PILOT_WIDTH, Beams
+from ..search.timely_beams import Beams, pilots
 from ..search.worth import worth_of
 
 
@@ -97,7 +97,9 @@ def beam(
             noise=options.noise * worth.prize,
         )
         beams = Beams(mission, stop)
-        for each in sorted({min(PILOT_WIDTH, options.width), options.width}):
+        for each in sorted(
+            {min(width, options.width) for width in (*pilots(mission), options.width)}
+        ):
             if best.offer(beams.search(replace(settings, width=each), seed=seed)):
                 progress(best.objective, math.inf)
         states = beams.states

@@ -38,7 +38,7 @@ from ..relaxation.latest import Latest
 from ..relaxation.proof import MOST_LABELS, ProofOptions, proof_notes, prove, prove_cost
 from ..search.beams import hurried, usual_settings
 from ..search.greedy_order import guarded_sequence
-from ..search.timely_beams import PILOT_WIDTH, Beams
+from ..search.timely_beams import Beams, pilots
 from ..search.varied_beams import varied
 
 WIDTH = 2000
@@ -112,7 +112,8 @@ def exact(
         certificate.offer(guarded_sequence(mission))
     if not certificate.proven and not enough():
         layer = hurried(mission)
-        for width in (PILOT_WIDTH, WIDTH):
+        first = pilots(mission)
+        for width in first if mission.timetable.is_asked else (*first, WIDTH):
             certificate.offer(beams.search(usual_settings(layer, width), mission=layer))
 
     number = FIRST_BEAMS

@@ -17,8 +17,16 @@ from .beams import BeamSettings, beam_search
 PILOT_WIDTH = 100
 """Of a search that tells how long a wide one takes."""
 
+ASKING_WIDTHS = (10, 30)
+"""Of those before it where rows are worked out on demand, and each is dear."""
+
 PUNCTUAL = 0.9
 """Part of the time left that a search may be planned to take."""
+
+
+def pilots(mission: Mission) -> tuple[int, ...]:
+    """Widths of searches that come before wide ones, and tell how wide these may be."""
+    return (*(ASKING_WIDTHS if mission.timetable.is_asked else ()), PILOT_WIDTH)
 
 
 class Beams:
@@ -28,13 +36,11 @@ class Beams:
     ----------
     mission : Mission
     stop : Stop
-    least : int
-        Narrower searches do not tell how long wide ones take.
     """
 
-    def __init__(self, mission: Mission, stop: Stop, least: int = PILOT_WIDTH) -> None:
+    def __init__(self, mission: Mission, stop: Stop) -> None:
         self._mission = mission
-        self._least = least
+        self._least = pilots(mission)[0]
         self._stop = stop
         self._pace_s = 0.0  # per state of width
         self.states = 0
