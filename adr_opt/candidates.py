@@ -125,8 +125,9 @@ class Candidates:
             cost_status=None, notes=(*result.plan.notes, note),
         )  # fmt: skip
         return replace(
-            result, plan=plan, upper_bound=bound, evidence=None, status=status, notes=notes
-        )
+            result, plan=plan, upper_bound=bound, status=status, notes=notes,
+            evidence=result.evidence if of_all else None,
+        )  # fmt: skip
 
 
 LARGE_ENTRIES = 5_000_000

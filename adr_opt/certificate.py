@@ -48,6 +48,18 @@ class ProvenWalks(Record):
     neighbourhoods: dict[Name, Names] = Field(default_factory=dict)
 
 
+class ProvenFloors(Record):
+    """Prices of time and of ΔV.
+
+    With the least time t and the least ΔV c that a service takes from wherever it may be, no plan
+    is worth more than its time and its tank at these prices and, of each target, what it is worth
+    beyond t and c at them; where a refuelling takes no less than a tank is worth.
+    """
+
+    worth_per_s: Worth
+    worth_per_m_s: Worth
+
+
 class Certificate(Shown, Record):
     """What a bound rests on.
 
@@ -55,7 +67,8 @@ class Certificate(Shown, Record):
     is worth its prize, and ``required_worth`` more if it is required. ``multipliers`` are those of
     "each target at most once" and "each station ``max_refuellings`` times at most", 0 where none is
     given; all prizes are multiples of ``prize_step``,
-    null for none. ``walks`` has every chaser once, or nothing where the prizes alone are the proof.
+    null for none. ``walks`` has every chaser once, or nothing where the prizes alone are the proof,
+    or the ``floors``: prices of time and of ΔV.
     ``delta_v_slot_m_s`` is the slot of ΔV in which the method has looked ahead: what is true does
     not depend on it, how long it takes to see it does. ``plan_sha256`` is that of the plan file
     that was written beside it.
@@ -71,6 +84,7 @@ class Certificate(Shown, Record):
     delta_v_slot_m_s: Positive = 20.0
     multipliers: dict[Name, Worth] = Field(default_factory=dict)
     walks: Annotated[tuple[ProvenWalks, ...], Field(strict=False)] = ()
+    floors: ProvenFloors | None = None
 
     def _card(self) -> Card:
         from .showing.of_refined import of_certificate
@@ -148,6 +162,7 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
         raise InputError(f"{result.method} has proven nothing, so there is no certificate")
     walks: tuple[ProvenWalks, ...] = ()
     multipliers: dict[str, float] = {}
+    floors: ProvenFloors | None = None
     if not meets(bound, most):
         if evidence is None:
             raise InputError(
@@ -156,6 +171,10 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
         proven = _proven(prizes, evidence)
         bound = bound if meets(bound, proven) else proven
         walks = tuple(_stated(instance, each) for each in evidence.walks)
+        if evidence.floors is not None:
+            floors = ProvenFloors(
+                worth_per_s=evidence.floors.per_s, worth_per_m_s=evidence.floors.per_m_s
+            )
         multipliers = {
             instance.names[j]: float(evidence.multipliers[j])
             for j in np.flatnonzero(evidence.multipliers)
@@ -170,6 +189,7 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
         delta_v_slot_m_s=20.0 if evidence is None else float(evidence.delta_v_slot_m_s),
         multipliers=multipliers,
         walks=walks,
+        floors=floors,
     )
 
 
@@ -189,7 +209,8 @@ def _proven(prizes: Prizes, evidence: Evidence) -> float:
     """The bound that evidence shows."""
     parts = [len(each.chasers) * each.most for each in evidence.walks]
     paid = StationLimits(prizes.instance).total(evidence.multipliers)
-    worth = rounded_down(math.fsum([paid, *parts]), prizes.prize_step)
+    below = math.fsum([paid, *parts]) if evidence.floors is None else evidence.floors.most
+    worth = rounded_down(below, prizes.prize_step)
     shown = prizes.shown(worth)
     least = min((each.prize for each in prizes.instance.targets if each.prize), default=0.0)
     if 0.0 <= shown < least:

@@ -31,6 +31,23 @@ class Walks:
     neighbourhoods: npt.NDArray[np.bool_]
 
 
+@dataclass(frozen=True)
+class Floors:
+    """What was proven by the least time and the least ΔV that every service takes.
+
+    Attributes
+    ----------
+    per_s, per_m_s : float
+        Prices of time [worth per s] and of ΔV [worth per m/s].
+    most : float
+        No plan is worth more.
+    """
+
+    per_s: float
+    per_m_s: float
+    most: float
+
+
 @dataclass(frozen=True, eq=False)
 class Evidence:
     """What a bound rests on (MODEL section 8).
@@ -46,8 +63,11 @@ class Evidence:
         Of all chasers, each once.
     delta_v_slot_m_s : float
         In which the proof has counted ΔV where it looks ahead [m/s].
+    floors : Floors or None
+        What the bound rests on in place of walks.
     """
 
     multipliers: npt.NDArray[np.float64]
     walks: tuple[Walks, ...]
     delta_v_slot_m_s: float
+    floors: Floors | None = None

@@ -8,6 +8,7 @@ from fractions import Fraction
 from ..certificate import Certificate
 from ..errors import InputError
 from ..instance import Instance
+from .floors import worth_of_floors
 
 WHOLE = Fraction(1, 10**12)
 """A prize is a multiple of the step if it misses one by no more than this share of it."""
@@ -94,9 +95,11 @@ def bound_of(instance: Instance, certificate: Certificate) -> float:
 
     Every plan is worth less than the sum of the multipliers, each as often as its body may be gone
     to, and, for each chaser, the most of its walks. What its required targets are worth beyond
-    their prizes goes off that.
+    their prizes goes off that. Or it is what :mod:`.floors` prove.
     """
     trivial = trivial_bound(instance)
+    if certificate.floors is not None:
+        return _shown(instance, certificate, worth_of_floors(instance, certificate), trivial)
     if not certificate.walks:
         return trivial
     often = how_often(instance)
@@ -105,6 +108,11 @@ def bound_of(instance: Instance, certificate: Certificate) -> float:
     below += sum(
         (len(walks.chasers) * Fraction(walks.most) for walks in certificate.walks), Fraction(0)
     )
+    return _shown(instance, certificate, below, trivial)
+
+
+def _shown(instance: Instance, certificate: Certificate, below: Fraction, trivial: float) -> float:
+    """The prizes of plans that are worth less than a number."""
     required = sum(target.required for target in instance.targets)
     below -= required * Fraction(certificate.required_worth)
     if below <= 0:

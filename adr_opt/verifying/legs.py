@@ -75,7 +75,7 @@ def legs_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Legs:
     """The legs of a chaser that end in time and that its tank can pay for."""
     names, first_target = instance.names, instance.first_target
     bodies, stations = len(names), len(instance.stations)
-    service, tows = _services_s(instance), np.zeros(bodies)
+    service, tows = services_s(instance), np.zeros(bodies)
     towed = towed_bodies(instance, instance.orbits())
     for name, tow in towed.items():
         tows[names.index(name)] = tow.time_s
@@ -143,7 +143,7 @@ def legs_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Legs:
     )  # fmt: skip
 
 
-def _services_s(instance: Instance) -> FloatArray:
+def services_s(instance: Instance) -> FloatArray:
     """How long a chaser stays at each body [s]."""
     mission, service = instance.mission, np.zeros(len(instance.names))
     for body, row in enumerate(instance.orbits()):

@@ -25,6 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.campaign import Problem
+from adr_opt.evidence import Evidence, Floors
 from adr_opt.instance import Instance
 from adr_opt.kernels import orbits, transfer
 from adr_opt.kernels.compile import kernel
@@ -35,11 +36,22 @@ from adr_opt.mission import Mission
 PRICES = 200
 """So many prices of ΔV are tried."""
 
+SLOT_M_S = 20.0
+"""In which certificates have ΔV that nothing is counted in."""
+
 GUARD = 1e-9
 """What floors are lowered by against rounding, as a share of them."""
 
 ROUNDING = 1e-12
 """What the cosine of a turn is raised by against rounding: near 1 the guard does not cover it."""
+
+
+class Priced(NamedTuple):
+    """A bound, and the prices of time [worth per s] and of ΔV [worth per m/s] that prove it."""
+
+    most: float
+    per_s: float
+    per_m_s: float
 
 
 class Sack(NamedTuple):
@@ -74,6 +86,17 @@ def floor_bound(problem: Problem) -> float:
     float
         In worths, as :attr:`adr_opt.kernels.rules.Rules.prize` has them.
     """
+    return _priced(problem).most
+
+
+def floor_evidence(mission: Mission) -> tuple[float, Evidence]:
+    """The same of a mission, and what it rests on."""
+    most, per_s, per_m_s = _priced(mission)
+    bodies = len(mission.names)
+    return most, Evidence(np.zeros(bodies), (), SLOT_M_S, Floors(per_s, per_m_s, most))
+
+
+def _priced(problem: Problem) -> Priced:
     missions = problem.missions
     distinct = {id(mission): mission for mission in missions}
     sacks = {key: sack_of(mission) for key, mission in distinct.items()}
@@ -110,17 +133,17 @@ def sack_of(mission: Mission) -> Sack:
     return Sack(prize, took, cost, time_s, budget, rules.budget, stop_s)
 
 
-def knapsack(sack: Sack) -> float:
+def knapsack(sack: Sack) -> Priced:
     """The least bound of the prices tried."""
     some = sack.prize > 0.0
     prize, took, cost = sack.prize[some], sack.took[some], sack.cost[some]
     if not prize.size:
-        return 0.0
+        return Priced(0.0, 0.0, 0.0)
     dear = cost > 0.0
     highest = float((prize[dear] / cost[dear]).max(initial=0.0))
     prices = highest * np.append(0.0, np.geomspace(1e-4, 1.0, PRICES)) if highest else np.zeros(1)
     took = np.maximum(took, GUARD)
-    least = math.inf
+    least = Priced(math.inf, 0.0, 0.0)
     for price in prices:
         rest = np.maximum(0.0, prize - price * cost)
         order = np.argsort(-rest / took)
@@ -131,8 +154,8 @@ def knapsack(sack: Sack) -> float:
             per_s = max(per_s, price * sack.tank / max(sack.stop_s, GUARD))
         value = per_s * sack.time_s + price * sack.budget
         value += float(np.maximum(0.0, rest - per_s * took).sum())
-        least = min(least, value)
-    return least * (1.0 + GUARD)
+        least = min(least, Priced(value * (1.0 + GUARD), per_s, float(price)))
+    return least
 
 
 def floors(mission: Mission) -> tuple[np.ndarray, np.ndarray]:

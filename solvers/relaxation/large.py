@@ -23,7 +23,7 @@ from adr_opt.mission import Mission
 from adr_opt.stop import Stop
 
 from ..certificate import Certificate
-from .floors import floor_bound
+from .floors import floor_evidence
 from .multipliers import Descent
 from .pooled import PooledBound
 from .stream import MOST, NoRoom, Source, Stream
@@ -142,7 +142,7 @@ class LargeProof:
 
     def begin(self) -> None:
         """The bound that takes no time."""
-        self._certificate.lower(floor_bound(self._mission))
+        self._certificate.lower(*floor_evidence(self._mission))
         self.done = self.done or self._certificate.proven
 
     def advance(self, enough: Callable[[], bool]) -> None:

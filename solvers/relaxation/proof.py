@@ -33,7 +33,7 @@ from ..certificate import Certificate
 from .cost import CostProof
 from .cost_rounds import settled
 from .facts import evidence_of, less_than
-from .floors import floor_bound
+from .floors import floor_evidence
 from .large import LargeProof
 from .latest import Latest, latest_of
 from .multipliers import Descent
@@ -334,7 +334,7 @@ def prove(
         return {"evaluations": 0, "searches": 0, "labels": 0}
     proof = proof_of(mission, certificate, stop, options)
     if proof is None:
-        certificate.lower(floor_bound(mission))
+        certificate.lower(*floor_evidence(mission))
         return {"evaluations": 0, "searches": 0, "labels": 0}
     with closing(proof):
         proof.begin()
