@@ -70,6 +70,9 @@ FRUITLESS = 6
 """So many annealings from one plan that find nothing better are followed by one from another."""
 
 
+Task = Callable[[], None]
+
+
 class _Search:
     """The searching half: beams, and ruin and recreate."""
 
@@ -174,7 +177,7 @@ class _Search:
                 break
             self._found.offer(self._beside.anneal(ANNEALED))
 
-    def apart(self, width: int) -> Callable[[], None]:
+    def apart(self, width: int) -> Task:
         """A varied beam that is drawn now, to search in a thread; :meth:`meet` brings it back."""
         mission, settings, seed = varied(self._mission, width, self._rng)
         self.counters["beams"] += 1
@@ -212,6 +215,17 @@ def _prover(
         certificate, own, stop,
         lambda: proof_of(mission, own, stop, options, LEAST_PROOF_S, LEAST_SET_UPS),
     )  # fmt: skip
+
+
+def _one_after_another(first: Task | None, then: Task) -> Task:
+    """Both tasks as one."""
+
+    def both() -> None:
+        if first is not None:
+            first()
+        then()
+
+    return both
 
 
 @dataclass(frozen=True)
@@ -315,7 +329,7 @@ def auto(
         while not is_over():
             rounds += 1
             advancing: Future[None] | None = None
-            task: Callable[[], None] | None = None
+            task: Task | None = None
             # Where nothing is proven after a search, the next ones will not prove it soon.
             unbounded = search.drifts and certificate.bound >= mission.total_worth and rounds > 2
             if prover is not None and not prover.done:
@@ -325,8 +339,8 @@ def auto(
                     task = partial(search.part, annealings)
             elif search.may_part():
                 task = partial(search.part, annealings)
-            elif asks:
-                task = search.apart(scaled(width))
+            if asks:
+                task = _one_after_another(task, search.apart(scaled(width)))
             if task is not None and options.cores > 1:
                 advancing = pool.submit(task)
             elif task is not None:
