@@ -70,7 +70,7 @@ def in_slot(tables, slot):
     """One of the tables that stand side by side."""
     return Table(
         tables.first[slot], tables.spacing[slot], tables.total[slot], tables.entries[slot],
-        tables.departure[slot], tables.slot[slot],
+        tables.departure[slot], tables.slot[slot], None,
     )  # fmt: skip
 
 
