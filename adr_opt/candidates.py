@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from .campaign import Problem
+from .kernels.timetable import source_of
 from .kernels.timetable_making import WAVE
 from .mission import Mission
 from .pairs import nearest_pairs, neighbours
@@ -136,7 +137,7 @@ LARGE_ENTRIES = 5_000_000
 
 def looked_at(timetable: Timetable) -> float:
     """At how many destinations of each body planners look."""
-    source = timetable.table.source
+    source = source_of(timetable.table)
     return timetable.built / len(timetable.names) if source is None else source.near.shape[2]
 
 

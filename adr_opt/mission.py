@@ -18,7 +18,7 @@ from .instance import Instance
 from .kernels import rows
 from .kernels import rules as kernels
 from .kernels.constants import SLACK_M_S
-from .kernels.timetable import Table, transfer_exists
+from .kernels.timetable import Table, source_of, transfer_exists
 from .kernels.timetable_making import Pairs
 from .kernels.transfer import TransferRule
 from .pairs import Neighbours
@@ -314,7 +314,7 @@ class Mission(Shown, Prizes):
         InputError
             The time value is negative or not finite.
         """
-        source = self.timetable.table.source if self.has_timetable else None
+        source = source_of(self.timetable.table) if self.has_timetable else None
         may_change = self.is_whole or source is not None
         if time_value_m_s_per_h == self.time_value_m_s_per_h or not may_change:
             return self
@@ -360,8 +360,8 @@ class Mission(Shown, Prizes):
     def has_transfer(self) -> npt.NDArray[np.bool_]:
         """Whether any body has a transfer to a body at any departure event, shape (bodies,)."""
         table = self.rules.table
-        if table.source is not None:  # one would have to ask for all pairs
-            return np.ones(table.spacing.size, dtype=np.bool_)
+        if source_of(table) is not None:  # one would have to ask for all pairs
+            return np.ones(len(self.names), dtype=np.bool_)
         found: npt.NDArray[np.bool_] = transfer_exists(table)
         return found
 
@@ -460,6 +460,7 @@ def _shortest_sortie(
     table: Table, service: npt.NDArray[np.float64], budget: float, stations: int, first_target: int
 ) -> float:
     """Least time from the departure from a station to the end of a service, or less [s]."""
-    if table.source is not None:
-        return float(rows.shortest_sortie(table.source, stations, first_target))
+    source = source_of(table)
+    if source is not None:
+        return float(rows.shortest_sortie(source, stations, first_target))
     return float(kernels.shortest_sortie(table, service, budget, stations, first_target))

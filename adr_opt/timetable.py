@@ -308,12 +308,13 @@ class Timetable(Shown):
     @property
     def is_asked(self) -> bool:
         """Whether nothing is held, and what is chosen is worked out when somebody asks."""
-        return self.table.source is not None
+        return kernels.source_of(self.table) is not None
 
     def holds(self, origin: int, destination: int) -> bool:
         """Whether planners that look at the table look at a pair."""
-        if self.table.source is not None:
-            return bool((self.table.source.near[:, origin] == destination).any())
+        source = kernels.source_of(self.table)
+        if source is not None:
+            return bool((source.near[:, origin] == destination).any())
         return self.is_whole or bool(kernels.events(self.table, origin, destination) > 0)
 
     @property

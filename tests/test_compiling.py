@@ -143,11 +143,15 @@ def test_only_changes_that_a_kernel_can_reach_compile_it_anew(
 
 
 def test_kernels_of_the_rules_follow_the_orbits() -> None:
-    """What fills the timetable is compiled anew when the orbits change; what reads it is not."""
-    from adr_opt.kernels import orbits, rules, timetable_making
+    """What fills a timetable, or asks for rows, is compiled anew when the orbits change.
 
-    def digests() -> tuple[str, str]:
-        return kernel_cache.sources(timetable_making.fill), kernel_cache.sources(rules.replay)
+    What only reads a timetable is not.
+    """
+    from adr_opt.kernels import orbits, rules, timetable, timetable_making
+
+    def digests() -> list[str]:
+        kernels = timetable_making.fill, rules.replay, timetable.transfer_exists
+        return [kernel_cache.sources(each) for each in kernels]
 
     before = digests()
     given = orbits.COPLANAR_RAD
@@ -157,7 +161,8 @@ def test_kernels_of_the_rules_follow_the_orbits() -> None:
     finally:
         orbits.COPLANAR_RAD = given
     assert after[0] != before[0]
-    assert after[1] == before[1]
+    assert after[1] != before[1]
+    assert after[2] == before[2]
 
 
 @pytest.mark.parametrize("damage", [b"", b"garbage", None])

@@ -138,14 +138,7 @@ def state_at(states, place):
 @inlined
 def looked_at(rules):
     """At how many destinations of each body searches look."""
-    return _ranks(rules.table.source, rules)
-
-
-@inlined
-def _ranks(source, rules):
-    if source is None:
-        return rules.service.size - rules.first_target
-    return source.near.shape[2]
+    return timetable.looked_at(rules.table, rules.service.size - rules.first_target)
 
 
 @inlined
@@ -154,15 +147,7 @@ def destination(rules, body, time, place):
 
     Among the nearest there are stations, too.
     """
-    return _placed(rules.table.source, rules, body, time, place)
-
-
-@inlined
-def _placed(source, rules, body, time, place):
-    if source is None:
-        return np.int64(rules.first_target + place)
-    period = min(int(time / source.period), source.near.shape[0] - 1)
-    return np.int64(source.near[period, body, place])
+    return timetable.destination(rules.table, rules.first_target, body, time, place)
 
 
 @inlined

@@ -79,6 +79,49 @@ def slot_of(table, i, j):
     return np.int64(j)
 
 
+def source_of(table: Table) -> rows.Source | None:
+    """What rows are worked out from where the table holds nothing."""
+    return table.source
+
+
+@inlined
+def asks(table):
+    """Whether the table holds nothing, and rows are worked out on demand."""
+    return _is_there(table.source)
+
+
+@inlined
+def _is_there(source):
+    return source is not None
+
+
+@inlined
+def looked_at(table, targets):
+    """At how many destinations of each body searches look, be it at all targets."""
+    return _ranks(table.source, targets)
+
+
+@inlined
+def _ranks(source, targets):
+    if source is None:
+        return targets
+    return source.near.shape[2]
+
+
+@inlined
+def destination(table, first_target, body, time, rank):
+    """One of them: a target by its number, or one of the nearest at a time, stations among them."""
+    return _ranked(table.source, first_target, body, time, rank)
+
+
+@inlined
+def _ranked(source, first_target, body, time, rank):
+    if source is None:
+        return np.int64(first_target + rank)
+    period = min(int(time / source.period), source.near.shape[0] - 1)
+    return np.int64(source.near[period, body, rank])
+
+
 def size_of(bodies: int, most: int, slots: int) -> int:
     """Bytes that such a table takes."""
     return bodies * slots * (16 * most + 12) + (2 * bodies**2 if slots < bodies else 0)

@@ -24,8 +24,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.kernels.compile import inlined, kernel
+from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import HOUR_S
+from adr_opt.kernels.timetable import asks
 from adr_opt.mission import Mission
 from adr_opt.stop import Stop
 
@@ -100,14 +101,6 @@ def usual_settings(mission: Mission, width: int) -> BeamSettings:
     return BeamSettings(width, worth.hour, worth.kilometre_per_s)
 
 
-@inlined
-def _few(source):
-    """States kept when the time is over."""
-    if source is None:
-        return HURRIED
-    return HURRIED_ASKING
-
-
 @kernel
 def beam_kernel(rules, done, first, guide, guided, weights, halt):
     """Beam search from some states that have the same body and the same targets done.
@@ -164,7 +157,7 @@ def beam_kernel(rules, done, first, guide, guided, weights, halt):
         np.empty(buckets, np.int32), np.empty(width, np.int32), np.empty(bodies, np.int64),
         np.empty(cand.score.size, np.int64), which,
     )  # fmt: skip
-    most, few = width, _few(rules.table.source)
+    most, few = width, HURRIED_ASKING if asks(rules.table) else HURRIED
     depth, priced = 0, 0
     while depth < remaining and size > 0:
         if halt[0]:
