@@ -64,13 +64,17 @@ def main() -> None:
     """Print a table."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("families", nargs="+")
+    parser.add_argument("--first", type=int, default=0, help="field of each family to begin with")
     parser.add_argument("--count", type=int, help="fields of each family; all by default")
     parser.add_argument("--method", default="exact", help="that proves")
     parser.add_argument("--limit", type=float, default=300.0, help="of a proof [s]")
     asked = parser.parse_args()
     library = load_library(LIBRARY)
+    last = None if asked.count is None else asked.first + asked.count
     entries = [
-        entry for family in asked.families for entry in library.of_family(family)[: asked.count]
+        entry
+        for family in asked.families
+        for entry in library.of_family(family)[asked.first : last]
     ]
     first = library.of_family("tiny")[0]
     proven, certificate = proof_of(first, asked.method, 60.0)  # compiles

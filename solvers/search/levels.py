@@ -12,6 +12,7 @@ from adr_opt.kernels.lists import rising
 from adr_opt.kernels.loads import full_tank, kits_after, may_stand_for
 from adr_opt.kernels.memory import borrowed, write
 from adr_opt.kernels.rules import Rules, State
+from adr_opt.kernels.timetable import asks
 
 from ..relaxation.latest import Latest, latest_time
 
@@ -218,6 +219,13 @@ def _is_in(level, s, j):
     return (level.visited[s, j >> 6] >> np.uint64(j & 63)) & np.uint64(1) != 0
 
 
+@inlined
+def _shade(weights, key, word):
+    """The random part of a score: by the set of targets visited, and the next one."""
+    mixed = _mix((key + word) ^ (word * np.uint64(3)))
+    return weights.noise * (np.float64(mixed >> np.uint64(11)) * 2.0**-53)
+
+
 @kernel
 def succeed(search, level, size, serviced, wanted, cand):
     """The best successors of the states of a level.
@@ -247,6 +255,7 @@ def succeed(search, level, size, serviced, wanted, cand):
     back = np.empty(rules.stations + 1)
     full = np.empty(rules.stations + 1)
     count, limit, priced = 0, np.inf, 0
+    asking = asks(rules.table)
     for s in range(size):
         here = State(
             level.body[s], level.time[s], level.left[s], level.since[s], serviced, level.kits[s]
@@ -260,6 +269,12 @@ def succeed(search, level, size, serviced, wanted, cand):
                     ways[choices], back[choices], full[choices] = station, delta_v, after.time
                     choices += 1
         for place in range(rule_kernels.looked_at(rules)):
+            j = rule_kernels.destination(rules, here.body, here.time, place)
+            if not asking and _is_in(level, s, j):
+                continue
+            shade = 0.0
+            if weights.noise > 0.0 and not asking:
+                shade = _shade(weights, level.key[s], keys[j])
             for way in range(choices):
                 begin = here
                 if way > 0:
@@ -267,13 +282,12 @@ def succeed(search, level, size, serviced, wanted, cand):
                         ways[way], full[way], full_tank(rules.loads, rules.budget, here.kits),
                         np.int64(0), np.int64(serviced), here.kits,
                     )  # fmt: skip
-                j = rule_kernels.destination(rules, begin.body, begin.time, place)
-                if j < rules.first_target or j == here.body or _is_in(level, s, j):
-                    continue
-                shade = 0.0
-                if weights.noise > 0.0:
-                    word = _mix((level.key[s] + keys[j]) ^ (keys[j] * np.uint64(3)))
-                    shade = weights.noise * (np.float64(word >> np.uint64(11)) * 2.0**-53)
+                if asking:  # other bodies are near to a station
+                    j = rule_kernels.destination(rules, begin.body, begin.time, place)
+                    if j < rules.first_target or j == here.body or _is_in(level, s, j):
+                        continue
+                    if weights.noise > 0.0:
+                        shade = _shade(weights, level.key[s], keys[j])
                 legal, delta_v, after = rule_kernels.step(rules, begin, j)
                 if not legal:
                     continue
