@@ -8,209 +8,33 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from brute_force import brute_force, brute_force_campaign
+from brute_force import brute_force_campaign
 from random_rules import (
-    carrying,
-    drifting_mission,
-    given_field,
     limited,
-    mixed_campaign,
-    random_campaign,
-    random_mission,
-    towing,
     towing_mission,
+)
+from verify_fields import (
+    laden,
+    legs_for,
+    proven,
+    refuelling,
+    towing_and_laden,
+    worths_of,
 )
 
 import adr_opt
-from adr_opt.campaign import Campaign, problem_of
-from adr_opt.certificate import Certificate, certificate_of
-from adr_opt.chasers import AtStation, TankByMass
+from adr_opt.campaign import Campaign
+from adr_opt.certificate import certificate_of
+from adr_opt.chasers import TankByMass
 from adr_opt.checking.tank import Tank
-from adr_opt.connections import Connecting
 from adr_opt.errors import InputError
 from adr_opt.evidence import Evidence, Walks
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import SLACK_M_S
-from adr_opt.mission import Mission
 from adr_opt.verifying import verify
 from adr_opt.verifying.cargo import after_service
 from adr_opt.verifying.claim import bound_of, check_names
-from adr_opt.verifying.legs import Legs, legs_of
-from adr_opt.verifying.rules import kept_apart
-from adr_opt.verifying.sampling import sample_connections
 from adr_opt.verifying.walks import walks_reach
-
-DAY_S = 86400.0
-FEW = 10
-"""Connections that are flown again."""
-
-
-def laden(seed: int) -> Instance:
-    """A mission with kits, by turns in two-body motion, under J2 and over given connections."""
-    draw = (random_mission, drifting_mission, given_field)[seed % 3]
-    return carrying(draw(seed), seed)
-
-
-def towing_and_laden(seed: int) -> Instance:
-    """A mission with tows and kits."""
-    return towing(carrying((random_mission, drifting_mission)[seed % 2](seed), seed), seed)
-
-
-def refuelling(seed: int) -> Instance:
-    """A mission of days with kits, by turns with tows, and tanks that have to be filled."""
-    drawn = random_mission(seed)
-    made = carrying(drawn.replace(stations=drawn.stations or random_mission(0).stations), seed)
-    made = made if seed % 4 else towing(made, seed)
-    rng, dry_kg, exhaust = np.random.default_rng([15, seed]), 200.0, 3000.0
-    ratio = float(np.expm1(rng.uniform(250.0, 600.0) / exhaust))
-    chaser = made.chaser.replace(
-        start=AtStation(station=made.stations[0].name), available_s=(0.0, None), max_targets=None,
-        tank=TankByMass(
-            dry_mass_kg=dry_kg, propellant_kg=dry_kg * ratio, isp_s=exhaust / 9.80665
-        ),
-        kit_mass_kg=dry_kg * float(rng.choice([0.2, 0.5, 1.0])),
-    )  # fmt: skip
-    mission = made.mission.replace(duration_s=2.5 * DAY_S)
-    return made.replace(chasers=(chaser,), mission=mission, keep_out_zones=())
-
-
-def campaign_with_cargo(seed: int) -> Instance:
-    """Several chasers with kits, and every third time tows."""
-    made = carrying((random_campaign, mixed_campaign)[seed % 2](seed), seed)
-    return made if seed % 3 else towing(made, seed)
-
-
-every_mission = pytest.mark.parametrize(
-    "draw", [laden, towing_mission, towing_and_laden, refuelling]
-)
-
-
-def legs_for(instance: Instance) -> Legs:
-    """The legs of the only chaser."""
-    return legs_of(instance, kept_apart(instance)[0], Connecting(instance))
-
-
-def worths_of(instance: Instance, bonus: Fraction) -> list[Fraction]:
-    """What bodies are worth, required ones more."""
-    worths = [Fraction(each.prize) + bonus * each.required for each in instance.targets]
-    return [Fraction(0)] * instance.first_target + worths
-
-
-@every_mission
-def test_whatever_walks_remember_the_best_plan_is_one_of_them(draw):
-    """With any multipliers and neighbourhoods, a walk collects what brute force says, or more."""
-    asked = 0
-    for seed in range(60):
-        instance = draw(seed)
-        prizes, _, _ = brute_force(Mission(instance))
-        if not math.isfinite(prizes):
-            continue
-        rng, bonus = np.random.default_rng(seed), Fraction(100)
-        worths = worths_of(instance, bonus)
-        best = Fraction(prizes) + bonus * sum(each.required for each in instance.targets)
-        bodies = len(worths)
-        multipliers = [Fraction(0)] * instance.first_target
-        drawn = rng.uniform(0.0, 1.5, bodies) * rng.integers(0, 2, bodies)
-        multipliers += [Fraction(float(each)) for each in drawn[instance.first_target :]]
-        gains = [worth - less for worth, less in zip(worths, multipliers, strict=True)]
-        remembered = rng.random((bodies, bodies)) < rng.choice([0.0, 0.3, 1.0])
-        slot = float(rng.choice([3.0, 20.0, 400.0]))
-        # A hair less: brute force has summed prizes as floating-point numbers.
-        most = best - sum(multipliers) - Fraction(1, 10**9)
-        assert walks_reach(legs_for(instance), gains, remembered, most, slot).reached, seed
-        asked += 1
-    assert asked > 40
-
-
-@pytest.mark.parametrize("draw", [laden, towing_and_laden])
-def test_whatever_the_slot_the_best_plan_is_a_walk(draw):
-    """However coarsely labels look ahead past services that make a tank worth more or less."""
-    asked = 0
-    for seed in range(120):
-        instance = draw(seed)
-        if instance.chaser.kit_mass_kg == 0.0:
-            continue
-        prizes, _, _ = brute_force(Mission(instance))
-        if not prizes > 0.0 or any(each.required for each in instance.targets):
-            continue
-        legs, worths = legs_for(instance), worths_of(instance, Fraction(0))
-        remembered = np.ones((len(worths), len(worths)), dtype=np.bool_)
-        most = Fraction(prizes) - Fraction(1, 10**9)
-        for slot in np.geomspace(2.0, 1000.0, 12):
-            assert walks_reach(legs, worths, remembered, most, float(slot)).reached, (seed, slot)
-        asked += 1
-    assert asked > 20
-
-
-@every_mission
-def test_walks_that_remember_all_are_the_plans(draw):
-    """Without multipliers and with full memory, no walk collects more than the best plan."""
-    decided = 0
-    for seed in range(60):
-        instance = draw(seed)
-        prizes, _, _ = brute_force(Mission(instance))
-        if not math.isfinite(prizes) or any(each.required for each in instance.targets):
-            continue
-        worths = worths_of(instance, Fraction(0))
-        remembered = np.ones((len(worths), len(worths)), dtype=np.bool_)
-        more = Fraction(prizes) + Fraction(1, 10**4)
-        assert not walks_reach(legs_for(instance), worths, remembered, more, 20.0).reached, seed
-        decided += prizes < sum(worths)
-    assert decided > 20
-
-
-def proven(instance: Instance) -> tuple[adr_opt.Result, Certificate | None]:
-    """What is proven, and its certificate where there is evidence.
-
-    There is none where all sets of a few targets were gone through.
-    """
-    result = adr_opt.solve(instance, "exact", time_limit=60.0)
-    try:
-        return result, certificate_of(instance, result)
-    except InputError:
-        assert result.evidence is None
-        return result, None
-
-
-@every_mission
-def test_every_proof_is_verified(draw):
-    """Each proof of one chaser that says what it rests on is verified, with the same bound."""
-    by_walks = 0
-    for seed in range(24):
-        instance = draw(seed)
-        result, certificate = proven(instance)
-        if certificate is None:
-            continue
-        verdict = verify(instance, result.plan, certificate, connections=FEW)
-        assert verdict.reasons == (), seed
-        stated = certificate.upper_bound
-        assert verdict.upper_bound == pytest.approx(-math.inf if stated is None else stated), seed
-        by_walks += bool(certificate.walks)
-    assert by_walks > 6
-
-
-def test_bounds_of_campaigns_are_verified():
-    """The bound before the last packing is verified and holds; where it is the last, all is."""
-    asked = whole = 0
-    for seed in range(30):
-        instance = campaign_with_cargo(seed)
-        result, certificate = proven(instance)
-        if certificate is None:
-            continue
-        asked += 1
-        verdict = verify(instance, result.plan, certificate, connections=FEW)
-        problem = problem_of(instance)
-        if isinstance(problem, Campaign):
-            prizes, _ = brute_force_campaign(problem)
-        else:
-            prizes, _, _ = brute_force(problem)
-        assert verdict.upper_bound >= prizes - 1e-9, seed
-        assert verify(instance, None, certificate, connections=FEW).verified, seed
-        whole += verdict.verified
-        if not verdict.verified:
-            assert certificate.upper_bound > result.upper_bound, seed
-    assert asked > 15
-    assert whole > 0.8 * asked
 
 
 def running_empty(seed: int) -> Instance:
@@ -366,17 +190,6 @@ def delta_v_of_tow(instance: Instance, body: int) -> float:
     mu, axis = 398600.4418e9, 0.5 * (high + low)
     slower = math.sqrt(mu / high) - math.sqrt(mu * (2.0 / high - 1.0 / axis))
     return slower + math.sqrt(mu * (2.0 / low - 1.0 / axis)) - math.sqrt(mu / low)
-
-
-def test_connections_from_where_tows_lead_are_those_of_check():
-    """All that are drawn can be flown, and none is missing."""
-    looked_at = 0
-    for seed in range(24):
-        instance = towing_mission(seed)
-        sampled = sample_connections(instance, Connecting(instance), 100, seed)
-        assert sampled.faults == (), seed
-        looked_at += sampled.departures
-    assert looked_at > 40
 
 
 def test_a_proof_with_heavy_kits_is_verified():

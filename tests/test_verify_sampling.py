@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 import pytest
-from random_rules import DAY_S, drifting_mission, random_mission
+from random_rules import DAY_S, drifting_mission, given_mission, random_mission, towing_mission
+from verify_fields import Spoilt
 
 import adr_opt
 from adr_opt.checking.flight import Physics
@@ -131,3 +132,32 @@ def test_connections_that_arrive_too_soon_are_found_out(seed):
     instance = without_spacing(seed)
     sampled = sample_connections(instance, Sooner(instance), 20, seed)
     assert any("cannot be flown" in fault for fault in sampled.faults)
+
+
+@pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_mission])
+def test_connections_are_those_of_check(draw):
+    """All that are drawn can be flown, none is missing; spoilt ones are found out."""
+    found_missing = found_cheaper = looked_at = 0
+    for seed in range(24):
+        instance = draw(seed)
+        whole = sample_connections(instance, Connecting(instance), 100, seed)
+        assert whole.faults == (), seed
+        looked_at += whole.departures
+        fewer = sample_connections(instance, Spoilt(instance, 0.7, 0.0), 60, seed)
+        found_missing += any(fault.startswith("no connection") for fault in fewer.faults)
+        cheaper = sample_connections(instance, Spoilt(instance, 0.0, 1e-3), 60, seed)
+        found_cheaper += any("cannot be flown" in fault for fault in cheaper.faults)
+    assert looked_at > 40
+    assert found_missing > 7
+    assert found_cheaper > 10
+
+
+def test_connections_from_where_tows_lead_are_those_of_check():
+    """All that are drawn can be flown, and none is missing."""
+    looked_at = 0
+    for seed in range(24):
+        instance = towing_mission(seed)
+        sampled = sample_connections(instance, Connecting(instance), 100, seed)
+        assert sampled.faults == (), seed
+        looked_at += sampled.departures
+    assert looked_at > 40
