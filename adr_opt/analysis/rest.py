@@ -1,0 +1,133 @@
+"""What is left of an instance once its chasers are somewhere, and what crosses its new zones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import PurePath
+from typing import Any
+
+from ..bodies import Station
+from ..errors import InputError
+from ..given import among
+from ..instance import Instance
+from ..keep_out import crossed
+from ..numbering import Numbering
+from ..station_limits import StationLimits
+from .state import State, as_flown, going_on, put_s
+
+
+def crossings(zoned: Instance, states: Sequence[State], at_s: float, before: int) -> Iterator[str]:
+    """What is said of legs that cross new zones and cannot be helped.
+
+    Parameters
+    ----------
+    zoned : Instance
+        With the new zones, behind its own.
+    states : sequence of State
+    at_s : float
+        Since the epoch [s].
+    before : int
+        How many zones are its own.
+
+    Raises
+    ------
+    InputError
+        One has not begun.
+    """
+    for state in states:
+        for leg in state.legs:
+            new = [which for which in crossed(zoned, leg) if which >= before]
+            if not new or leg.end_s <= at_s:
+                continue
+            said = f"to {leg.destination!r} crosses new zone {new[0] - before + 1}"
+            if leg.leaves_s >= at_s:
+                raise InputError(f"the leg {said}, and is to be kept; keep fewer legs")
+            yield f"the leg under way {said}, and is finished all the same"
+
+
+def rest_of(
+    zoned: Instance, states: Sequence[State], lost: Sequence[str], at_s: float
+) -> Instance | None:
+    """The instance that is left, with chasers where they are; None where a station has run out.
+
+    Parameters
+    ----------
+    zoned : Instance
+        With the new zones.
+    states : sequence of State
+        What is flown, and where it leads.
+    lost : sequence of str
+        Targets that are not to be visited any more.
+    at_s : float
+        Since the epoch [s].
+
+    Raises
+    ------
+    InputError
+        What is lost is no target, or done.
+    """
+    done = {leg.destination for state in states for leg in state.legs}
+    names = {target.name for target in zoned.targets}
+    for name in lost:
+        if name not in names:
+            raise InputError(f"lost {name!r}: not a target of {zoned.name!r}")
+        if name in done:
+            raise InputError(f"lost {name!r}: it is done by then, or the leg to it has begun")
+    put = {state.body: put_s(zoned, state) for state in states if state.is_put}
+    targets = tuple(
+        # What is still to be towed is worth nothing any more, and there for who is put onto it.
+        target.replace(prize=0.0, required=True, window_s=put[target.name])
+        if target.name in put
+        else target
+        for target in zoned.targets
+        if target.name in put or (target.name not in done and target.name not in lost)
+    )
+    chasers = tuple(going_on(zoned, state) for state in states)
+    # Launches are apart by their times then, and who is put somewhere is not launched.
+    mission = zoned.mission.replace(launch_separation_s=None) if put else zoned.mission
+    name = f"{zoned.name}-from-{at_s:.0f}s"
+    stations = _stations_left(zoned, states)
+    if stations is None:
+        return None
+    return _changed(
+        zoned, states, name=name, targets=targets, chasers=chasers, stations=stations,
+        mission=mission,
+    )  # fmt: skip
+
+
+def _changed(instance: Instance, states: Sequence[State], **changes: Any) -> Instance:
+    """The instance with changes, and its given connections as they lead on from where chasers are.
+
+    They lead from a start by its name, so that it takes over those of the target that it is at.
+    """
+    of_all = instance.transfer.given
+    if instance.given is None or of_all is None:
+        return instance.replace(**changes)
+    parts = [changes.get(part, getattr(instance, part)) for part in Numbering.__annotations__]
+    starts = {
+        state.body: state.chaser.name for state in states if state.body and state.is_at_target
+    }
+    given = among(instance.given, Numbering(*parts).names, starts)
+    # Beside the file of all of them, and of no other rest.
+    file = f"{PurePath(of_all.file).stem}-{given.sha256[:8]}.parquet"
+    emptied = instance.with_given(among(instance.given, ()))
+    return emptied.replace(**changes).with_given(given, file)
+
+
+def _stations_left(instance: Instance, states: Sequence[State]) -> tuple[Station, ...] | None:
+    """The stations with what is left of their limits; None where more was taken than there is."""
+    limits = StationLimits(instance)
+    uses = [
+        limits.use(as_flown(state), [(leg.destination, leg.delta_v_m_s) for leg in state.legs])
+        for state in states
+    ]
+    if not limits.allow(uses):
+        return None
+    left = iter(limits.left(uses).tolist())
+    return tuple(
+        station.replace(
+            max_refuellings=None if station.max_refuellings is None else round(next(left)),
+            max_propellant_kg=None if station.max_propellant_kg is None else next(left),
+        )
+        for station in instance.stations
+    )
