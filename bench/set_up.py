@@ -5,7 +5,7 @@
 Each field in a process of its own, after a warm-up on a tiny one. The time is that of the part that
 cannot be broken off, with one thread, median of several runs; the memory is the peak of the process
 over what it took with a ready timetable, after a first search that ended at its first labels.
-`solvers.relaxation.proof` holds the greatest figures, rounded up.
+`solvers.relaxation.needs` holds the greatest figures, rounded up.
 """
 
 from __future__ import annotations

@@ -25,8 +25,7 @@ import adr_opt
 from adr_opt import front
 from adr_opt.campaign import Campaign
 from adr_opt.mission import Mission
-from solvers.campaigns import planner
-from solvers.relaxation import large, proof
+from solvers.relaxation import large, needs, proof
 from solvers.relaxation.floors import Sack, floor_bound, floors, knapsack
 from solvers.relaxation.large import LargeProof, layouts
 from solvers.relaxation.multipliers import Descent
@@ -296,7 +295,7 @@ def test_too_little_room_is_said():
 @pytest.fixture
 def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
     """No network of all connections fits into memory."""
-    monkeypatch.setattr(proof, "fits_memory", lambda mission: False)
+    monkeypatch.setattr(needs, "available_bytes", lambda: 0.0)
 
 
 @pytest.mark.usefixtures("no_network")
@@ -324,10 +323,10 @@ def test_without_room_for_legs_the_floors_remain(monkeypatch):
     assert bounds[0] < bounds[1] < mission.total_prize
 
 
+@pytest.mark.usefixtures("no_network")
 @pytest.mark.parametrize("method", ["auto", "exact"])
-def test_campaigns_without_a_network_state_a_bound(method, monkeypatch):
+def test_campaigns_without_a_network_state_a_bound(method):
     """Planned without column generation, no plan of several chasers exceeds what is stated."""
-    monkeypatch.setattr(planner, "fits_memory", lambda campaign: False)
     for seed in range(8):
         campaign = Campaign(mixed_campaign(seed))
         result = adr_opt.solve(campaign, method, time_limit=20.0, iterations=2)
@@ -365,10 +364,10 @@ def test_campaigns_of_every_size_have_a_bound(monkeypatch):
     assert result.objective <= result.upper_bound <= 44.0
 
 
-def test_a_proof_is_over_when_time_is(monkeypatch):
+@pytest.mark.usefixtures("no_network")
+def test_a_proof_is_over_when_time_is():
     """Who has no time left makes no legs, and keeps the bound of floors."""
     instance = adr_opt.generate("nominal", 3, targets=45)
-    monkeypatch.setattr(proof, "fits_memory", lambda mission: False)
     result = adr_opt.bound(instance, "lagrangian", time_limit=1e-3)
     assert result.counters["evaluations"] == 0
     assert result.upper_bound <= len(instance.targets)

@@ -22,7 +22,7 @@ from ..certificate import Certificate
 from ..models.answer import Hear
 from ..models.cp_sat_run import run
 from ..models.steps import in_steps
-from ..relaxation.proof import bound_notes
+from ..relaxation.needs import bound_notes
 
 STEPS_PER_M_S = 1e3
 STEPS_PER_S = 1e1

@@ -19,7 +19,8 @@ from ..halting import Part
 from ..least_end import prove_end
 from ..relaxation.beside import LEAST_PROOF_S, LEAST_SET_UPS, Beside
 from ..relaxation.floors import floor_bound
-from ..relaxation.proof import ProofOptions, fits_memory, proof_notes, set_up_s, sweep_s
+from ..relaxation.needs import fits_memory, proof_notes, set_up_s, sweep_s
+from ..relaxation.proof import ProofOptions
 from .all_sets import lacks_plan, settle
 from .exchanges import Exchanges
 from .incumbent import CampaignCertificate

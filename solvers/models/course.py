@@ -21,8 +21,8 @@ from adr_opt.stop import Stop
 
 from ..certificate import Certificate
 from ..relaxation.multipliers import Descent
+from ..relaxation.needs import bound_notes, set_up_s
 from ..relaxation.network import Network as Rows
-from ..relaxation.proof import bound_notes, set_up_s
 from ..relaxation.walks import TimeIsOver, WalkBound
 from ..search.greedy_order import greedy_sequence
 from .answer import Answer, Hear

@@ -31,7 +31,8 @@ from ..incumbent import Incumbent
 from ..relaxation.beside import LEAST_PROOF_S, LEAST_SET_UPS, Beside
 from ..relaxation.large import LargeProof
 from ..relaxation.latest import Latest
-from ..relaxation.proof import Proof, ProofOptions, proof_notes, proof_of
+from ..relaxation.needs import proof_notes
+from ..relaxation.proof import Proof, ProofOptions, proof_of
 from ..search.beams import USUAL, hurried, usual_settings
 from ..search.greedy_order import guarded_sequence
 from ..search.recreate import recreate

@@ -35,7 +35,8 @@ from ..campaigns.planner import plan
 from ..certificate import Certificate
 from ..least_end import prove_end
 from ..relaxation.latest import Latest
-from ..relaxation.proof import MOST_LABELS, ProofOptions, proof_notes, prove, prove_cost
+from ..relaxation.needs import proof_notes
+from ..relaxation.proof import MOST_LABELS, ProofOptions, prove, prove_cost
 from ..search.beams import hurried, usual_settings
 from ..search.greedy_order import guarded_sequence
 from ..search.timely_beams import Beams, pilots
