@@ -1,13 +1,16 @@
-"""Fixtures of the command line tests."""
+"""Fixtures of the command line and of the benchmark's modules."""
 
 from __future__ import annotations
 
+import importlib
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 import stand_ins
+from run_all_rows import BENCH, Load
 
 import adr_opt
 from adr_opt.__main__ import main
@@ -89,3 +92,13 @@ def tiny_file(tmp_path: Path) -> Path:
 def methods(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Methods that show how they were called, installed; returns the folder to import from."""
     return stand_ins.install(tmp_path, monkeypatch)
+
+
+@pytest.fixture(scope="module")
+def load() -> Iterator[Load]:
+    """Import a module of the bench folder, which is no package."""
+    pytest.importorskip("plotly")
+    pytest.importorskip("matplotlib")
+    sys.path.insert(0, str(BENCH))
+    yield importlib.import_module
+    sys.path.remove(str(BENCH))

@@ -1,0 +1,29 @@
+"""What tests of ``serve`` do at the desk: edit, wait, and look at the files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from adr_opt.serve import work
+from adr_opt.serve.desk import Desk
+
+
+def of(*names: str, **changes: Any) -> dict[str, Any]:
+    """An edit of some targets."""
+    return {"targets": {"names": names, **changes}}
+
+
+def files_under(folder: Path) -> dict[str, bytes]:
+    """All files below a folder with what is in them."""
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
+
+
+def wait(desk: Desk) -> work.Look:
+    """The run once it is over."""
+    assert desk._work.wait(60.0)
+    return desk.look()
