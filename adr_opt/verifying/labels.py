@@ -156,6 +156,35 @@ def _is_dominated_at(kept, place, left, value, visits, memory):
     return False
 
 
+@inlined
+def _move(kept, place, k, to):
+    """Move one that is kept at a place to another number."""
+    kept.left[place, to] = kept.left[place, k]
+    kept.value[place, to] = kept.value[place, k]
+    kept.visits[place, to] = kept.visits[place, k]
+    kept.came_from[place, to] = kept.came_from[place, k]
+    for w in range(kept.memory.shape[1]):
+        kept.memory[place, w, to] = kept.memory[place, w, k]
+
+
+@kernel
+def _forget_poorer(kept, place, left, value, visits, memory):
+    """Drop those kept at a place that make nothing superfluous that a label ready by now does not.
+
+    They were there before it, but for all that comes later both are there in time.
+    """
+    size = 0
+    for k in range(kept.size[place]):
+        poorer = kept.left[place, k] <= left and kept.value[place, k] <= value
+        poorer = poorer and kept.visits[place, k] >= visits
+        for w in range(memory.size):
+            poorer = poorer and memory[w] & ~kept.memory[place, w, k] == 0
+        if not poorer:
+            _move(kept, place, k, size)
+            size += 1
+    kept.size[place] = size
+
+
 @kernel
 def _forget_late(ahead, question, kept, place, step):
     """Drop those kept at a place for whom it is too late: they dominate nothing that is not."""
@@ -164,12 +193,7 @@ def _forget_late(ahead, question, kept, place, step):
     for k in range(kept.size[place]):
         most = still(ahead, step, body, kits, kept.left[place, k], kept.came_from[place, k])
         if kept.value[place, k] + (most << FINE) >= question.need:
-            kept.left[place, size] = kept.left[place, k]
-            kept.value[place, size] = kept.value[place, k]
-            kept.visits[place, size] = kept.visits[place, k]
-            kept.came_from[place, size] = kept.came_from[place, k]
-            for w in range(kept.memory.shape[1]):
-                kept.memory[place, w, size] = kept.memory[place, w, k]
+            _move(kept, place, k, size)
             size += 1
     kept.size[place] = size
 
@@ -227,6 +251,9 @@ def _extend(legs, ahead, question, labels, kept, head, count, label, memory):
             memory[i // WORD] |= np.int64(1) << (i % WORD)
         best = np.inf
         for leg in range(low + _first_at(legs.end[low:high], time - SLACK_S), high):
+            cost = legs.delta_v[leg]
+            if legs.departure[leg] < time - SLACK_S or cost >= best or cost > left:
+                continue
             step = _first_at(ahead.last, legs.end[leg] - SLACK_S)
             # Not even with the cheapest of all later ones: then with none of them.
             most_left = _rest(cargo, to_station, j, kits, left - legs.cheapest[leg])
@@ -235,9 +262,6 @@ def _extend(legs, ahead, question, labels, kept, head, count, label, memory):
             most = still(ahead, step, j, aboard, most_left, came_from)
             if value + (most << FINE) < question.need:
                 break
-            cost = legs.delta_v[leg]
-            if legs.departure[leg] < time - SLACK_S or cost >= best or cost > left:
-                continue
             best = cost
             rest = _rest(cargo, to_station, j, kits, left - cost)
             if rest < 0.0:
@@ -311,6 +335,12 @@ def search(legs, ahead, question, labels, kept, head, cursor, ready):
                 if ends and labels.value[label] >= question.need:
                     return FOUND
                 place = body * cargo.full.size + kits
+                for w in range(memory.size):
+                    memory[w] = labels.memory[label, w]
+                _forget_poorer(
+                    kept, place, labels.left[label], labels.value[label], labels.visits[label],
+                    memory,
+                )  # fmt: skip
                 at = kept.size[place]
                 if at == kept.left.shape[1]:
                     return FULL
