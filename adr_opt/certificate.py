@@ -41,11 +41,15 @@ class ProvenWalks(Record):
     worth less its multiplier, and each refuelling takes off that of the station. A walk may come
     back to a target that it has forgotten: when it comes to a body, it goes on remembering those of
     ``neighbourhoods`` there and the target that it comes from, and no others.
+
+    Where ``worth_per_m_s`` is given it does not have to keep to its tanks: it pays so much for ΔV,
+    and collects the price of what is in the tank at the start and after each refuelling.
     """
 
     chasers: Names
     most: Annotated[float, Field(ge=-LARGEST_WORTH, le=LARGEST_WORTH)]
     neighbourhoods: dict[Name, Names] = Field(default_factory=dict)
+    worth_per_m_s: Worth | None = None
 
 
 class ProvenFloors(Record):
@@ -70,8 +74,9 @@ class Certificate(Shown, Record):
     null for none. ``walks`` has every chaser once, or nothing where the prizes alone are the proof,
     or the ``floors``: prices of time and of ΔV.
     ``delta_v_slot_m_s`` is the slot of ΔV in which the method has looked ahead: what is true does
-    not depend on it, how long it takes to see it does. ``plan_sha256`` is that of the plan file
-    that was written beside it.
+    not depend on it, how long it takes to see it does. Where ``time_step_s`` is given time was
+    counted in such steps, so coarsely that no walk has to be gone through by itself.
+    ``plan_sha256`` is that of the plan file that was written beside it.
     """
 
     format: Literal["adr-opt-certificate/1"] = FORMAT
@@ -82,6 +87,7 @@ class Certificate(Shown, Record):
     required_worth: Worth = 0.0
     prize_step: Positive | None = None
     delta_v_slot_m_s: Positive = 20.0
+    time_step_s: Positive | None = None
     multipliers: dict[Name, Worth] = Field(default_factory=dict)
     walks: Annotated[tuple[ProvenWalks, ...], Field(strict=False)] = ()
     floors: ProvenFloors | None = None
@@ -187,6 +193,7 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
         required_worth=float(prizes.bonus) if prizes.required else 0.0,
         prize_step=prizes.prize_step or None,
         delta_v_slot_m_s=20.0 if evidence is None else float(evidence.delta_v_slot_m_s),
+        time_step_s=evidence.time_step_s if walks and evidence is not None else None,
         multipliers=multipliers,
         walks=walks,
         floors=floors,
@@ -202,7 +209,10 @@ def _stated(instance: Instance, walks: Walks) -> ProvenWalks:
         if row.any()
     }
     chasers = tuple(instance.chasers[number].name for number in walks.chasers)
-    return ProvenWalks(chasers=chasers, most=float(walks.most), neighbourhoods=remembered)
+    return ProvenWalks(
+        chasers=chasers, most=float(walks.most), neighbourhoods=remembered,
+        worth_per_m_s=walks.per_m_s,
+    )  # fmt: skip
 
 
 def _proven(prizes: Prizes, evidence: Evidence) -> float:

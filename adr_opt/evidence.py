@@ -24,11 +24,15 @@ class Walks:
     neighbourhoods : (bodies, bodies) bool
         Whether a walk that comes to a body (row) still remembers another one (column). It remembers
         where it comes from in any case.
+    per_m_s : float or None
+        What a walk pays for ΔV, in place of keeping to its tanks, and gets for all that is in them
+        at the start and after each refuelling [worth per m/s].
     """
 
     chasers: tuple[int, ...]
     most: float
     neighbourhoods: npt.NDArray[np.bool_]
+    per_m_s: float | None = None
 
 
 @dataclass(frozen=True)
@@ -65,9 +69,12 @@ class Evidence:
         In which the proof has counted ΔV where it looks ahead [m/s].
     floors : Floors or None
         What the bound rests on in place of walks.
+    time_step_s : float or None
+        In which the proof has counted time, where it has gone through no walks one by one [s].
     """
 
     multipliers: npt.NDArray[np.float64]
     walks: tuple[Walks, ...]
     delta_v_slot_m_s: float
     floors: Floors | None = None
+    time_step_s: float | None = None

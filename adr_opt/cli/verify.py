@@ -61,6 +61,7 @@ def command(
                 "objective": verdict.objective,
                 "gap": verdict.gap,
                 "labels": verdict.labels,
+                "legs": verdict.legs,
                 "connections": verdict.connections,
                 "departures": verdict.departures,
                 "reasons": list(verdict.reasons),
@@ -75,7 +76,7 @@ def command(
         proven = "nothing was shown"
     for reason in verdict.reasons:
         emit(f"{path}: refused: {reason}")
-    effort = counted(verdict.labels, "label")
+    effort = counted(verdict.legs, "leg") if verdict.legs else counted(verdict.labels, "label")
     emit(f"{path}: {'verified: ' if verdict.verified else ''}{proven} ({effort})")
     if verdict.connections:
         emit(

@@ -115,7 +115,7 @@ def _served(values, image, desk):
 
 
 @kernel
-def _put(own, other, landed, landed_second, top, code, mask, came_from, cost):
+def put(own, other, landed, landed_second, top, code, mask, came_from, cost, never):
     """Improve the values of a body and step by one leg.
 
     Parameters
@@ -128,8 +128,8 @@ def _put(own, other, landed, landed_second, top, code, mask, came_from, cost):
         Slot of the tank that is filled there; −1 at a target.
     code : int
         What the destination gives, packed with it.
-    mask, came_from, cost : int
-        Bits of the next body, body that the walk leaves, slots.
+    mask, came_from, cost, never : int
+        Bits of the next body, body that the walk leaves, slots, value of what is not possible.
     """
     for c in range(cost, own.size):
         at = c - cost if top < 0 else top
@@ -142,7 +142,7 @@ def _put(own, other, landed, landed_second, top, code, mask, came_from, cost):
         best = max(best, value)
         own[c] = best
         if (best ^ loser) & mask == 0:
-            loser = np.int32(NEVER)
+            loser = never
         other[c] = max(other[c], loser)
 
 
@@ -182,7 +182,7 @@ def _sweep(
 ):  # fmt: skip
     """Fill the values, from the last step to the first one."""
     layers, steps, bodies, slots = best.shape[0], best.shape[1] - 1, best.shape[2], best.shape[3]
-    mask = np.int32((1 << bits) - 1)
+    mask, never = np.int32((1 << bits) - 1), np.int32(NEVER)
     desk, other_desk = np.empty(slots, np.int32), np.empty(slots, np.int32)
     for kits in range(layers):
         for i in range(bodies):
@@ -206,9 +206,9 @@ def _sweep(
                 if changes(cargo, j, kits):
                     landed = _served(landed, image[j, kits], desk)
                     landed_second = _served(landed_second, image[j, kits], other_desk)
-                _put(
+                put(
                     best[kits, step, i], second[kits, step, i], landed, landed_second,
-                    tops[kits] if is_station[j] else -1, code[j], mask, came_from, cost[leg],
+                    tops[kits] if is_station[j] else -1, code[j], mask, came_from, cost[leg], never,
                 )  # fmt: skip
 
 

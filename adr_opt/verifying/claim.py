@@ -42,6 +42,16 @@ def check_names(instance: Instance, certificate: Certificate) -> None:
                 f"field walks[{number}].neighbourhoods: {min(strange - bodies)!r} is not a body of "
                 "the instance"
             )
+        if certificate.time_step_s is not None and walks.neighbourhoods:
+            raise InputError(
+                f"field walks[{number}].neighbourhoods: walks in steps remember where they come "
+                "from, and nothing else"
+            )
+        if certificate.time_step_s is None and walks.worth_per_m_s is not None:
+            raise InputError(
+                f"field walks[{number}].worth_per_m_s: walks pay for ΔV only where time_step_s is "
+                "given"
+            )
     stated = sorted(name for walks in certificate.walks for name in walks.chasers)
     if certificate.walks and stated != sorted(chaser.name for chaser in instance.chasers):
         raise InputError("field walks: must name every chaser of the instance once")

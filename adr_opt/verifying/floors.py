@@ -25,7 +25,7 @@ from ..errors import InputError
 from ..instance import Instance
 from ..kernels import orbits
 from ..kernels.constants import EARTH_RADIUS_M, MU_M3_S2, SLACK_M_S, SLACK_S
-from .legs import services_s
+from .terms import services_s
 
 FloatArray = npt.NDArray[np.float64]
 

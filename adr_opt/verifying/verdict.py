@@ -21,6 +21,8 @@ from .claim import bound_of, check_names, gains
 from .legs import legs_of
 from .rules import kept_apart, refuse_unknown
 from .sampling import Sampled, sample_connections
+from .steps import most_in_steps
+from .terms import terms_of
 from .walks import walks_reach
 
 CONNECTIONS = 1000
@@ -44,6 +46,8 @@ class Verdict:
         How many labels that took.
     connections, departures : int
         Connections flown again, and departures at which all sequences were.
+    legs : int
+        How many legs were gone through where walks are counted in steps of time.
     """
 
     reasons: tuple[str, ...]
@@ -52,6 +56,7 @@ class Verdict:
     labels: int
     connections: int
     departures: int
+    legs: int = 0
 
     @property
     def gap(self) -> float | None:
@@ -103,10 +108,10 @@ def verify(
     if certificate.walks:
         sampled = sample_connections(instance, connecting, connections, seed)
     reasons += sampled.faults
-    labels, refuted = 0, False
+    labels, legs, refuted = 0, 0, False
     for walks in certificate.walks:
-        made, reached = _asked(instance, connecting, certificate, walks)
-        labels += made
+        made, gone, reached = _asked(instance, connecting, certificate, walks)
+        labels, legs = labels + made, legs + gone
         if reached is not None:
             reasons.append(reached)
             refuted = True
@@ -115,7 +120,7 @@ def verify(
         reasons += _compare(plan, certificate, bound)
     objective = None if plan is None else plan.objective
     return Verdict(
-        tuple(reasons), bound, objective, labels, sampled.connections, sampled.departures
+        tuple(reasons), bound, objective, labels, sampled.connections, sampled.departures, legs
     )
 
 
@@ -130,31 +135,37 @@ def _judge(instance: Instance, plan: Plan, certificate: Certificate) -> list[str
 
 def _asked(
     instance: Instance, connecting: Connecting, certificate: Certificate, walks: ProvenWalks
-) -> tuple[int, str | None]:
-    """How many labels it took, and what is wrong if a walk collects what none is said to."""
+) -> tuple[int, int, str | None]:
+    """Labels and legs that it took, and what is wrong if a walk collects what none is said to."""
     number = {name: body for body, name in enumerate(instance.names)}
     neighbourhoods = np.zeros((len(number), len(number)), dtype=np.bool_)
     for at, names in walks.neighbourhoods.items():
         neighbourhoods[number[at], [number[name] for name in names]] = True
-    made, seen = 0, []
+    made, gone, seen = 0, 0, []
     for chaser in kept_apart(instance):
         alike = chaser.model_copy(update={"name": ""})
         if chaser.name not in walks.chasers or alike in seen:
             continue
         if instance.given is None:  # given connections lead from a start by its name
             seen.append(alike)
-        legs = legs_of(instance, chaser, connecting)
-        reached, labels = walks_reach(
-            legs, gains(instance, certificate), neighbourhoods, Fraction(walks.most),
-            certificate.delta_v_slot_m_s,
-        )  # fmt: skip
-        made += labels
-        if reached:
-            return made, (
-                f"a walk of {chaser.name!r} collects {walks.most:g} less multipliers, and none is "
-                "said to"
+        worths, most = gains(instance, certificate), Fraction(walks.most)
+        slot_m_s = certificate.delta_v_slot_m_s
+        if certificate.time_step_s is not None:
+            price = None if walks.worth_per_m_s is None else Fraction(walks.worth_per_m_s)
+            terms = terms_of(instance, chaser, connecting)
+            found, count = most_in_steps(
+                terms, connecting, worths, certificate.time_step_s, slot_m_s, price
             )
-    return made, None
+            reached = found is not None and found >= most
+            gone += count
+        else:
+            legs = legs_of(instance, chaser, connecting)
+            reached, count = walks_reach(legs, worths, neighbourhoods, most, slot_m_s)
+            made += count
+        if reached:
+            said = f"a walk of {chaser.name!r} collects {walks.most:g} less multipliers"
+            return made, gone, f"{said}, and none is said to"
+    return made, gone, None
 
 
 def _compare(plan: Plan | None, certificate: Certificate, bound: float) -> list[str]:

@@ -156,12 +156,18 @@ class LargeProof:
                 if self._descent is None or self._descent.done or enough():
                     break
                 self._descent.step()
-                self._certificate.lower(self._descent.value)
+                self._lower(self._descent)
                 if self._certificate.proven:
                     break
         self._evaluations *= 2
         over = self._descent is None or (self._descent.done and not self._tank_layouts())
         self.done = over or self._certificate.proven
+
+    def _lower(self, descent: Descent) -> None:
+        """Tell of a bound, and what it rests on."""
+        assert self._bound is not None
+        evidence = self._bound.evidence(descent.value, descent.multipliers)
+        self._certificate.lower(descent.value, evidence)
 
     def _over(self) -> bool:
         return self._stop.remaining_s() <= 0.0

@@ -188,6 +188,12 @@ class PooledBound(StreamBound):
         slope = np.append(self._missing(), unused / tank)
         return value + float(multipliers.sum()), rounded, slope
 
+    def per_m_s(self, multipliers: np.ndarray) -> float:
+        """Price of ΔV at a point where the bound was evaluated [worth per m/s]."""
+        if not self._units:
+            return 0.0
+        return float(multipliers[-1]) / (TANK * self._units) / self._stream.unit
+
     def _evaluate(self, gain: np.ndarray, toll: int) -> float:
         """Value of the best walk, the price of its first tank included."""
         bodies, stream = np.arange(self.worth.size), self._stream

@@ -9,13 +9,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 
+from adr_opt.evidence import Evidence
 from adr_opt.mission import Mission
 
+from .facts import evidence_of, less_than
 from .stream import Stream, units_of
 from .walks import TimeIsOver, bonuses
+
+USUAL_SLOT_M_S = 20.0
+"""What certificates have for a slot where ΔV is not looked at."""
 
 
 class StreamBound:
@@ -126,6 +132,20 @@ class StreamBound:
                 for each in parts:
                     each.result()
             high = low
+
+    def per_m_s(self, multipliers: np.ndarray) -> float | None:
+        """Price of ΔV at a point where the bound was evaluated; None for none [worth per m/s]."""
+        return None
+
+    def evidence(self, value: float, multipliers: np.ndarray) -> Evidence:
+        """What a bound rests on, at a point where it was evaluated."""
+        of_bodies = multipliers[: self.worth.size]
+        most = less_than(value - math.fsum(of_bodies), of_bodies)
+        slot = self._stream.unit if math.isfinite(self._stream.unit) else USUAL_SLOT_M_S
+        walks = evidence_of(of_bodies, [(0,)], [most], None, slot)
+        (of_one,) = walks.walks
+        of_one = replace(of_one, per_m_s=self.per_m_s(multipliers))
+        return replace(walks, walks=(of_one,), time_step_s=self._stream.length)
 
     def close(self) -> None:
         """End the threads."""
