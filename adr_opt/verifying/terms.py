@@ -97,17 +97,9 @@ def terms_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Term
         if station.max_refuellings == 0:
             closes[body] = -math.inf
     cargo, home = cargo_of(instance, chaser, towed), names.index(chaser.start_name)
-    may_follow = np.array(
-        [
-            [
-                _may_follow(i, j, home, stations, first_target)
-                # Who is launched begins at its first target.
-                and not (chaser.is_launched and i == home)
-                for j in range(bodies)
-            ]
-            for i in range(bodies)
-        ]
-    )
+    may_follow = _may_follow(bodies, home, stations, first_target)
+    if chaser.is_launched:  # it begins at its first target
+        may_follow[home] = False
     may_end = np.ones(bodies, dtype=np.bool_)
     if isinstance(chaser.end, AtStation):
         may_end[:] = [name == chaser.end.station for name in names]
@@ -166,14 +158,17 @@ def services_s(instance: Instance) -> FloatArray:
     return service
 
 
-def _may_follow(i: int, j: int, home: int, stations: int, first_target: int) -> bool:
-    """Whether any chaser goes from one body to another: to a station only from a target.
+def _may_follow(bodies: int, home: int, stations: int, first_target: int) -> npt.NDArray[np.bool_]:
+    """Whether a chaser goes from one body (row) to another: to a station only from a target.
 
     Nobody goes to an orbit where chasers start, or leaves from that of another one.
     """
-    if i == j or (stations <= i < first_target and i != home):
-        return False
-    return i >= first_target if j < stations else j >= first_target
+    body = np.arange(bodies)
+    is_target, is_station = body >= first_target, body < stations
+    leaves = is_target | is_station | (body == home)
+    may: npt.NDArray[np.bool_] = np.outer(leaves, is_target) | np.outer(is_target, is_station)
+    may[body, body] = False
+    return may
 
 
 def _most_targets(instance: Instance, chaser: Chaser) -> int:
