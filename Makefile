@@ -29,7 +29,7 @@ solve: $(BASE) ## Install, plan the first nominal instance with OR-Tools and che
 	$(BIN)/python -m adr_opt check $(INSTANCE) $(PLAN)
 
 test: lint ## Install the test extras, then linters, types, import contracts and tests
-	$(BIN)/python -m pytest -q --numprocesses auto --dist loadfile
+	$(BIN)/python -m pytest -q --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 lint: $(DEVELOPMENT) ## Linters, types and import contracts only
 	$(BIN)/ruff check .

@@ -27,6 +27,17 @@ class Outcome:
 
 Cli = Callable[..., Outcome]
 
+LONG = {
+    "test_all_rules", "test_campaigns", "test_launched", "test_proofs_hold", "test_refining",
+    "test_registry", "test_run_all_whole", "test_verify",
+}  # fmt: skip
+"""Begun with: a file is for one process, and none should be left with one of these at the end."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put tests that take long before all others."""
+    items.sort(key=lambda item: item.path.stem not in LONG)
+
 
 def refused(outcome: Outcome, *named: str) -> None:
     """One line on standard error that names what it should, nothing on standard output, exit 2.

@@ -34,16 +34,19 @@ TOWING = 80
 
 PARTS, WITH_TOWS = (
     [
-        pytest.param(draw, range(part, most, parts), id=f"{name}-{part}")
-        for name, draw, most, parts in kinds
+        pytest.param(
+            draw, range(part, most, parts), id=f"{name}-{part}",
+            marks=[] if part < every_time else [pytest.mark.slow],
+        )
+        for name, draw, most, parts, every_time in kinds
         for part in range(parts)
     ]
     for kinds in (
         (
-            ("two-body", random_mission, MISSIONS, 5), ("j2", drifting_mission, DRIFTING, 3),
-            ("given", given_mission, GIVEN, 2),
+            ("two-body", random_mission, MISSIONS, 5, 3),
+            ("j2", drifting_mission, DRIFTING, 3, 2), ("given", given_mission, GIVEN, 2, 2),
         ),
-        (("tow", towing_mission, TOWING, 2),),
+        (("tow", towing_mission, TOWING, 2, 1),),
     )
 )  # fmt: skip
 every_part = pytest.mark.parametrize(("draw", "seeds"), PARTS)

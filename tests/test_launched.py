@@ -37,7 +37,7 @@ def legal(mission: Mission, seed: int, length: int) -> list[int]:
     return moves[: mission.time(moves).made]
 
 
-@pytest.fixture(params=["two-body", "j2"])
+@pytest.fixture(params=["two-body", pytest.param("j2", marks=pytest.mark.slow)])
 def files(request: pytest.FixtureRequest, cli: Cli) -> tuple[Instance, Plan]:
     """A campaign and a plan of it, in files a.json and p.json."""
     instance, plan = campaign(request.param), planned(request.param)

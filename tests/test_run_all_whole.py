@@ -93,6 +93,11 @@ def environment(tmp_path: Path) -> dict[str, str]:
 Start = Callable[..., subprocess.Popen]
 
 
+def heed_interrupts() -> None:
+    """What a script in the background starts inherits an ignored SIGINT, but not from a shell."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 @pytest.fixture
 def start(environment: dict[str, str]) -> Iterator[Start]:
     """Start the benchmark as a process; ended with the test."""
@@ -102,7 +107,7 @@ def start(environment: dict[str, str]) -> Iterator[Start]:
         command = [sys.executable, str(SCRIPT), "--out", str(folder), "--suite", "tiny"]
         process = subprocess.Popen(
             [*command, *map(str, arguments)], env=environment, text=True,
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=heed_interrupts,
         )  # fmt: skip
         started.append(process)
         return process

@@ -45,12 +45,12 @@ INSTANCES = Path(__file__).parents[1] / "instances"
 every_rule = pytest.mark.parametrize(
     ("draw", "seeds"),
     [
-        *(pytest.param(random_mission, range(at, 90, 3), id=f"two-body-{at}") for at in range(3)),
-        *(pytest.param(drifting_mission, range(at, 60, 3), id=f"j2-{at}") for at in range(3)),
-        pytest.param(given_mission, range(60), id="given"),
+        *(pytest.param(random_mission, range(at, 60, 2), id=f"two-body-{at}") for at in range(2)),
+        *(pytest.param(drifting_mission, range(at, 40, 2), id=f"j2-{at}") for at in range(2)),
+        pytest.param(given_mission, range(40), id="given"),
         pytest.param(variant, range(30), id="prizes"),
         *(
-            pytest.param(draw, range(24), id=draw.__name__)
+            pytest.param(draw, range(16), id=draw.__name__)
             for draw in (laden, towing_mission, towing_and_laden, refuelling)
         ),
     ],
@@ -102,7 +102,7 @@ def test_windows_of_launches_are_those_of_the_instance():
 def test_bounds_of_campaigns_are_verified(draw, least):
     """The bound before the last packing is verified and holds; where it is the last, all is."""
     asked = whole = 0
-    for seed in range(18):
+    for seed in range(12):
         instance = draw(seed)
         result, certificate = proven(instance)
         if certificate is None:
@@ -114,7 +114,7 @@ def test_bounds_of_campaigns_are_verified(draw, least):
         whole += verdict.verified
         if not verdict.verified:
             assert certificate.upper_bound > result.upper_bound, seed
-    assert asked > 3
+    assert asked > 2
     assert whole >= least * asked
 
 

@@ -101,7 +101,7 @@ def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_what_streams_of_legs_prove_is_verified(draw, iterations):
     """The bound without a network is verified as it is stated, and no plan is beyond it."""
     in_steps = by_price = 0
-    for seed in range(24):
+    for seed in range(16):
         instance = draw(seed)
         result = adr_opt.bound(instance, "lagrangian", time_limit=60.0, iterations=iterations)
         if result.upper_bound == math.inf:
@@ -115,8 +115,8 @@ def test_what_streams_of_legs_prove_is_verified(draw, iterations):
         assert verdict.upper_bound >= most_collected(instance) - 1e-9, seed
         in_steps += certificate.time_step_s is not None
         by_price += any(walks.worth_per_m_s is not None for walks in certificate.walks)
-    assert in_steps >= 3
-    assert by_price >= 3
+    assert in_steps >= 2
+    assert by_price >= 2
 
 
 @pytest.mark.usefixtures("no_network")
