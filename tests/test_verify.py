@@ -43,18 +43,22 @@ from adr_opt.verifying.rules import KNOWN, kept_apart, refuse_unknown
 INSTANCES = Path(__file__).parents[1] / "instances"
 
 every_rule = pytest.mark.parametrize(
-    ("draw", "seeds"),
+    ("draw", "seeds", "share"),
     [
-        *(pytest.param(random_mission, range(at, 60, 2), id=f"two-body-{at}") for at in range(2)),
-        *(pytest.param(drifting_mission, range(at, 40, 2), id=f"j2-{at}") for at in range(2)),
-        pytest.param(given_mission, range(40), id="given"),
-        pytest.param(variant, range(30), id="prizes"),
         *(
-            pytest.param(draw, range(16), id=draw.__name__)
+            pytest.param(random_mission, range(at, 60, 2), 0.5, id=f"two-body-{at}")
+            for at in range(2)
+        ),
+        pytest.param(drifting_mission, range(40), 0.4, id="j2"),
+        pytest.param(given_mission, range(40), 0.15, id="given"),
+        pytest.param(variant, range(30), 0.5, id="prizes"),
+        *(
+            pytest.param(draw, range(16), 0.3, id=draw.__name__)
             for draw in (laden, towing_mission, towing_and_laden, refuelling)
         ),
     ],
 )
+"""Fields with every rule on and off, and the share of proofs that rest on walks, at least."""
 
 
 def verdict_of(instance: Instance, result: Result, certificate: Certificate) -> Verdict:
@@ -62,7 +66,7 @@ def verdict_of(instance: Instance, result: Result, certificate: Certificate) -> 
 
 
 @every_rule
-def test_every_proof_is_verified(draw, seeds):
+def test_every_proof_is_verified(draw, seeds, share):
     """Of missions with every rule on and off, each proof is verified, with the same bound."""
     by_walks = 0
     for seed in seeds:
@@ -76,7 +80,7 @@ def test_every_proof_is_verified(draw, seeds):
         stated = min(result.upper_bound, math.fsum(each.prize for each in instance.targets))
         assert verdict.upper_bound == pytest.approx(stated, abs=1e-5), seed
         by_walks += bool(certificate.walks)
-    assert by_walks >= len(seeds) // 6
+    assert by_walks >= share * len(seeds)
 
 
 def test_windows_of_launches_are_those_of_the_instance():

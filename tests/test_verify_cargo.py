@@ -157,7 +157,7 @@ def test_services_leave_what_masses_say():
         if not isinstance(chaser.tank, TankByMass) or chaser.kit_mass_kg == 0.0:
             continue
         legs = legs_for(instance)
-        cargo, removals = legs.cargo, [target.removal for target in instance.targets]
+        cargo, removals = legs.terms.cargo, [target.removal for target in instance.targets]
         kits = cargo.full.size - 1
         tank = Tank(chaser, kits)
         left = float(cargo.begun[kits])

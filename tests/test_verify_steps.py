@@ -43,7 +43,7 @@ def most_of(instance: Instance, *asked: Any) -> Fraction | None:
 
 def changes_tanks(instance: Instance) -> bool:
     """Whether services change what is left of a tank."""
-    cargo = legs_for(instance).cargo
+    cargo = legs_for(instance).terms.cargo
     return bool(np.any(cargo.share != 1.0) or np.any(cargo.lost))
 
 
@@ -73,7 +73,7 @@ def test_at_any_multipliers_and_prices_the_best_plan_is_worth_no_more(draw):
             continue
         # A little less: who is ready within a slack of a step's end is ready at its beginning.
         length_s = max(least_s, shortest * float(rng.choice([0.02, 0.3, 0.99])))
-        tank_m_s = float(legs.cargo.full[0])
+        tank_m_s = float(legs.terms.cargo.full[0])
         slot_m_s = max(tank_m_s / 20_000.0, float(rng.choice([0.5, 20.0, 300.0])))
         least = best - sum(multipliers) - Fraction(1, 10**9)
         prices: list[Fraction | None] = [Fraction(0)]

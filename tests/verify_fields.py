@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 from brute_force import brute_force, brute_force_campaign
 from random_rules import (
+    DAY_S,
     carrying,
     drifting_mission,
     filled,
@@ -28,7 +29,6 @@ from adr_opt.instance import Instance
 from adr_opt.verifying.legs import Legs, legs_of
 from adr_opt.verifying.rules import kept_apart
 
-DAY_S = 86400.0
 FEW = 10
 """Connections that are flown again where that is not what is tested."""
 

@@ -227,7 +227,7 @@ def look_ahead(
     slot_m_s : float
         [m/s].
     """
-    bodies, cargo = len(gain), legs.cargo
+    bodies, cargo = len(gain), legs.terms.cargo
     layers, tank = cargo.full.size, float(cargo.full[0])
     departures = np.unique(legs.departure)
     last = np.empty(departures.size)
@@ -264,7 +264,7 @@ def look_ahead(
     best, second = np.empty(shape, dtype=np.int32), np.empty(shape, dtype=np.int32)
     pair = legs.pair[order]
     _sweep(
-        pair // bodies, pair % bodies, cost[order], lands_in[order], first, code, legs.is_station,
-        legs.may_end, cargo, tops, image, bits, best, second,
+        pair // bodies, pair % bodies, cost[order], lands_in[order], first, code,
+        legs.terms.is_station, legs.terms.may_end, cargo, tops, image, bits, best, second,
     )  # fmt: skip
     return Ahead(last, best, second, bits, slot_m_s, unit)

@@ -228,17 +228,17 @@ def _extend(legs, ahead, question, labels, kept, head, count, label, memory):
     """
     bodies, words = question.gain.size, memory.size
     i, time, left = labels.body[label], labels.time[label], labels.left[label]
-    kits, cargo = labels.kits[label], legs.cargo
-    came_from = np.int32(-1) if legs.is_station[i] else i
+    kits, cargo = labels.kits[label], legs.terms.cargo
+    came_from = np.int32(-1) if legs.terms.is_station[i] else i
     for j in range(bodies):
         pair = i * bodies + j
         low, high = legs.first[pair], legs.first[pair + 1]
-        to_station = legs.is_station[j]
+        to_station = legs.terms.is_station[j]
         if low == high:
             continue
         if not to_station and (
             labels.memory[label, j // WORD] >> (j % WORD) & 1
-            or labels.visits[label] == legs.most_targets
+            or labels.visits[label] == legs.terms.most_targets
             or kits < cargo.takes[j]
         ):
             continue
@@ -303,7 +303,7 @@ def search(legs, ahead, question, labels, kept, head, cursor, ready):
         NONE if labels have run out, FOUND if one of them collects as much as is asked for, FULL if
         there is no room.
     """
-    cargo, memory = legs.cargo, np.empty(labels.memory.shape[1], np.int64)
+    cargo, memory = legs.terms.cargo, np.empty(labels.memory.shape[1], np.int64)
     while cursor[0] < head.size:
         step = cursor[0]
         if cursor[3] < 0:
@@ -331,7 +331,7 @@ def search(legs, ahead, question, labels, kept, head, cursor, ready):
                 cargo, kept, body, kits, labels.left[label], labels.value[label],
                 labels.visits[label], labels.memory[label],
             ):  # fmt: skip
-                ends = legs.may_end[body] and not is_unused(cargo, kits)
+                ends = legs.terms.may_end[body] and not is_unused(cargo, kits)
                 if ends and labels.value[label] >= question.need:
                     return FOUND
                 place = body * cargo.full.size + kits

@@ -13,8 +13,7 @@ from ..chasers import Chaser
 from ..connections import Connecting
 from ..errors import InputError
 from ..instance import Instance
-from .cargo import Cargo
-from .terms import flown_from, terms_of
+from .terms import Terms, flown_from, terms_of
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -27,6 +26,8 @@ class Legs(NamedTuple):
 
     Attributes
     ----------
+    terms : Terms
+        What they keep to.
     first : (bodies² + 1,) int64
         First leg of each pair, number origin · bodies + destination.
     pair : (legs,) int64
@@ -34,38 +35,17 @@ class Legs(NamedTuple):
         [s], end of service, or of the tow that follows it [s], [m/s].
     cheapest : (legs,) float64
         Least ΔV of the leg and those of its pair that end later [m/s].
-    is_station, may_end : (bodies,) bool
-        Where tanks are filled, and where the chaser may end.
-    home : int
-        Where it begins.
-    starts : (starts,) int64
-        That, and the targets that it may be launched onto.
-    ready : (bodies,) float64
-        Since when, at each of these [s].
-    cargo : Cargo
-    begun : (most kits + 1,) float64
-        What there is in the tank at the start, with so many kits: a full one where the first leg
-        pays for what it lacks [m/s].
-    most_targets : int
-        So many services are to be counted.
     shortest : float
         Least time from departure to the end of the stay [s].
     """
 
+    terms: Terms
     first: npt.NDArray[np.int64]
     pair: npt.NDArray[np.int64]
     departure: FloatArray
     end: FloatArray
     delta_v: FloatArray
     cheapest: FloatArray
-    is_station: npt.NDArray[np.bool_]
-    may_end: npt.NDArray[np.bool_]
-    home: int
-    starts: npt.NDArray[np.int64]
-    ready: FloatArray
-    cargo: Cargo
-    begun: FloatArray
-    most_targets: int
     shortest: float
 
 
@@ -91,8 +71,4 @@ def legs_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Legs:
     shortest = float(np.min(end - departure, initial=math.inf))
     if shortest < LEAST_S:
         raise InputError(f"not yet verifiable: there are legs that take {shortest:g} s")
-    return Legs(
-        first, pair, departure, end, delta_v, cheapest, terms.is_station, terms.may_end,
-        terms.home, terms.starts, terms.ready, terms.cargo, terms.begun, terms.most_targets,
-        shortest,
-    )  # fmt: skip
+    return Legs(terms, first, pair, departure, end, delta_v, cheapest, shortest)

@@ -29,7 +29,7 @@ from ..errors import InputError
 from ..kernels.compile import kernel
 from ..kernels.constants import SLACK_S
 from .ahead import SLOT_SLACK, put, slots_in
-from .terms import FloatArray, Terms, flown_from
+from .terms import Terms, flown_from
 
 DEPARTURE, DESTINATION, AHEAD, FIELD = 48, 32, 16, 0xFFFF
 """A leg: step of departure, destination, steps to landing, slots; 16 bits each."""
@@ -269,8 +269,8 @@ def _legs(
     earliest, legs, shortest = np.empty(slots, dtype=np.int64), [], steps + 1
     for i in range(terms.bodies):
         parts = [np.empty(0, dtype=np.int64)]
-        for j, *columns in flown_from(i, terms, connecting):
-            departure, end, delta_v = _in_order(*columns)
+        for j, departure, end, delta_v in flown_from(i, terms, connecting):
+            assert np.all(departure[1:] >= departure[:-1])  # what is superfluous depends on it
             part = np.empty(departure.size, dtype=np.int64)
             count, least = _packed(
                 departure, end, delta_v, j, length_s, slot_m_s, slots, steps, earliest, part
@@ -285,16 +285,6 @@ def _legs(
             f"field time_step_s = {length_s!r}: there are legs that do not take as long"
         )
     return legs, shortest
-
-
-def _in_order(
-    departure: FloatArray, end: FloatArray, delta_v: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Legs in order of departure."""
-    if departure.size and np.any(departure[1:] < departure[:-1]):
-        order = np.argsort(departure, kind="stable")
-        return departure[order], end[order], delta_v[order]
-    return departure, end, delta_v
 
 
 def _in_units(

@@ -27,7 +27,6 @@ class Terms(NamedTuple):
     ----------
     home : int
         Where it begins.
-    stations, first_target : int
     may_follow : (bodies, bodies) bool
         Whether legs lead from one body (row) to another one.
     begin, last : float
@@ -36,7 +35,8 @@ class Terms(NamedTuple):
         Windows of services [s].
     service, tows : (bodies,) float64
         How long they are, and the tows that follow them [s].
-    may_end : (bodies,) bool
+    is_station, may_end : (bodies,) bool
+        Where tanks are filled, and where the chaser may end.
     starts : (starts,) int64
         Its home, and the targets that it may be launched onto.
     ready : (bodies,) float64
@@ -50,8 +50,6 @@ class Terms(NamedTuple):
     """
 
     home: int
-    stations: int
-    first_target: int
     may_follow: npt.NDArray[np.bool_]
     begin: float
     last: float
@@ -59,6 +57,7 @@ class Terms(NamedTuple):
     closes: FloatArray
     service: FloatArray
     tows: FloatArray
+    is_station: npt.NDArray[np.bool_]
     may_end: npt.NDArray[np.bool_]
     starts: npt.NDArray[np.int64]
     ready: FloatArray
@@ -70,12 +69,6 @@ class Terms(NamedTuple):
     def bodies(self) -> int:
         """How many there are."""
         return int(self.service.size)
-
-    @property
-    def is_station(self) -> npt.NDArray[np.bool_]:
-        """Where tanks are filled."""
-        is_station: npt.NDArray[np.bool_] = np.arange(self.bodies) < self.stations
-        return is_station
 
 
 def terms_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Terms:
@@ -114,8 +107,8 @@ def terms_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Term
         in_time &= np.arange(bodies) >= first_target
         starts = np.append(starts, np.flatnonzero(in_time)[: bodies if most else 0])
     return Terms(
-        home, stations, first_target, may_follow, begin, last, opens, closes, service, tows,
-        may_end, starts, ready, cargo, begun, most,
+        home, may_follow, begin, last, opens, closes, service, tows,
+        np.arange(bodies) < stations, may_end, starts, ready, cargo, begun, most,
     )  # fmt: skip
 
 

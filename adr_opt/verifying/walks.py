@@ -73,10 +73,10 @@ def walks_reach(
     remembered = np.zeros((len(gains), words), dtype=np.int64)
     for i, j in np.argwhere(neighbourhoods):
         remembered[i, j // WORD] |= 1 << (j % WORD)
-    counts = legs.most_targets < int(np.count_nonzero(~legs.is_station))
+    counts = legs.terms.most_targets < int(np.count_nonzero(~legs.terms.is_station))
     question = Question(np.array(worth), need, remembered, counts)
     labels = _labels_room(FIRST_LABELS, words)
-    kept = _kept_room(len(gains) * legs.cargo.full.size, words, FIRST_KEPT)
+    kept = _kept_room(len(gains) * legs.terms.cargo.full.size, words, FIRST_KEPT)
     head = np.full(ahead.last.size + 1, -1)
     cursor = _begin(legs, ahead.last, question, labels, head)
     ready = np.empty(FIRST_LABELS, dtype=np.int64)
@@ -110,23 +110,23 @@ def _begin(
 
     Of kits that weigh something there are as many aboard as will be left behind, be it any number.
     """
-    cargo, at = legs.cargo, 0
+    cargo, at = legs.terms.cargo, 0
     most_kits = cargo.full.size - 1
-    for body in legs.starts.tolist():
-        is_launch = body != legs.home
+    for body in legs.terms.starts.tolist():
+        is_launch = body != legs.terms.home
         takes = int(cargo.takes[body]) if is_launch else 0
         for kits in range(takes if cargo.heavy else most_kits, most_kits + 1):
-            left = float(legs.begun[kits])
+            left = float(legs.terms.begun[kits])
             if is_launch:  # who is launched onto a target has serviced it by then
                 left = float(after_service(cargo, body, kits, left)) if kits >= takes else -1.0
             if left < 0.0:
                 continue
             labels.body[at], labels.came_from[at] = body, -1
-            labels.time[at], labels.left[at] = legs.ready[body], left
+            labels.time[at], labels.left[at] = legs.terms.ready[body], left
             labels.kits[at], labels.visits[at] = kits - takes, int(question.counts and is_launch)
             labels.value[at] = question.gain[body] if is_launch else 0
             labels.memory[at] = 0
-            step = int(np.searchsorted(last, legs.ready[body] - SLACK_S))
+            step = int(np.searchsorted(last, legs.terms.ready[body] - SLACK_S))
             labels.following[at], head[step] = head[step], at
             at += 1
     return np.array([0, at, 0, -1])
