@@ -103,11 +103,27 @@ def shape_m_s(
     orbit_i: FloatArray, orbit_j: FloatArray, rule: TransferRule, departure: float, arrival: float
 ) -> float:
     """What the eccentricity vectors add to the ΔV of a transfer that drifts [m/s]."""
-    pair = drift.prepare(orbit_i, orbit_j, rule.min_radius, rule.max_radius, rule.oblateness)
-    node, span = drift.node_left_from(pair, departure, arrival), arrival - departure
-    climb = drift.climb_of(pair, span, node)
-    circles = drift.cost_of(pair, span, node, 0.0, climb)
-    return float(drift.delta_v(pair, departure, arrival) - circles)
+    pair = drift.prepare(orbit_i, orbit_j, rule)
+    return float(drift.shape_share(pair, departure, arrival))
+
+
+class Way(NamedTuple):
+    """A pair of crossings to leave at and to arrive at, as the closed form splits the leg.
+
+    Attributes
+    ----------
+    start, met : float
+        First burn, and arrival at the stand-off [s].
+    parity, other : int
+        Whether the chaser, and the target, cross the line of nodes upwards (0) or downwards (1).
+    split : drift.Split
+    """
+
+    start: float
+    met: float
+    parity: int
+    other: int
+    split: drift.Split
 
 
 class Drifting:
@@ -141,121 +157,65 @@ class Drifting:
         self._departure, self._arrival, self._freedom = departure, arrival, freedom
         self._held = held
         self._arcs = Arcs(rule.oblateness)
-        self._pair = drift.prepare(
-            orbit_i, orbit_j, rule.min_radius, rule.max_radius, rule.oblateness
-        )
+        self._pair = drift.prepare(orbit_i, orbit_j, rule)
         self._rj = float(orbit_j[orbits.RADIUS])
         self._rate_j = float(orbit_j[orbits.LATITUDE_RATE])
         self._approach = rule.approach_revolutions * TURN / self._rate_j
-        self._correction = self._true_drift()
+        self._planned = self._radius(drift.best_split(self._pair, departure, arrival).climb)
 
     def flight(self) -> Flight | None:
         """The cheapest burns found; None if the phase is not met in any way that was tried."""
         best: Flight | None = None
-        for number, way in enumerate(self._candidates()):
+        for number, way in enumerate(self._ways()):
             if best is not None and number % TRIED == 0:
                 break
-            found = self._flown(*way)
+            found = self._flown(way)
             if found is not None and (best is None or found.delta_v < best.delta_v):
                 best = found
         return best
 
-    def _candidates(self) -> list[tuple[float, int, int, float, float]]:
-        """Crossings to leave at and to arrive at, with revolutions between, the cheapest first.
-
-        Returns
-        -------
-        list of (float, int, int, float, float)
-            Departure [s], parity of its half turn, half turns on the drift orbit, arrival at the
-            stand-off [s], b_y [m/s].
-        """
-        pair = self._pair
-        span = self._arrival - self._departure
-        node = drift.node_left_from(pair, self._departure, self._arrival)
-        climb = drift.climb_of(pair, span, node)
-        drifting, first = self._leaving(span, node, climb)
-        radius = self._radius(climb) + self._correction
+    def _ways(self) -> list[Way]:
+        """Crossings to leave at and to arrive at, the cheapest by the closed form first."""
+        planned = drift.best_split(self._pair, self._departure, self._arrival)
+        if not math.isfinite(planned.delta_v):
+            return []
+        drifting, first = self._leaving(planned)
         stand_off = self._arrival - self._approach
-        last = self._closing(drifting, radius, self._departure, stand_off)
-        ways = []
-        for start, parity in self._departures(first, self._departure, self._freedom):
-            for met, other in self._arrivals(last):
-                span = met + self._approach - start
-                node = drift.node_left_from(pair, start, met + self._approach)
-                wanted = self._radius(drift.climb_of(pair, span, node)) + self._correction
-                half = math.pi / self._arcs.latitude_rate(wanted, drifting.inclination)
-                coast = met - start - 3.0 * half
-                offset = last.before - first.after - math.pi * (1 + parity)
-                # Half turns of the parity of the target's crossing, next to those of the best.
-                best = (math.pi * coast / half - offset) / math.pi
-                low = 2 * math.floor(0.5 * (best - other)) + other
-                for half_turns in (low, low + 2):
-                    if coast <= 0.0 or offset + math.pi * half_turns <= 0.0:
-                        continue
-                    rate = (offset + math.pi * half_turns) / coast
-                    radius = self._arcs.radius_of(rate, drifting.inclination)
-                    if not self._allowed(radius):
-                        continue
-                    climb = self._climb(radius)
-                    cost = drift.cost_of(pair, span, node, 0.0, climb)
-                    ways.append((cost, start, parity, half_turns, met, climb))
-        ways.sort()
-        return [way[1:] for way in ways]
+        last = self._closing(drifting, self._radius(planned.climb), self._departure, stand_off)
+        starts = self._departures(first, self._departure, self._freedom)
+        mets = self._arrivals(last)
+        found = drift.splits(
+            self._pair,
+            np.array([start for start, _ in starts]),
+            np.array([met + self._approach for met, _ in mets]),
+        )
+        ways = [
+            Way(start, met, parity, other, drift.Split(*(float(value) for value in found[s, m])))
+            for s, (start, parity) in enumerate(starts)
+            for m, (met, other) in enumerate(mets)
+            if math.isfinite(found[s, m, 0]) and self._allowed(self._radius(found[s, m, 1]))
+        ]
+        ways.sort(key=lambda way: way.split.delta_v)
+        return ways
 
     def _allowed(self, radius: float) -> bool:
         """Whether the drift orbit may have a radius: where there are zones, one that was judged."""
         if self._held:
-            planned = self._planned_radius
-            margin = drift.margin(planned - float(self._i[orbits.RADIUS]))
-            if abs(radius - planned) > margin:
+            margin = drift.margin(self._planned - float(self._i[orbits.RADIUS]))
+            if abs(radius - self._planned) > margin:
                 return False
         return bool(self._rule.min_radius <= radius <= self._rule.max_radius)
 
-    def _true_drift(self) -> float:
-        """How far the radius at which a node drifts as planned is from that of the closed form [m].
-
-        The closed form takes rates to change in proportion to the radius and the inclination; over
-        months what it leaves out is worth more than all burns.
-        """
-        pair, span = self._pair, self._arrival - self._departure
-        node = drift.node_left_from(pair, self._departure, self._arrival)
-        climb = drift.climb_of(pair, span, node)
-        _, tilt = drift.split_at(pair, span, node, climb)
-        inclination = float(self._i[orbits.INCLINATION]) + tilt / pair.speed
-        planned = float(orbits.coasting_node_rate(self._i)) * span
-        planned -= (
-            (pair.by_radius * climb + pair.by_inclination * tilt)
-            * span
-            / (pair.speed * pair.sine or 1.0)
-        )
-        self._planned_radius = linear = radius = self._radius(climb)
-        for _ in range(20):
-            rate = self._arcs.node_rate(radius, inclination)
-            if rate == 0.0:
-                return 0.0
-            step = (rate * span - planned) * radius / (3.5 * rate * span)
-            radius = min(max(radius + step, self._rule.min_radius), self._rule.max_radius)
-            if abs(step) < 1.0:
-                break
-        return radius - linear
-
     def _radius(self, climb: float) -> float:
         """Radius of the drift orbit that a change b_y leads to [m]."""
-        ri = float(self._i[orbits.RADIUS])
-        return float(ri + climb * (ri + self._rj) / self._pair.speed)
+        return float(drift.radius_of(self._pair.linear, climb))
 
-    def _climb(self, radius: float) -> float:
-        """The change b_y of the closed form that drifts as a radius does [m/s]."""
-        ri = float(self._i[orbits.RADIUS])
-        return float((radius - self._correction - ri) * self._pair.speed / (ri + self._rj))
-
-    def _leaving(self, span: float, node: float, climb: float) -> tuple[Plane, Turn]:
+    def _leaving(self, split: drift.Split) -> tuple[Plane, Turn]:
         """Plane of the drift orbit, its node counted from that of the origin, and the way there."""
-        pair = self._pair
-        along, tilt = drift.split_at(pair, span, node, climb)
+        linear = self._pair.linear
         inclination = float(self._i[orbits.INCLINATION])
-        shift = along / (pair.speed * pair.sine) if pair.sine > 0.0 else 0.0
-        plane = Plane(inclination + tilt / pair.speed, shift)
+        shift = split.along / (linear.speed * linear.sine) if linear.sine > 0.0 else 0.0
+        plane = Plane(inclination + split.tilt / linear.speed, shift)
         return plane, turn_between(Plane(inclination, 0.0), plane)
 
     def _closing(self, drifting: Plane, radius: float, start: float, stand_off: float) -> Turn:
@@ -265,6 +225,14 @@ class Drifting:
             Plane(drifting.inclination, self._node(self._i, start) + drifting.raan + gone),
             Plane(float(self._j[orbits.INCLINATION]), self._node(self._j, stand_off)),
         )
+
+    def _half_turns(self, way: Way, drifting: Plane, begun: float, last: Turn) -> int:
+        """Half turns from the line of nodes where the drift begins to that where it ends."""
+        radius, span = self._radius(way.split.climb), way.met + self._approach - way.start
+        coasting = float(drift.coast(self._pair, span, radius).drift)
+        gained = self._arcs.latitude_rate(radius, drifting.inclination) * coasting
+        pairs = 0.5 * ((begun + gained - last.before) / math.pi - way.other)
+        return 2 * round(pairs) + way.other
 
     @staticmethod
     def _node(orbit: FloatArray, time: float) -> float:
@@ -302,20 +270,17 @@ class Drifting:
                 time -= TURN / self._rate_j
         return found
 
-    def _flown(
-        self, start: float, parity: int, half_turns: int, met: float, climb: float
-    ) -> Flight | None:
-        """The burns that leave about a time, wait so many half turns and meet the target."""
+    def _flown(self, way: Way) -> Flight | None:
+        """The burns that leave about a time, drift for whole half turns and meet the target."""
         arcs, rule, rj = self._arcs, self._rule, self._rj
         ri, inclination_j = float(self._i[orbits.RADIUS]), float(self._j[orbits.INCLINATION])
         lead = rule.standoff / rj
-        span = met + self._approach - start
-        node = drift.node_left_from(self._pair, start, met + self._approach)
-        radius = self._radius(climb) + self._correction
-        drifting, first = self._leaving(span, node, climb)
-        start = self._crossing(self._i, first.before + math.pi * parity, start)
+        radius, met, parity = self._radius(way.split.climb), way.met, way.parity
+        drifting, first = self._leaving(way.split)
+        start = self._crossing(self._i, first.before + math.pi * parity, way.start)
         begun = first.after + math.pi * (1 + parity)
         last = self._closing(drifting, radius, start, met)
+        half_turns = self._half_turns(way, drifting, begun, last)
         where, missed, slope = radius, 0.0, 1.0
         for step in range(MOST_STEPS):
             rc = radius + rule.first_leg_fraction * (rj - radius)
@@ -335,7 +300,7 @@ class Drifting:
                 last = last._replace(before=before + math.remainder(last.before - before, TURN))
                 new = self._crossing(self._j, last.after + math.pi * half_turns + lead, met)
                 moved, met = abs(new - met), new
-                if moved < CLOSE_M / self._pair.speed:
+                if moved < CLOSE_M / self._pair.linear.speed:
                     break
             rate = (last.before + math.pi * half_turns - begun) / (left - start - out)
             if rate <= 0.0:

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from rows import row
 
-from adr_opt.kernels import drift, orbits
+from adr_opt.kernels import drift_linear as drift
+from adr_opt.kernels import orbits
 from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, J2, MU_M3_S2, OBLATENESS_M2
 
 CASES = 3000

@@ -28,7 +28,7 @@ from adr_opt.errors import InputError
 from adr_opt.export import write_matrix
 from adr_opt.flight import fly
 from adr_opt.instance import Instance
-from adr_opt.kernels import drift, orbits
+from adr_opt.kernels import drift_linear, orbits
 from adr_opt.kernels.constants import SLACK_M_S
 from adr_opt.kernels.loads import after_service
 from adr_opt.mission import Mission
@@ -204,7 +204,8 @@ def test_nodes_drift_as_the_disposal_orbit_does_after_the_departure():
     """What is left of a node counts the object's rate before, and the lower orbit's after it."""
     instance = field("j2", every=1)
     leaving, rows, first = leaving_orbits(instance), instance.orbits(), instance.first_target
-    pair = drift.prepare(leaving[first], rows[first + 1], 6.7e6, 8.3e6, instance.oblateness_m2)
+    ends = leaving[first], rows[first + 1]
+    pair = drift_linear.prepare(*ends, 6.7e6, 8.3e6, instance.oblateness_m2)
     tow, i = tows_of(instance)[first], rows[first]
     lower = orbits.node_rate(tow.radius_m, i[orbits.INCLINATION], instance.oblateness_m2)
     assert abs(lower) > 1.05 * abs(i[orbits.RAAN_RATE])
@@ -212,7 +213,7 @@ def test_nodes_drift_as_the_disposal_orbit_does_after_the_departure():
         node = orbits.node_at(i, departure - tow.time_s) + tow.shift_rad
         node += lower * (arrival - departure)
         lag = math.remainder(orbits.node_at(rows[first + 1], arrival) - node, 2.0 * math.pi)
-        left = drift.node_left_from(pair, departure, arrival)
+        left = drift_linear.node_left_from(pair, departure, arrival)
         assert left == pytest.approx(pair.speed * pair.sine * lag, rel=1e-9)
 
 

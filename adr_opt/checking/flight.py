@@ -9,17 +9,16 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .. import drift_burns
-from ..errors import InputError
 from ..given import Given
 from ..instance import Instance
 from ..keep_out import crossed
 from ..kernels import burns as burn_kernels
 from ..kernels import keep_out, orbits, precession, transfer
-from ..kernels.constants import MU_M3_S2, SLACK_S
-from ..kernels.drift import POLAR
+from ..kernels.constants import SLACK_S
 from ..plan import Leg
-from .eccentric import Sequence, matching_cost, mean_perigee
+from .drift import check_drift
+from .eccentric import Sequence, matching_cost
+from .figures import check_burns, check_costs
 from .given import check_given
 from .tow import Towed, towed_bodies
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
@@ -74,7 +73,8 @@ def check_transfer(
         yield Violation(number, "given", "is given, but the instance has connections of the model")
         return leg.arrival_s, leg.delta_v_m_s
     if leg.kind == "drift":
-        return (yield from check_drift(instance, physics, number, leg, i, j, free))
+        ends = physics.left[i], physics.elements[j]
+        return (yield from check_drift(instance, ends, physics.rule, number, leg, free))
     origin, destination, rule = physics.left[i], physics.elements[j], physics.rule
     pair = transfer.prepare(origin, destination, 0.0, rule)
     if instance.dynamics == "j2":
@@ -130,88 +130,6 @@ def _check_launch(
         if stated != true:
             yield Violation(number, "launch", f"{name}: {stated!r}, but a launch has {true!r}")
     return leg.departure_s, 0.0
-
-
-def check_drift(
-    instance: Instance, physics: Physics, number: int, leg: Leg, i: int, j: int, free: float
-) -> Generator[Violation, None, tuple[float, float]]:
-    """A leg that drifts costs what MODEL section 3 says, and its burns meet the target."""
-    as_stated = leg.arrival_s, leg.delta_v_m_s
-    origin, destination = physics.left[i], physics.elements[j]
-    span, longest = leg.arrival_s - leg.departure_s, instance.transfer.max_drift_s
-    if not 0.0 < span <= longest + TIME_TOLERANCE_S:
-        yield Violation(
-            number, "drift", f"drifts for {span!r} s, and may for no more than {longest!r} s"
-        )
-        return as_stated
-    if leg.departure_s < free - SLACK_S:
-        yield Violation(number, "departure", "leaves before the chaser is ready")
-        return as_stated
-    delta_v, shape = drift_cost(origin, destination, physics.rule, leg)
-    yield from _check_costs(delta_v, shape, number, leg)
-    try:
-        flight = drift_burns.flown(
-            origin, destination, physics.rule, leg.departure_s, leg.arrival_s
-        )
-    except InputError as error:
-        yield Violation(number, "burns", str(error))
-        return as_stated
-    yield from check_burns(number, leg, flight.times, flight.vectors, np.array(drift_burns.PHASES))
-    costs_as_stated = abs(leg.delta_v_m_s - delta_v) <= DELTA_V_TOLERANCE_M_S
-    return leg.arrival_s, delta_v if costs_as_stated else leg.delta_v_m_s
-
-
-def drift_cost(
-    origin: npt.NDArray[np.float64],
-    destination: npt.NDArray[np.float64],
-    rule: transfer.TransferRule,
-    leg: Leg,
-) -> tuple[float, float]:
-    """ΔV of a drift, and the part of it that eccentricity asks for, by the matrices of MODEL [m/s].
-
-    Written out once more, with the matrices that :mod:`adr_opt.kernels.drift` has solved by hand.
-    The origin is as it is left, with the rate of its node after that in a last column.
-    """
-    span = leg.arrival_s - leg.departure_s
-    origin, rate_i = origin[:-1], origin[-1]
-    mean = 0.5 * (origin + destination)
-    radius, inclination = mean[orbits.RADIUS], mean[orbits.INCLINATION]
-    speed = math.sqrt(MU_M3_S2 / radius)
-    later = destination - origin
-    node = orbits.node_at(destination, leg.arrival_s) - orbits.node_at(origin, leg.departure_s)
-    node = math.remainder(node - rate_i * span, 2.0 * math.pi)
-    todo = speed * np.array([
-        node * math.sin(inclination), 0.5 * later[orbits.RADIUS] / radius,
-        later[orbits.INCLINATION],
-    ])  # fmt: skip
-    rate = 0.5 * (rate_i + destination[orbits.RAAN_RATE])
-    if abs(math.cos(inclination)) > POLAR:
-        slope = rate * math.tan(inclination)
-    else:
-        slope = -1.5 * rule.oblateness * speed / radius**3 * math.sin(inclination)
-    m, q = 7.0 * rate * math.sin(inclination) * span, slope * math.sin(inclination) * span
-    grown = np.array([[1.0, -m, -q], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-    first = np.linalg.solve(np.eye(3) + grown.T @ grown, grown.T @ todo)
-    reach = 0.5 * speed / radius
-    held = np.clip(
-        first[1],
-        reach * (rule.min_radius - origin[orbits.RADIUS]),
-        reach * (rule.max_radius - origin[orbits.RADIUS]),
-    )
-    if held != first[1]:
-        free, rest = grown[:, [0, 2]], todo - held * grown[:, 1]
-        along, tilt = np.linalg.solve(np.eye(2) + free.T @ free, free.T @ rest)
-        first = np.array([along, held, tilt])
-    second = todo - grown @ first
-    perigees = mean_perigee(origin, leg.arrival_s), mean_perigee(destination, leg.arrival_s)
-    vectors = [
-        orbit[orbits.ECCENTRICITY] * np.array([math.cos(perigee), math.sin(perigee)])
-        for orbit, perigee in zip((origin, destination), perigees, strict=True)
-    ]
-    shape = 0.25 * speed * float(np.linalg.norm(vectors[1] - vectors[0]))
-    lengths = [float(np.linalg.norm(change)) for change in (first, second)]
-    whole = sum(math.hypot(length, shape) for length in lengths)
-    return whole, whole - sum(lengths)
 
 
 def _check_sequence(
@@ -317,44 +235,4 @@ def _check_figures(
             "arrival",
             f"arrival_s = {leg.arrival_s!r}, but it arrives at {sequence.arrival!r}",
         )
-    yield from _check_costs(delta_v, extra, number, leg)
-
-
-def _check_costs(delta_v: float, shape: float, number: int, leg: Leg) -> Iterator[Violation]:
-    """The ΔV, and what of it matches eccentricity vectors, are as recomputed [m/s]."""
-    if abs(leg.delta_v_m_s - delta_v) > DELTA_V_TOLERANCE_M_S:
-        yield Violation(
-            number, "cost", f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {delta_v!r}"
-        )
-    if abs(leg.eccentricity_delta_v_m_s - shape) > DELTA_V_TOLERANCE_M_S:
-        yield Violation(
-            number,
-            "eccentricity",
-            f"eccentricity_delta_v_m_s = {leg.eccentricity_delta_v_m_s!r}, but it is {shape!r}",
-        )
-
-
-def check_burns(
-    number: int,
-    leg: Leg,
-    times: npt.NDArray[np.float64],
-    vectors: npt.NDArray[np.float64],
-    phases: npt.NDArray[np.int64],
-) -> Iterator[Violation]:
-    """The burns are those of the sequence: their phases, times [s] and vectors [m/s]."""
-    stated_phases = [burn.phase for burn in leg.burns]
-    expected_phases = [burn_kernels.PHASES[phase] for phase in phases]
-    if stated_phases != expected_phases:
-        yield Violation(
-            number, "burns", f"phases are {stated_phases}, but should be {expected_phases}"
-        )
-        return
-    for which, burn in enumerate(leg.burns):
-        late = abs(burn.time_s - times[which])
-        off = float(np.linalg.norm(np.array(burn.delta_v_m_s) - vectors[which]))
-        if late > TIME_TOLERANCE_S or off > DELTA_V_TOLERANCE_M_S:
-            yield Violation(
-                number,
-                "burns",
-                f"burn {which + 1} ({burn.phase}) is off by {late:.3g} s and {off:.3g} m/s",
-            )
+    yield from check_costs(delta_v, extra, number, leg)

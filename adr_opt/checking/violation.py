@@ -9,6 +9,9 @@ TIME_TOLERANCE_S = 1e-3
 DELTA_V_TOLERANCE_M_S = 1e-4
 """What figures of a plan may differ by from what they state."""
 
+DRIFT_TOLERANCE_M_S = 1e-3
+"""The same for ΔV of drift legs, whose optimum is found by iteration."""
+
 OBJECTIVE_TOLERANCE = 1e-6
 """The same for objective and bound, relative; for the gap, which is a share, as it is."""
 

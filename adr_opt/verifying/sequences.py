@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..checking.drift import drift_cost
 from ..checking.eccentric import Sequence, matching_cost
-from ..checking.flight import Physics, drift_cost
+from ..checking.flight import Physics
 from ..instance import Instance
 from ..kernels import keep_out, orbits, precession, transfer
-from ..plan import Leg
 
 MOST_STEPS, CLOSE_S = 60, 1e-6
 """Steps of a fixed point where planes drift, and when it is found [s]."""
@@ -84,19 +84,8 @@ def ways_after(instance: Instance, physics: Physics, i: int, j: int, time: float
             lands = leaves + number * step
             if lands > instance.mission.duration_s:
                 break
-            cost, _ = drift_cost(
-                physics.left[i], physics.elements[j], physics.rule, _leg(leaves, lands)
-            )
+            cost, _ = drift_cost(physics.left[i], physics.elements[j], physics.rule, leaves, lands)
             yield Way(leaves, lands, cost)
-
-
-def _leg(leaves: float, lands: float) -> Leg:
-    """A leg that is nothing but its times [s]."""
-    return Leg(
-        kind="drift", origin="i", destination="j", ready_s=leaves, departure_s=leaves,
-        arrival_s=lands, end_s=lands, delta_v_m_s=0.0, delta_v_left_m_s=0.0, phasing_revolutions=0,
-        burns=(),
-    )  # fmt: skip
 
 
 def _short(instance: Instance, physics: Physics, i: int, j: int, time: float) -> Iterator[Way]:

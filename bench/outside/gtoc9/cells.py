@@ -32,7 +32,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.kernels import drift, orbits
+from adr_opt.kernels import drift_linear as drift
+from adr_opt.kernels import orbits
 from adr_opt.kernels.compile import inlined, kernel
 from adr_opt.kernels.constants import DAY_S, OBLATENESS_M2
 
@@ -72,7 +73,7 @@ def below(pair, m, q, at, low, high, shape):
 
     Parameters
     ----------
-    pair : DriftPair
+    pair : LinearPair
     m, q : float
         Of the longest time of flight.
     at, low, high, shape : float
@@ -115,7 +116,7 @@ def least_cost(pair, begin, end, longest):
 
     Parameters
     ----------
-    pair : DriftPair
+    pair : LinearPair
     begin, end, longest : float
         [s].
 
@@ -147,7 +148,7 @@ def fill_cells(pair, first, step, stay, most, least_gap, unit, most_units, table
 
     Parameters
     ----------
-    pair : DriftPair
+    pair : LinearPair
     first, step, stay, most : float
         Of the cells; least stay, and longest transfer [s].
     least_gap : int

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from adr_opt.kernels import drift
+from adr_opt.kernels import drift_linear as drift
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
 
@@ -39,7 +39,7 @@ def pair_costs(pair, first, arrivals, spans, step, cost):
 
     Parameters
     ----------
-    pair : DriftPair
+    pair : LinearPair
     first, step : float
         The first arrival and the step of the grid [s].
     arrivals, spans : int

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import minimize
 
-from adr_opt.kernels import drift
+from adr_opt.kernels import drift_linear as drift
 from adr_opt.kernels.constants import DAY_S, OBLATENESS_M2
 
 from .campaign import FILE, read_campaign
@@ -22,7 +22,7 @@ class Leg(NamedTuple):
 
     Attributes
     ----------
-    pair : DriftPair
+    pair : LinearPair
         Of the two debris, prepared.
     departure, arrival : float
         [s].
@@ -30,7 +30,7 @@ class Leg(NamedTuple):
         ΔV of the optimised leg, fully flown [m/s].
     """
 
-    pair: drift.DriftPair
+    pair: drift.LinearPair
     departure: float
     arrival: float
     flown: float

@@ -18,7 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels import drift, orbits
+from adr_opt.kernels import drift_linear as drift
+from adr_opt.kernels import orbits
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import DAY_S, MU_M3_S2, OBLATENESS_M2
 
@@ -64,7 +65,7 @@ def phased_cost(pair, one, other, departure, arrival):
 
     Parameters
     ----------
-    pair : DriftPair
+    pair : LinearPair
     one, other : Latitude
         Of the debris that is left, and of that to be met.
     departure, arrival : float

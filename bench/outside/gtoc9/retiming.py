@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from adr_opt.kernels import drift
+from adr_opt.kernels import drift_linear as drift
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import DAY_S, OBLATENESS_M2
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.kernels import drift
+from adr_opt.kernels import drift_linear as drift
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.constants import DAY_S, OBLATENESS_M2
 
@@ -24,7 +24,7 @@ def fill_pair(pair, first, step, stay, most, least_gap, slack, fine, unit, table
 
     Parameters
     ----------
-    pair : DriftPair
+    pair : LinearPair
     first, step, stay, most : float
         Of the grid; least stay, and longest transfer [s].
     least_gap : int
