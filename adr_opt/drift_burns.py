@@ -157,7 +157,11 @@ class Drifting:
         self._departure, self._arrival, self._freedom = departure, arrival, freedom
         self._held = held
         self._arcs = Arcs(rule.oblateness)
-        self._pair = drift.prepare(orbit_i, orbit_j, rule)
+        # Burns lead from circle to circle; what eccentricity adds is stated beside them.
+        circles = orbit_i.copy(), orbit_j.copy()
+        for circle in circles:
+            circle[orbits.ECCENTRICITY] = 0.0
+        self._pair = drift.prepare(*circles, rule)
         self._rj = float(orbit_j[orbits.RADIUS])
         self._rate_j = float(orbit_j[orbits.LATITUDE_RATE])
         self._approach = rule.approach_revolutions * TURN / self._rate_j
@@ -208,7 +212,7 @@ class Drifting:
 
     def _radius(self, climb: float) -> float:
         """Radius of the drift orbit that a change b_y leads to [m]."""
-        return float(drift.radius_of(self._pair.linear, climb))
+        return float(drift.radius_of(self._pair, climb))
 
     def _leaving(self, split: drift.Split) -> tuple[Plane, Turn]:
         """Plane of the drift orbit, its node counted from that of the origin, and the way there."""

@@ -20,7 +20,7 @@ import numpy as np
 
 import adr_opt
 from adr_opt import plot
-from adr_opt.kernels import drift as drifts
+from adr_opt.kernels import drift_linear as drifts
 from adr_opt.kernels import orbits, sequences, transfer
 from adr_opt.kernels import timetable as kernels
 from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2

@@ -81,7 +81,7 @@ def test_the_target_is_met_after_whole_laps():
         split = drift.best_split(pair, departure, departure + span)
         if not math.isfinite(split.delta_v):
             continue
-        radius = drift.radius_of(pair.linear, split.climb)
+        radius = drift.radius_of(pair, split.climb)
         assert LOWEST_M - 1e-3 <= radius <= HIGHEST_M + 1e-3
         arcs = drift.coast(pair, span, radius)
         laps = (arcs.phase - drift.task(pair, departure, departure + span).ahead) / math.tau
@@ -111,7 +111,7 @@ def test_nothing_costs_less_than_radius_and_inclination():
         span, arrival = 10 ** rng.uniform(-1.0, 3.0) * DAY_S, rng.uniform(0.0, 1e8)
         pair = drift.prepare(first, second, RULE)
         leg = drift.task(pair, arrival - span, arrival)
-        least = math.hypot(math.hypot(pair.linear.climb, pair.linear.tilt), 2.0 * leg.shape)
+        least = math.hypot(math.hypot(pair.climb, pair.linear.tilt), 2.0 * leg.shape)
         assert drift.delta_v(pair, arrival - span, arrival) >= least - 1e-9
 
 
@@ -206,7 +206,7 @@ def test_zones_that_are_closed_anywhere_near_forbid_a_drift():
         for begin, end in zip(begins * DAY_S, ends * DAY_S, strict=True):
             touches = zones[0, 2] <= end and begin <= zones[0, 3]
             climb = drift.best_split(pair, begin, end).climb
-            radius = drift.radius_of(pair.linear, climb)
+            radius = drift.radius_of(pair, climb)
             radii = (pair.linear.radius_i, pair.linear.radius_j, radius)
             crosses = min(radii) <= zones[0, 1] and max(radii) >= zones[0, 0]
             assert not (touches and crosses), (first, second, zones, begin, end)

@@ -131,9 +131,10 @@ def test_revolutions_are_counted() -> None:
         bodies.state(leg.origin, times[0]), bodies.following(leg.destination, end, 1000.0),
         times[0], end, angle, "j2",
     )  # fmt: skip
-    impulses[0] *= 2.0
+    impulses[0] *= 1.2
     strayed = fly(course, times, impulses)
-    assert abs(strayed.miss[5]) > 2.0 * math.tau
+    # The nearest lap is another one.
+    assert abs(strayed.miss[5]) > 0.6 * math.tau
     found = close(course, times, impulses)
     flown = coast.fly(course.start, times, found.impulses, end, FIELDS["j2"], False)[2]
     assert flown == pytest.approx(angle, abs=0.1)

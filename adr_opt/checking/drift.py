@@ -134,7 +134,7 @@ def _half_drift(
     if abs(math.cos(inclination)) <= POLAR:
         by_inclination = -1.5 * rule.oblateness * speed / radius**3 * math.sin(inclination)
     climb = 0.5 * float(later[orbits.RADIUS]) / radius
-    return 0.5 * (7.0 * rate * climb + by_inclination * float(later[orbits.INCLINATION]))
+    return float(0.5 * (7.0 * rate * climb + by_inclination * later[orbits.INCLINATION]))
 
 
 POLAR = 1e-3
@@ -142,14 +142,14 @@ POLAR = 1e-3
 
 
 @kernel
-def half_turn(ends, axis):
+def half_turn(ends: Ends, axis: float) -> float:
     """Time of half a turn with a semi-major axis [s]."""
     inclination = math.acos(ends.cosine)
-    return math.pi / orbits.latitude_rate(axis, inclination, ends.oblateness)
+    return float(math.pi / orbits.latitude_rate(axis, inclination, ends.oblateness))
 
 
 @kernel
-def arcs_of(ends, radius):
+def arcs_of(ends: Ends, radius: float) -> FloatArray:
     """The arcs of a leg whose drift orbit has a radius: semi-major axes [m] and times [s].
 
     Out, drift, back to the co-elliptic orbit, and to the stand-off; (4, 2) float64.
@@ -166,7 +166,7 @@ def arcs_of(ends, radius):
 
 
 @kernel
-def laps_of(ends, radius):
+def laps_of(ends: Ends, radius: float) -> float:
     """Turns that the chaser gains beyond those that meet the target: whole where it is met."""
     arcs = arcs_of(ends, radius)
     inclination = math.acos(ends.cosine)
@@ -175,11 +175,11 @@ def laps_of(ends, radius):
         rate = orbits.node_rate(arcs[arc, 0], inclination, ends.oblateness)
         gained += ends.cosine * rate * arcs[arc, 1]
     gained += orbits.latitude_rate(radius, inclination, ends.oblateness) * arcs[1, 1]
-    return (gained - ends.ahead) / (2.0 * math.pi)
+    return float((gained - ends.ahead) / (2.0 * math.pi))
 
 
 @kernel
-def cost_with(ends, radius, tilt):
+def cost_with(ends: Ends, radius: float, tilt: float) -> float:
     """ΔV with a drift orbit of a radius [m] and an inclination that is more by so much [m/s]."""
     arcs, turned = arcs_of(ends, radius), tilt / ends.speed
     after = ends.inclination_i + turned
@@ -191,9 +191,9 @@ def cost_with(ends, radius, tilt):
     for arc in range(4):
         rate = orbits.node_rate(arcs[arc, 0], inclinations[arc], ends.oblateness)
         node -= rate * arcs[arc, 1]
-    mean = 0.5 * (ends.radius_i + ends.radius_j)
-    climb = 0.5 * ends.speed / mean * (radius - ends.radius_i)
-    rest = 0.5 * ends.speed / mean * (ends.radius_j - radius)
+    speed = math.sqrt(MU_M3_S2 / radius)
+    climb = math.sqrt(MU_M3_S2 / ends.radius_i) - speed
+    rest = speed - math.sqrt(MU_M3_S2 / ends.radius_j)
     left = ends.speed * (ends.inclination_j - ends.inclination_i) - tilt
     first = math.sqrt(climb**2 + tilt**2 + ends.shape**2)
     second = math.sqrt(rest**2 + left**2 + ends.shape**2)
@@ -201,7 +201,7 @@ def cost_with(ends, radius, tilt):
 
 
 @kernel
-def least_tilted(ends, radius):
+def least_tilted(ends: Ends, radius: float) -> float:
     """The least ΔV with a drift orbit of a radius, by golden section over the inclination [m/s].
 
     Between the neighbours of the best of some inclinations.
@@ -224,11 +224,11 @@ def least_tilted(ends, radius):
             low, one, at_one = one, other, at_other
             other = low + GOLDEN * (high - low)
             at_other = cost_with(ends, radius, other)
-    return min(at_one, at_other)
+    return float(min(at_one, at_other))
 
 
 @kernel
-def least_of_all(ends, low, high):
+def least_of_all(ends: Ends, low: float, high: float) -> float:
     """The radius of the drift orbit that costs least if any phase will do [m].
 
     The best of some radii, and golden section between its neighbours.
@@ -253,7 +253,7 @@ def least_of_all(ends, low, high):
 
 
 @kernel
-def least_with_laps(ends, low, high):
+def least_with_laps(ends: Ends, low: float, high: float) -> float:
     """ΔV of the leg: the cheaper of the radii about the optimum that meet the target [m/s].
 
     Parameters

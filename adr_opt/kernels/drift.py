@@ -3,7 +3,8 @@
 Hours become days to months. The chaser leaves for a drift orbit whose node moves faster or slower,
 waits there, and closes what is left on arrival. With y and z what the first burn changes of the
 size and of the inclination, v_y and v_z all there is to change, and X what is then left of the node
-on arrival, all in m/s, a leg costs
+on arrival, all in m/s, a leg costs (sizes are differences of circular speeds, V_i − V(r), which a
+Hohmann transfer costs to second order in the change of radius)
 
     ΔV = min over (y, z) of hypot( X(y, z), N₁ + N₂ ),
     N₁ = hypot(y, z, E),    N₂ = hypot(v_y − y, v_z − z, E),
@@ -63,6 +64,9 @@ class DriftPair(NamedTuple):
     ----------
     linear : LinearPair
         The same to first order, which holds radii, speed and what is to change.
+    speed_i, climb, least_climb, most_climb : float
+        Circular speed at the origin; v_y, and between which y keeps the drift orbit within the
+        altitude limits [m/s].
     inclination_i, inclination_j : float
         [rad].
     cosine, cosine_i, sine_i, cosine_j : float
@@ -82,6 +86,10 @@ class DriftPair(NamedTuple):
     """
 
     linear: LinearPair
+    speed_i: float
+    climb: float
+    least_climb: float
+    most_climb: float
     inclination_i: float
     inclination_j: float
     cosine: float
@@ -173,8 +181,13 @@ def prepare(orbit_i, orbit_j, rule):
     )
     inclination_i, inclination_j = orbit_i[orbits.INCLINATION], orbit_j[orbits.INCLINATION]
     cosine = math.cos(0.5 * (inclination_i + inclination_j))
+    speed_i = math.sqrt(MU_M3_S2 / orbit_i[orbits.RADIUS])
     return DriftPair(
         linear,
+        speed_i,
+        speed_i - math.sqrt(MU_M3_S2 / orbit_j[orbits.RADIUS]),
+        speed_i - math.sqrt(MU_M3_S2 / rule.min_radius),
+        speed_i - math.sqrt(MU_M3_S2 / rule.max_radius),
         inclination_i,
         inclination_j,
         cosine,
@@ -230,15 +243,16 @@ def first_guess(pair, task):
 
 
 @inlined
-def radius_of(linear, climb):
-    """Radius of the drift orbit that b_y leads to [m]."""
-    return linear.radius_i + climb * (linear.radius_i + linear.radius_j) / linear.speed
+def radius_of(pair, climb):
+    """Radius of the drift orbit that y leads to [m]."""
+    speed = pair.speed_i - climb
+    return MU_M3_S2 / (speed * speed)
 
 
 @inlined
-def climb_to(linear, radius):
-    """b_y that leads to a radius [m/s]."""
-    return (radius - linear.radius_i) * linear.speed / (linear.radius_i + linear.radius_j)
+def climb_to(pair, radius):
+    """The y that leads to a radius [m/s]."""
+    return pair.speed_i - math.sqrt(MU_M3_S2 / radius)
 
 
 @inlined
@@ -291,8 +305,8 @@ def _tilt_at(pair, task, arcs, radius, tilt):
     linear = pair.linear
     per_speed = 1.0 / linear.speed
     worth = linear.speed * linear.sine
-    climb = climb_to(linear, radius)
-    rest, shape = linear.climb - climb, task.shape
+    climb = climb_to(pair, radius)
+    rest, shape = pair.climb - climb, task.shape
     flat_1, flat_2 = climb * climb + shape * shape, rest * rest + shape * shape
     # The node left, as a polynomial of what the inclination changes: cosines of i_i + δ on the
     # drift orbit, halfway to it before, and halfway from it to i_j after it.
@@ -357,7 +371,6 @@ def free_phase(pair, task, climb, tilt):
     """
     linear = pair.linear
     worth, per_speed = linear.speed * linear.sine, 1.0 / linear.speed
-    per_climb = (linear.radius_i + linear.radius_j) * per_speed
     round_off = task.shape * task.shape + SMOOTH_M_S * SMOOTH_M_S
     cosine, sine = pair.cosine_i, pair.sine_i
     half, _ = _half(pair, 0.5 * (linear.radius_i + linear.radius_j))
@@ -365,13 +378,12 @@ def free_phase(pair, task, climb, tilt):
     # The arcs beside the drift orbit are halfway to it.
     known = task.lag + pair.node_rate_i * (task.span - 0.5 * half)
     known -= pair.node_rate_j * (half * (0.5 + pair.fraction) + pair.approach)
-    climb = min(max(climb, linear.least_climb), linear.most_climb)
+    climb = min(max(climb, pair.least_climb), pair.most_climb)
     before, step_y, step_z = math.inf, 0.0, 0.0
     near = NEAR_M_S * min(1.0, NEAR_SPAN_S / task.span)
     least = 0.0
     for _ in range(MOST_STEPS):
-        radius = linear.radius_i + climb * per_climb
-        motion, pull = _rates(pair, radius)
+        motion, pull = _rates(pair, radius_of(pair, climb))
         pull *= -motion * drifting
         more = tilt * per_speed
         square = more * more
@@ -379,7 +391,7 @@ def free_phase(pair, task, climb, tilt):
         odd = more * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0)))
         c, s = cosine * even - sine * odd, sine * even + cosine * odd
         node = worth * (known - pull * c)
-        rest, left = linear.climb - climb, linear.tilt - tilt
+        rest, left = pair.climb - climb, linear.tilt - tilt
         first = math.sqrt(climb * climb + tilt * tilt + round_off)
         second = math.sqrt(rest * rest + left * left + round_off)
         turn = first + second
@@ -392,7 +404,9 @@ def free_phase(pair, task, climb, tilt):
             climb, tilt = climb - step_y, tilt - step_z
             continue
         before = value
-        by_radius = 3.5 * per_climb / radius
+        # Rates of nodes are as the seventh power of the speed.
+        per_drift_speed = 1.0 / (pair.speed_i - climb)
+        by_radius = 7.0 * per_drift_speed
         node_y, node_z = worth * pull * c * by_radius, worth * pull * s * per_speed
         inverse_1, inverse_2 = 1.0 / first, 1.0 / second
         turn_y = climb * inverse_1 - rest * inverse_2
@@ -408,13 +422,13 @@ def free_phase(pair, task, climb, tilt):
         yz -= turn * (climb * tilt * cube_1 + rest * left * cube_2)
         zz += turn * ((climb * climb + round_off) * cube_1 + (rest * rest + round_off) * cube_2)
         # What bends the node, where that leaves the form convex.
-        bent_y = yy - node * node_y * by_radius * (4.5 / 3.5)
+        bent_y = yy - 6.0 * node * node_y * per_drift_speed
         bent_z = zz + node * worth * pull * c * per_speed * per_speed
         bent_yz = yz - node * node_z * by_radius
         if bent_y > 0.1 * yy and bent_y * bent_z - bent_yz * bent_yz > 0.1 * (yy * zz - yz * yz):
             yy, zz, yz = bent_y, bent_z, bent_yz
-        at_limit = (climb <= linear.least_climb and gradient_y > 0.0) or (
-            climb >= linear.most_climb and gradient_y < 0.0
+        at_limit = (climb <= pair.least_climb and gradient_y > 0.0) or (
+            climb >= pair.most_climb and gradient_y < 0.0
         )
         if at_limit:
             step_y, step_z = 0.0, -gradient_z / zz
@@ -422,7 +436,7 @@ def free_phase(pair, task, climb, tilt):
             determinant = yy * zz - yz * yz
             step_y = (yz * gradient_z - zz * gradient_y) / determinant
             step_z = (yz * gradient_y - yy * gradient_z) / determinant
-            new = min(max(climb + step_y, linear.least_climb), linear.most_climb)
+            new = min(max(climb + step_y, pair.least_climb), pair.most_climb)
             if new != climb + step_y:
                 step_y = new - climb
                 step_z = -(gradient_z + yz * step_y) / zz
@@ -443,7 +457,7 @@ def free_phase(pair, task, climb, tilt):
             # A tip that everything else leads away from is no minimum, but steps on it are short.
             climb -= 2.0 * TIP_ROOM_M_S * pull_y / size
             tilt -= 2.0 * TIP_ROOM_M_S * pull_z / size
-            climb = min(max(climb, linear.least_climb), linear.most_climb)
+            climb = min(max(climb, pair.least_climb), pair.most_climb)
             before = math.inf
     return climb, tilt, least
 
@@ -493,14 +507,13 @@ def split(pair, task, climb, tilt):
     -------
     Split
     """
-    linear = pair.linear
     best = Split(math.inf, climb, tilt, 0.0)
-    radius = radius_of(linear, climb)
+    radius = radius_of(pair, climb)
     arcs = coast(pair, task.span, radius)
     if arcs.drift <= 0.0:
         return best
     low = float(math.floor((arcs.phase - task.ahead) / TURN))
-    least, most = radius_of(linear, linear.least_climb), radius_of(linear, linear.most_climb)
+    least, most = radius_of(pair, pair.least_climb), radius_of(pair, pair.most_climb)
     for laps in (low, low + 1.0):
         found, there = tooth(pair, task, radius, arcs, laps)
         if not (least <= found <= most) or there.drift <= 0.0:

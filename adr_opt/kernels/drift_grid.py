@@ -36,7 +36,7 @@ def is_blocked(pair, zones, departure, arrival, climb):
         b_y of its split [m/s].
     """
     linear = pair.linear
-    drifting = drift.radius_of(linear, climb)
+    drifting = drift.radius_of(pair, climb)
     off = drift.margin(drifting - linear.radius_i)
     low = min(min(linear.radius_i, linear.radius_j), drifting - off)
     high = max(max(linear.radius_i, linear.radius_j), drifting + off)
@@ -59,11 +59,11 @@ def _change(pair, step, budget):
     inclination by no more than half of the budget and of all there is to change.
     """
     linear = pair.linear
-    most = 0.5 * (budget + math.hypot(linear.climb, linear.tilt))
+    most = 0.5 * (budget + math.hypot(pair.climb, linear.tilt))
     fastest = 0.0
     for up in (-1.0, 1.0):
-        climb = min(max(up * most, linear.least_climb), linear.most_climb)
-        radius = drift.radius_of(linear, climb)
+        climb = min(max(up * most, pair.least_climb), pair.most_climb)
+        radius = drift.radius_of(pair, climb)
         for tilted in (-1.0, 1.0):
             inclination = pair.inclination_i + tilted * most / linear.speed
             rate = orbits.node_rate(radius, min(max(inclination, 0.0), math.pi), pair.oblateness)
@@ -115,7 +115,7 @@ def of_pair(
     costs_found = np.empty(room)
     count, short = 0, departure.size - 1
     # Whatever is drifted, radius and inclination have to be changed in all.
-    floor = math.hypot(pair.linear.climb, pair.linear.tilt)
+    floor = math.hypot(pair.climb, pair.linear.tilt)
     budget, change = most, _change(pair, step, most)
     for begin in range(times - 1, -1, -1):
         while short >= 0 and departure[short] >= begin * step:

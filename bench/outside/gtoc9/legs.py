@@ -8,13 +8,17 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import minimize
 
-from adr_opt.kernels import drift_linear as drift
+from adr_opt.kernels import drift, drift_linear
 from adr_opt.kernels.constants import DAY_S, OBLATENESS_M2
+from adr_opt.kernels.transfer import TransferRule
 
 from .campaign import FILE, read_campaign
 from .debris import FILE as DEBRIS
 from .debris import read_debris
 from .estimate import LIMITS_M
+
+RULE = TransferRule(1.0, 0.0, 0.0, 0, *LIMITS_M, 0.0, np.empty((0, 4)), OBLATENESS_M2)
+"""Transfers of the contest: to the debris itself, without a co-elliptic orbit or an approach."""
 
 
 class Leg(NamedTuple):
@@ -23,14 +27,17 @@ class Leg(NamedTuple):
     Attributes
     ----------
     pair : LinearPair
-        Of the two debris, prepared.
+        Of the two debris, prepared to first order.
+    phased : DriftPair
+        The same with exact rates and a phase.
     departure, arrival : float
         [s].
     flown : float
         ΔV of the optimised leg, fully flown [m/s].
     """
 
-    pair: drift.LinearPair
+    pair: drift_linear.LinearPair
+    phased: drift.DriftPair
     departure: float
     arrival: float
     flown: float
@@ -43,14 +50,19 @@ class Leg(NamedTuple):
     @property
     def closed_form(self) -> float:
         """What the closed form says, which planning is done with [m/s]."""
-        return float(drift.delta_v(self.pair, self.departure, self.arrival))
+        return float(drift.delta_v(self.phased, self.departure, self.arrival))
+
+    @property
+    def first_order(self) -> float:
+        """What the form of first order says, which knows no phase [m/s]."""
+        return float(drift_linear.delta_v(self.pair, self.departure, self.arrival))
 
     @property
     def least_sum(self) -> float:
         """The least sum of the two ΔV, instead of that of their squares [m/s]."""
         pair, span = self.pair, self.arrival - self.departure
-        node = drift.node_left(pair, self.arrival)
-        shape = drift.shape_left(pair, self.arrival)
+        node = drift_linear.node_left(pair, self.arrival)
+        shape = drift_linear.shape_left(pair, self.arrival)
         left = np.array([node, pair.climb, pair.tilt])
         matrix = np.eye(3)
         matrix[0, 1:] = -pair.by_radius * span, -pair.by_inclination * span
@@ -59,8 +71,8 @@ class Leg(NamedTuple):
             ends = b, left - matrix @ b
             return float(sum(np.sqrt(end @ end + shape * shape + 1e-9) for end in ends))
 
-        climb = drift.climb_of(pair, span, node)
-        along, tilt = drift.split_at(pair, span, node, climb)
+        climb = drift_linear.climb_of(pair, span, node)
+        along, tilt = drift_linear.split_at(pair, span, node, climb)
         # The sum has more than one valley: everything at an end, or half of it.
         starts = (
             np.array([along, climb, tilt]),
@@ -77,6 +89,8 @@ def read_legs(folder: Path) -> list[Leg]:
     for mission in read_campaign(folder / FILE):
         ways = zip(mission.stops[:-1], mission.stops[1:], mission.flown_m_s, strict=True)
         for one, other, flown in ways:
-            pair = drift.prepare(rows[one.debris], rows[other.debris], *LIMITS_M, OBLATENESS_M2)
-            legs.append(Leg(pair, one.departure_d * DAY_S, other.arrival_d * DAY_S, flown))
+            ends = rows[one.debris], rows[other.debris]
+            pair = drift_linear.prepare(*ends, *LIMITS_M, OBLATENESS_M2)
+            times = one.departure_d * DAY_S, other.arrival_d * DAY_S
+            legs.append(Leg(pair, drift.prepare(*ends, RULE), *times, flown))
     return legs
