@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import re
+import subprocess
+import sys
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -380,14 +382,35 @@ def test_the_page_lists_every_number_option_and_observation() -> None:
         assert stated in page, stated
 
 
-def test_the_examples_of_the_page_run() -> None:
-    """The first example of docs/environment.md plays a mission as it stands, but for its fields."""
+def test_the_examples_of_the_page_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The examples of docs/environment.md run as they stand, but for their fields.
+
+    The episode that the first one plays becomes a plan file that passes ``check``.
+    """
+    monkeypatch.chdir(tmp_path)
     page = (Path(__file__).parents[1] / "docs/environment.md").read_text(encoding="utf-8")
-    first, second = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    first, planned, second = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     names: dict[str, Any] = {"SMALL": SMALL}
     exec(first.replace("adr_opt.env.VARIED", "SMALL"), names)
     assert names["terminated"]
+    exec(planned, names)
+    plan = adr_opt.load_plan("episode.plan.json")
+    assert plan.legs
+    assert adr_opt.check(adr_opt.load("episode.json"), plan) == ()
     exec(second.replace("256, VARIED", "4, SMALL").replace("slots=64", "slots=2"), names | {})
+
+
+def test_the_script_that_trains_runs(tmp_path: Path) -> None:
+    """examples/training/maskable_ppo.py trains on a small family, and writes a plan that passes."""
+    root, out = Path(__file__).parents[1], tmp_path / "plan.json"
+    command = [
+        sys.executable, str(root / "examples/training/maskable_ppo.py"), "--family", "tiny",
+        "--pool", "2", "--steps", "100", "--fields", "2", "--out", str(out),
+    ]  # fmt: skip
+    said = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True).stdout
+    assert "steps trained in" in said
+    assert said.count("mean of 2 fields") == 3
+    assert adr_opt.check(adr_opt.generate("tiny", 0), adr_opt.load_plan(out)) == ()
 
 
 def test_fields_drawn_ahead_are_worked_out_once_and_shared(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -461,3 +484,30 @@ def test_without_a_pool_every_reset_draws_another_field() -> None:
     assert len(names(pool=0)) == 12
     assert len(names(pool=1)) == 1
     assert names(pool=3, pool_seed=1).isdisjoint(names(pool=3, pool_seed=2))
+
+
+def test_practice_compiles_all_that_an_environment_calls() -> None:
+    """After ``episodes.practise`` neither environment asks for a kernel of other arguments."""
+    code = """
+from adr_opt.episodes import practise
+from numba.core.dispatcher import Dispatcher
+import gc
+def known():
+    return {(id(each), signature) for each in gc.get_objects() if isinstance(each, Dispatcher)
+            for signature in each.overloads}
+practise()
+from adr_opt.env import *
+from small_fields import SMALL
+before = known()
+for name in OBSERVATIONS:
+    env = MissionEnv(fields=SMALL, pool=2, observation=name)
+    _, info = env.reset(seed=0)
+    env.step(int(info["action_mask"].argmax()))
+    many = MissionVecEnv(40, SMALL, slots=2, observation=name)
+    many.reset()
+    many.step(many.action_masks().argmax(axis=1))
+    many.close()
+new = known() - before
+assert not new, new
+"""
+    subprocess.run([sys.executable, "-c", code], cwd=Path(__file__).parent, check=True)

@@ -1,6 +1,6 @@
 """Train MaskablePPO of sb3-contrib on the environment, and turn an episode into a checked plan.
 
-python examples/maskable_ppo.py
+python examples/training/maskable_ppo.py
 
 Needs the extra [rl]. Prints how long training takes, and how many targets the policy services on
 fields that it has not seen, beside legal moves at random and the planner greedy-guarded.
