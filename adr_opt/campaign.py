@@ -12,7 +12,7 @@ from .chasers import InOrbit
 from .connections import Connecting
 from .corrections import Corrections
 from .errors import InputError
-from .instance import Instance
+from .instance import AnyInstance, Instance, instance_of
 from .kernels.timetable_making import Pairs
 from .mission import Mission
 from .prizes import Prizes
@@ -221,7 +221,7 @@ def is_campaign(instance: Instance) -> bool:
     return loads_of(instance, instance.chasers[0], 0.0) is not None
 
 
-def problem_of(instance: Instance | Problem, threads: int | None = None) -> Problem:
+def problem_of(instance: AnyInstance | Problem, threads: int | None = None) -> Problem:
     """An instance ready for planning, see :func:`is_campaign`.
 
     A campaign of one chaser for whom nothing of that counts is its mission: same plans, same
@@ -240,8 +240,9 @@ def problem_of(instance: Instance | Problem, threads: int | None = None) -> Prob
         )
     if isinstance(instance, Campaign) and not is_campaign(instance.instance):
         return instance.missions[0]
-    if not isinstance(instance, Instance):
+    if isinstance(instance, (Mission, Campaign)):
         return instance
+    instance = instance_of(instance)
     if is_campaign(instance):
         return Campaign(instance, threads=threads)
     return Mission(instance, threads=threads)

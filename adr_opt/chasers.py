@@ -11,10 +11,13 @@ from pydantic import (
     Field,
     SerializerFunctionWrapHandler,
     Tag,
+    ValidationError,
     model_serializer,
     model_validator,
 )
 
+from .errors import InputError
+from .files import sentence
 from .kernels.constants import STANDARD_GRAVITY_M_S2
 from .orbit import Orbit
 from .records import (
@@ -29,6 +32,11 @@ from .records import (
 )
 
 TANK_BY_MASS = {"dry_mass_kg", "propellant_kg", "isp_s"}
+
+TWO_KINDS = (
+    "a tank is Tank(delta_v_m_s=…), counted in ΔV, or TankByMass(dry_mass_kg=…, propellant_kg=…, "
+    "isp_s=…), by mass"
+)
 
 
 class AtStation(Record):
@@ -74,7 +82,20 @@ End = Annotated[
 ]
 
 
-class Tank(Record):
+class _OfTwoKinds(Record):
+    """A tank: made in Python, a mistake is one sentence that names the two kinds."""
+
+    def __init__(self, /, **values: Any) -> None:
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise InputError(f"{type(self).__name__}: {sentence(error)}; {TWO_KINDS}") from None
+
+    # Within a file pydantic does without it, and names the place there.
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+
+class Tank(_OfTwoKinds):
     """What a full tank is worth: at the start, and after refuelling.
 
     ``initial_delta_v_m_s`` is what is left of it at the start, where it is not full then.
@@ -124,7 +145,7 @@ def _without(content: dict[str, Any], field: str) -> dict[str, Any]:
     return content
 
 
-class TankByMass(Record):
+class TankByMass(_OfTwoKinds):
     """A tank of so much propellant, of a chaser that has a mass without it and without cargo.
 
     ``initial_propellant_kg`` is what is left at the start, where it is not full then.

@@ -13,7 +13,7 @@ from .campaign import Campaign, Problem, problem_of
 from .candidates import candidates, may_ask
 from .drift import drift_warning
 from .errors import InputError
-from .instance import Instance
+from .instance import AnyInstance, Instance
 from .planner import (
     BOUNDS,
     PLANNERS,
@@ -48,7 +48,7 @@ DEFAULT_BOUND_TIME_LIMIT_S = 60.0
 
 
 def solve(
-    instance: Instance | Problem,
+    instance: AnyInstance | Problem,
     method: str = DEFAULT_METHOD,
     *,
     time_limit: float = DEFAULT_TIME_LIMIT_S,
@@ -68,8 +68,9 @@ def solve(
 
     Parameters
     ----------
-    instance : Instance, Mission or Campaign
-        The latter two bring their timetables along.
+    instance : Instance, path, dict, Mission or Campaign
+        The path of an instance file is loaded, a dictionary taken for its content. The latter two
+        bring their timetables along.
     method : str
         Name of an installed planner.
     time_limit : float
@@ -123,7 +124,7 @@ def solve(
 
 
 def bound(
-    instance: Instance | Problem,
+    instance: AnyInstance | Problem,
     method: str,
     *,
     time_limit: float = DEFAULT_BOUND_TIME_LIMIT_S,
@@ -140,7 +141,7 @@ def bound(
 
     Parameters
     ----------
-    instance : Instance, Mission or Campaign
+    instance : Instance, path, dict, Mission or Campaign
     method : str
         Name of an installed bound.
     start : Plan or sequence of int or str, optional
@@ -169,7 +170,7 @@ def bound(
 
 def run(
     group: str,
-    instance: Instance | Problem,
+    instance: AnyInstance | Problem,
     method: str,
     *,
     time_limit: float,

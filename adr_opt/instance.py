@@ -6,8 +6,9 @@ What the file says stands in :mod:`.instance_file`, of which the published JSON 
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, Self
 
@@ -17,7 +18,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from .chasers import availability
 from .errors import InputError
-from .files import check_writable, read_model, sentence, write_text
+from .files import check_writable, parse_model, read_model, sentence, write_text
 from .given import Given
 from .given_files import read_named, write_given
 from .instance_file import FORMAT as FORMAT
@@ -365,6 +366,34 @@ def load(path: str | os.PathLike[str]) -> Instance:
     if reference is None:
         return instance
     return instance.with_given(read_named(path, reference, instance.names), reference.file)
+
+
+AnyInstance = Instance | str | os.PathLike[str] | Mapping[str, Any]
+"""An instance, the path of its file, or what the file says as a dictionary."""
+
+
+def instance_of(given: AnyInstance) -> Instance:
+    """The instance that a caller gives, by itself, by its file or by the content of a file.
+
+    Raises
+    ------
+    InputError
+        It is none of these, or as for :func:`load`.
+    """
+    if isinstance(given, Instance):
+        return given
+    if isinstance(given, (str, os.PathLike)):
+        return load(given)
+    if not isinstance(given, Mapping):
+        raise InputError(
+            f"instance of type {type(given).__name__}: give an adr_opt.Instance, the path of an "
+            "instance file, or its content as a dictionary"
+        )
+    try:
+        text = json.dumps(dict(given))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"instance: cannot be written as JSON ({error})") from None
+    return parse_model(text, Instance, "instance")
 
 
 def json_schema() -> dict[str, Any]:

@@ -14,7 +14,7 @@ from .chasers import AtStation
 from .connections import Connecting
 from .corrections import Corrections
 from .errors import InputError
-from .instance import Instance
+from .instance import AnyInstance, instance_of
 from .kernels import rows
 from .kernels import rules as kernels
 from .kernels.constants import SLACK_M_S
@@ -35,7 +35,7 @@ class Mission(Shown, Prizes):
 
     Parameters
     ----------
-    instance : Instance
+    instance : Instance, path or dict
     timetable : Timetable, optional
         Built on first use if not given.
     threads : int, optional
@@ -69,7 +69,7 @@ class Mission(Shown, Prizes):
 
     def __init__(
         self,
-        instance: Instance,
+        instance: AnyInstance,
         timetable: Timetable | None = None,
         *,
         threads: int | None = None,
@@ -79,6 +79,7 @@ class Mission(Shown, Prizes):
         connecting: Connecting | None = None,
         twin: Mission | None = None,
     ) -> None:
+        instance = instance_of(instance)
         super().__init__(instance)
         if not 0.0 <= margin < 1.0:
             raise InputError(f"margin = {margin!r}: must be a share of the tank, from 0 to below 1")

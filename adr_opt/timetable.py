@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 import os
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -24,7 +25,7 @@ from .connections import (
 from .corrections import NO_CORRECTIONS
 from .errors import InputError
 from .given import Costs, of_function, of_matrices, of_rows
-from .instance import Instance
+from .instance import AnyInstance, Instance, instance_of
 from .kernels import timetable as kernels
 from .kernels import timetable_making as making
 from .kernels.rows import Source
@@ -48,7 +49,7 @@ class Timetable(Shown):
 
     Parameters
     ----------
-    instance : Instance
+    instance : Instance, path or dict
     threads : int, optional
         Threads to build with; all cores by default. The table does not depend on it.
     pairs : Pairs, optional
@@ -92,7 +93,7 @@ class Timetable(Shown):
 
     def __init__(
         self,
-        instance: Instance,
+        instance: AnyInstance,
         threads: int | None = None,
         *,
         pairs: Pairs | None = None,
@@ -103,6 +104,7 @@ class Timetable(Shown):
         chaser: int | None = None,
         asked: Neighbours | None = None,
     ) -> None:
+        instance = instance_of(instance)
         if time_value_m_s_per_h is None:
             time_value_m_s_per_h = instance.time_value_m_s_per_h
         if not (math.isfinite(time_value_m_s_per_h) and time_value_m_s_per_h >= 0.0):
@@ -328,13 +330,28 @@ class Timetable(Shown):
         return kernels.most_events(self.table)
 
     def index(self, body: int | str) -> int:
-        """Index of a body given by index or name."""
+        """Index of a body given by index or name.
+
+        Raises
+        ------
+        InputError
+            There is no such body.
+        """
         if isinstance(body, str):
             try:
                 return self.names.index(body)
             except ValueError:
                 raise InputError(f"body {body!r} is not in {self.instance.name!r}") from None
-        return body
+        try:
+            index = operator.index(body)
+        except TypeError:
+            index = -1
+        if not 0 <= index < len(self.names):
+            raise InputError(
+                f"body {body!r} is not in {self.instance.name!r}; give a name, or a whole number "
+                f"from 0 to {len(self.names) - 1}"
+            )
+        return index
 
     def lookup(
         self, origin: int | str, destination: int | str, time_s: float
@@ -349,7 +366,13 @@ class Timetable(Shown):
         -------
         delta_v, arrival : float
             [m/s], [s]; both +inf where there is no transfer, or the table does not hold the pair.
+
+        Raises
+        ------
+        InputError
+            An unknown body, or a time that is negative or not finite.
         """
+        _check_number("time_s", time_s)
         i, j = self.index(origin), self.index(destination)
         delta_v, arrival = kernels.lookup(self.table, i, j, float(time_s))
         return float(delta_v) - self.connecting.spent_m_s(i), float(arrival)
@@ -388,8 +411,7 @@ class Timetable(Shown):
         if resolution_m_s is None:
             resolution_m_s = self.instance.transfer.delta_v_resolution_m_s
         for name, value in (("after", after), ("resolution_m_s", resolution_m_s)):
-            if not (math.isfinite(value) and value >= 0.0):
-                raise InputError(f"{name} = {value!r}: must be a finite number ≥ 0")
+            _check_number(name, value)
         i, j = self.index(origin), self.index(destination)
         found = self.connecting.of_pair(i, j, float(resolution_m_s)).after(after)
         spent = self.connecting.spent_m_s(i)
@@ -472,3 +494,12 @@ def _in_slices(
             slice_.result()
             done = last
     return done
+
+
+def _check_number(name: str, value: float) -> None:
+    try:
+        good = math.isfinite(value) and value >= 0.0
+    except TypeError:
+        good = False
+    if not good:
+        raise InputError(f"{name} = {value!r}: must be a finite number ≥ 0")

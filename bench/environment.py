@@ -1,6 +1,7 @@
 """How many steps a second the environments make, with masks and observations.
 
     python bench/environment.py
+    python bench/environment.py --resets --slots 32 --observations transfer lookahead
 
 Nominal fields, played by a policy that prefers cheap moves with a way back, so that episodes are
 about as long as those of a trained policy. Choosing actions is not timed. Rates are medians over
@@ -12,7 +13,7 @@ from __future__ import annotations
 import argparse
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -73,6 +74,28 @@ def single_rate(env: MissionEnv, steps: int) -> float:
     return steps / spent
 
 
+def reset_rate(env: MissionEnv, resets: int) -> float:
+    """Resets a second on fields that were drawn ahead."""
+    began = time.perf_counter()
+    for _ in range(resets):
+        env.reset()
+    return resets / (time.perf_counter() - began)
+
+
+def resets(runs: int, slots: int, observations: Sequence[str]) -> None:
+    """Print what a pool takes, and resets a second on it."""
+    print("| observation | fields | working them out | resets/s |")
+    print("|---|---|---|---|")
+    for observation in observations:
+        env = MissionEnv(pool=slots, observation=observation)
+        began = time.perf_counter()
+        env.reset(seed=0)
+        first_s = time.perf_counter() - began
+        rates = [reset_rate(env, 1000) for _ in range(runs)]
+        taken = f"{statistics.median(rates):,.0f} ({max(rates):,.0f})"
+        print(f"| {observation} | {slots} | {first_s:.1f} s | {taken} |", flush=True)
+
+
 def lookup_rate(mission: adr_opt.Mission, steps: int) -> float:
     """Masks alone, worked out in Python from ``Timetable.lookup`` of every move."""
     duration, budget = mission.instance.mission.duration_s, mission.instance.chaser.tank.delta_v_m_s
@@ -111,8 +134,12 @@ def main() -> None:
     parser.add_argument("--counts", type=int, nargs="+", default=[256, 1024])
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--observations", nargs="+", default=list(OBSERVATIONS))
+    parser.add_argument("--resets", action="store_true", help="resets of drawn fields alone")
     arguments = parser.parse_args()
     print(heading())
+    if arguments.resets:
+        resets(arguments.runs, arguments.slots, arguments.observations)
+        return
     print("| environment | observation | missions | threads | steps/s | ratio |")
     print("|---|---|---|---|---|---|")
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import re
+import subprocess
+import sys
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -19,8 +21,10 @@ from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 
 import adr_opt
 from adr_opt.env import ID, OBSERVATIONS, PUBLISHED, VARIED, Fields, Limits, MissionEnv, space
+from adr_opt.env.drawn import ready
 from adr_opt.env.fields import FIRST_SEED
 from adr_opt.errors import InputError
+from adr_opt.instance import Instance
 from adr_opt.kernels.lookahead import CHAIN_FIELDS, UNGUARDED_S
 from adr_opt.kernels.observation import LIMIT, MISSION_FIELDS, MOVE_FIELDS
 from adr_opt.kernels.published import PUBLISHED_ELEMENTS
@@ -104,7 +108,7 @@ def test_whole_fields_too(family: str) -> None:
     """One episode on a field of 50 targets with zones: in its space, and check agrees."""
     rng = np.random.default_rng(2)
     fields = Fields(family, zones=(6, 6), duration_s=(4 * 86400.0, 4 * 86400.0))
-    env = MissionEnv(fields=fields, observation="lookahead")
+    env = MissionEnv(fields=fields, pool=1, observation="lookahead")
     env.reset(seed=3)
     total, seen = play(env, rng)
     assert all(env.observation_space.contains(each) for each in seen)
@@ -228,6 +232,8 @@ WRONG: dict[str, Callable[[], Any]] = {
     "instance = 'y.json': must be an": lambda: MissionEnv(tiny()).reset(
         options={"instance": "y.json"}
     ),
+    "pool = -1: must be a whole number": lambda: MissionEnv(pool=-1),
+    "pool_seed = 0.5: must be": lambda: MissionEnv(pool_seed=0.5),  # type: ignore[arg-type]
     "fields = 3: must be": lambda: MissionEnv(fields=3),
     "options = 'abc': must be a dictionary": lambda: MissionEnv(fields=SMALL).reset(options="abc"),
     "share_of_limits = 'a': must be": lambda: Fields(share_of_limits="a"),
@@ -376,11 +382,132 @@ def test_the_page_lists_every_number_option_and_observation() -> None:
         assert stated in page, stated
 
 
-def test_the_examples_of_the_page_run() -> None:
-    """The first example of docs/environment.md plays a mission as it stands, but for its fields."""
+def test_the_examples_of_the_page_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The examples of docs/environment.md run as they stand, but for their fields.
+
+    The episode that the first one plays becomes a plan file that passes ``check``.
+    """
+    monkeypatch.chdir(tmp_path)
     page = (Path(__file__).parents[1] / "docs/environment.md").read_text(encoding="utf-8")
-    first, second = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    first, planned, second = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     names: dict[str, Any] = {"SMALL": SMALL}
     exec(first.replace("adr_opt.env.VARIED", "SMALL"), names)
     assert names["terminated"]
+    exec(planned, names)
+    plan = adr_opt.load_plan("episode.plan.json")
+    assert plan.legs
+    assert adr_opt.check(adr_opt.load("episode.json"), plan) == ()
     exec(second.replace("256, VARIED", "4, SMALL").replace("slots=64", "slots=2"), names | {})
+
+
+def test_the_script_that_trains_runs(tmp_path: Path) -> None:
+    """examples/training/maskable_ppo.py trains on a small family, and writes a plan that passes."""
+    root, out = Path(__file__).parents[1], tmp_path / "plan.json"
+    command = [
+        sys.executable, str(root / "examples/training/maskable_ppo.py"), "--family", "tiny",
+        "--pool", "2", "--steps", "100", "--fields", "2", "--out", str(out),
+    ]  # fmt: skip
+    said = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True).stdout
+    assert "steps trained in" in said
+    assert said.count("mean of 2 fields") == 3
+    assert adr_opt.check(adr_opt.generate("tiny", 0), adr_opt.load_plan(out)) == ()
+
+
+def test_fields_drawn_ahead_are_worked_out_once_and_shared(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Environments of a process play on one pool, and no reset works out a timetable any more."""
+    made: list[Instance] = []
+
+    def counted(instance: Instance) -> Any:
+        made.append(instance)
+        return ready(instance)
+
+    monkeypatch.setattr("adr_opt.env.drawn.ready", counted)
+    envs = [MissionEnv(fields=SMALL, pool=5, pool_seed=77) for _ in range(3)]
+    assert made == []
+    names = set()
+    for episode in range(30):
+        env = envs[episode % 3]
+        env.reset(seed=episode)
+        names.add(env.mission.instance.name)
+    assert len(made) == 5 + 1  # and the lowest field once more, for the number of its events
+    assert names == {each.name for each in made}
+    assert len({id(env._pool) for env in envs}) == 1
+    MissionEnv(fields=SMALL, pool=4, pool_seed=77).reset()
+    assert len(made) == 6 + 4 + 1
+
+
+def test_episodes_on_drawn_fields_are_missions_of_their_own() -> None:
+    """What is legal on a field drawn ahead is legal in ``env.mission``, at the same cost.
+
+    The budget and the duration are those of the mission, also where planes drift.
+    """
+    rng = np.random.default_rng(5)
+    for dynamics in ("two-body", "j2"):
+        fields = dataclasses.replace(SMALL, dynamics=dynamics)
+        env = MissionEnv(fields=fields, pool=4)
+        limits = set()
+        for seed in range(6):
+            env.reset(seed=seed)
+            instance = env.mission.instance
+            own = MissionEnv(instance)
+            own.reset()
+            limits.add((instance.chaser.tank.delta_v_m_s, instance.mission.duration_s))
+            over = False
+            while not over:
+                mask = env.action_masks()
+                targets = len(instance.targets)
+                mine = np.append(np.flatnonzero(mask[:-1]), [targets] * int(mask[-1]))
+                np.testing.assert_array_equal(mine, np.flatnonzero(own.action_masks()))
+                at = rng.integers(mine.size)
+                _, reward, over, _, info = env.step(int(np.flatnonzero(mask)[at]))
+                _, same, _, _, info_of_own = own.step(int(mine[at]))
+                assert reward == same
+                for figure in ("time_s", "delta_v_left_m_s", "collected"):
+                    assert info[figure] == info_of_own[figure]
+            plan = certify(env.mission, "episode", env.sequence, seed=0, runtime_s=0.0).plan
+            assert plan is not None
+            assert adr_opt.check(instance, plan) == ()
+        assert len(limits) > 2
+
+
+def test_without_a_pool_every_reset_draws_another_field() -> None:
+    """``pool=0`` draws a field for each mission; the seed of a pool determines its fields."""
+
+    def names(**options: int) -> set[str]:
+        env = MissionEnv(fields=SMALL, **options)
+        found = set()
+        for seed in range(12):
+            env.reset(seed=seed)
+            found.add(env.mission.instance.name)
+        return found
+
+    assert len(names(pool=0)) == 12
+    assert len(names(pool=1)) == 1
+    assert names(pool=3, pool_seed=1).isdisjoint(names(pool=3, pool_seed=2))
+
+
+def test_practice_compiles_all_that_an_environment_calls() -> None:
+    """After ``episodes.practise`` neither environment asks for a kernel of other arguments."""
+    code = """
+from adr_opt.episodes import practise
+from numba.core.dispatcher import Dispatcher
+import gc
+def known():
+    return {(id(each), signature) for each in gc.get_objects() if isinstance(each, Dispatcher)
+            for signature in each.overloads}
+practise()
+from adr_opt.env import *
+from small_fields import SMALL
+before = known()
+for name in OBSERVATIONS:
+    env = MissionEnv(fields=SMALL, pool=2, observation=name)
+    _, info = env.reset(seed=0)
+    env.step(int(info["action_mask"].argmax()))
+    many = MissionVecEnv(40, SMALL, slots=2, observation=name)
+    many.reset()
+    many.step(many.action_masks().argmax(axis=1))
+    many.close()
+new = known() - before
+assert not new, new
+"""
+    subprocess.run([sys.executable, "-c", code], cwd=Path(__file__).parent, check=True)

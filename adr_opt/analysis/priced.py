@@ -11,7 +11,7 @@ import numpy as np
 
 from ..campaign import Problem, problem_of
 from ..errors import InputError
-from ..instance import Instance
+from ..instance import AnyInstance, Instance, instance_of
 from ..mission import Mission
 from ..plan import Leg, Plan
 from ..pricing import legs
@@ -146,12 +146,12 @@ class PricedOrder(Shown):
         }
 
 
-def price(instance: Instance, orders: Asked, *, mend: bool = True) -> PricedOrder:
+def price(instance: AnyInstance, orders: Asked, *, mend: bool = True) -> PricedOrder:
     """Time orders of bodies with the exact scheduler, each at least cost.
 
     Parameters
     ----------
-    instance : Instance
+    instance : Instance, path or dict
     orders : Plan, mapping, or sequence
         Bodies in order by name or by number: a sequence of them for an only chaser, of several a
         sequence of such sequences, or such a sequence by the name of the chaser. Of a plan, which
@@ -165,6 +165,7 @@ def price(instance: Instance, orders: Asked, *, mend: bool = True) -> PricedOrde
         A name is none of a chaser or a body, or two chasers go to one target.
     """
     begun = time.perf_counter()
+    instance = instance_of(instance)
     named = _by_chaser(instance, orders)
     _check(instance, named)
     # Only the bodies of the orders: their connections are what they are among all.

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from ..errors import InputError
 from ..formats_1 import is_of
-from ..instance import Instance
+from ..instance import AnyInstance, instance_of
 from ..plan import Plan
 from .mission import check_legs, check_routes
 from .totals import check_cost, check_totals
@@ -37,12 +37,12 @@ __all__ = [
 ]
 
 
-def check(instance: Instance, plan: Plan) -> tuple[Violation, ...]:
+def check(instance: AnyInstance, plan: Plan) -> tuple[Violation, ...]:
     """All violations of a plan; none means that it may be flown.
 
     Parameters
     ----------
-    instance : Instance
+    instance : Instance, path or dict
     plan : Plan
 
     Raises
@@ -55,6 +55,7 @@ def check(instance: Instance, plan: Plan) -> tuple[Violation, ...]:
             "check judges a plan, with its times and costs; what an order of bodies comes to "
             "adr_opt.analysis.price tells, which makes a plan of it"
         )
+    instance = instance_of(instance)
     if not is_of(plan.instance, instance):
         raise InputError(
             f"the plan belongs to the instance {plan.instance.name!r} "

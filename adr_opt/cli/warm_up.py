@@ -11,6 +11,9 @@ from ..errors import InputError
 from .output import emit, emit_json, say
 from .parameters import json_option, quiet_option
 
+ENVIRONMENT = "environment"
+"""Stands for what the environment and its policies call."""
+
 
 @click.command("warm-up", short_help="Compile what methods need, once and for all runs.")
 @click.argument("methods", nargs=-1, metavar="[METHOD]...")
@@ -18,7 +21,9 @@ from .parameters import json_option, quiet_option
 @json_option
 @quiet_option
 def command(methods: tuple[str, ...], jobs: int | None, as_json: bool, quiet: bool) -> int:
-    """Compile the kernels of METHODs, of all planners and bounds by default.
+    """Compile the kernels of METHODs, by default of all planners and bounds.
+
+    The METHOD environment, which is among them, stands for what training calls.
 
     Compiled kernels are kept in a folder of the user, which ADR_OPT_CACHE_DIR names, and no run
     compiles them again until they change. Exit status 1: they cannot be kept.
@@ -26,7 +31,7 @@ def command(methods: tuple[str, ...], jobs: int | None, as_json: bool, quiet: bo
     from ..kernels import cache
     from ..planner import BOUNDS, PLANNERS, names
 
-    known = dict.fromkeys((*names(PLANNERS), *names(BOUNDS)))
+    known = dict.fromkeys((*names(PLANNERS), *names(BOUNDS), ENVIRONMENT))
     for method in methods:
         if method not in known:
             raise InputError(f"method {method!r} is unknown; use one of: {', '.join(known)}")
@@ -103,6 +108,11 @@ def _compile_one(method: str) -> dict[str, Any]:
     from .. import front
     from ..planner import BOUNDS, PLANNERS, names
 
+    if method == ENVIRONMENT:
+        from ..episodes import practise
+
+        practise()
+        return _row(method)
     problem = None
     for group in (PLANNERS, BOUNDS):
         if method in names(group):

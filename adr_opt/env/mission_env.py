@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import gymnasium
@@ -17,11 +17,17 @@ from ..instance import Instance
 from ..kernels import episodes as kernels
 from ..kernels.constants import SLACK_M_S
 from ..mission import Mission
+from .drawn import DrawnFields, shared
 from .fields import PUBLISHED, Fields, check_kind
 from .rendering import picture, sentence
 from .spaces import space
 
 MOST_REDRAWS = 100
+
+POOL = 32
+"""Number of fields that are drawn ahead, if the caller does not say."""
+
+NONE_BEGUN = "no mission has begun; call reset first"
 
 
 class MissionEnv(gymnasium.Env[Observation, np.int64]):
@@ -46,9 +52,11 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
     ## Starting State
 
     Docked at the station at t = 0 with a full ΔV budget. Without an ``instance``, every reset
-    draws a field, and a budget and a duration, from ``fields``; ``options`` change ``fields`` for
-    one reset (``{"targets": (20, 30), "zones": (0, 6)}``) or give one ``{"instance": …}``. A field
-    with fewer targets than the action space leaves the last target actions without use.
+    draws one of ``pool`` fields that were themselves drawn from ``fields``, and a budget and a
+    duration. The first reset works out their timetables, and all environments of a process share
+    them. ``options`` change ``fields`` for one reset (``{"targets": (20, 30), "zones": (0, 6)}``),
+    which then works out a field of its own, or give one ``{"instance": …}``. A field with fewer
+    targets than the action space leaves the last target actions without use.
 
     ## Episode End
 
@@ -71,6 +79,10 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         Play this one at every reset.
     fields : Fields
         Where missions are drawn from otherwise.
+    pool : int
+        Number of fields that are drawn ahead; 0 to draw and work out another one at every reset.
+    pool_seed : int
+        Determines those fields; the seed of :meth:`reset` determines which of them is played.
     observation : str
         One of :data:`adr_opt.episodes.OBSERVATIONS`.
     render_mode : {"ansi", "rgb_array"}, optional
@@ -95,6 +107,8 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         instance: Instance | None = None,
         *,
         fields: Fields = PUBLISHED,
+        pool: int = POOL,
+        pool_seed: int = 0,
         observation: str = "transfer",
         render_mode: str | None = None,
     ) -> None:
@@ -103,10 +117,12 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
             raise InputError(f"render_mode {render_mode!r} is unknown; use one of: {known}")
         _check_kind(instance)
         check_kind(fields)
+        for name, value in (("pool", pool), ("pool_seed", pool_seed)):
+            if not isinstance(value, (int, np.integer)) or value < 0:
+                raise InputError(f"{name} = {value!r}: must be a whole number from 0 on")
         self.render_mode = render_mode
         self.fields = fields
         self._fixed = instance
-        self._name = observation
         targets = fields.most_targets if instance is None else len(instance.targets)
         if instance is not None:
             _ = instance.chaser  # an episode is that of one; several are refused
@@ -115,8 +131,14 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         self.observation_space = space(observation, targets)
         self.action_space = spaces.Discrete(targets + 1)
         self._targets = targets
+        self._ahead = int(pool), int(pool_seed)
+        self._drawn: DrawnFields | None = None
+        self._own: tuple[Mission, FieldPool] | None = None
+        self._played: Callable[[], Mission] | None = None
         self._mission: Mission | None = None
         self._pool: FieldPool | None = None
+        self._episodes = new_episodes(1, targets + 1)
+        self._board = Board(observation, 1, targets)
         self._over = True
         self.sequence: list[int] = []
 
@@ -151,42 +173,69 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
                 "instance is given"
             )
         for _ in range(MOST_REDRAWS):
-            instance = fixed
-            if instance is None:
+            if fixed is not None:
+                name = self._begin(fixed)
+            elif changes or not self._ahead[0]:
                 limits = fields.draw_limits(self.np_random)
                 field = fields.draw_field(self.np_random)
-                instance = field.with_limits(limits.duration_s, limits.delta_v_m_s)
-            self._begin(instance)
+                name = self._begin(field.with_limits(limits.duration_s, limits.delta_v_m_s))
+            else:
+                name = self._begin_drawn()
             self._over = not self._board.legal[0]
             if not self._over:
                 return self._board.copy(0), self._info()
             if fixed is not None:
                 break
         raise InputError(
-            f"{instance.name}: no move is legal at the start; it needs targets, more duration_s or "
+            f"{name}: no move is legal at the start; it needs targets, more duration_s or "
             "delta_v_m_s, or fewer keep-out zones"
         )
 
-    def _begin(self, instance: Instance) -> None:
+    def _begin(self, instance: Instance) -> str:
+        """Begin a mission that has a timetable of its own; the name of its instance."""
         if len(instance.targets) > self._targets:
             raise InputError(
                 f"{instance.name} has {len(instance.targets)} targets, more than the "
                 f"{self._targets} of the action space; make the environment with this instance"
             )
-        if self._mission is None or not self._mission.instance.same(instance):
-            self._mission = Mission(instance)
-            bodies = self._targets + 1
-            self._pool = FieldPool.for_one(self._mission, bodies)
-            self._pool.install(0, self._mission)
-            self._episodes = new_episodes(1, bodies)
-            self._board = Board(self._name, 1, self._targets)
-        assert self._pool is not None
+        if self._own is None or not self._own[0].instance.same(instance):
+            mission = Mission(instance)
+            pool = FieldPool.for_one(mission, self._targets + 1)
+            pool.install(0, mission)
+            self._own = mission, pool
+        mission, pool = self._own
         budget = instance.chaser.tank.delta_v_m_s
-        start(self._pool, self._episodes, 0, 0, budget, playing_time_s(instance))
-        self._board.observe(self._pool.arrays, self._episodes, 0, 1)
+        self._start(pool, 0, budget, playing_time_s(instance), lambda: mission)
+        return instance.name
+
+    def _begin_drawn(self) -> str:
+        """Begin a mission on one of the fields drawn ahead; the name of the field."""
+        if self._drawn is None:
+            self._drawn = shared(self.fields, *self._ahead)
+        slot, field, limits = self._drawn.draw(self.np_random)
+
+        def played() -> Mission:
+            return Mission(field.with_limits(limits.duration_s, limits.delta_v_m_s))
+
+        self._start(self._drawn.pool, slot, limits.delta_v_m_s, limits.duration_s, played)
+        return field.name
+
+    def _start(
+        self,
+        pool: FieldPool,
+        slot: int,
+        delta_v_m_s: float,
+        duration_s: float,
+        played: Callable[[], Mission],
+    ) -> None:
+        self._pool, self._played, self._mission = pool, played, None
+        start(pool, self._episodes, 0, slot, delta_v_m_s, duration_s)
+        self._board.observe(pool.arrays, self._episodes, 0, 1)
         self.sequence = []
 
-    def step(self, action: np.int64) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+    def step(
+        self, action: int | np.integer[Any]
+    ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Make one move.
 
         Raises
@@ -219,7 +268,8 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         InputError
             None has begun.
         """
-        _ = self.mission  # refuses where none has begun
+        if self._pool is None:
+            raise InputError(NONE_BEGUN)
         mask: npt.NDArray[np.bool_] = self._board.mask[0].copy()
         return mask
 
@@ -236,24 +286,29 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
 
     @property
     def mission(self) -> Mission:
-        """The mission that is played.
+        """The mission that is played, with its budget and duration.
+
+        For an episode on a field that was drawn ahead it is made when it is first asked for, and
+        works out a timetable of its own when it is first planned with.
 
         Raises
         ------
         InputError
             None has begun.
         """
+        if self._played is None:
+            raise InputError(NONE_BEGUN)
         if self._mission is None:
-            raise InputError("no mission has begun; call reset first")
+            self._mission = self._played()
         return self._mission
 
     def render(self) -> Any:
         """The state as text (``ansi``) or as a picture (``rgb_array``)."""
-        if self.render_mode is None or self._mission is None:
+        if self.render_mode is None or self._pool is None:
             return None
         state = {**self._info(), "body": int(self._episodes.body[0])}
         draw = sentence if self.render_mode == "ansi" else picture
-        return draw(self._mission, state, self._episodes.visited[0])
+        return draw(self.mission, state, self._episodes.visited[0])
 
 
 def _check_kind(instance: Any) -> None:

@@ -13,11 +13,11 @@ import numpy.typing as npt
 from gymnasium import spaces
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvStepReturn
 
-from ..episodes import Board, FieldPool, Observation, new_episodes
+from ..episodes import Board, Observation, new_episodes
 from ..errors import InputError
-from ..instance import Instance
 from ..kernels import episodes as kernels
 from ..mission import Mission
+from .drawn import ready, work_out
 from .fields import PUBLISHED, Fields, check_kind
 from .spaces import space
 
@@ -25,15 +25,6 @@ MOST_REDRAWS = 1000
 
 FEW = 32
 """So few missions are not worth a second thread."""
-
-
-def _ready(instance: Instance) -> Mission:
-    """A mission with everything worked out that is played on, on one thread."""
-    mission = Mission(instance, threads=1)
-    _ = mission.rules
-    # What the table was chosen from takes many times its memory, and nobody asks for it here.
-    mission.connecting.kept.limit(0.0)
-    return mission
 
 
 class MissionVecEnv(VecEnv):
@@ -131,23 +122,7 @@ class MissionVecEnv(VecEnv):
         self._field_rng = np.random.default_rng(field_seed)
         self._rng = np.random.default_rng(episode_seed)
         instances = [self.fields.draw_field(self._field_rng) for _ in range(self._slots)]
-        missions = self._workers.map(_ready, instances)
-        regular = not Mission(instances[0]).connecting.drifts
-        if regular:
-            # The lowest body has the most departure events; fields drawn later may be a little
-            # lower.
-            lowest = _ready(min(instances, key=lambda instance: instance.orbits()[:, 0].min()))
-            events = lowest.timetable.most_events
-            events += 4 + events // 32
-        else:
-            # No field tells how many another one has.
-            made = list(missions)
-            events = max(mission.timetable.most_events for mission in made)
-            events += 4 + events // 4
-            missions = iter(made)
-        self.pool = FieldPool(self._slots, self._targets + 1, events, regular=regular)
-        for slot, mission in enumerate(missions):
-            self.pool.install(slot, mission)
+        self.pool = work_out(instances, self._targets + 1, self._workers)
         self.episodes = new_episodes(self.num_envs, self._targets + 1)
         self.episodes.slot[:] = -1
         self._users = np.zeros(self._slots, dtype=np.int64)
@@ -308,7 +283,7 @@ class MissionVecEnv(VecEnv):
             self._steps -= self._refresh_every
             self._retiring = self._next_slot
             # Drawn here and now, worked out elsewhere: the order of the draws is certain.
-            self._coming = self._builder.submit(_ready, self.fields.draw_field(self._field_rng))
+            self._coming = self._builder.submit(ready, self.fields.draw_field(self._field_rng))
         if self._coming is not None and not self._users[self._retiring]:
             mission = self._coming.result()
             # A field with so many events that there is no room for them is passed over.

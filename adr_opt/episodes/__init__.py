@@ -6,6 +6,7 @@ alone.
 
 from .board import OBSERVATIONS, Board, Observation, check_observation, move_fields, published_size
 from .pool import FieldPool, check_playable, in_mean_prizes, new_episodes, playing_time_s, start
+from .practice import practise
 
 __all__ = [
     "OBSERVATIONS",
@@ -18,6 +19,7 @@ __all__ = [
     "move_fields",
     "new_episodes",
     "playing_time_s",
+    "practise",
     "published_size",
     "start",
 ]

@@ -70,6 +70,8 @@ class Table(NamedTuple):
 NO_SLOTS = np.empty((0, 0), dtype=np.int16)
 """Each destination has the slot of its number."""
 
+NO_SLOTS.setflags(write=False)  # as in a finished table, or kernels would be compiled for both
+
 
 @inlined
 def slot_of(table, i, j):

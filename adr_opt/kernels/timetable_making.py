@@ -201,6 +201,7 @@ def slots_of(pairs: Pairs) -> np.ndarray:
         return NO_SLOTS
     slot = np.full((bodies, bodies), -1, dtype=np.int16)
     np.put_along_axis(slot, pairs.near, np.arange(ranks, dtype=np.int16)[None, :], axis=1)
+    slot.setflags(write=False)
     return slot
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from ..cluster import Calls, Pool, Workers
 from ..errors import InputError
 from ..flight.flyable import refuse_broken_chain, refuse_what_cannot_be_flown
-from ..instance import Instance
+from ..instance import AnyInstance, Instance, instance_of
 from ..plan import InstanceReference, Plan
 from ..result import versions
 from ..routes import owners
@@ -42,7 +42,7 @@ Report = Callable[[int, int], None]
 
 
 def refine(
-    instance: Instance,
+    instance: AnyInstance,
     plan: Plan,
     *,
     gravity: Gravity | None = None,
@@ -60,7 +60,7 @@ def refine(
 
     Parameters
     ----------
-    instance : Instance
+    instance : Instance, path or dict
     plan : Plan
         Need not be free of violations; :func:`adr_opt.check` judges that.
     gravity : {"two-body", "j2", "j3", "j4"}, optional
@@ -92,6 +92,7 @@ def refine(
         The plan belongs to another instance or cannot be flown, its legs do not follow each
         other, or a parameter is not one of those.
     """
+    instance = instance_of(instance)
     gravity = gravity or instance.dynamics
     _check_word("gravity", gravity, GRAVITIES)
     freedom = _freedom(instance, freedom)

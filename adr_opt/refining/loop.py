@@ -16,7 +16,7 @@ from ..flight.flyable import refuse_given
 from ..flight.result import TankFlight
 from ..flight.tanks import tanks_of
 from ..front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, method_of, run
-from ..instance import Instance
+from ..instance import AnyInstance
 from ..plan import Plan
 from ..planner import BOUNDS, PLANNERS, Progress, silent, takes_jobs
 from ..result import Result
@@ -151,7 +151,7 @@ def _rank(plan: Plan, refined: RefinedPlan) -> tuple[float, float]:
 
 
 def solve_refined(
-    instance: Instance | Problem,
+    instance: AnyInstance | Problem,
     method: str = DEFAULT_METHOD,
     *,
     gravity: Gravity | None = None,

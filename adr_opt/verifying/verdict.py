@@ -15,7 +15,7 @@ import numpy as np
 from ..certificate import Certificate, ProvenWalks, sha256_of
 from ..checking import OBJECTIVE_TOLERANCE, check
 from ..connections import Connecting
-from ..instance import Instance
+from ..instance import AnyInstance, Instance, instance_of
 from ..plan import Plan
 from .claim import bound_of, check_names, gains
 from .legs import legs_of
@@ -73,7 +73,7 @@ class Verdict:
 
 
 def verify(
-    instance: Instance,
+    instance: AnyInstance,
     plan: Plan | None,
     certificate: Certificate,
     *,
@@ -84,7 +84,7 @@ def verify(
 
     Parameters
     ----------
-    instance : Instance
+    instance : Instance, path or dict
     plan : Plan or None
         None to verify the bound alone.
     certificate : Certificate
@@ -98,6 +98,7 @@ def verify(
     InputError
         Something belongs to another instance, or it has rules that cannot be verified yet.
     """
+    instance = instance_of(instance)
     check_names(instance, certificate)
     refuse_unknown(instance)
     reasons = [] if plan is None else _judge(instance, plan, certificate)
