@@ -128,7 +128,7 @@ def _with_legend(figure: Any, ax: Any) -> Any:
 
 def rocket_bodies(files: Path) -> Any:
     """A year among rocket bodies: nodes against time."""
-    instance, plan = load(files, "bodies", "careful-plan")
+    instance, plan = load(files, "bodies", "bodies-plan")
     figure, ax = plt.subplots(figsize=(WIDTH_IN, 4.6))
     plot.nodes(ax, instance, plan)
     ax.set_xlim(0.0, instance.mission.duration_s / DAY_S)
