@@ -37,6 +37,24 @@ def test_places_that_cannot_be_written(
     refused(cli("solve", tiny_file, "--method", "greedy", "--out", tiny_file), "this is the input")
 
 
+def test_results_beside_others_that_are_not_there_yet(cli: Cli, tiny_file: Path) -> None:
+    """A result may replace a file while another result of the run is new, but not be the same."""
+    Path("old.json").write_text("old")
+    Path("old.html").write_text("old")
+    call = ["solve", tiny_file, "--method", "exact"]
+    done = cli(*call, "--certificate", "old.json", "--out", "new.json")
+    assert done.status == 0, done.err
+    assert Path("new.json").exists()
+    assert Path("old.json").read_text() != "old"
+    call = ["tradeoff", tiny_file, "--vary", "delta-v=500,1000", "--time-limit", 1]
+    done = cli(*call, "--page", "old.html", "--out", "new.csv")
+    assert done.status == 0, done.err
+    assert Path("new.csv").exists()
+    assert Path("old.html").read_text() != "old"
+    call = ["solve", tiny_file, "--method", "exact", "--certificate", "./same.json"]
+    refused(cli(*call, "--out", "same.json"), "./same.json: this is the name of another result")
+
+
 def test_a_link_is_written_through(cli: Cli, tmp_path: Path) -> None:
     """--out on a link replaces the file it points to and leaves the link."""
     (tmp_path / "folder").mkdir()

@@ -81,7 +81,7 @@ def test_an_infeasible_mission_has_a_certificate(cli: Cli, tmp_path: Path) -> No
         (("--method", "exact", "--margin", "0.1"), "--margin"),
         (("--method", "exact", "--refine"), "--refine"),
         (("--method", "exact", "--certificate", "i.json"), "this is the input"),
-        (("--method", "exact", "--out", "c.json"), "another file of this run"),
+        (("--method", "exact", "--out", "c.json"), "the name of another result, too"),
         (("--method", "exact", "--certificate", "none/c.json"), "does not exist"),
     ],
     ids=["method", "margin", "refine", "input", "plan", "folder"],

@@ -56,8 +56,6 @@ def check_certificate(
     if path is None:
         return
     check_out(path, *others)
-    if path in others:
-        raise InputError(f"--certificate {path}: this is another file of this run; name another")
     if margin or refine:
         what = "--margin" if margin else "--refine"
         raise InputError(
