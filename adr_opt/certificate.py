@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from .errors import InputError
 from .evidence import Evidence, Walks
 from .files import parse_model, read_text, to_text, write_bytes
 from .instance import Instance
-from .plan import InstanceReference, Plan
+from .plan import FORMER_MODEL, MODEL, InstanceReference, Model, Plan, without_former_model
 from .prizes import Prizes
 from .records import Name, NonNegative, Positive, Record
 from .result import Result
@@ -75,11 +75,13 @@ class Certificate(Shown, Record):
     or the ``floors``: prices of time and of ΔV.
     ``delta_v_slot_m_s`` is the slot of ΔV in which the method has looked ahead: what is true does
     not depend on it, how long it takes to see it does. Where ``time_step_s`` is given time was
-    counted in such steps, so coarsely that no walk has to be gone through by itself.
+    counted in such steps, so coarsely that no walk has to be gone through by itself. ``model`` is
+    the version of docs/model.md that connections are of.
     ``plan_sha256`` is that of the plan file that was written beside it.
     """
 
     format: Literal["adr-opt-certificate/1"] = FORMAT
+    model: Model = FORMER_MODEL
     instance: InstanceReference
     plan_sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")] | None = None
     method: Name
@@ -91,6 +93,10 @@ class Certificate(Shown, Record):
     multipliers: dict[Name, Worth] = Field(default_factory=dict)
     walks: Annotated[tuple[ProvenWalks, ...], Field(strict=False)] = ()
     floors: ProvenFloors | None = None
+
+    @model_serializer(mode="wrap")
+    def _without_former_model(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without_former_model(write(self))
 
     def _card(self) -> Card:
         from .showing.of_refined import of_certificate
@@ -186,6 +192,7 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
             for j in np.flatnonzero(evidence.multipliers)
         }
     return Certificate(
+        model=MODEL,
         instance=InstanceReference(name=instance.name, sha256=prizes.sha256),
         plan_sha256=None if result.plan is None else sha256_of(result.plan),
         method=result.method,

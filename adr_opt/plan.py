@@ -16,6 +16,14 @@ from .showing import Card, Shown
 
 FORMAT: Literal["adr-opt-plan/2"] = "adr-opt-plan/2"
 
+MODEL: Literal[3] = 3
+"""The version of docs/model.md that costs are worked out by."""
+
+FORMER_MODEL: Literal[2] = 2
+"""The version of plans and certificates that name none: phase cost nothing in legs that drift."""
+
+Model = Literal[2, 3]
+
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
 Reason = Literal["duration", "delta-v", "no-transfer", "capacity", "not-worth-it", "not-considered"]
 
@@ -171,10 +179,12 @@ class Plan(Shown, Record):
 
     ``status`` speaks of ``objective``, the prize: ``upper_bound`` is what no plan exceeds.
     ``cost_status`` speaks of ``cost`` at that prize: ``cost_bound`` is what no plan costs less than
-    that collects as much; the three are null where nobody asked for them.
+    that collects as much; the three are null where nobody asked for them. ``model`` is the version
+    of docs/model.md that its costs are of.
     """
 
     format: Literal["adr-opt-plan/2"] = FORMAT
+    model: Model = FORMER_MODEL
     instance: InstanceReference
     method: Name
     seed: Annotated[int, Field(ge=0)]
@@ -196,6 +206,15 @@ class Plan(Shown, Record):
         from .showing.of_plan import of_plan
 
         return of_plan(self)
+
+    @model_serializer(mode="wrap")
+    def _without_former_model(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without_former_model(write(self))
+
+    @property
+    def has_former_drifts(self) -> bool:
+        """Whether legs drift that were planned as if phase cost nothing."""
+        return self.model < MODEL and any(leg.kind == "drift" for leg in self.legs)
 
     @classmethod
     def from_json(cls, text: str) -> Plan:
@@ -249,6 +268,11 @@ class Plan(Shown, Record):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the plan file, whole or not at all."""
         write_text(path, self.to_json())
+
+
+def without_former_model(content: dict[str, Any]) -> dict[str, Any]:
+    """The content of a file; the former model goes without saying, so that digests last."""
+    return {k: v for k, v in content.items() if k != "model" or v != FORMER_MODEL}
 
 
 def load_plan(path: str | os.PathLike[str]) -> Plan:

@@ -16,7 +16,7 @@ from .errors import InputError
 from .evidence import Evidence
 from .expense import cost_of_routes
 from .mission import Mission
-from .plan import InstanceReference, Plan, Route, Status, relative_gap
+from .plan import MODEL, InstanceReference, Plan, Route, Status, relative_gap
 from .pricing import APPROXIMATE, legs, unvisited
 from .prizes import Prizes
 from .showing import Card, Shown
@@ -267,6 +267,7 @@ def certify_routes(
         cost_bound = min(cost_bound, cost)  # they may differ by rounding
     bounded = math.isfinite(upper_bound)
     plan = Plan(
+        model=MODEL,
         instance=InstanceReference(name=problem.instance.name, sha256=problem.sha256),
         method=method,
         seed=seed,

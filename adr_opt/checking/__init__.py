@@ -20,6 +20,7 @@ from ..formats_1 import is_of
 from ..instance import AnyInstance, instance_of
 from ..plan import Plan
 from .mission import check_legs, check_routes
+from .model import check_model
 from .totals import check_cost, check_totals
 from .violation import (
     DELTA_V_TOLERANCE_M_S,
@@ -63,6 +64,7 @@ def check(instance: AnyInstance, plan: Plan) -> tuple[Violation, ...]:
             f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
         )
     return (
+        *check_model(plan),
         *check_routes(instance, plan),
         *check_legs(instance, plan),
         *check_totals(instance, plan),

@@ -16,7 +16,7 @@ from ..certificate import Certificate, ProvenWalks, sha256_of
 from ..checking import OBJECTIVE_TOLERANCE, check
 from ..connections import Connecting
 from ..instance import AnyInstance, Instance, instance_of
-from ..plan import Plan
+from ..plan import MODEL, Plan
 from .claim import bound_of, check_names, gains
 from .legs import legs_of
 from .rules import kept_apart, refuse_unknown
@@ -101,7 +101,8 @@ def verify(
     instance = instance_of(instance)
     check_names(instance, certificate)
     refuse_unknown(instance)
-    reasons = [] if plan is None else _judge(instance, plan, certificate)
+    reasons = _of_former_model(instance, certificate)
+    reasons += [] if plan is None else _judge(instance, plan, certificate)
     if reasons:  # no proof makes a wrong plan right
         return Verdict(tuple(reasons), math.inf, None, 0, 0, 0)
     connecting = Connecting(instance)
@@ -123,6 +124,15 @@ def verify(
     return Verdict(
         tuple(reasons), bound, objective, labels, sampled.connections, sampled.departures, legs
     )
+
+
+def _of_former_model(instance: Instance, certificate: Certificate) -> list[str]:
+    if certificate.model == MODEL or not instance.transfer.max_drift_s:
+        return []
+    return [
+        f"it is of version {certificate.model} of the model, in which phase cost nothing in legs "
+        "that drift: prove anew"
+    ]
 
 
 def _judge(instance: Instance, plan: Plan, certificate: Certificate) -> list[str]:

@@ -1,0 +1,73 @@
+"""Plans and certificates of the model in which phase cost nothing: told apart, and by one line."""
+
+from __future__ import annotations
+
+import json
+
+from drifting_plans import drifting_instance, drifting_plan
+from hand_made import hand_made
+
+import adr_opt
+from adr_opt.certificate import Certificate, certificate_of, sha256_of
+from adr_opt.plan import MODEL, Plan
+from adr_opt.verifying import verify
+
+
+def without_model(text: str) -> str:
+    content = json.loads(text)
+    del content["model"]
+    return json.dumps(content)
+
+
+def certificate_from(text: str) -> Certificate:
+    return Certificate.model_validate_json(text)
+
+
+def test_new_plans_name_their_model():
+    """A plan that is made now names version 3 of the model, in its file too."""
+    plan = drifting_plan()
+    assert plan.model == MODEL
+    assert json.loads(plan.to_json())["model"] == MODEL
+
+
+def test_former_plans_keep_their_digest():
+    """A plan that names no model is written as it was read, so that its sha256 stays."""
+    plan = Plan.from_json(without_model(drifting_plan().to_json()))
+    assert plan.model == 2
+    assert "model" not in json.loads(plan.to_json())
+    assert sha256_of(Plan.from_json(plan.to_json())) == sha256_of(plan)
+    assert sha256_of(plan) != sha256_of(drifting_plan())
+
+
+def test_former_drifts_have_to_be_planned_anew():
+    """`check` says once that drift legs of the former model are to be planned anew."""
+    plan = drifting_plan().replace(model=2)
+    (said,) = [v for v in adr_opt.check(drifting_instance(), plan) if v.rule == "model"]
+    assert "plan anew" in said.message
+    assert not adr_opt.check(drifting_instance(), drifting_plan())
+
+
+def test_former_plans_without_drifts_stand():
+    """A plan of the former model without drift legs breaks nothing."""
+    instance = hand_made()
+    plan = adr_opt.solve(instance, "exact").plan
+    assert plan is not None
+    assert not adr_opt.check(instance, plan.replace(model=2))
+
+
+def test_former_certificates_of_drifts_are_refused():
+    """`verify` refuses what was proven of drift legs of the former model, and no other proof."""
+    mission = adr_opt.Mission(drifting_instance())
+    certificate = certificate_of(mission.instance, adr_opt.solve(mission, "exact"))
+    assert certificate.model == MODEL
+    former = certificate_from(without_model(certificate.to_json()))
+    assert former.model == 2
+    assert "model" not in json.loads(former.to_json())
+    (reason,) = verify(mission.instance, None, former).reasons
+    assert "prove anew" in reason
+    assert verify(mission.instance, None, certificate).verified
+
+    short = adr_opt.Mission(hand_made())
+    proof = certificate_of(short.instance, adr_opt.solve(short, "exact"))
+    former = certificate_from(without_model(proof.to_json()))
+    assert verify(short.instance, None, former).verified
