@@ -3,9 +3,9 @@
 The closed form of :mod:`adr_opt.kernels.drift` says what a drift costs and which orbit it waits on;
 it knows no phase. Here the phase is met. The chaser leaves its body at the line of nodes of its own
 plane and that of the drift orbit, by a Hohmann transfer whose two burns turn the plane by half the
-angle each; it drifts; and it leaves the drift orbit in the same way at the line of nodes with the
-plane that the remaining arcs carry onto the target's, towards the co-elliptic orbit, from which on
-it flies as in a short transfer (MODEL section 2).
+angle each; it drifts; and it leaves the drift orbit at the line of nodes with the plane that the
+remaining arcs carry onto the target's, by two half ellipses, to the co-elliptic orbit and to the
+stand-off, whose three burns share the turn. The approach is that of a short transfer.
 
 It may leave a while after the time of departure and arrive a while before that of arrival. So there
 are many pairs of crossings to choose from, and for each, numbers of revolutions on the drift orbit:
@@ -33,7 +33,7 @@ from .kernels.burns import (
 )
 from .kernels.constants import DAY_S, MU_M3_S2
 from .kernels.transfer import TransferRule
-from .planes import Arcs, Plane, Turn, ahead, outward, turn_between, turned
+from .planes import Arcs, Plane, Turn, ahead, between, outward, turn_between, turned
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -49,6 +49,9 @@ CLOSE_M, FARTHEST_M, MOST_STEPS = 1e-6, 5e3, 40
 PHASES = (HOHMANN_1, DRIFT, CO_ELLIPTIC, TERMINAL, TERMINAL, APPROACH, APPROACH)
 """Phases that the burns of a drift begin; the second terminal burn and the second approach burn end
 theirs."""
+
+LEAST_CLIMB_M_S = 1e-3
+"""A drift orbit that costs less is as good as that of the target: two burns share the turn [m/s]."""
 
 FREEDOM_S = (0.5 * DAY_S, DAY_S, 2.0 * DAY_S)
 """The chaser may leave so much later, and arrive so much earlier: the first that is enough."""
@@ -286,13 +289,15 @@ class Drifting:
         last = self._closing(drifting, radius, start, met)
         half_turns = self._half_turns(way, drifting, begun, last)
         where, missed, slope = radius, 0.0, 1.0
+        half_1 = half_2 = Plane(inclination_j, 0.0)
         for step in range(MOST_STEPS):
             rc = radius + rule.first_leg_fraction * (rj - radius)
             out, out_shift = arcs.half(ri, radius, first.middle.inclination)
-            end, end_shift = arcs.half(rc, rj, inclination_j)
+            turned_by = _turned_by(radius, rc, rj)
             drift_rate = arcs.node_rate(radius, drifting.inclination)
             for _ in range(MOST_STEPS):
-                back, back_shift = arcs.half(radius, rc, last.middle.inclination)
+                back, back_shift = arcs.half(radius, rc, half_1.inclination)
+                end, end_shift = arcs.half(rc, rj, half_2.inclination)
                 left = met - end - back
                 if left <= start + out:
                     return None
@@ -302,6 +307,7 @@ class Drifting:
                 before, last = last.before, turn_between(at_left, there)
                 # The line of nodes does not jump by a turn between two steps.
                 last = last._replace(before=before + math.remainder(last.before - before, TURN))
+                half_1, half_2 = (between(at_left, there, last.angle, by) for by in turned_by)
                 new = self._crossing(self._j, last.after + math.pi * half_turns + lead, met)
                 moved, met = abs(new - met), new
                 if moved < CLOSE_M / self._pair.linear.speed:
@@ -328,7 +334,7 @@ class Drifting:
             (ri, radius, rc, rj),
             (start, start + out, left, left + back, met),
             (home, first.middle.carried(home.raan), drifting.carried(home.raan), at_left,
-             last.middle, there),
+             half_1, half_2, there),
             (first.before + math.pi * parity, last.before + math.pi * half_turns),
             (out_shift, back_shift, end_shift),
         )  # fmt: skip
@@ -337,7 +343,7 @@ class Drifting:
         self,
         radii: tuple[float, float, float, float],
         times: tuple[float, float, float, float, float],
-        planes: tuple[Plane, Plane, Plane, Plane, Plane, Plane],
+        planes: tuple[Plane, Plane, Plane, Plane, Plane, Plane, Plane],
         latitudes: tuple[float, float],
         shifts: tuple[float, float, float],
     ) -> Flight:
@@ -349,10 +355,10 @@ class Drifting:
             Of the origin, the drift orbit, the co-elliptic orbit and the destination [m].
         times : (5,)
             Of the first five burns [s].
-        planes : (6,)
+        planes : (7,)
             The origin's, the first half ellipse's and the drift orbit's as they are at departure;
-            the drift orbit's, the second half ellipse's and the destination's as if the nodes stood
-            still from the third burn on.
+            the drift orbit's, those of the half ellipses after it and the destination's as if the
+            nodes stood still from the third burn on.
         latitudes : (2,)
             Arguments of latitude of the first burn and of the third, in the planes that they leave
             [rad].
@@ -360,7 +366,7 @@ class Drifting:
             Of the nodes on the half ellipses [rad].
         """
         ri, r, rc, rj = radii
-        home, out, drifting, at_left, back, there = planes
+        home, out, drifting, at_left, back, end, there = planes
         v1, v1_end = half_ellipse_speeds(ri, r)
         v2, v2_end = half_ellipse_speeds(r, rc)
         v3, v3_end = half_ellipse_speeds(rc, rj)
@@ -379,10 +385,29 @@ class Drifting:
             circle * ahead(drifting.carried(shifts[0]), second)
             - v1_end * ahead(out.carried(shifts[0]), second),
             v2 * ahead(back, third) - circle * ahead(at_left, third),
-            v3 * ahead(there.carried(moved[0]), fourth)
+            v3 * ahead(end.carried(moved[0]), fourth)
             - v2_end * ahead(back.carried(moved[0]), fourth),
-            (speed - v3_end) * ahead(there.carried(moved[1]), fifth),
+            speed * ahead(there.carried(moved[1]), fifth)
+            - v3_end * ahead(end.carried(moved[1]), fifth),
             -impulse * fifth,
             -impulse * at_target,
         ]
         return Flight(np.array([*times, times[-1], met]), np.array(vectors))
+
+
+def _turned_by(radius: float, co_elliptic: float, target: float) -> tuple[float, float]:
+    """Shares of the turn out of the drift orbit that are made after its first and second burn.
+
+    In proportion to what the three burns change of the speed, which makes their sum least.
+    """
+    v2, v2_end = half_ellipse_speeds(radius, co_elliptic)
+    v3, v3_end = half_ellipse_speeds(co_elliptic, target)
+    sizes = (
+        abs(v2 - math.sqrt(MU_M3_S2 / radius)),
+        abs(v3 - v2_end),
+        abs(math.sqrt(MU_M3_S2 / target) - v3_end),
+    )
+    whole = sum(sizes)
+    if whole < LEAST_CLIMB_M_S:
+        return 0.5, 1.0
+    return sizes[0] / whole, (sizes[0] + sizes[1]) / whole

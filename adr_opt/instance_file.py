@@ -19,6 +19,7 @@ from .errors import InputError
 from .files import to_text
 from .records import Name, Record
 from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings
+from .sizes import default_step_s
 
 FORMAT: Literal["adr-opt-instance/2"] = "adr-opt-instance/2"
 
@@ -45,6 +46,15 @@ class InstanceFile(Record):
                 f"field transfer.max_drift_s = {self.transfer.max_drift_s!r}: nothing drifts in "
                 'two-body motion; write 0.0, or dynamics "j2"'
             )
+        return self
+
+    @model_validator(mode="after")
+    def _grid_follows(self) -> Self:
+        """A grid that is not given follows from the mission, where there are drift legs."""
+        transfer = self.transfer
+        if transfer.max_drift_s > 0.0 and "drift_step_s" not in transfer.model_fields_set:
+            step = default_step_s(self.mission.duration_s, [body.orbit for body in self.targets])
+            object.__setattr__(self, "transfer", transfer.replace(drift_step_s=step))
         return self
 
     @model_validator(mode="after")

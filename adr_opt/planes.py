@@ -50,9 +50,17 @@ class Turn(NamedTuple):
 def turn_between(first: Plane, second: Plane) -> Turn:
     """The change from one plane to another, as if neither moved meanwhile."""
     before, after, angle = orbits.relative_node(*first, *second)
-    normal = orbits.frame(*first)[2] + orbits.frame(*second)[2]
+    return Turn(before, after, angle, between(first, second, angle, 0.5))
+
+
+def between(first: Plane, second: Plane, angle: float, share: float) -> Plane:
+    """The plane that a share of a turn leads to, which is by an angle in all [rad]."""
+    rest = 1.0 - share
+    if angle > 0.0:
+        rest, share = math.sin(rest * angle), math.sin(share * angle)
+    normal = rest * orbits.frame(*first)[2] + share * orbits.frame(*second)[2]
     inclination = math.atan2(math.hypot(normal[0], normal[1]), normal[2])
-    return Turn(before, after, angle, Plane(inclination, math.atan2(normal[0], -normal[1])))
+    return Plane(inclination, math.atan2(normal[0], -normal[1]))
 
 
 class Arcs:

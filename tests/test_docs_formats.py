@@ -63,7 +63,8 @@ def test_the_tables_of_the_formats_are_the_schemas(caption: str, model: Any) -> 
             assert default == json.dumps(known), name
         elif isinstance(known, int | float):
             assert float(default or known) == known, name
-            assert default or caption == "**`legs[]`**", name
+            # Tables of what programs write have no column of defaults.
+            assert default or caption in ("**`legs[]`**", "Defined in `adr_opt/plan.py`"), name
         elif name in schema.get("required", ()):
             assert default == "", name
 

@@ -105,7 +105,7 @@ def test_random_drifts_arrive(truth):
         assert_flies(case)
     assert none <= 0.04 * 250
     off = np.array([case.flight.delta_v / case.planned - 1.0 for case in found])
-    assert abs(np.median(off)) < 0.03
+    assert abs(np.median(off)) < 0.008  # with the last burn in one plane 0.014
     assert off.max() < 0.15
     assert off.min() > -0.05
 

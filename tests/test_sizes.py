@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import json
+import math
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 from catalogue_files import as_csv, field
 from conftest import Cli
+from drifting_plans import orbit
 
 import adr_opt
 from adr_opt.errors import InputError
-from adr_opt.kernels.constants import DAY_S
+from adr_opt.kernels.constants import DAY_S, MU_M3_S2
 from adr_opt.settings import TransferSettings
-from adr_opt.sizes import SHORT_S, told, transfers_for
+from adr_opt.sizes import SHORT_S, phase_period_s, told, transfers_for
 
 
 @pytest.fixture
@@ -42,6 +45,48 @@ def test_long_missions_have_a_grid_in_proportion(days: float) -> None:
     assert 0.2 * step <= made.departure_spacing_s / DAY_S <= 0.5 * step
     assert 0.1 <= made.delta_v_resolution_m_s <= 5.0
     assert days < 365.0 or made.delta_v_resolution_m_s == 5.0
+
+
+@pytest.mark.parametrize(
+    ("altitudes_km", "days"), [((750, 950), 0.5), ((770, 860), 1.0), ((790, 800), 2.0)]
+)
+def test_steps_of_weeks_follow_the_phase(altitudes_km: tuple[float, float], days: float) -> None:
+    """Where phases come back soon steps are short, as a share of that period."""
+    orbits = [orbit(altitude, 86.4, 0.0) for altitude in altitudes_km]
+    assert transfers_for(40.0 * DAY_S, orbits=orbits).drift_step_s == days * DAY_S
+    # Half a lap in as many days as the period has: the mean motions differ by that much.
+    motions = [math.sqrt(MU_M3_S2 / one.semi_major_axis_m**3) for one in orbits]
+    period = phase_period_s(orbits)
+    assert period == pytest.approx(2.0 * math.pi / (motions[0] - motions[1]), rel=0.01)
+    assert transfers_for(1500.0 * DAY_S, orbits=orbits).drift_step_s == 10.0 * DAY_S
+
+
+def test_orbits_alike_have_no_phase_to_wait_for() -> None:
+    """One body has no period, and bodies on one orbit an infinite one."""
+    one = orbit(800, 71.0, 0.0)
+    assert phase_period_s([one]) is None
+    assert phase_period_s([one, one]) == math.inf
+    assert transfers_for(40.0 * DAY_S, orbits=[one, one]).drift_step_s == 2.0 * DAY_S
+
+
+def test_the_median_of_large_fields_is_near_that_of_all() -> None:
+    """A sample of thousands of bodies tells the period as all pairs do."""
+    rng = np.random.default_rng(0)
+    orbits = [orbit(altitude, 86.4, 0.0) for altitude in rng.uniform(600.0, 900.0, 1400)]
+    sampled = phase_period_s(orbits)
+    few = phase_period_s(orbits[:450])
+    assert sampled == pytest.approx(few, rel=0.1)
+
+
+def test_a_file_without_a_grid_gets_one_by_its_mission() -> None:
+    """`drift_step_s` that is left out follows from the mission; without drift legs it is a day."""
+    field = adr_opt.generate("sso", 0)
+    content = json.loads(field.to_json())
+    content["mission"]["duration_s"] = 900.0 * DAY_S
+    del content["transfer"]["drift_step_s"]
+    assert adr_opt.Instance.model_validate(content).transfer.drift_step_s == 6.0 * DAY_S
+    content["transfer"]["max_drift_s"] = 0.0
+    assert adr_opt.Instance.model_validate(content).transfer.drift_step_s == DAY_S
 
 
 def test_longer_missions_are_never_laid_out_finer() -> None:
@@ -82,7 +127,8 @@ def test_an_import_drifts_unless_it_is_told_otherwise(cli: Cli, catalogue: str) 
     assert outcome.status == 0
     made = adr_opt.load("out.json")
     assert made.dynamics == "j2"
-    assert made.transfer == transfers_for(200.0 * DAY_S)
+    bodies = [target.orbit for target in made.targets]
+    assert made.transfer == transfers_for(200.0 * DAY_S, orbits=bodies)
     assert f"dynamics j2: {told(made.transfer)}" in outcome.err
     account = json.loads(outcome.out)
     assert account["dynamics"] == "j2"

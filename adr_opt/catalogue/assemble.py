@@ -116,7 +116,7 @@ def to_instance(
     name: str | None = None,
     skip_bad: bool = False,
     dynamics: Literal["two-body", "j2"] = "j2",
-    transfer: TransferSettings | None = None,
+    transfer: TransferSettings | Mapping[str, float | None] | None = None,
     refuelling: bool = True,
     crew: Crew | None = None,
     demands: Demands | None = None,
@@ -143,9 +143,9 @@ def to_instance(
         Leave out objects that SGP4 cannot bring to the epoch; else the first one is an error.
     dynamics : {"j2", "two-body"}
         How bodies move after the epoch.
-    transfer : TransferSettings, optional
-        By default those of :func:`adr_opt.sizes.transfers_for` under J2, else the defaults of the
-        file.
+    transfer : TransferSettings or mapping, optional
+        Or some of its fields; what is left open follows from the mission under J2
+        (:func:`adr_opt.sizes.transfers_for`), else from the defaults of the file.
     refuelling : bool
         Whether there is a station; else the chaser starts where it would be, and nobody refuels.
     crew : Crew, optional
@@ -201,24 +201,23 @@ def to_instance(
 
     targets = [candidates[row] for row in rows]
     home = host.label if host else "station"
-    if transfer is None:
-        transfer = transfers_for(duration_s) if dynamics == "j2" else TransferSettings()
     check_musts(choice, targets, candidates, dropped)
     asked = demands.of(targets, records, choice)
     crew = crew or Crew(Tank(delta_v_m_s=float(delta_v_m_s)))
     fields = filled(asked, targets, records, crew, by_criticality=by_criticality)
+    orbits = _orbits(elements[rows])
     instance = _instance(
         name or _default_name(targets, len(rows)),
         epoch,
         home if refuelling else None,
         place,
         _unique([record.label for record in targets], {home} if refuelling else set()),
-        elements[rows],
+        orbits,
         duration_s,
         crew,
         fields,
         dynamics=dynamics,
-        transfer=transfer,
+        transfer=_transfer(transfer, dynamics, duration_s, orbits),
     )
     placed = f"at {host.label}" if host else "as told" if told is not None else PLACED
     return Imported(
@@ -252,20 +251,35 @@ def _orbits(elements: FLOAT) -> list[Orbit]:
     ]
 
 
+def _transfer(
+    wanted: TransferSettings | Mapping[str, float | None] | None,
+    dynamics: str,
+    duration_s: float,
+    orbits: Sequence[Orbit],
+) -> TransferSettings:
+    """Transfer settings: as wanted, and what that leaves open by the mission."""
+    if isinstance(wanted, TransferSettings):
+        return wanted
+    given = {name: value for name, value in (wanted or {}).items() if value is not None}
+    if dynamics == "j2":
+        return transfers_for(duration_s, orbits=orbits, **given)
+    return TransferSettings().replace(**given)
+
+
 def _instance(
     name: str,
     epoch: datetime,
     station_name: str | None,
     place: FLOAT,
     names: Sequence[str],
-    elements: FLOAT,
+    orbits: Sequence[Orbit],
     duration_s: float,
     crew: Crew,
     fields: Mapping[int, Mapping[str, Any]],
     **settings: Any,
 ) -> Instance:
     try:
-        home, *orbits = _orbits(np.vstack((place, elements)))
+        (home,) = _orbits(place[None, :])
         stations: tuple[Station, ...] = ()
         start: AtStation | InOrbit = InOrbit(orbit=home)
         if station_name is not None:

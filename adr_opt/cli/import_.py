@@ -134,9 +134,8 @@ def command(
         names=names,
     )
     transfer = _transfer(
-        dynamics, DAY_S * duration_days, drift_step_days, max_drift_days, departure_spacing_days,
-        resolution,
-    )  # fmt: skip
+        dynamics, drift_step_days, max_drift_days, departure_spacing_days, resolution
+    )
     epoch = None if epoch_text is None else parse_epoch(epoch_text)
     found = catalogue.read(files, skip_bad=skip_bad)
     made = catalogue.to_instance(
@@ -164,22 +163,18 @@ def command(
 
 def _transfer(
     dynamics: str,
-    duration_s: float,
     drift_step_days: float | None,
     max_drift_days: float | None,
     departure_spacing_days: float | None,
     resolution: float | None,
-) -> TransferSettings:
-    """The transfer settings of a call; what it does not say follows from the duration.
+) -> dict[str, float | None]:
+    """The transfer settings that a call names; the others, None, follow from the mission.
 
     Raises
     ------
     InputError
         A number is out of range, or of no use in two-body motion.
     """
-    from ..settings import TransferSettings
-    from ..sizes import transfers_for
-
     for option, value, least in (
         ("--drift-step-days", drift_step_days, LEAST_STEP_DAYS),
         ("--max-drift-days", max_drift_days, 0.0),
@@ -188,26 +183,22 @@ def _transfer(
     ):
         if value is not None and not (least <= value < math.inf):
             raise InputError(f"{option} = {value:g}: must be a number of at least {least:g}")
-    settings = {
+    if dynamics != "j2":
+        for option, value in (
+            ("--drift-step-days", drift_step_days),
+            ("--max-drift-days", max_drift_days),
+        ):
+            if value:
+                raise InputError(
+                    f"{option} = {value:g}: nothing drifts in two-body motion; leave it out, or "
+                    "--dynamics two-body"
+                )
+    return {
         "drift_step_s": _seconds(drift_step_days),
         "max_drift_s": _seconds(max_drift_days),
         "departure_spacing_s": _seconds(departure_spacing_days),
         "delta_v_resolution_m_s": resolution,
     }
-    if dynamics == "j2":
-        return transfers_for(duration_s, **settings)
-    for option, value in (
-        ("--drift-step-days", drift_step_days),
-        ("--max-drift-days", max_drift_days),
-    ):
-        if value:
-            raise InputError(
-                f"{option} = {value:g}: nothing drifts in two-body motion; leave it out, or "
-                "--dynamics two-body"
-            )
-    return TransferSettings().replace(
-        **{name: value for name, value in settings.items() if value is not None}
-    )
 
 
 def _seconds(days: float | None) -> float | None:

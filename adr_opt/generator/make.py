@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from datetime import UTC, datetime
 
 from ..bodies import Target
@@ -104,18 +105,19 @@ def generate(
     suffix += f"-z{zones}" if zones else ""
     start = None if kind.draw_start is None else kind.draw_start(uniform)
     there = stations_of(kind, seed, fewest if stations is None else stations)
+    objects = tuple(
+        _target(kind, f"debris-{number:0{width}d}", kind.draw_target(uniform))
+        for number in range(1, count + 1)
+    )
     drawn = Instance(
         name=f"{kind.name}-{seed:03d}{suffix}",
         epoch=EPOCH,
         dynamics="j2" if kind.drifts else "two-body",
         stations=there,
-        targets=tuple(
-            _target(kind, f"debris-{number:0{width}d}", kind.draw_target(uniform))
-            for number in range(1, count + 1)
-        ),
+        targets=objects,
         chasers=chasers_of(kind, seed, chasers or kind.chasers, start, there),
         mission=_mission(kind),
-        transfer=_transfers(kind),
+        transfer=_transfers(kind, [target.orbit for target in objects]),
         keep_out_zones=draw_zones(seed, zones, kind.duration_s),
     )
     return fitted(
@@ -129,10 +131,10 @@ def _target(kind: Family, name: str, orbit: Orbit) -> Target:
     return Target(name=name, orbit=orbit, prize=1.0, mass_kg=mass_kg, removal=kind.removal)
 
 
-def _transfers(kind: Family) -> TransferSettings:
+def _transfers(kind: Family, orbits: Sequence[Orbit]) -> TransferSettings:
     if kind.transfer is not None:
         return kind.transfer
-    return transfers_for(kind.duration_s) if kind.drifts else TransferSettings()
+    return transfers_for(kind.duration_s, orbits=orbits) if kind.drifts else TransferSettings()
 
 
 def _mission(kind: Family) -> MissionSettings:

@@ -1,0 +1,118 @@
+"""Other grids of drift legs: what the orders of a plan would cost with finer and coarser steps.
+
+The step of the grid, ``drift_step_s``, decides which departures and arrivals drift legs may have. A
+finer one offers more of them, and takes more work; a coarser one less of both. Which one pays shows
+when the orders of a plan are scheduled on the others: that takes the connections of their own pairs
+alone.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import NamedTuple
+
+from ..campaign import Problem
+from ..connections import Connecting
+from ..kernels.constants import DAY_S
+from ..kernels.rules import Rules
+from ..mission import Mission
+from ..plan import Plan
+from ..schedule import Scheduler
+
+FINER, COARSER = 0.5, 2.0
+"""Steps tried, as multiples of that of the instance."""
+
+WORTH_FINER, WORTH_COARSER = 0.05, 0.01
+"""A finer grid pays that saves this share of the ΔV at least, a coarser one that costs no more."""
+
+LONGEST_TRIED = 1000
+"""Steps in a mission of the finest grid that is tried: a pair is a second's work there."""
+
+
+class GridTrial(NamedTuple):
+    """The orders of a plan on another grid.
+
+    Attributes
+    ----------
+    step_s : float
+        Of the grid [s].
+    delta_v_m_s : float
+        ΔV of their cheapest schedules; infinite if they cannot be flown [m/s].
+    """
+
+    step_s: float
+    delta_v_m_s: float
+
+
+def on_grid(problem: Problem, plan: Plan, step_s: float) -> GridTrial:
+    """Schedule the orders of a plan at least cost on a grid of another step.
+
+    Parameters
+    ----------
+    problem : Mission or Campaign
+        Whose rules are held to; no timetable of the other grid is built.
+    plan : Plan
+    step_s : float
+        [s].
+    """
+    instance = problem.instance
+    other = Connecting(instance.replace(transfer=instance.transfer.replace(drift_step_s=step_s)))
+    missions = {mission.chaser.name: mission for mission in problem.missions}
+    orders = plan.orders if len(missions) > 1 else {name: plan.destinations for name in missions}
+    total = 0.0
+    for name, order in orders.items():
+        mission = missions[name]
+        moves = tuple(mission.numbers(order).tolist())
+        scheduler = Scheduler(
+            other, partial(_rules, mission), instance.objective.cost, mission.chaser
+        )
+        schedule = scheduler.of(moves)
+        total += schedule.delta_v if schedule.made == len(moves) else math.inf
+    return GridTrial(step_s, total)
+
+
+def _rules(mission: Mission) -> Rules:
+    return mission.rules
+
+
+def grid_advice(problem: Problem, plan: Plan) -> str | None:
+    """One sentence on a finer or coarser grid, where one pays; else None.
+
+    A finer grid pays where the orders of the plan cost at least 5 % less on it, a coarser one where
+    the plan is not proven to be optimal, and its orders cost at most 1 % more.
+
+    Parameters
+    ----------
+    problem : Mission or Campaign
+        That was planned.
+    plan : Plan
+    """
+    instance = problem.instance
+    transfer, duration = instance.transfer, instance.mission.duration_s
+    drifts = [leg for leg in plan.legs if leg.kind == "drift"]
+    if not drifts or transfer.given is not None or instance.objective.cost != "delta-v":
+        return None
+    step, planned = transfer.drift_step_s, plan.delta_v_m_s
+    if duration <= LONGEST_TRIED * FINER * step:
+        finer = on_grid(problem, plan, FINER * step)
+        if finer.delta_v_m_s <= (1.0 - WORTH_FINER) * planned:
+            return (
+                f"a finer grid pays: with drift_step_s = {finer.step_s:g} ({_days(finer.step_s)}) "
+                f"the same orders take {finer.delta_v_m_s:.0f} m/s, not {planned:.0f}"
+            )
+    if plan.status == "optimal":
+        return None
+    coarser = on_grid(problem, plan, COARSER * step)
+    if coarser.delta_v_m_s <= (1.0 + WORTH_COARSER) * planned:
+        return (
+            f"a coarser grid is enough: with drift_step_s = {coarser.step_s:g} "
+            f"({_days(coarser.step_s)}) the same orders take {coarser.delta_v_m_s:.0f} m/s, not "
+            f"{planned:.0f}, and there is far less to search"
+        )
+    return None
+
+
+def _days(seconds: float) -> str:
+    days = round(seconds / DAY_S, 3)
+    return f"{days:g} day{'' if days == 1.0 else 's'}"
