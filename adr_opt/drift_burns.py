@@ -51,7 +51,7 @@ PHASES = (HOHMANN_1, DRIFT, CO_ELLIPTIC, TERMINAL, TERMINAL, APPROACH, APPROACH)
 theirs."""
 
 LEAST_CLIMB_M_S = 1e-3
-"""A drift orbit that costs less is as good as that of the target: two burns share the turn [m/s]."""
+"""Where leaving the drift orbit takes less, two burns share the turn [m/s]."""
 
 FREEDOM_S = (0.5 * DAY_S, DAY_S, 2.0 * DAY_S)
 """The chaser may leave so much later, and arrive so much earlier: the first that is enough."""

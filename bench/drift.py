@@ -115,6 +115,36 @@ def print_burns(number: int) -> None:
     print(f"\nNo burns were found for {unmet}.")
 
 
+def print_later(number: int) -> None:
+    """Print what leaving later and arriving earlier would save, by the closed form."""
+    rule = adr_opt.generate("tiny", 0).replace(dynamics="j2").transfer_rule()
+    rng = np.random.default_rng(3)
+    print(f"\nThe closed form up to half a day later and earlier, {number} random drifts\n")
+    print("| days | legs | total | cheapest later or earlier | most saved |\n|---|---|---|---|---|")
+    rows = []
+    free = np.linspace(0.0, 0.5 * DAY_S, 13)
+    while len(rows) < number:
+        inclination, spread = list(SPREADS_DEG.items())[len(rows) % len(SPREADS_DEG)]
+        days = math.exp(rng.uniform(math.log(2.0), math.log(30.0)))
+        apart = rng.normal(0.0, spread * days * float(rng.choice(WIDER)))
+        first, second = (
+            np.array(body(rng, inclination + rng.normal(0.0, 0.1), raan)) for raan in (0.0, apart)
+        )
+        start = rng.uniform(0.0, 30.0) * DAY_S
+        end = start + days * DAY_S
+        found = drift.splits(drift.prepare(first, second, rule), start + free, end - free)
+        if found[0, 0, 0] <= CLASSES_M_S[-1]:
+            rows.append((days, found[0, 0, 0], found[:, :, 0].min()))
+    table = np.array(rows)
+    for low, high in ((2.0, 4.0), (4.0, 8.0), (8.0, 30.0)):
+        some = table[(low <= table[:, 0]) & (table[:, 0] < high)]
+        saved = some[:, 1] - some[:, 2]
+        print(
+            f"| {low:g} to {high:g} | {len(some)} | {some[:, 1].sum():.0f} m/s | "
+            f"{some[:, 2].sum():.0f} m/s | {saved.max():.2f} m/s |"
+        )
+
+
 def body(rng: np.random.Generator, inclination_deg: float, raan_deg: float) -> tuple[float, ...]:
     """A row of a circle between 650 and 950 km."""
     return orbit(rng, inclination_deg, raan_deg, (650e3, 950e3)).row(OBLATENESS_M2)
@@ -242,6 +272,7 @@ def main() -> None:
     if arguments.gtoc9 is not None:
         print_legs(read_legs(arguments.gtoc9))
     print_burns(arguments.drifts)
+    print_later(arguments.drifts)
     print_long(9)
     print_fields(arguments.runs)
 

@@ -1,4 +1,4 @@
-"""Missions of weeks to a year with drift legs: whether their plans hold when flown, and which grid pays.
+"""Missions of weeks to a year with drift legs: whether plans hold when flown, and which grid pays.
 
     python bench/drift_missions.py hold
     python bench/drift_missions.py grid
@@ -36,7 +36,7 @@ NODES_DEG = {30: 2.0, 60: 3.0, 90: 5.0, 180: 10.0, 365: 25.0}
 ECCENTRICITY = 0.003
 """The largest of a target; uniform."""
 
-TANKS_M_S = (1000.0, 3000.0)
+TANKS_M_S = (500.0, 2000.0)
 
 TARGETS = (14, 26)
 
@@ -187,7 +187,8 @@ def print_grid(each: int, limit: float) -> None:
     shares = (0.5, 1.0, 2.0, 4.0)
     print(
         f"\nSteps of the grid, `auto` for {limit:g} s: visits of bound; in brackets s to proof\n\n"
-        "| mission | default step | half of it | default | twice | four times |\n|---|---|---|---|---|---|"
+        "| mission | default step | half of it | default | twice | four times |\n"
+        "|---|---|---|---|---|---|"
     )
     lost: dict[float, list[float]] = {share: [] for share in shares}
     for days, seed in itertools.product((30, 60, 90, 180), range(each)):

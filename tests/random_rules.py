@@ -63,6 +63,34 @@ def drifting_mission(seed: int) -> Instance:
     )
 
 
+def weeks_mission(seed: int) -> Instance:
+    """Weeks under J2 on a grid of a day or two, where phases decide what drift legs cost."""
+    rng = np.random.default_rng([5, seed])
+    duration = DAY_S * float(rng.uniform(16.0, 40.0))
+    field = drifting_field(rng, duration)
+    rings = {
+        name: tuple(
+            each.replace(
+                orbit=each.orbit.replace(
+                    semi_major_axis_m=EARTH_RADIUS_M + float(rng.uniform(720e3, 900e3)),
+                    raan_deg=float(rng.uniform(-3.0, 3.0) % 360.0),
+                )
+            )
+            for each in getattr(field, name)
+        )
+        for name in ("stations", "targets")
+    }
+    settings = field.transfer.replace(
+        drift_step_s=DAY_S * float(rng.choice([1.0, 1.5, 2.0])),
+        max_drift_s=duration,
+        departure_spacing_s=DAY_S * float(rng.choice([0.5, 1.0])),
+    )
+    return _with_rules(
+        field.replace(transfer=settings, **rings), duration, rng,
+        tanks=(150.0, 300.0, 500.0, 900.0), longest_service_s=DAY_S,
+    )  # fmt: skip
+
+
 def given_mission(seed: int) -> Instance:
     """The same over connections drawn at random; half of them between bodies without an orbit."""
     rng = np.random.default_rng([8, seed])

@@ -18,7 +18,6 @@ from .parameters import check_out, json_option, quiet_option
 if TYPE_CHECKING:
     from ..catalogue import Imported
     from ..orbit import Orbit
-    from ..settings import TransferSettings
 
 LEAST_STEP_DAYS = 0.01
 """Of the grid of long transfers: finer ones are typing errors."""
