@@ -381,6 +381,7 @@ def test_epochs_far_from_the_elements(cli: Cli) -> None:
         (["--station", "MIR"], "--station 'MIR': no object has this number or name"),
         (["--station", ""], "--station ''"),
         (["--duration-days", "-1"], "--duration-days = -1: must be a positive number"),
+        (["--duration-days", "1e308"], "--duration-days = 1e+308: must be at most 36525"),
         (["--delta-v", "nan"], "--delta-v = nan: must be a positive number"),
     ],
 )
