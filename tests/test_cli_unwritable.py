@@ -15,6 +15,7 @@ import pytest
 from conftest import Cli, refused
 
 import adr_opt
+from adr_opt.plan import load_plan
 
 
 def test_places_that_cannot_be_written(
@@ -87,6 +88,32 @@ def test_a_plan_that_cannot_be_written_is_printed(
     plan = adr_opt.plan.Plan.model_validate_json(outcome.out[outcome.out.index("{") :])
     assert adr_opt.check(adr_opt.load(tiny_file), plan) == ()
     assert not list(tmp_path.glob("*p*.json"))
+
+
+def test_a_certificate_that_cannot_be_written_says_where_the_plan_is(
+    cli: Cli, tiny_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A disk that fills up after the plan costs the certificate alone, and the bound is said."""
+
+    def full(path: str, content: bytes) -> None:
+        raise adr_opt.InputError(f"{path}: cannot be written (No space left on device)")
+
+    monkeypatch.setattr("adr_opt.certificate.write_bytes", full)
+    call = ("solve", tiny_file, "--method", "exact", "--certificate", "c.json", "--quiet")
+    kept = cli(*call, "--out", "p.json")
+    assert kept.status == 2
+    assert kept.err.endswith("c.json: cannot be written (No space left on device); the plan is in "
+                             "p.json\n")  # fmt: skip
+    assert "{" not in kept.out
+    assert adr_opt.check(adr_opt.load(tiny_file), load_plan("p.json")) == ()
+    printed = cli(*call)
+    assert printed.status == 2
+    assert "; the plan is on standard output instead" in printed.err
+    assert printed.out.rstrip().endswith("}")
+    bound = cli("bound", tiny_file, "--method", "lagrangian", "--certificate", "c.json", "--quiet")
+    assert bound.status == 2
+    assert "c.json: cannot be written" in bound.err
+    assert "upper bound" in bound.out
 
 
 @pytest.mark.parametrize("suffix", [".npz", ".nc", ".parquet"])

@@ -1,7 +1,7 @@
 """What a file of results says, held against the instance before anything is built on it.
 
-Plans are flown anew: their routes say what they collect and cost, whatever else a row states. Bounds
-are taken at the word of the file, as far as no plan contradicts them.
+Plans are flown anew: their routes say what they collect and cost, whatever else a row states.
+Bounds are taken at the word of the file, as far as no plan contradicts them.
 """
 
 from __future__ import annotations
@@ -65,8 +65,8 @@ def take_in(
             board.add(flown(point, problem(point.limits)))
         except Impossible:
             raise InputError(
-                f"{where}: a bound of the file lies below what a plan of it collects, so that one of "
-                f"the two was changed; {OTHER}"
+                f"{where}: a bound of the file lies below what a plan of it collects, so that one "
+                f"of the two was changed; {OTHER}"
             ) from None
         except InputError as error:
             raise InputError(f"{where}: {error}; {OTHER}") from None
