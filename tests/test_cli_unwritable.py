@@ -56,6 +56,30 @@ def test_results_beside_others_that_are_not_there_yet(cli: Cli, tiny_file: Path)
     refused(cli(*call, "--out", "same.json"), "./same.json: this is the name of another result")
 
 
+def test_no_result_takes_the_place_of_another_or_of_what_is_read(
+    cli: Cli, tiny_file: Path
+) -> None:
+    """Of one call no two results go into one file, by whatever name, nor one into an input."""
+    solved = cli("solve", tiny_file, "--method", "exact", "--out", "p.json")
+    assert solved.status == 0, solved.err
+    Path("old.json").write_text("old")
+    Path("new-link.json").symlink_to("new.json")
+    Path("old.svg").write_text("old")
+    call = ["solve", tiny_file, "--method", "exact", "--out"]
+    another = "this is the name of another result"
+    refused(cli(*call, "old.json", "--certificate", "old.json"), another)
+    refused(cli(*call, "new.json", "--certificate", "new-link.json"), another)
+    refused(cli(*call, "new.json", "--refine", "--refined-out", "new-link.json"), another)
+    refused(cli(*call, "x.json", "--start", "p.json", "--certificate", "p.json"), "is the input")
+    refused(cli("fly", tiny_file, "p.json", "--out", "p.json"), "p.json: this is the input")
+    call = ["replan", tiny_file, "p.json", "--at", "0.1", "--out", "new.json", "--out-instance"]
+    refused(cli(*call, "new-link.json"), "give each its own")
+    call = ["tradeoff", tiny_file, "--vary", "delta-v=500", "--out", "old.svg"]
+    refused(cli(*call, "--plot", "old.svg"), another)
+    assert Path("old.json").read_text() == Path("old.svg").read_text() == "old"
+    assert load_plan("p.json").legs
+
+
 def test_a_link_is_written_through(cli: Cli, tmp_path: Path) -> None:
     """--out on a link replaces the file it points to and leaves the link."""
     (tmp_path / "folder").mkdir()

@@ -59,8 +59,9 @@ def command(
     instance = load(instance_path)
     start = None if start_path is None else load_plan(start_path)
     check_certificate(
-        certificate_path, instance, method, None, instance_path, margin=margin, group=BOUNDS
-    )
+        certificate_path, instance, method, None, instance_path, start_path, margin=margin,
+        group=BOUNDS,
+    )  # fmt: skip
 
     result = work(
         lambda stop, progress: front.run(

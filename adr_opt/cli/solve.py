@@ -99,8 +99,9 @@ def command(
         method,
         bound_name,
         instance_path,
-        out,
+        start_path,
         margin=margin,
+        out=out,
         refine=bool(refining_options["refine"]),
     )
     refining = Refining(**refining_options)
