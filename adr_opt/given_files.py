@@ -6,6 +6,7 @@ What `matrix` writes with these suffixes can be given back.
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -54,7 +55,9 @@ def read_given(path: str | os.PathLike[str], names: Sequence[str]) -> Given:
         raise InputError(f"{path}: no such file; put the given connections there")
     read = _read_parquet if path.suffix.lower() == ".parquet" else _read_netcdf
     try:
-        return read(path, names)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of libraries, about what is judged here
+            return read(path, names)
     except MissingExtra:
         raise
     except InputError as error:

@@ -56,9 +56,7 @@ def test_results_beside_others_that_are_not_there_yet(cli: Cli, tiny_file: Path)
     refused(cli(*call, "--out", "same.json"), "./same.json: this is the name of another result")
 
 
-def test_no_result_takes_the_place_of_another_or_of_what_is_read(
-    cli: Cli, tiny_file: Path
-) -> None:
+def test_no_result_takes_the_place_of_another_or_of_what_is_read(cli: Cli, tiny_file: Path) -> None:
     """Of one call no two results go into one file, by whatever name, nor one into an input."""
     solved = cli("solve", tiny_file, "--method", "exact", "--out", "p.json")
     assert solved.status == 0, solved.err
