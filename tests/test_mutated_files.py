@@ -260,7 +260,7 @@ def missions() -> Iterator[tuple[str, adr_opt.Instance, str]]:
 VERBS: tuple[tuple[str, ...], ...] = (
     ("fly",), ("export", "--out", "x.czml"), ("export", "--out", "x.oem"),
     ("replan", "--at", "0.2", "--time-limit", "0.2", "--method", "greedy-guarded"),
-    ("report", "--out", "x.html"), ("solve", "--method", "greedy-guarded", "--start"),
+    ("report", "--out", "x.html"), ("solve", "--method", "beam", "--time-limit", "1", "--start"),
 )  # fmt: skip
 """Verbs that read plans, besides `check`."""
 

@@ -92,6 +92,7 @@ def test_what_routes_collect_is_worked_out_anew(
         ({"prize": "nan"}, "row 3: prize = nan is no result"),
         ({"upper_bound": "nan"}, "row 3: upper_bound = nan is no result"),
         ({"upper_bound": "0.5"}, "row 3: a bound of the file lies below what a plan of it"),
+        ({"upper_bound": "-inf"}, r"row \d: a bound of the file lies below what a plan of it"),
         ({"delta_v_m_s": "nan"}, "row 3: delta_v_m_s = nan is no result"),
         ({"duration_s": "-1"}, "row 3: duration_s = -1.0 is no result"),
         ({"cpu_s": "1e999"}, "row 3: cpu_s = inf is no result"),
