@@ -8,15 +8,17 @@ import re
 import stat
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, Protocol, Self, TypeVar
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
 from .errors import InputError
+from .misspelt import meant
 
 
 class Readable(Protocol):
@@ -49,6 +51,10 @@ PLAINER = (
     (r"^Input should ", "must "),
     (r"^String should have at least 1 character$", "must not be empty"),
     (r"^Tuple should have at least 1 item .*", "must not be empty"),
+    (
+        r"^String should match pattern .*parquet.*",
+        "must be the name of a file beside this one, without folders, as costs.parquet or costs.nc",
+    ),
     (r"^String should match pattern .*x00.*", "must not contain a NUL"),
     (r"^String should match pattern ", "must match "),
 )
@@ -99,6 +105,7 @@ def sentence(error: ValidationError) -> str:
     first = details[0]
     if first["type"] == "json_invalid":
         return f"not JSON: {first['ctx']['error']}; give a JSON file"
+    first, instead, explained = _misspelt(error.title, details)
     field = ""
     for part in first["loc"]:
         if part in KINDS:
@@ -108,12 +115,15 @@ def sentence(error: ValidationError) -> str:
     for pattern, plain in PLAINER:
         said = re.sub(pattern, plain, said)
     said = said[0].lower() + said[1:] if said else "invalid"
-    more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
+    others = len(details) - 1 - explained
+    more = f" (and {others} more)" if others else ""
     if not field:
         # a rule between fields, which names them itself
         return f"{said if said.startswith('field ') else 'the file ' + said}{more}"
     if first["type"] == "missing":
         return f"field {field}: missing; add it{more}"
+    if instead is not None:
+        return f"field {field}: unknown; did you mean {instead}?{more}"
     if first["type"] == "extra_forbidden":
         return f"field {field}: unknown; remove it or correct its name{more}"
     value: Any = first["input"]
@@ -124,6 +134,24 @@ def sentence(error: ValidationError) -> str:
             shown = shown[: LONGEST_VALUE - 1] + "…"
         shown = f" = {shown}"
     return f"field {field}{shown}: {said}{more}"
+
+
+def _misspelt(title: str, details: Sequence[ErrorDetails]) -> tuple[ErrorDetails, str | None, int]:
+    """The first error, or the unknown key that explains it; what that was meant for, if anything.
+
+    And how many of the other errors are explained by it: a key that is missing but for a typo.
+    """
+    first = details[0]
+    if first["type"] not in ("missing", "extra_forbidden"):
+        return first, None, 0
+    beside = [each for each in details if each["loc"][:-1] == first["loc"][:-1]]
+    lacking = [str(each["loc"][-1]) for each in beside if each["type"] == "missing"]
+    for each in beside:
+        if each["type"] == "extra_forbidden":
+            instead = meant(title, each["loc"], lacking)
+            if each is first or instead == first["loc"][-1]:
+                return each, instead, int(instead in lacking)
+    return first, None, 0
 
 
 def _as_in_json(value: Any) -> str:

@@ -160,14 +160,14 @@ def of_rows(columns: Any, names: Sequence[str]) -> Given:
     for name in COLUMNS:
         try:
             found[name] = np.asarray(columns[name])
-        except (KeyError, ValueError, IndexError):
+        except (KeyError, ValueError, IndexError, TypeError):
             raise InputError(
                 f"column {name} is missing; a row has the columns {', '.join(COLUMNS)}"
             ) from None
         if found[name].ndim != 1 or found[name].size != found["origin"].size:
             raise InputError(f"column {name} has not one value for each row; give as many")
     ends = [_numbers(found[name], name, names) for name in COLUMNS[:2]]
-    times = [_floats(found[name], name) for name in COLUMNS[2:]]
+    times = [_floats(found[name], name, of_time=name in COLUMNS[2:4]) for name in COLUMNS[2:]]
     return _made(ends[0], ends[1], times[0], times[1], times[2], names, "row {}")
 
 
@@ -196,7 +196,7 @@ def of_matrices(
     """
     times = _departures(departures)
     shape = (times.size, len(names), len(names))
-    takes, costs = _floats(duration, "duration"), _floats(cost, "cost")
+    takes, costs = _floats(duration, "duration", of_time=True), _floats(cost, "cost")
     for array, what in ((takes, "duration"), (costs, "cost")):
         if array.shape != shape:
             raise InputError(
@@ -278,7 +278,10 @@ def _asked(f: Costs, i: int, others: npt.NDArray[np.int64], at: float) -> list[F
     """Durations and costs of one call, shape (choices, destinations)."""
     answer = f(i, others, float(at))
     try:
-        duration, cost = (np.atleast_2d(_floats(values, "f")) for values in answer)
+        duration, cost = (
+            np.atleast_2d(_floats(values, "f", of_time=of_time))
+            for values, of_time in zip(answer, (True, False), strict=True)
+        )
     except (TypeError, ValueError):
         duration = cost = np.empty(0)
     if duration.shape != cost.shape or duration.shape[-1] != others.size or duration.ndim != 2:
@@ -295,7 +298,7 @@ def _asked(f: Costs, i: int, others: npt.NDArray[np.int64], at: float) -> list[F
 
 
 def _departures(departures: npt.ArrayLike) -> FloatArray:
-    times = np.atleast_1d(_floats(departures, "departures"))
+    times = np.atleast_1d(_floats(departures, "departures", of_time=True))
     if times.ndim != 1 or not np.all(np.isfinite(times) & (times >= 0.0)):
         raise InputError("departures must be a list of finite times ≥ 0 in seconds")
     late = np.flatnonzero(np.diff(times) <= 0.0)
@@ -308,12 +311,38 @@ def _departures(departures: npt.ArrayLike) -> FloatArray:
     return times
 
 
-def _floats(values: Any, name: str) -> FloatArray:
+NO_NUMBERS = {
+    "b": "true and false", "U": "text", "S": "text", "M": "dates", "m": "times",
+    "c": "complex numbers",
+}  # fmt: skip
+"""Kinds of arrays that NumPy would make numbers of, and that nobody meant as such."""
+
+
+def _floats(values: Any, name: str, *, of_time: bool = False) -> FloatArray:
+    """Numbers as an array of its own; differences of times, where they are meant, in seconds.
+
+    Raises
+    ------
+    InputError
+        It is text, truth values, dates or anything else that is no number.
+    """
     try:
-        found: FloatArray = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
+        found = np.asarray(values)
+        kind = found.dtype.kind
+        if kind == "O" and any(isinstance(one, (str, bytes, bool)) for one in found.ravel()):
+            kind = "U"
+        if kind == "m" and of_time:
+            found, kind = found / np.timedelta64(1, "s"), "f"
+        if kind not in "iufO":
+            raise InputError(
+                f"{name} must be numbers, and is {NO_NUMBERS.get(kind, 'something else')}; give "
+                "seconds and costs as numbers"
+            )
+        return np.array(found, dtype=np.float64)
+    except InputError:
+        raise
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} must be numbers, shape by shape as documented") from None
-    return found
 
 
 def _numbers(values: npt.NDArray[Any], column: str, names: Sequence[str]) -> IntArray:
@@ -327,7 +356,8 @@ def _numbers(values: npt.NDArray[Any], column: str, names: Sequence[str]) -> Int
             )
         return values.astype(np.int32)
     known = {name: number for number, name in enumerate(names)}
-    found = np.fromiter((known.get(name, -1) for name in values.tolist()), np.int32, values.size)
+    told = (known.get(name, -1) if isinstance(name, str) else -1 for name in values.tolist())
+    found = np.fromiter(told, np.int32, values.size)
     wrong = np.flatnonzero(found < 0)
     if wrong.size:
         raise InputError(

@@ -17,6 +17,18 @@ Content = dict[str, Any]
 Change = Callable[[Content], None]
 
 
+def rename(*path: str | int) -> Change:
+    """Change the name of a field: what comes before the last two leads to it."""
+    *way, old, new = path
+
+    def change(content: Any) -> None:
+        for key in way:
+            content = content[key]
+        content[new] = content.pop(old)
+
+    return change
+
+
 def put(*path: Any) -> Change:
     """Set the field at a path to the last argument."""
     *keys, last, value = path
@@ -70,8 +82,26 @@ VERBS_OF_PLANS = {
     [
         (drop("stations"), "field stations: missing"),
         (drop(*ORBIT, "raan_deg"), "field targets[0].orbit.raan_deg: missing"),
-        (put("statoin", 1), "field statoin: unknown"),
-        (put(*ORBIT, "raan_rad", 0.1), "field targets[0].orbit.raan_rad: unknown"),
+        (put("statoin", 1), "field statoin: unknown; did you mean stations?"),
+        (put(*ORBIT, "raan_rad", 0.1), "orbit.raan_rad: unknown; did you mean raan_deg?"),
+        (put(*TARGET, "prise", 2.0), "field targets[0].prise: unknown; did you mean prize?"),
+        (put(*TARGET, "sunglasses", 2.0), "field targets[0].sunglasses: unknown; remove it or cor"),
+        (
+            rename(*ORBIT, "raan_deg", "raan"),
+            "tiny.json: field targets[0].orbit.raan: unknown; did you mean raan_deg?\n",
+        ),
+        (
+            rename(*TANK, "delta_v_m_s", "delta_v"),
+            "field chasers[0].tank.delta_v: unknown; did you mean delta_v_m_s?",
+        ),
+        (
+            rename("mission", "duration_s", "duration"),
+            "tiny.json: field mission.duration: unknown; did you mean duration_s?\n",
+        ),
+        *(
+            (put("transfer", "given", {"file": file}), "must be the name of a file beside this one")
+            for file in ("../w/t.parquet", "w/t.nc", "t.csv", "a\0.nc")
+        ),
         (put("mission", "duration_s", "a week"), 'field mission.duration_s = "a week"'),
         (put("mission", "duration_s", None), "field mission.duration_s = null"),
         (put("targets", {}), "field targets: must be a JSON list"),

@@ -178,6 +178,14 @@ BAD_ROWS = {
         as_json(RECORDS).replace('"EPHEMERIS_TYPE": 0', '"EPHEMERIS_TYPE": true', 1),
         "EPHEMERIS_TYPE = True: must be a whole number",
     ),
+    "json twice": (
+        as_json(RECORDS).replace('"EPHEMERIS_TYPE": 0', '"INCLINATION": 9', 1),
+        "line 1, record 1", "field INCLINATION is given twice in one object",
+    ),
+    "json spelt twice": (
+        as_json(RECORDS).replace('"EPHEMERIS_TYPE": 0', '" bstar ": 0', 1),
+        "field BSTAR is given twice in one object",
+    ),
     "kvn line": (
         as_kvn(RECORDS).replace("MEAN_MOTION          =", "MEAN_MOTION", 1),
         "line 12 (OBJECT 0 DEB 1960-001A)", "is not KEYWORD = value",
@@ -381,6 +389,7 @@ def test_epochs_far_from_the_elements(cli: Cli) -> None:
         (["--station", "MIR"], "--station 'MIR': no object has this number or name"),
         (["--station", ""], "--station ''"),
         (["--duration-days", "-1"], "--duration-days = -1: must be a positive number"),
+        (["--duration-days", "1e308"], "--duration-days = 1e+308: must be at most 36525"),
         (["--delta-v", "nan"], "--delta-v = nan: must be a positive number"),
     ],
 )

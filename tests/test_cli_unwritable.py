@@ -15,6 +15,7 @@ import pytest
 from conftest import Cli, refused
 
 import adr_opt
+from adr_opt.plan import load_plan
 
 
 def test_places_that_cannot_be_written(
@@ -55,6 +56,28 @@ def test_results_beside_others_that_are_not_there_yet(cli: Cli, tiny_file: Path)
     refused(cli(*call, "--out", "same.json"), "./same.json: this is the name of another result")
 
 
+def test_no_result_takes_the_place_of_another_or_of_what_is_read(cli: Cli, tiny_file: Path) -> None:
+    """Of one call no two results go into one file, by whatever name, nor one into an input."""
+    solved = cli("solve", tiny_file, "--method", "exact", "--out", "p.json")
+    assert solved.status == 0, solved.err
+    Path("old.json").write_text("old")
+    Path("new-link.json").symlink_to("new.json")
+    Path("old.svg").write_text("old")
+    call = ["solve", tiny_file, "--method", "exact", "--out"]
+    another = "this is the name of another result"
+    refused(cli(*call, "old.json", "--certificate", "old.json"), another)
+    refused(cli(*call, "new.json", "--certificate", "new-link.json"), another)
+    refused(cli(*call, "new.json", "--refine", "--refined-out", "new-link.json"), another)
+    refused(cli(*call, "x.json", "--start", "p.json", "--certificate", "p.json"), "is the input")
+    refused(cli("fly", tiny_file, "p.json", "--out", "p.json"), "p.json: this is the input")
+    call = ["replan", tiny_file, "p.json", "--at", "0.1", "--out", "new.json", "--out-instance"]
+    refused(cli(*call, "new-link.json"), "give each its own")
+    call = ["tradeoff", tiny_file, "--vary", "delta-v=500", "--out", "old.svg"]
+    refused(cli(*call, "--plot", "old.svg"), another)
+    assert Path("old.json").read_text() == Path("old.svg").read_text() == "old"
+    assert load_plan("p.json").legs
+
+
 def test_a_link_is_written_through(cli: Cli, tmp_path: Path) -> None:
     """--out on a link replaces the file it points to and leaves the link."""
     (tmp_path / "folder").mkdir()
@@ -87,6 +110,32 @@ def test_a_plan_that_cannot_be_written_is_printed(
     plan = adr_opt.plan.Plan.model_validate_json(outcome.out[outcome.out.index("{") :])
     assert adr_opt.check(adr_opt.load(tiny_file), plan) == ()
     assert not list(tmp_path.glob("*p*.json"))
+
+
+def test_a_certificate_that_cannot_be_written_says_where_the_plan_is(
+    cli: Cli, tiny_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A disk that fills up after the plan costs the certificate alone, and the bound is said."""
+
+    def full(path: str, content: bytes) -> None:
+        raise adr_opt.InputError(f"{path}: cannot be written (No space left on device)")
+
+    monkeypatch.setattr("adr_opt.certificate.write_bytes", full)
+    call = ("solve", tiny_file, "--method", "exact", "--certificate", "c.json", "--quiet")
+    kept = cli(*call, "--out", "p.json")
+    assert kept.status == 2
+    assert kept.err.endswith("c.json: cannot be written (No space left on device); the plan is in "
+                             "p.json\n")  # fmt: skip
+    assert "{" not in kept.out
+    assert adr_opt.check(adr_opt.load(tiny_file), load_plan("p.json")) == ()
+    printed = cli(*call)
+    assert printed.status == 2
+    assert "; the plan is on standard output instead" in printed.err
+    assert printed.out.rstrip().endswith("}")
+    bound = cli("bound", tiny_file, "--method", "lagrangian", "--certificate", "c.json", "--quiet")
+    assert bound.status == 2
+    assert "c.json: cannot be written" in bound.err
+    assert "upper bound" in bound.out
 
 
 @pytest.mark.parametrize("suffix", [".npz", ".nc", ".parquet"])

@@ -9,7 +9,11 @@ import pytest
 from conftest import Cli, refused
 
 import adr_opt
+from adr_opt.certificate import load_certificate
+from adr_opt.cli import verify as verify_verb
+from adr_opt.errors import InputError
 from adr_opt.instance import Instance
+from adr_opt.verifying.verdict import MOST_CONNECTIONS
 
 
 @pytest.fixture
@@ -114,3 +118,17 @@ def test_wrong_files_are_one_sentence(cli: Cli, instance: Instance) -> None:
     cli("bound", "i.json", "--method", "exact", "--certificate", "c.json")
     adr_opt.generate("tiny", 4).save("other.json")
     refused(cli("verify", "other.json", "c.json"), "c.json: the certificate belongs to")
+
+
+def test_there_are_only_so_many_connections(cli: Cli, instance: Instance) -> None:
+    """A number of connections that would take days is refused, here and in Python."""
+    solved = cli("solve", "i.json", "--method", "exact", "--out", "p.json", "--certificate", "c.gz")
+    assert solved.status == 0, solved.err
+    call = ("verify", "i.json", "p.json", "c.gz", "--connections")
+    refused(cli(*call, "99999999999"), "--connections", "99999999999", "0<=x<=1000000")
+    refused(cli(*call, "-1"), "--connections")
+    certificate = load_certificate("c.gz")
+    for number in (-1, MOST_CONNECTIONS + 1, 99999999999):
+        with pytest.raises(InputError, match=f"connections = {number}: must be from 0 to 1000000"):
+            adr_opt.verify(instance, None, certificate, connections=number)
+    assert verify_verb.MOST_CONNECTIONS == MOST_CONNECTIONS

@@ -151,6 +151,10 @@ def test_a_plan_above_a_bound_is_an_error() -> None:
     board.add(Point(200.0, 1.0, 3.0, 3.0))
     with pytest.raises(Impossible):
         board.add(Point(100.0, 1.0, 4.0, 9.0))
+    board = Board([(100.0, 1.0), (200.0, 1.0)])
+    board.add(Point(200.0, 1.0, upper_bound=-math.inf))
+    with pytest.raises(Impossible):
+        board.add(Point(100.0, 1.0, 0.0, 9.0))
 
 
 def test_of_a_plateau_the_largest_is_run_first() -> None:

@@ -12,7 +12,26 @@ from . import omm
 from .records import Dropped, Record, RowError, shown
 
 _BLANK = re.compile(r"[ \t\r\n]*")
-_DECODER = json.JSONDecoder()
+
+
+class _Object(dict[str, Any]):
+    """A JSON object that remembers a keyword of OMM that it was given twice, in any spelling."""
+
+    twice: str | None = None
+
+    @classmethod
+    def of(cls, pairs: list[tuple[str, Any]]) -> _Object:
+        """The object of the pairs that a file has, in their order."""
+        made, seen = cls(pairs), set[str]()
+        for key, _ in pairs:
+            keyword = key.strip().upper()
+            if keyword in seen and keyword in omm.FIELDS:
+                made.twice = keyword
+            seen.add(keyword)
+        return made
+
+
+_DECODER = json.JSONDecoder(object_pairs_hook=_Object.of)
 
 
 def read_json(text: str, source: str) -> Iterator[Record | Dropped]:
@@ -70,6 +89,8 @@ def _one(item: Any, source: str, line: int, ordinal: int) -> Record | Dropped:
         return Dropped(source, line, "", "malformed", detail, ordinal)
     fields = {key.strip().upper(): value for key, value in item.items()}
     try:
+        if isinstance(item, _Object) and item.twice is not None:
+            raise RowError(f"field {item.twice} is given twice in one object")
         return omm.record(fields, source, line, ordinal)
     except RowError as error:
         label = omm.label(fields)

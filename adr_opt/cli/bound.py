@@ -6,6 +6,7 @@ import math
 
 import click
 
+from ..errors import InputError
 from .certificates import certificate_option, check_certificate, save_certificate
 from .output import emit, emit_json, say
 from .parameters import (
@@ -58,8 +59,9 @@ def command(
     instance = load(instance_path)
     start = None if start_path is None else load_plan(start_path)
     check_certificate(
-        certificate_path, instance, method, None, instance_path, margin=margin, group=BOUNDS
-    )
+        certificate_path, instance, method, None, instance_path, start_path, margin=margin,
+        group=BOUNDS,
+    )  # fmt: skip
 
     result = work(
         lambda stop, progress: front.run(
@@ -73,8 +75,12 @@ def command(
     if not quiet:
         for note in result.notes:
             say(f"note: {note}")
+    not_written: InputError | None = None
     if certificate_path is not None:
-        save_certificate(certificate_path, instance, result, quiet, plan=False)
+        try:
+            save_certificate(certificate_path, instance, result, quiet, plan=False)
+        except InputError as error:
+            not_written = error
     if as_json:
         reference = {"name": instance.name, "sha256": instance.sha256}
         emit_json({"instance": reference, "margin": margin, **result.to_dict()})
@@ -84,4 +90,7 @@ def command(
         emit(f"upper bound {proven}, {status}, runtime {result.runtime_s:.2f} s")
         for name, count in result.counters.items():
             emit(f"  {name} {count:g}")
+    if not_written is not None:
+        # It may have taken hours: the bound is said, if nothing else of it can be kept.
+        raise not_written
     return 1 if result.status == "infeasible" else 0

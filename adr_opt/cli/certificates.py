@@ -28,8 +28,9 @@ def check_certificate(
     instance: Instance,
     method: str,
     bound: str | None,
-    *others: str | None,
+    *inputs: str | None,
     margin: float,
+    out: str | None = None,
     refine: bool = False,
     group: str | None = None,
 ) -> None:
@@ -43,9 +44,11 @@ def check_certificate(
     method : str
     bound : str or None
         The bound that runs beside it.
-    *others : str or None
-        Other files that are read or written.
+    *inputs : str or None
+        Files that are read.
     margin : float
+    out : str or None
+        Where else something is written.
     refine : bool
     group : str, optional
         Entry points of the method; those of planners by default.
@@ -55,7 +58,7 @@ def check_certificate(
 
     if path is None:
         return
-    check_out(path, *others)
+    check_out(path, *inputs, results=(out,))
     if margin or refine:
         what = "--margin" if margin else "--refine"
         raise InputError(

@@ -114,6 +114,7 @@ def command(
     from .. import catalogue
     from ..catalogue.filters import parse_range
     from ..files import write_text
+    from ..records import LARGEST_DURATION_S
 
     check_out(out, *files, crew_given["prizes_path"])
     if any(not name.strip() for name in names):
@@ -124,6 +125,10 @@ def command(
     ):
         if value is not None and not (least <= value < math.inf and value > 0):
             raise InputError(f"{option} = {value:g}: must be a positive number")
+    if duration_days * DAY_S > LARGEST_DURATION_S:
+        raise InputError(
+            f"--duration-days = {duration_days:g}: must be at most {LARGEST_DURATION_S / DAY_S:g}"
+        )
     given = CrewOptions.of(crew_given)
     crew, demands = given.crew(), given.demands()
     filters = catalogue.Filters(

@@ -4,22 +4,37 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import click
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    from rich.console import Console, ConsoleOptions, RenderableType
+    from rich.segment import Segment
 
 WIDEST = 10_000
 """Columns that rich may use: tables are made to fit before they are printed, and never cut."""
 
 
+UNSAID = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]")
+"""What moves a cursor, clears a screen or turns text round, where a name of a file holds it."""
+
+
+def harmless(text: str) -> str:
+    """Text without control characters, but for ends of lines and tabs; JSON stays the same JSON."""
+    return UNSAID.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
 def emit(text: str) -> None:
     """Print text on standard output."""
+    _emit(harmless(text))
+
+
+def _emit(text: str) -> None:
     click.echo(text, nl=not text.endswith("\n"))
 
 
@@ -55,11 +70,27 @@ def emit_rich(*renderables: RenderableType) -> None:
     console = Console(file=sys.stdout, highlight=False, width=WIDEST, height=25)
     with console.capture() as capture:
         for renderable in renderables:
-            console.print(renderable)
-    emit(capture.get())
+            console.print(Harmless(renderable))
+    _emit(capture.get())
+
+
+class Harmless:
+    """A table whose cells are rid of control characters once it is laid out."""
+
+    def __init__(self, renderable: RenderableType) -> None:
+        self._renderable = renderable
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Segment]:
+        """What the table is printed as."""
+        for segment in console.render(self._renderable, options):
+            yield segment._replace(text=harmless(segment.text))
+
+
+ENDS = {ord("\n"): "\\n", ord("\t"): "\\t"}
+"""How a message says what would end its line."""
 
 
 def say(message: str) -> None:
     """Print a message on standard error; if nobody can hear it, so be it."""
     with suppress(OSError):
-        click.echo(f"adr-opt: {message}", err=True)
+        click.echo(f"adr-opt: {harmless(message).translate(ENDS)}", err=True)

@@ -85,23 +85,23 @@ def parse_assignments(method: Planner, assignments: Iterable[str]) -> dict[str, 
     return values
 
 
-def check_out(out: str | None, *others: str | None) -> None:
+def check_out(out: str | None, *inputs: str | None, results: Iterable[str | None] = ()) -> None:
     """Raise :class:`InputError` before any work if the result could not be written to ``out``.
 
-    ``others`` are the inputs, and the further results of which some may not be there yet.
+    ``inputs`` are what the call reads, and ``results`` what else it writes; these need not be there
+    yet.
     """
     from ..files import check_writable
 
     if out is None:
         return
     check_writable(out)
-    for path in others:
-        if path is not None and _is_same_file(out, path):
-            known = "the input" if Path(path).exists() else "the name of another result, too"
+    for paths, known in ((inputs, "the input"), (results, "the name of another result, too")):
+        if any(path is not None and is_same_file(out, path) for path in paths):
             raise InputError(f"{out}: this is {known}; name another file for the result")
 
 
-def _is_same_file(one: str, other: str) -> bool:
+def is_same_file(one: str, other: str) -> bool:
     """Whether two paths lead to one file, which links may hide and which need not exist."""
     first, second = Path(one), Path(other)
     if first.exists() and second.exists():

@@ -31,7 +31,7 @@ class Refining(NamedTuple):
     rounds: int | None
     spend_savings: bool
 
-    def check(self, *others: str | None) -> None:
+    def check(self, instance_path: str, out: str | None) -> None:
         """Raise :class:`InputError` if some of them do not go together with the other options."""
         from .parameters import check_out
 
@@ -44,9 +44,7 @@ class Refining(NamedTuple):
         ):
             if value is not None and not self.refine:
                 raise InputError(f"{f'{name} {value}'.strip()}: nothing is refined; add --refine")
-        check_out(self.refined_out, *others)
-        if self.refined_out is not None and self.refined_out in others:
-            raise InputError(f"{self.refined_out}: two files go there; name another one")
+        check_out(self.refined_out, instance_path, results=(out,))
 
 
 def refine_options(function: Function) -> Function:

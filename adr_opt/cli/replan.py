@@ -14,6 +14,7 @@ from .output import emit, emit_json, emit_rich, say, terminal_width
 from .parameters import (
     check_out,
     instance_argument,
+    is_same_file,
     json_option,
     plan_argument,
     quiet_option,
@@ -79,7 +80,7 @@ def command(
     zones = () if zones_path is None else read_zones(zones_path)
     check_out(out, instance_path, plan_path, zones_path)
     check_out(out_instance, instance_path, plan_path, zones_path)
-    if out is not None and out == out_instance:
+    if out is not None and out_instance is not None and is_same_file(out, out_instance):
         raise InputError(f"{out}: named for the plan and for the instance; give each its own")
     known, names = BodyNames(instance), set(instance.names)
     gone = [

@@ -99,8 +99,9 @@ def command(
         method,
         bound_name,
         instance_path,
-        out,
+        start_path,
         margin=margin,
+        out=out,
         refine=bool(refining_options["refine"]),
     )
     refining = Refining(**refining_options)
@@ -144,9 +145,11 @@ def command(
             save_certificate(certificate_path, instance, result, quiet)
         return 1
     not_written: InputError | None = None
+    is_kept = False
     if out is not None:
         try:
             result.plan.save(out)
+            is_kept = True
             if not quiet:
                 status = status_words(result.plan.status)
                 say(f"wrote {out}: objective {result.objective:g}, {status}")
@@ -172,10 +175,11 @@ def command(
         emit(summary(instance, result.plan))
     if looped is not None:
         tell_refined(looped, as_json)
-    if (as_json and looped is None) or not_written is not None:
+    if (as_json and looped is None) or (not_written is not None and not is_kept):
         emit(result.plan.to_json())
     if not_written is not None:
         # It may have taken hours: what cannot be kept is at least said.
-        raise InputError(f"{not_written}; the plan is on standard output instead")
+        place = f"in {out}" if is_kept else "on standard output instead"
+        raise InputError(f"{not_written}; the plan is {place}")
     failed = result.status == "infeasible" if looped is None else not looped.holds
     return 1 if failed else 0

@@ -69,10 +69,10 @@ def command(
     check_out(out, instance_path)
     if page_path is not None:
         check_page(page_path)
-        check_out(page_path, instance_path, out)
+        check_out(page_path, instance_path, results=(out,))
     if plot_path is not None:
         _check_plot(plot_path)
-        check_out(plot_path, instance_path, out, page_path)
+        check_out(plot_path, instance_path, results=(out, page_path))
 
     def told(point: Point, board: Board) -> None:
         if not quiet:

@@ -11,12 +11,15 @@ from ..wording import counted
 from .output import emit, emit_json
 from .parameters import instance_argument, json_option
 
+MOST_CONNECTIONS = 1_000_000
+"""As :mod:`adr_opt.verifying` has it, which takes long to import."""
+
 
 @click.command("verify")
 @instance_argument
 @click.argument("paths", metavar="[PLAN] CERTIFICATE", nargs=-1)
 @click.option(
-    "--connections", type=click.IntRange(0), metavar="N",
+    "--connections", type=click.IntRange(0, MOST_CONNECTIONS), metavar="N",
     help="Connections to fly again by the physics of 'check'; 1000.",
 )  # fmt: skip
 @click.option("--seed", type=click.IntRange(0), default=0, help="Which connections; 0.")

@@ -15,6 +15,7 @@ import numpy as np
 from ..certificate import Certificate, ProvenWalks, sha256_of
 from ..checking import OBJECTIVE_TOLERANCE, check
 from ..connections import Connecting
+from ..errors import InputError
 from ..instance import AnyInstance, Instance, instance_of
 from ..plan import MODEL, Plan
 from .claim import bound_of, check_names, gains
@@ -27,6 +28,9 @@ from .walks import walks_reach
 
 CONNECTIONS = 1000
 """So many connections are flown again."""
+
+MOST_CONNECTIONS = 1_000_000
+"""More than these are a typing error: they would take days."""
 
 
 @dataclass(frozen=True)
@@ -96,8 +100,11 @@ def verify(
     Raises
     ------
     InputError
-        Something belongs to another instance, or it has rules that cannot be verified yet.
+        Something belongs to another instance, or it has rules that cannot be verified yet; or
+        there are more connections to fly than :data:`MOST_CONNECTIONS`.
     """
+    if not 0 <= connections <= MOST_CONNECTIONS:
+        raise InputError(f"connections = {connections}: must be from 0 to {MOST_CONNECTIONS}")
     instance = instance_of(instance)
     check_names(instance, certificate)
     refuse_unknown(instance)

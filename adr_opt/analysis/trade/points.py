@@ -191,7 +191,9 @@ class Board:
             if self.counts(limits, own.limits) and own.upper_bound < point.upper_bound:
                 self.points[limits] = replace(self.points[limits], upper_bound=own.upper_bound)
         for point in self.points.values():
-            if point.prize > point.upper_bound + tolerance(point.upper_bound):
+            none = point.upper_bound == -math.inf  # "there is no plan" leaves no room for rounding
+            allowed = -math.inf if none else point.upper_bound + tolerance(point.upper_bound)
+            if point.prize > allowed:
                 raise Impossible(
                     f"at {point.limits} a plan of {point.prize!r} exceeds the bound "
                     f"{point.upper_bound!r}: a method is broken, please report it"

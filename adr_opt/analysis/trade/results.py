@@ -1,8 +1,8 @@
 """The results of a trade-off in a file: CSV, a row for each run, so that it can go on later.
 
-A row is written at once and whole; of one that was cut off by the end of the machine nothing is
-read. The first columns say what it belongs to: a file of another instance or of other settings is
-refused, not mixed in.
+A row is written at once and whole, on a line of its own; of one that was cut off by the end of the
+machine nothing is read, wherever it stands. The first columns say what it belongs to: a file of
+another instance or of other settings is refused, not mixed in.
 """
 
 from __future__ import annotations
@@ -17,16 +17,21 @@ from typing import Any
 
 from ...errors import InputError
 from ...files import write_text
-from .points import Point, Tradeoff
+from .points import Point, Routes, Tradeoff
 
 COLUMNS = (
     "instance_sha256", "settings", "delta_v_m_s", "duration_s", "method", "prize", "upper_bound",
     "status", "visits", "cost", "runtime_s", "cpu_s", "routes",
 )  # fmt: skip
 
+LONGEST_SHOWN = 100
+"""Longer values of a file are cut in error messages."""
+
 
 class ResultsFile:
     """Rows of runs that go into a file as they come.
+
+    ``found`` has what was there, each point with the place of its row for errors.
 
     Parameters
     ----------
@@ -61,12 +66,21 @@ class ResultsFile:
 
     def _write(self, text: str) -> None:
         try:
-            handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
+            handle = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
             try:
-                if os.fstat(handle).st_size == 0:
+                size = os.fstat(handle).st_size
+                if size == 0:
                     text = _line(COLUMNS) + text
-                os.write(handle, text.encode())
-                os.fsync(handle)
+                else:
+                    os.lseek(handle, size - 1, os.SEEK_SET)
+                    if os.read(handle, 1) != b"\n":
+                        text = "\n" + text  # a row that was cut off stays on a line of its own
+                try:
+                    _write_all(handle, text.encode())
+                    os.fsync(handle)
+                except OSError:
+                    os.ftruncate(handle, size)
+                    raise
             finally:
                 os.close(handle)
         except OSError as error:
@@ -74,46 +88,127 @@ class ResultsFile:
                 f"{self._path}: cannot be written ({error.strerror or error}); choose another place"
             ) from error
 
-    def _read(self) -> tuple[Point, ...]:
+    def _read(self) -> tuple[tuple[str, Point], ...]:
         if not self._path.exists():
             return ()
-        content = self._path.read_bytes()
-        whole = content[: content.rfind(b"\n") + 1]
         try:
-            rows = list(csv.reader(io.StringIO(whole.decode(), newline=""), strict=True))
-        except (csv.Error, UnicodeDecodeError):
-            raise InputError(f"{self._path}: not a file of results; name another one") from None
-        if content and (not rows or tuple(rows[0]) != COLUMNS):
+            content = self._path.read_bytes()
+        except OSError as error:
+            raise InputError(
+                f"{self._path}: cannot be read ({error.strerror or error}); name another file"
+            ) from None
+        lines = content.split(b"\n")
+        torn = lines.pop()  # what follows the last line feed, mostly nothing
+        header = _line(COLUMNS).rstrip().encode()
+        if not lines and header.startswith(torn):
+            self._empty()
+            return ()
+        if not lines or lines[0].rstrip(b"\r") != header:
             raise InputError(f"{self._path}: not a file of results; name another one")
-        found = [
-            self._point(dict(zip(COLUMNS, row, strict=True)), number)
-            for number, row in enumerate(rows[1:], start=2)
-            if len(row) == len(COLUMNS)
-        ]
-        if len(whole) < len(content):
-            with self._path.open("r+b") as file:
-                file.truncate(len(whole))
+        found = []
+        for number, line in enumerate(lines[1:], start=2):
+            where = f"{self._path}: row {number}"
+            row = self._whole(line.rstrip(b"\r"), where)
+            if row is not None:
+                found.append((where, self._point(row, where)))
         return tuple(found)
 
-    def _point(self, row: dict[str, str], number: int) -> Point:
-        where = f"{self._path}: row {number}"
+    def _empty(self) -> None:
+        """Begin anew where not even the first line was written to its end."""
+        try:
+            os.truncate(self._path, 0)
+        except OSError as error:
+            raise InputError(
+                f"{self._path}: cannot be written ({error.strerror or error}); choose another place"
+            ) from None
+
+    def _whole(self, line: bytes, where: str) -> dict[str, str] | None:
+        """The row of a line; None where it was not written to its end, or is blank.
+
+        A row that follows upon such a one in the same line is taken from there: each begins with
+        the digest of the instance.
+        """
+        begin = line.rfind(self._sha256.encode() + b",")
+        cells = _cells(line[max(begin, 0) :])
+        if cells is not None and len(cells) == len(COLUMNS) and not _is_cut_off(cells[-1]):
+            return dict(zip(COLUMNS, cells, strict=True))
+        first = line.partition(b",")[0]
+        if begin < 0 and not self._sha256.encode().startswith(first):
+            raise InputError(f"{where}: not a row of results; name another file")
+        return None
+
+    def _point(self, row: dict[str, str], where: str) -> Point:
         if row["instance_sha256"] != self._sha256:
             raise InputError(f"{where}: of another instance; name another file for the results")
         if row["settings"] != self._settings:
             raise InputError(
-                f"{where}: made with {row['settings']}, and this is {self._settings}; name another "
-                "file, or use the same settings"
+                f"{where}: made with {_shown(row['settings'])}, and this is {self._settings}; name "
+                "another file, or use the same settings"
             )
         try:
-            return Point(
+            point = Point(
                 float(row["delta_v_m_s"]), float(row["duration_s"]), float(row["prize"]),
                 float(row["upper_bound"]), int(row["visits"]), float(row["cost"]),
-                tuple(tuple(route) for route in json.loads(row["routes"])),
-                tuple(filter(None, row["method"].split("+"))), float(row["runtime_s"]),
-                float(row["cpu_s"]),
+                _routes(row["routes"]), tuple(filter(None, row["method"].split("+"))),
+                float(row["runtime_s"]), float(row["cpu_s"]),
             )  # fmt: skip
-        except (ValueError, TypeError):
+        except (ValueError, TypeError, RecursionError):
             raise InputError(f"{where}: not a row of results; name another file") from None
+        for name, value, holds in (
+            ("delta_v_m_s", point.delta_v_m_s, 0.0 < point.delta_v_m_s < math.inf),
+            ("duration_s", point.duration_s, 0.0 < point.duration_s < math.inf),
+            ("prize", point.prize, point.prize < math.inf),
+            ("upper_bound", point.upper_bound, not math.isnan(point.upper_bound)),
+            ("runtime_s", point.runtime_s, 0.0 <= point.runtime_s < math.inf),
+            ("cpu_s", point.cpu_s, 0.0 <= point.cpu_s < math.inf),
+        ):
+            if not holds:
+                raise InputError(f"{where}: {name} = {value!r} is no result; name another file")
+        return point
+
+
+def _write_all(handle: int, content: bytes) -> None:
+    """Write all of it: a disk that fills up takes a part, and says so at the next call only."""
+    while content:
+        content = content[os.write(handle, content) :]
+
+
+def _cells(line: bytes) -> list[str] | None:
+    """The cells of a line; None where it is none of CSV."""
+    longest = csv.field_size_limit(max(csv.field_size_limit(), len(line)))
+    try:
+        rows = list(csv.reader([line.decode()], strict=True))
+    except (csv.Error, UnicodeDecodeError):
+        return None
+    finally:
+        csv.field_size_limit(longest)
+    return rows[0] if len(rows) == 1 else None
+
+
+def _is_cut_off(text: str) -> bool:
+    """Whether a list ends before its brackets do, as the last cell of a torn row may."""
+    try:
+        json.loads(text)
+    except json.JSONDecodeError:
+        return True
+    except RecursionError:
+        pass  # for others to refuse
+    return False
+
+
+def _routes(text: str) -> Routes:
+    """Names of bodies for each chaser; raises :class:`ValueError` for anything else."""
+    routes = json.loads(text)
+    for route in routes:
+        if not isinstance(route, list) or not all(isinstance(name, str) for name in route):
+            raise ValueError(text)
+    return tuple(tuple(route) for route in routes)
+
+
+def _shown(text: str) -> str:
+    """What a file says, as far as it can be printed."""
+    cut = text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 1] + "…"
+    return cut if cut.isprintable() else repr(cut)
 
 
 def _row(point: Point, method: str, sha256: str, settings: str) -> tuple[Any, ...]:

@@ -21,8 +21,9 @@ from ...prepared import form_for, method_of
 from ...stop import MaxRuntime, Stop
 from ...tolerance import meets
 from .axes import Axis, Limits, grid
-from .points import Board, Point, Tradeoff
+from .points import Board, Impossible, Point, Tradeoff
 from .results import ResultsFile
+from .resumed import take_in
 from .shared import Shared, slack_m_s, variant
 
 QUICK = "beam"
@@ -134,10 +135,9 @@ def tradeoff(
     settings = Settings(method, time_limit, seed, _quick(problem, method))
     file = None if path is None else ResultsFile(path, instance.sha256, str(settings))
     board, ran = Board(limits, slack_m_s(instance)), dict[Limits, set[str]]()
-    for point in file.found if file is not None else ():
-        if point.limits in board.points:
-            board.add(point)
-            ran.setdefault(point.limits, set()).update(point.methods)
+    if file is not None and file.found:
+        known = Shared(instance, shared.longest_s, tanks=tanks)
+        ran = take_in(board, file.found, known.problem, {method, QUICK})
     jobs = jobs or os.cpu_count() or 1
     runner: _Here | _Beside = _Here(shared, settings, stop)
     if cluster is not None:
@@ -149,7 +149,15 @@ def tradeoff(
     with runner:
         for quick in (True, False):
             for point, used in runner.run(board, ran, quick=quick, stop=stop):
-                board.add(point)
+                try:
+                    board.add(point)
+                except Impossible as error:
+                    if file is None or not file.found:
+                        raise
+                    raise InputError(
+                        f"{path}: a bound of this file lies below what a plan collects that is "
+                        f"found now ({str(error).partition(':')[0]}); name another file"
+                    ) from error
                 if file is not None:
                     file.append(point, used)
                 told(point, board)
