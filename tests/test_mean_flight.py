@@ -112,7 +112,7 @@ def angles(state: np.ndarray) -> tuple[float, float, float]:
 
 @pytest.mark.parametrize("elements", [each for each in ELEMENTS if each[1] > 0.0 and each[2] > 0.0])
 def test_coasts_have_the_rates_of_the_averaged_potential(elements: tuple[float, ...]) -> None:
-    """In ten days node, perigee and anomaly advance as Lagrange's equations say, averaged by sums."""
+    """In ten days node, perigee and anomaly advance as the potential averaged by sums has them."""
     state, span = true_state(orbit(*elements), OBLATENESS_M2, 0.0), 10.0 * DAY_S
     before = angles(state)
     mean_motion.coast(state, span, OBLATENESS_M2)
@@ -225,7 +225,7 @@ def test_legs_take_what_they_take_in_integrated_motion(which: str) -> None:
 
 
 def test_months_of_drift_between_eccentric_orbits_are_flown_in_a_moment() -> None:
-    """A year among rocket bodies on eccentric orbits: every leg arrives, in some hundredths of a s."""
+    """A year among rocket bodies on eccentric orbits: every leg arrives, in some 0.1 s or less."""
     instance = eccentric(adr_opt.generate("rocket-bodies", 0), 0.015, seed=1)
     plan = solved(instance)
     assert sum(leg.kind == "drift" for leg in plan.legs) >= 5
@@ -240,7 +240,7 @@ def test_months_of_drift_between_eccentric_orbits_are_flown_in_a_moment() -> Non
 
 
 def test_a_leg_that_does_not_arrive_leaves_its_tank_unknown() -> None:
-    """A burn changed by a hundredth of a per cent is found out between circles, too, and is said."""
+    """A burn that is off by a hundredth of a per cent is found out between circles, and said."""
     instance, plan = drifting_instance(), drifting_plan()
     short, drift = plan.legs
     vector = tuple(1.0001 * part for part in drift.burns[0].delta_v_m_s)

@@ -194,3 +194,12 @@ def _after_tow(orbit: Orbit, tow: Tow, time_s: float, oblateness_m2: float) -> A
         state[3:] -= burn.size_m_s * state[3:] / np.linalg.norm(state[3:])
     mean_motion.coast(state, time_s - now, oblateness_m2)
     return state
+
+
+def practise(instance: Instance, leg: Leg) -> None:
+    """Compile what a flight needs, by that of a leg as if its orbits were a little eccentric."""
+    orbit_of = {
+        name: orbit.replace(eccentricity=1e-3)
+        for name, orbit in zip(instance.names, instance.body_orbits, strict=True)
+    }
+    Aim(instance, orbit_of, leg, None).delta_v_m_s()
