@@ -301,7 +301,7 @@ def test_it_can_be_stopped_between_legs() -> None:
 
 @pytest.mark.parametrize("elements", ELEMENTS)
 def test_derivatives_are_good_for_years(elements: tuple[float, ...]) -> None:
-    """Who begins a moment later ends a moment later: in the derivative of a coast of two years, too.
+    """Who begins a moment later ends a moment later: in the derivative of a coast of years, too.
 
     Of what a change of place and one of velocity do to the phase by then, all but a hundred
     thousandth cancels.

@@ -63,7 +63,7 @@ def rates(state, oblateness, slopes):
     node = -pull * cosine
     if slopes.shape[0] == 0:
         return anomaly, apsis, node
-    # By 1/a, by h and by h_z: n goes with the power 3/2 of the first, the pull with −4 of the second.
+    # By 1/a, by h and by h_z: n goes with the power 3/2 of the first, pull with −4 of the second.
     by_inverse = (
         (1.5 * n + pull * root * (3.0 * square - 1.0)) / inverse,
         1.5 * apsis / inverse,
@@ -242,11 +242,9 @@ def derivative(state, duration, oblateness):
     by_node = (-y, x, 0.0, -v, u, 0.0)
     for i in range(6):
         for j in range(6):
-            matrix[i, j] += duration * (
-                by_anomaly[i] * slopes[0, j]
-                + by_apsis[i] * slopes[1, j]
-                + by_node[i] * slopes[2, j]
-            )
+            along = by_anomaly[i] * slopes[0, j]
+            turned = by_apsis[i] * slopes[1, j] + by_node[i] * slopes[2, j]
+            matrix[i, j] += duration * (along + turned)
     return matrix
 
 
