@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import math
 import os
 from collections.abc import Iterable
@@ -10,7 +12,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from .files import read_model, to_text, write_text
-from .records import DeltaV, Name, Record, Time
+from .plan_flight import PlanFlight
+from .records import DeltaV, Name, Record, Time, without
 from .settings import Objective
 from .showing import Card, Shown
 
@@ -180,7 +183,8 @@ class Plan(Shown, Record):
     ``status`` speaks of ``objective``, the prize: ``upper_bound`` is what no plan exceeds.
     ``cost_status`` speaks of ``cost`` at that prize: ``cost_bound`` is what no plan costs less than
     that collects as much; the three are null where nobody asked for them. ``model`` is the version
-    of docs/model.md that its costs are of.
+    of docs/model.md that its costs are of. ``flown`` says what came of flying it, where that was
+    done; files say nothing of it where it was not.
     """
 
     format: Literal["adr-opt-plan/2"] = FORMAT
@@ -201,6 +205,7 @@ class Plan(Shown, Record):
     notes: Annotated[tuple[str, ...], Field(strict=False)] = ()
     routes: Annotated[tuple[Route, ...], Field(strict=False)] = ()
     unvisited: Annotated[tuple[Unvisited, ...], Field(strict=False)] = ()
+    flown: PlanFlight | None = None
 
     def _card(self) -> Card:
         from .showing.of_plan import of_plan
@@ -209,7 +214,7 @@ class Plan(Shown, Record):
 
     @model_serializer(mode="wrap")
     def _without_former_model(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without_former_model(write(self))
+        return without(without_former_model(write(self)), "flown")
 
     @property
     def has_former_drifts(self) -> bool:
@@ -228,6 +233,18 @@ class Plan(Shown, Record):
     def legs(self) -> tuple[Leg, ...]:
         """The legs of all routes, one route after the other."""
         return tuple(leg for route in self.routes for leg in route.legs)
+
+    @property
+    def legs_sha256(self) -> str:
+        """What names the legs: a digest of all routes."""
+        routes = [route.model_dump(mode="json") for route in self.routes]
+        return hashlib.sha256(json.dumps(routes).encode()).hexdigest()
+
+    @property
+    def own_flight(self) -> PlanFlight | None:
+        """What it says of the flight of just these legs; None if it says nothing of them."""
+        flown = self.flown
+        return flown if flown is not None and flown.legs_sha256 == self.legs_sha256 else None
 
     @property
     def tows_before(self) -> dict[int, Tow]:

@@ -54,7 +54,7 @@ def test_timeline_shows_every_leg_and_the_summary(cli: Cli) -> None:
             f" {leg.phasing_revolutions} ",
         ):
             assert text in row
-    last = outcome.out.splitlines()[-1]
+    last = outcome.out.splitlines()[-2]  # what the flight comes to follows
     assert f"visits {len(plan.legs) - refuellings} of 12" in last
     assert f"ΔV {plan.delta_v_m_s:.1f} m/s" in last
     assert f"refuellings {refuellings}" in last

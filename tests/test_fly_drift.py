@@ -11,7 +11,7 @@ from drifting_plans import drifting_instance, drifting_plan, with_a_tight_tank
 from plans import with_legs
 
 import adr_opt
-from adr_opt.cli.fly import BETWEEN_CIRCLES, FLOWN
+from adr_opt.cli.fly import FLOWN
 from adr_opt.flight import fly
 from adr_opt.instance import Instance
 from adr_opt.plan import Plan
@@ -35,7 +35,7 @@ def test_every_leg_meets_its_stand_off(eccentricity: float) -> None:
         assert leg.relative_speed_m_s < 1e-3
         assert leg.arrival_miss_m < 1.0
     assert flight.dynamics == "j2"
-    assert flight.between_circles == (eccentricity > 0.0)
+    assert all(leg.on_true_orbits == (eccentricity > 0.0) for leg in flight.legs)
     assert flight.eccentric == ()
 
 
@@ -89,13 +89,17 @@ def test_fly_says_in_what_it_flew(cli: Cli) -> None:
     drift = plan.legs[1]
     planned, burned = drift.delta_v_m_s, drift.burns_delta_v_m_s
     assert f"1 leg that drifts, planned with {planned:.1f} m/s, burns {burned:.1f} m/s" in text
-    assert BETWEEN_CIRCLES in text
+    flight = fly(instance, plan)
+    assert flight.true_delta_v_m_s is not None
+    true = f"2 legs planned with {plan.delta_v_m_s:.1f} m/s, and flown with "
+    assert f"{true}{flight.true_delta_v_m_s:.1f} m/s by burns aimed anew" in text
     assert cli("fly", "my.json", "flown.json", "--out", "again.json").status == 0
     notes = [note for note in adr_opt.load_plan("again.json").notes if "flown in" in note]
     (note,) = notes
     assert note.startswith(FLOWN["j2"])
     told = json.loads(cli("fly", "my.json", "plan.json", "--json").out)
-    assert (told["dynamics"], told["between_circles"]) == ("j2", True)
+    assert (told["dynamics"], told["between_circles"]) == ("j2", False)
+    assert told["tanks"][0]["flown_delta_v_m_s"] == pytest.approx(told["true_delta_v_m_s"])
     assert [leg["kind"] for leg in told["legs"]] == ["short", "drift"]
     assert told["legs"][1]["burns_delta_v_m_s"] == pytest.approx(burned)
     assert told["legs"][1]["planned_delta_v_m_s"] == planned

@@ -197,7 +197,7 @@ def test_violations_head_the_page(mission) -> None:
 @pytest.fixture(scope="module")
 def eccentric() -> tuple[Instance, Plan]:
     """A plan between eccentric orbits that is legal in the model, and breaks a tank in truth."""
-    tiny = adr_opt.generate("tiny", 0)
+    tiny = adr_opt.generate("tiny", 4)
     instance = tiny.replace(
         targets=tuple(
             target.replace(orbit=target.orbit.replace(eccentricity=0.08)) for target in tiny.targets

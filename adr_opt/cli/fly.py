@@ -24,11 +24,6 @@ MOTIONS = {"two-body": "two-body motion", "j2": "mean motion under J2"}
 FLOWN = {dynamics: f"flown in {motion}: " for dynamics, motion in MOTIONS.items()}
 """How the note begins that ``--out`` puts into a plan, so that the next one takes its place."""
 
-BETWEEN_CIRCLES = (
-    "some orbits are eccentric: this is the flight between the circles that are planned with; the "
-    "flight on the true orbits is one in two-body motion and is not made here"
-)
-
 
 @click.command("fly", short_help="Fly the burns of PLAN and measure the misses.")
 @instance_argument
@@ -47,9 +42,10 @@ def command(
 ) -> int:
     """Fly the burns of PLAN in the dynamics of INSTANCE and measure how far each leg misses.
 
-    In two-body motion legs with an eccentric orbit are flown on the true orbits as well, and a
-    corrected last arc is solved for: a Lambert arc to the true stand-off. Exit status 1: with what
-    the corrections cost, or the burns of legs that drift, some tank is not enough.
+    Legs with an eccentric orbit are flown on the true orbits as well, with their burns aimed anew.
+    In two-body motion it is said where they lead as they are, too, and what a corrected last arc
+    costs: a Lambert arc to the true stand-off. Exit status 1: with what the burns that are flown
+    take, those of legs that drift among them, some tank is not enough.
 
     A refined plan is flown in true dynamics, by another integrator than the one it was made with.
     Exit status 1: an arrival misses by more than 1 m or 1 mm/s, a leg is missing, or a tank is not
@@ -92,10 +88,9 @@ def command(
         )
         if flight.drifts:
             emit(_drifts(flight))
-        if flight.between_circles:
-            emit(BETWEEN_CIRCLES)
         if flight.eccentric:
             emit_rich(*_eccentric(flight, width))
+        if flight.true_legs:
             emit("on the true orbits: " + _truth(flight))
         for chaser in flight.chasers:
             emit(str(chaser))
@@ -108,19 +103,29 @@ def annotated(plan: Plan, flight: Flight) -> Plan:
     note = f"{FLOWN[flight.dynamics]}worst miss {flight.worst_miss_m:.2g} m"
     if flight.drifts:
         note += f"; {_drifts(flight)}"
-    if flight.eccentric:
-        note += " between the circles planned with; on the true orbits " + _truth(flight)
+    if flight.true_legs:
+        note += " between the circles planned with; on the true orbits: " + _truth(flight)
     note += f"; {_tanks(flight)}"
     kept = tuple(other for other in plan.notes if not other.startswith(tuple(FLOWN.values())))
     return plan.replace(notes=(*kept, note))
 
 
 def _truth(flight: Flight) -> str:
-    return (
-        f"worst miss {_or_unknown(flight.worst_true_miss_m, '.4g')} m, and corrected last arcs "
-        f"cost {_or_unknown(flight.correction_delta_v_m_s, '.2f')} m/s beyond the burns of the "
-        f"plan, which sets {flight.eccentricity_delta_v_m_s:.2f} m/s aside for it"
+    legs = flight.true_legs
+    planned = sum(leg.planned_delta_v_m_s for leg in legs)
+    told = (
+        f"{counted(len(legs), 'leg')} planned with {planned:.1f} m/s, and flown with "
+        f"{_or_unknown(flight.true_delta_v_m_s, '.1f')} m/s by burns aimed anew"
     )
+    if flight.eccentric:
+        miss = _or_unknown(flight.worst_true_miss_m, ".4g")
+        more = _or_unknown(flight.correction_delta_v_m_s, ".2f")
+        told += (
+            f"; as they are, the burns miss by up to {miss} m, and corrected last arcs alone cost "
+            f"{more} m/s beyond the burns of the plan, which sets "
+            f"{flight.eccentricity_delta_v_m_s:.2f} m/s aside for it"
+        )
+    return told
 
 
 def _drifts(flight: Flight) -> str:
@@ -150,11 +155,15 @@ def _misses(flight: Flight, width: int | None) -> list[Table]:
     rows, headings = [], ["miss\nm", "relative\nm/s", "arrival\nmiss m"]
     if flight.dynamics == "j2":
         headings += ["kind", "planned\nm/s", "burns\nm/s"]
+        if flight.true_legs:
+            headings.append("true\nm/s")
     for leg in flight.legs:
         texts = [f"{leg.miss_m:.2g}", f"{leg.relative_speed_m_s:.2g}", f"{leg.arrival_miss_m:.2g}"]
         if flight.dynamics == "j2":
             planned, burned = leg.planned_delta_v_m_s, leg.burns_delta_v_m_s
             texts += [leg.kind, f"{planned:.1f}", f"{burned:.1f}"]
+            if flight.true_legs:
+                texts.append(_or_unknown(leg.true_delta_v_m_s, ".1f") if leg.on_true_orbits else "")
         rows.append(Row(leg.leg, leg.origin, leg.destination, texts))
     return leg_tables(headings, rows, width, whose(flight.tanks))
 
@@ -169,12 +178,16 @@ def _eccentric(flight: Flight, width: int | None) -> list[Table]:
             texts = (
                 _or_unknown(true.true_miss_m, ".4g"),
                 f"{true.eccentricity_delta_v_m_s:.2f}",
+                _or_unknown(leg.true_delta_v_m_s, ".2f"),
                 _or_unknown(true.correction_delta_v_m_s, ".2f"),
                 f"{true.last_arc_delta_v_m_s:.2f}",
                 _or_unknown(true.lambert_delta_v_m_s, ".2f"),
             )
             rows.append(Row(leg.leg, leg.origin, leg.destination, texts))
-    headings = ("true\nmiss m", "aside\nm/s", "corrected\nm/s", "last arc\nm/s", "Lambert\nm/s")
+    headings = (
+        "true\nmiss m", "aside\nm/s", "true\nm/s", "corrected\nm/s", "last arc\nm/s",
+        "Lambert\nm/s",
+    )  # fmt: skip
     return leg_tables(headings, rows, width, whose(flight.tanks))
 
 

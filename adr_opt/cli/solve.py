@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import InputError
+from ..wording import status_words
 from .certificates import certificate_option, check_certificate, save_certificate
+from .flown import flight_line, flown_plan, no_fly_option, refined_plan
 from .output import emit, emit_json, emit_rich, say, terminal_width
 from .parameters import (
     check_out,
@@ -20,6 +24,7 @@ from .parameters import (
 from .refining_loop import Refining, refine_options, run_refined, save_refined, tell_refined
 
 if TYPE_CHECKING:
+    from ..plan import Plan
     from ..refining.loop import RefinedResult
 
 
@@ -44,6 +49,7 @@ if TYPE_CHECKING:
 @click.option("--out", metavar="FILE", help="Plan file to write.")
 @certificate_option
 @refine_options
+@no_fly_option
 @json_option
 @quiet_option
 def command(
@@ -63,11 +69,15 @@ def command(
     bound_name: str | None,
     out: str | None,
     certificate_path: str | None,
+    no_fly: bool,
     as_json: bool,
     quiet: bool,
     **refining_options: Any,
 ) -> int:
     """Plan the mission of INSTANCE and show its timeline.
+
+    When it ends, the plan is flown in mean motion on the true orbits, after the time limit: the
+    last line says what its legs took and what each tank has left.
 
     Ctrl-C asks for the best plan so far; twice, it aborts. Exit status 1: no plan, or with --refine
     none that holds.
@@ -76,7 +86,6 @@ def command(
     from ..instance import load
     from ..plan import load_plan
     from ..planner import BOUNDS, PLANNERS
-    from ..wording import status_words
     from .live import wanted
     from .work import work
 
@@ -144,42 +153,61 @@ def command(
         if certificate_path is not None and result.status == "infeasible":
             save_certificate(certificate_path, instance, result, quiet)
         return 1
-    not_written: InputError | None = None
-    is_kept = False
-    if out is not None:
-        try:
-            result.plan.save(out)
-            is_kept = True
-            if not quiet:
-                status = status_words(result.plan.status)
-                say(f"wrote {out}: objective {result.objective:g}, {status}")
-        except InputError as error:
-            not_written = error
+    plan = result.plan
     if looped is not None:
-        try:
-            save_refined(looped, refining.refined_out, quiet)
-        except InputError as error:
-            not_written = not_written or error
-    if certificate_path is not None:
-        try:
-            save_certificate(certificate_path, instance, result, quiet)
-        except InputError as error:
-            not_written = not_written or error
+        looped = refined_plan(instance, looped)
+        plan = looped.plan or plan
+    unsaved = _first_trouble(partial(_save_plan, plan, out, quiet))
+    is_kept = out is not None and unsaved is None
+    others = _first_trouble(
+        *(() if looped is None else (partial(save_refined, looped, refining.refined_out, quiet),)),
+        *(() if certificate_path is None else
+          (partial(save_certificate, certificate_path, instance, result, quiet),)),
+    )  # fmt: skip
+    not_written = unsaved or others
     if not as_json:
         from .timeline import by_chaser, summary, timelines
 
-        for table in timelines(instance, result.plan, terminal_width()):
+        for table in timelines(instance, plan, terminal_width()):
             emit_rich(table)
-        for sentence in by_chaser(instance, result.plan):
+        for sentence in by_chaser(instance, plan):
             emit(sentence)
-        emit(summary(instance, result.plan))
+        emit(summary(instance, plan))
     if looped is not None:
         tell_refined(looped, as_json)
+    elif not no_fly:
+        # The plan is safe by now, whatever becomes of its flight.
+        plan, flight = flown_plan(instance, plan)
+        if plan.flown is not None and is_kept:
+            lacking = _first_trouble(partial(_save_plan, plan, out, quiet=True))
+            if lacking is not None and not quiet:
+                say(f"the plan is written, but not what its flight came to: {lacking}")
+        if not as_json:
+            emit(flight_line(flight))
     if (as_json and looped is None) or (not_written is not None and not is_kept):
-        emit(result.plan.to_json())
+        emit(plan.to_json())
     if not_written is not None:
         # It may have taken hours: what cannot be kept is at least said.
         place = f"in {out}" if is_kept else "on standard output instead"
         raise InputError(f"{not_written}; the plan is {place}")
     failed = result.status == "infeasible" if looped is None else not looped.holds
     return 1 if failed else 0
+
+
+def _save_plan(plan: Plan, out: str | None, quiet: bool) -> None:
+    if out is None:
+        return
+    plan.save(out)
+    if not quiet:
+        say(f"wrote {out}: objective {plan.objective:g}, {status_words(plan.status)}")
+
+
+def _first_trouble(*steps: Callable[[], None]) -> InputError | None:
+    """Take all steps, and tell what was wrong with the first one with which something was."""
+    trouble: InputError | None = None
+    for step in steps:
+        try:
+            step()
+        except InputError as error:
+            trouble = trouble or error
+    return trouble

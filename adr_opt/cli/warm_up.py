@@ -74,8 +74,9 @@ def _row(method: str, problem: Exception | None = None) -> dict[str, Any]:
 
 
 def _common() -> dict[str, Any]:
-    """Compile the timetable, the rules, the burns and the check."""
+    """Compile the timetable, the rules, the burns, the check and the flight in mean motion."""
     from ..checking import check
+    from ..flight.aimed import practise
     from ..practice import practice_mission
     from ..result import certify
 
@@ -84,6 +85,7 @@ def _common() -> dict[str, Any]:
         plan = certify(mission, "practice", (1,), seed=0, runtime_s=0.0).plan
         if plan is not None:
             check(mission.instance, plan)
+            practise(mission.instance, plan.legs[0])
         mission.timetable.matrices([0.0])
     return _row("(all)")
 

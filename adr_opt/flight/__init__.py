@@ -6,15 +6,16 @@ solves Lambert's problem.
 
 Two questions are asked of each leg. Does it arrive in the model's world, where every body moves
 on a circle? It must, to a millimetre, and under J2 to a metre. And where an orbit of the leg is
-eccentric: where does it arrive in truth, and what does it cost to arrive there after all? That is
-the size of the approximation of MODEL section 1, and decides whether each tank holds. The second is
-asked in two-body motion only.
+eccentric: where does it arrive in truth, and what does it take to arrive there after all? That is
+the size of the approximation of MODEL section 1, and decides whether each tank holds. The second
+alone is what :func:`fly_mean` asks, in mean motion and without boinor.
 
 A refined plan (:mod:`adr_opt.refining`) is flown by :func:`fly_refined`: in true dynamics, by
 another integrator than the one it was made with.
 """
 
 from .fly import fly
+from .mean_flight import MeanFlight, fly_mean
 from .refined import fly_refined
 from .refined_result import RefinedFlight, RefinedLegFlight
 from .result import EccentricFlight, Flight, LegFlight, TankFlight
@@ -23,9 +24,11 @@ __all__ = [
     "EccentricFlight",
     "Flight",
     "LegFlight",
+    "MeanFlight",
     "RefinedFlight",
     "RefinedLegFlight",
     "TankFlight",
     "fly",
+    "fly_mean",
     "fly_refined",
 ]

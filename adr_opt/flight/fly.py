@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from ..cargo import tank_worths
 from ..errors import InputError
 from ..instance import Instance
 from ..orbit import Orbit
 from ..plan import Leg, Plan, Tow
-from ..routes import Flown, routes_of, several
+from .aimed import Aim
 from .corrected import fly_eccentric
 from .flyable import refuse_what_cannot_be_flown
 from .mean import MeanDynamics
-from .result import EccentricFlight, Flight, LegFlight, TankFlight
+from .mean_flight import is_between_circles
+from .plan_tanks import burnt_m_s, plan_tanks
+from .result import EccentricFlight, Flight, LegFlight
 from .two_body import State, TwoBody, distance
 
 
@@ -25,9 +26,10 @@ def fly(instance: Instance, plan: Plan) -> Flight:
 
     Each leg begins on the origin's own orbit, or where the tow of the origin leads, which begins
     there; the burns are taken from the plan as they are.
-    Bodies move on the circles that the model plans with (MODEL section 1). In two-body motion a
-    leg with an eccentric orbit is flown a second time on the true orbits. What that costs, and what
-    the burns of legs that drift cost, is counted tank by tank.
+    Bodies move on the circles that the model plans with (MODEL section 1). A leg with an eccentric
+    orbit is flown a second time on the true orbits, with its burns aimed anew (:mod:`.aimed`); in
+    two-body motion a third time with them as they are. What the second flight takes, and what the
+    burns of legs that drift take, is counted tank by tank.
 
     Parameters
     ----------
@@ -52,67 +54,34 @@ def fly(instance: Instance, plan: Plan) -> Flight:
         before = _disposed(motion, orbits, number, leg, tows.get(number))
         ends = [orbits[leg.origin], orbits[leg.destination]]
         eccentric = None
-        if leg.kind == "launch":
-            ends = []
-        if instance.dynamics == "two-body" and any(orbit.eccentricity > 0.0 for orbit in ends):
+        if instance.dynamics == "two-body" and not is_between_circles(orbits, leg):
             origin, destination = (motion.true_at_epoch(orbit) for orbit in ends)
             if before is not None:
                 origin = motion.coast(before, -leg.leaves_s)
             eccentric = fly_eccentric(
                 motion, origin, destination, leg, instance.transfer.standoff_m
             )
-        flown.append(_fly_leg(instance, motion, orbits, number, leg, before, eccentric))
+        one = _fly_leg(instance, motion, orbits, number, leg, before, eccentric)
+        if not is_between_circles(orbits, leg):
+            one = replace(
+                one, on_true_orbits=True,
+                true_delta_v_m_s=_true_m_s(Aim(instance, orbits, leg, tows.get(number))),
+            )  # fmt: skip
+        flown.append(one)
+    taken = {
+        one.leg: one.true_delta_v_m_s if one.on_true_orbits else burnt_m_s(leg)
+        for one, leg in zip(flown, plan.legs, strict=True)
+    }
     worst = max((leg.miss_m for leg in flown), default=0.0)
-    return Flight(
-        worst,
-        tuple(flown),
-        tuple(
-            tank for route in routes_of(instance, plan) for tank in _tanks(instance, route, flown)
-        ),
-        instance.dynamics,
-        instance.dynamics == "j2" and instance.is_approximate,
-    )
+    return Flight(worst, tuple(flown), plan_tanks(instance, plan, taken), instance.dynamics)
 
 
-def _tanks(instance: Instance, route: Flown, flown: list[LegFlight]) -> Iterator[TankFlight]:
-    """The legs of a chaser tank by tank; a tank ends with the leg to a station."""
-    chaser = route.chaser
-    extras = [_extra_m_s(leg, flown[number - 1]) for number, leg in route.legs]
-    spent = [
-        (leg.destination, leg.delta_v_m_s + (extra or 0.0))
-        for (_, leg), extra in zip(route.legs, extras, strict=True)
-    ]
-    worths = iter(tank_worths(instance, chaser, spent))
-    tank, first, planned, extra, known = 1, 0, 0.0, 0.0, True
-    for (number, leg), more in zip(route.legs, extras, strict=True):
-        first = first or number
-        planned += leg.spent_m_s
-        known, extra = known and more is not None, extra + (more or 0.0)
-        if leg.destination in instance.station_names or number == route.legs[-1][0]:
-            yield TankFlight(
-                tank=tank,
-                first_leg=first,
-                last_leg=number,
-                budget_m_s=next(worths),
-                planned_delta_v_m_s=planned,
-                flown_delta_v_m_s=planned + extra if known else None,
-                chaser=chaser.name if several(instance) else None,
-            )
-            tank, first, planned, extra, known = tank + 1, 0, 0.0, 0.0, True
-
-
-def _extra_m_s(leg: Leg, flight: LegFlight) -> float | None:
-    """What a leg takes beyond its plan when it is flown; None if nobody knows [m/s]."""
-    extra = 0.0
-    if leg.kind == "drift":
-        # The closed form is near the burns, and the burns are what empties the tank.
-        extra += leg.burns_delta_v_m_s + leg.eccentricity_delta_v_m_s - leg.delta_v_m_s
-    if flight.eccentric is not None:
-        correction = flight.eccentric.correction_delta_v_m_s
-        if correction is None:
-            return None
-        extra += correction - leg.eccentricity_delta_v_m_s
-    return extra
+def _true_m_s(aimed: Aim) -> float | None:
+    """What a leg takes on the true orbits; None where it does not arrive [m/s]."""
+    try:
+        return aimed.delta_v_m_s()
+    except ArithmeticError:
+        return None
 
 
 def _disposed(

@@ -79,7 +79,13 @@ class LegFlight:
         in the distance, so this miss grows with L². Under J2 decimetres where orbits are eccentric,
         whose latitudes do not advance quite as those of circles.
     eccentric : EccentricFlight or None
-        The same leg on the true orbits; None where both are circles, which are their own truth.
+        The same leg on the true orbits, its burns as they are; None under J2, and where both orbits
+        are circles, which are their own truth.
+    on_true_orbits : bool
+        Whether an orbit is eccentric, so that the leg was flown on the true ones as well.
+    true_delta_v_m_s : float or None
+        What its burns take there, aimed anew; None where they do not arrive, or there was no such
+        flight [m/s].
     """
 
     leg: int
@@ -92,10 +98,14 @@ class LegFlight:
     relative_speed_m_s: float
     arrival_miss_m: float
     eccentric: EccentricFlight | None = None
+    on_true_orbits: bool = False
+    true_delta_v_m_s: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data, with the fields of ``eccentric``, if any, beside the others."""
         told = asdict(self)
+        if not told.pop("on_true_orbits"):
+            del told["true_delta_v_m_s"]
         return told | (told.pop("eccentric") or {})
 
 
@@ -114,9 +124,8 @@ class TankFlight:
     planned_delta_v_m_s : float
         What the plan states for these legs [m/s].
     flown_delta_v_m_s : float or None
-        What they cost when flown: the burns of legs that drift and what the plan sets aside for
-        their eccentricity; on true orbits the corrections, which take the place of what is set
-        aside; None if a correction is unknown [m/s].
+        What they cost when flown: of legs that drift the burns; on the true orbits, where some are
+        eccentric, those that are aimed anew; None if a leg does not arrive [m/s].
     chaser : str or None
         Whose tank it is; None where there is one chaser.
     """
@@ -149,7 +158,7 @@ class TankFlight:
         legs = legs_named(self.first_leg, self.last_leg)
         tank = tank_name(self.tank, self.chaser)
         if self.over_m_s is None:
-            return f"{tank} ({legs}) has a leg that no correction was found for"
+            return f"{tank} ({legs}) has a leg that was not led to its target"
         budget = f"{self.budget_m_s:g} m/s"
         if self.holds:
             return f"{tank} ({legs}) is left with {-self.over_m_s:.1f} of {budget}"
@@ -244,16 +253,12 @@ class Flight:
     tanks : tuple of TankFlight
     dynamics : {"two-body", "j2"}
         In which the legs were flown.
-    between_circles : bool
-        Some orbits are eccentric, and the legs were flown between circles only: a second flight on
-        the true orbits is one in two-body motion.
     """
 
     worst_miss_m: float
     legs: tuple[LegFlight, ...]
     tanks: tuple[TankFlight, ...] = ()
     dynamics: Literal["two-body", "j2"] = "two-body"
-    between_circles: bool = False
 
     @property
     def drifts(self) -> tuple[LegFlight, ...]:
@@ -274,6 +279,18 @@ class Flight:
     def eccentric(self) -> tuple[EccentricFlight, ...]:
         """The legs with an eccentric orbit."""
         return tuple(leg.eccentric for leg in self.legs if leg.eccentric is not None)
+
+    @property
+    def true_legs(self) -> tuple[LegFlight, ...]:
+        """The legs that were flown on true orbits as well."""
+        return tuple(leg for leg in self.legs if leg.on_true_orbits)
+
+    @property
+    def true_delta_v_m_s(self) -> float | None:
+        """What those took there; None if one did not arrive [m/s]."""
+        costs = [leg.true_delta_v_m_s for leg in self.true_legs]
+        known = [cost for cost in costs if cost is not None]
+        return math.fsum(known) if len(known) == len(costs) else None
 
     @property
     def worst_true_miss_m(self) -> float | None:
@@ -300,13 +317,16 @@ class Flight:
         """As plain data: what ``fly --json`` prints."""
         told: dict[str, Any] = {"dynamics": self.dynamics, "worst_miss_m": self.worst_miss_m}
         if self.dynamics == "j2":
-            told["between_circles"] = self.between_circles
+            # Former versions flew legs of eccentric orbits between circles alone.
+            told["between_circles"] = False
         if self.eccentric:
             told |= {
                 "worst_true_miss_m": self.worst_true_miss_m,
                 "eccentricity_delta_v_m_s": self.eccentricity_delta_v_m_s,
                 "correction_delta_v_m_s": self.correction_delta_v_m_s,
             }
+        if self.true_legs:
+            told["true_delta_v_m_s"] = self.true_delta_v_m_s
         if self.chasers:
             told["chasers"] = [chaser.to_dict() for chaser in self.chasers]
         return told | {

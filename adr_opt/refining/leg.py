@@ -68,6 +68,14 @@ class Course:
     lowest_m: float = 0.0
     highest_m: float = math.inf
 
+    def move(self, times: Array, impulses: Array) -> tuple[Array, Array, float]:
+        """Fly impulses from the start: what :func:`adr_opt.kernels.coast.fly` returns."""
+        zonals = FIELDS[self.gravity]
+        found: tuple[Array, Array, float] = coast.fly(
+            self.start, times, impulses, self.end_s, zonals, True
+        )
+        return found
+
 
 @dataclass(frozen=True)
 class Flown:
@@ -125,12 +133,11 @@ def fly(course: Course, times: Array, impulses: Array) -> Flown:
     NoWay
         They lead away from the Earth or into its centre.
     """
-    zonals = FIELDS[course.gravity]
     # The arc before the first impulse counts in the angle: it is flown as one without.
     early = times[0] > course.start_s
     if early:
         times, impulses = np.r_[course.start_s, times], np.vstack([np.zeros(3), impulses])
-    states, arcs, angle = coast.fly(course.start, times, impulses, course.end_s, zonals, True)
+    states, arcs, angle = course.move(times, impulses)
     end = states[-1]
     frame = equinoctial.own_frame(course.goal)
     reached = equinoctial.elements(end, frame)

@@ -74,7 +74,7 @@ def refine_leg(
         EARTH_RADIUS_M + rule.min_altitude_m,
         EARTH_RADIUS_M + rule.max_altitude_m,
     )
-    retargeted = _retargeted(course, before)
+    retargeted = aim(course, before)
     flown = cheapen(course, retargeted) if freedom == "free" else retargeted
     last = Course(
         flown.states[-1],
@@ -84,7 +84,7 @@ def refine_leg(
         to_target,
         bodies.gravity,
     )
-    docking = close(last, *_with_a_middle(approach, to_target))
+    docking = close(last, *with_a_middle(approach, to_target))
     phases = _phases(() if freedom == "free" else before, flown)
     burns = [
         *_burns(flown, phases),
@@ -141,7 +141,7 @@ def planned_angles(
     return angles[0], angles[1]
 
 
-def _retargeted(course: Course, burns: tuple[Burn, ...]) -> Flown:
+def aim(course: Course, burns: tuple[Burn, ...]) -> Flown:
     """The plan's burns, kept near what they were; with a few more where they cannot be closed."""
     times = np.array([burn.time_s for burn in burns])
     planned = np.array([burn.delta_v_m_s for burn in burns])
@@ -156,7 +156,7 @@ def _retargeted(course: Course, burns: tuple[Burn, ...]) -> Flown:
     return settle(course, closed, planned)
 
 
-def _with_a_middle(burns: tuple[Burn, ...], angle: float) -> tuple[Array, Array]:
+def with_a_middle(burns: tuple[Burn, ...], angle: float) -> tuple[Array, Array]:
     """The burns of the approach with one more a quarter of a lap after the first.
 
     Half a lap after it an impulse across the plane has no effect: what the planes of the chaser

@@ -22,7 +22,7 @@ from ..plot.tracks import Track, tracks
 from ..refining.plan import RefinedPlan, reference
 from ..routes import several
 from ..wording import counted, status_words
-from . import burns, controls, figures, flights, sections, space, tables
+from . import burns, controls, figures, flights, sections, space, standing, tables
 from .assets import asset, chart_library, page_script, policy
 from .facts import facts
 from .figures.parts import leg_title
@@ -219,7 +219,8 @@ def _page(instance: Instance, plan: Plan, known: _Found) -> str:
         planes=space.planes(instance),
         legs=tables.legs(instance, plan, refined),
         burns=burns.section(instance, plan, burned),
-        flown=flights.section(instance, known.flight, refined, known.refined_flight),
+        flown=standing.paragraph(instance, plan, refined)
+        + flights.section(instance, known.flight, refined, known.refined_flight),
         unvisited=left_out,
         certificate=sections.certificate(plan, found),
         origin=sections.origin(instance, plan),

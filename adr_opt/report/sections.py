@@ -49,8 +49,8 @@ def verdict(
         )
     if isinstance(flown, Flight) and flown.broken_tanks:
         why = (
-            "The model counts legs that drift with a closed form; their burns add up to more than "
-            "is left."
+            "The model counts legs that drift with a closed form, and flies between circles; the "
+            "burns that arrive add up to more than is left."
             if drifts
             else "The model flies between circles; to arrive on the eccentric orbits after all "
             "costs more than is left."
@@ -59,8 +59,8 @@ def verdict(
             f"{'When flown' if drifts else 'On the true orbits'} this plan breaks "
             + counted(len(flown.broken_tanks), "tank"),
             f"{'In the model too it is not legal.' if violations else 'It is legal in the model.'} "
-            f"{why} Figures below are those of the model; <code>solve --margin</code> plans with a "
-            "reserve.",
+            f"{why} Figures below are those of the model; <code>solve --refine</code> plans until "
+            "the plan holds.",
             flown.broken_tanks,
         )
     if refined:
@@ -91,7 +91,7 @@ def _drifting(instance: Instance, flown: Flight | str | None) -> str:
     checked = "Checked against the instance: no violations"
     if not isinstance(flown, Flight):
         return (
-            f'<p class="verdict">{checked} in the model. The plan was not flown: '
+            f'<p class="verdict">{checked} in the model. No independent program has flown it: '
             f"{escape(flown)}.</p>"
         )
     arrives = (
@@ -99,9 +99,9 @@ def _drifting(instance: Instance, flown: Flight | str | None) -> str:
         f"{length(flown.worst_miss_m)}."
     )
     if instance.is_approximate:
-        return (
-            f'<p class="verdict">{checked} in the model. {arrives} Some orbits are eccentric, and '
-            "the plan was not flown on the true ones, which is done in two-body motion only.</p>"
+        arrives += (
+            " Some orbits are eccentric: the stand-offs are those of circles, and the tanks are "
+            "judged by burns that are aimed at the true ones."
         )
     return f'<p class="verdict good"><span aria-hidden="true">✓</span> {checked}. {arrives}</p>'
 
