@@ -138,8 +138,12 @@ def _is_packed(path: str | os.PathLike[str]) -> bool:
 
 
 def sha256_of(plan: Plan) -> str:
-    """SHA-256 of the plan file that :meth:`Plan.to_json` gives."""
-    return hashlib.sha256(plan.to_json().encode()).hexdigest()
+    """SHA-256 of the plan file that :meth:`Plan.to_json` gives, without what its flight came to.
+
+    A plan may be flown after the certificate is written.
+    """
+    planned = plan if plan.flown is None else plan.replace(flown=None)
+    return hashlib.sha256(planned.to_json().encode()).hexdigest()
 
 
 def json_schema() -> dict[str, Any]:

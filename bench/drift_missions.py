@@ -2,11 +2,14 @@
 
     python bench/drift_missions.py hold
     python bench/drift_missions.py grid
+    python bench/drift_missions.py fragments --catalogue FILE
 
 `hold` draws missions of 30, 90 and 365 days at 71°, 86.4° and 98°, some with kits and some with
 tows, plans each with `auto`, has `check` judge the plan and flies it in mean motion. It prints the
 mission, the plan and the fullest use of a tank, planned and flown; with --refine also in full
 dynamics. `grid` plans missions without kits or tows on grids of several steps for the same time.
+`fragments` imports the 40 nearest of a catalogue for two chasers of 3 km/s and 90 days, and 30 for
+one of 1.2 km/s and 60 days on several grids, and prints what is planned, flown, refined and proven.
 """
 
 from __future__ import annotations
@@ -15,7 +18,11 @@ import argparse
 import itertools
 import math
 import statistics
+import subprocess
+import sys
+import tempfile
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 from machine import heading
@@ -214,17 +221,70 @@ def print_grid(each: int, limit: float) -> None:
     print(f"\nVisits short of the best of the four, in the mean: {means}.")
 
 
+def imported(catalogue: Path, *options: str) -> adr_opt.Instance:
+    """An instance that the verb `import` makes of a catalogue."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "instance.json"
+        command = [sys.executable, "-m", "adr_opt", "import", str(catalogue), "--quiet"]
+        subprocess.run([*command, "--no-refuelling", *options, "--out", str(out)], check=True)
+        return adr_opt.load(out)
+
+
+def print_fragments(catalogue: Path, limit: float) -> None:
+    """Print what is planned, flown, refined and proven among the fragments of a catalogue."""
+    print(
+        "| targets | days | tanks m/s | step | visits | bound | planned m/s | flown m/s | "
+        "refined m/s | least left, planned | flown | refined |"
+    )
+    print("|---" * 12 + "|")
+    two = "--max-targets 40 --duration-days 90 --delta-v 3000 --launches 2 --launch-every 1"
+    one = "--max-targets 30 --duration-days 60 --delta-v 1200"
+    grids = [f"{one} --drift-step-days {days:g}" for days in (0.5, 1.0, 2.0, 4.0)]
+    for options in (two, one, *grids):
+        instance = imported(catalogue, *options.split())
+        result = adr_opt.solve(instance, time_limit=limit, seed=0)
+        plan = result.plan
+        assert plan is not None
+        assert adr_opt.check(instance, plan) == ()
+        flight = fly(instance, plan)
+        refined = adr_opt.refine(instance, plan)
+        true = fly_refined(instance, refined)
+        planned = min(tank.budget_m_s - tank.planned_delta_v_m_s for tank in flight.tanks)
+        cells = [
+            len(instance.targets),
+            f"{instance.mission.duration_s / DAY_S:g}",
+            " + ".join(f"{chaser.tank.delta_v_m_s:g}" for chaser in instance.chasers),
+            f"{instance.transfer.drift_step_s / DAY_S:g} d",
+            f"{result.objective:g}",
+            f"{result.upper_bound:g}",
+            f"{plan.delta_v_m_s:.0f}",
+            f"{sum(tank.flown_delta_v_m_s or math.nan for tank in flight.tanks):.0f}",
+            f"{refined.flown_delta_v_m_s:.0f}",
+            f"{planned:.0f} m/s",
+            *(
+                f"{-max(tank.over_m_s or math.nan for tank in of.tanks):.0f} m/s"
+                for of in (flight, true)
+            ),
+        ]
+        print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)
+
+
 def main() -> None:
-    """Print one of the two tables."""
+    """Print one of the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("table", choices=("hold", "grid"))
+    parser.add_argument("table", choices=("hold", "grid", "fragments"))
     parser.add_argument("--each", type=int, default=10, help="missions of each length")
     parser.add_argument("--limit", type=float, default=30.0, help="seconds for each plan")
     parser.add_argument("--refine", action="store_true")
+    parser.add_argument("--catalogue", type=Path, help="file of element sets, for `fragments`")
     arguments = parser.parse_args()
     print(heading())
     if arguments.table == "hold":
         print_hold(arguments.each, arguments.limit, arguments.refine)
+    elif arguments.table == "fragments":
+        if arguments.catalogue is None:
+            parser.error("fragments needs --catalogue FILE")
+        print_fragments(arguments.catalogue, arguments.limit)
     else:
         print_grid(arguments.each, arguments.limit)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from conftest import Cli, refused
+from drifting_plans import drifting_instance
 
 import adr_opt
 from adr_opt.certificate import load_certificate
@@ -38,6 +39,15 @@ def test_a_proof_is_written_and_verified(cli: Cli, instance: Instance) -> None:
     assert found["gap"] == 0.0
     assert found["connections"] == 1000
     assert found["upper_bound"] == found["objective"]
+
+
+def test_a_plan_may_be_flown_after_its_proof(cli: Cli) -> None:
+    """The flight that `solve` writes into the plan leaves the certificate beside it valid."""
+    drifting_instance().save("i.json")
+    cli("solve", "i.json", "--method", "exact", "--out", "p.json", "--certificate", "c.json")
+    assert adr_opt.load_plan("p.json").flown is not None
+    said = cli("verify", "i.json", "p.json", "c.json", "--connections", 50)
+    assert said.status == 0, said.out
 
 
 def test_a_bound_alone_is_written_and_verified(cli: Cli, instance: Instance) -> None:
