@@ -1,0 +1,205 @@
+"""The price of time: days of chasers as part of the cost, of its bounds and of `check`."""
+
+from __future__ import annotations
+
+import math
+from contextlib import closing
+
+import numpy as np
+import pytest
+from against_enumeration import compared_cost
+from brute_force import brute_force
+from random_rules import (
+    carrying,
+    drifting_mission,
+    given_field,
+    given_mission,
+    limited,
+    mixed_campaign,
+    random_campaign,
+    random_mission,
+    towing,
+    towing_mission,
+)
+from two_chasers import campaign as two_chasers
+
+import adr_opt
+from adr_opt.campaign import Campaign
+from adr_opt.chasers import TankByMass
+from adr_opt.errors import InputError
+from adr_opt.instance import Instance
+from adr_opt.mission import Mission
+from adr_opt.plan import FORMER_MODEL
+from adr_opt.settings import Objective
+from solvers.relaxation.cost import CostProof
+
+PRICES = [0.0, None, 5.0, 50.0, 700.0, 1e5]
+"""Of a day [m/s]: nothing, the default, and up to where time alone counts."""
+
+
+def priced(instance: Instance, seed: int) -> Instance:
+    """The same by ΔV with a price of time, drawn."""
+    price = PRICES[int(np.random.default_rng([31, seed]).integers(len(PRICES)))]
+    return instance.replace(objective=Objective(time_m_s_per_day=price))
+
+
+@pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_mission, towing_mission])
+def test_the_least_cost_of_a_chaser_is_that_of_enumeration(draw):
+    """At any price of time `exact` proves the least cost that enumeration knows."""
+    proven = 0
+    for seed in range(14):
+        instance = priced(draw(6000 + seed), seed)
+        prizes, cost, _ = brute_force(Mission(instance))
+        if not math.isfinite(prizes):
+            continue
+        plan = adr_opt.solve(instance, "exact", time_limit=60.0, cost=True).plan
+        assert adr_opt.check(instance, plan) == (), seed
+        assert plan.objective == pytest.approx(prizes), seed
+        assert plan.cost_bound <= cost * (1.0 + 1e-9) + 1e-6, seed
+        assert plan.cost_status == "optimal", seed
+        assert plan.cost == pytest.approx(cost, rel=2e-6, abs=1e-5), seed
+        proven += plan.cost > plan.delta_v_m_s
+    assert proven > 4
+
+
+@pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_field])
+def test_the_least_cost_of_several_chasers_is_that_of_enumeration(draw):
+    """No bound on the cost lies above the least, and what is proven to be the least is."""
+    closed = []
+    for seed in range(20):
+        instance = (random_campaign, mixed_campaign)[seed % 2](seed, draw)
+        if seed % 3:
+            instance = carrying(instance, seed)
+        if seed % 4 == 0 and instance.given is None:
+            instance = towing(instance, seed)
+        if seed % 5 == 0:
+            instance = limited(instance, seed)
+        campaign = Campaign(priced(instance, seed))
+        result = adr_opt.solve(campaign, "exact", time_limit=30.0, iterations=8, cost=True)
+        closed.append(compared_cost(campaign, result, seed))
+    asked = [each for each in closed if each is not None]
+    assert sum(asked) >= 0.8 * len(asked) > 0.2 * 20
+
+
+@pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_mission])
+def test_no_plan_costs_less_than_the_bound(draw):
+    """After each round of a proof the bound holds, however dear the plan known and a day are."""
+    closed = 0
+    for seed in range(15):
+        instance = priced(draw(7000 + seed), seed)
+        mission = Mission(instance)
+        prizes, cost, _ = brute_force(mission)
+        if not math.isfinite(prizes):
+            continue
+        found = []
+        proof = CostProof(
+            mission, mission.worth(prizes), found.append, lambda dear=2.0 * cost + 1.0: dear,
+            lambda: False, jobs=1, delta_v_slot_m_s=100.0, most_labels=10**6,
+        )  # fmt: skip
+        with closing(proof):
+            for _ in range(8):
+                if not proof.done:
+                    proof.advance()
+                assert proof.bound <= cost * (1.0 + 1e-9) + 1e-6, seed
+        for sequence in found:
+            assert mission.time(sequence.tolist()).cost >= cost - 1e-6, seed
+        closed += proof.bound >= cost * (1.0 - 1e-6) - 1e-6
+    assert closed > 5
+
+
+def tows() -> Instance:
+    """Two rocket bodies to tow down in two years, with a large tank."""
+    tank = TankByMass(dry_mass_kg=1000.0, propellant_kg=3000.0, isp_s=310.0)
+    field = adr_opt.generate(
+        "rocket-bodies", seed=0, towed_kg=1400.0, disposal_altitude_m=350e3, tank=tank
+    )
+    first = field.first_target
+    return field.part([field.names[first + at] for at in (13, 16)])
+
+
+def test_a_tow_campaign_does_not_loiter():
+    """With the default price tows end months earlier, at no more ΔV than the resolution."""
+    instance = tows()
+    free = instance.replace(objective=Objective(time_m_s_per_day=0.0))
+    usual, loitering = (
+        adr_opt.solve(each, "auto", time_limit=20.0).plan for each in (instance, free)
+    )
+    assert adr_opt.check(instance, usual) == adr_opt.check(free, loitering) == ()
+    assert usual.objective == loitering.objective == 2.0
+    more = usual.delta_v_m_s - loitering.delta_v_m_s
+    assert 0.0 <= more <= instance.transfer.delta_v_resolution_m_s
+    assert usual.legs[-1].done_s < loitering.legs[-1].done_s - 100.0 * 86400.0
+
+
+def test_the_default_is_a_resolution_over_the_mission():
+    """What is not stated is neither in the file nor in its digest, and prices time all the same."""
+    instance = adr_opt.generate("tiny", seed=0)
+    assert "time_m_s_per_day" not in instance.to_json()
+    days = instance.mission.duration_s / 86400.0
+    price = instance.transfer.delta_v_resolution_m_s / days
+    stated = instance.replace(objective=Objective(time_m_s_per_day=price))
+    assert '"time_m_s_per_day"' in stated.to_json()
+    assert stated.sha256 != instance.sha256
+    assert Instance.from_json(stated.to_json()) == stated
+    costs = {adr_opt.solve(each, "greedy-guarded").plan.cost for each in (instance, stated)}
+    assert max(costs) == pytest.approx(min(costs), rel=1e-12)
+    free = instance.replace(objective=Objective(time_m_s_per_day=0.0))
+    order = adr_opt.solve(instance, "greedy-guarded").sequence
+    with_price, without = Mission(instance).time(order), Mission(free).time(order)
+    assert without.cost == without.delta_v
+    assert with_price.cost == pytest.approx(
+        with_price.delta_v + price * with_price.ends[-1] / 86400.0, rel=1e-12
+    )
+    assert with_price.cost < without.cost + price * without.ends[-1] / 86400.0 + 1e-9
+
+
+def test_days_count_from_when_each_chaser_may_fly():
+    """A chaser that comes late pays from then on, and one that does not fly pays nothing."""
+    instance = two_chasers()
+    first, second = instance.chasers
+    since_s = 0.25 * instance.mission.duration_s
+    late = second.replace(available_s=(since_s, None))
+    instance = instance.replace(
+        chasers=(first, late), objective=Objective(time_m_s_per_day=20.0)
+    )
+    plan = adr_opt.solve(instance, "auto", time_limit=20.0).plan
+    ends = {route.chaser: route.legs[-1].done_s for route in plan.routes if route.legs}
+    assert set(ends) == {first.name, late.name}
+    days = (ends[first.name] + ends[late.name] - since_s) / 86400.0
+    assert plan.cost == pytest.approx(plan.delta_v_m_s + 20.0 * days, rel=1e-12)
+    assert adr_opt.check(instance, plan) == ()
+    alone = plan.replace(
+        routes=tuple(
+            route.replace(legs=()) if route.chaser == late.name else route for route in plan.routes
+        ),
+    )
+    kept = [leg for route in alone.routes for leg in route.legs]
+    alone = alone.replace(cost=sum(leg.spent_m_s for leg in kept) + 20.0 * ends[first.name] / 86400)
+    assert "cost" not in {violation.rule for violation in adr_opt.check(instance, alone)}
+
+
+def test_check_counts_the_days():
+    """`check` refuses a cost without its days; plans of the former model had none by default."""
+    instance = adr_opt.generate("tiny", seed=0).replace(
+        objective=Objective(time_m_s_per_day=1.0)
+    )
+    plan = adr_opt.solve(instance, "greedy-guarded").plan
+    assert adr_opt.check(instance, plan) == ()
+    without = plan.replace(cost=plan.delta_v_m_s)
+    assert {violation.rule for violation in adr_opt.check(instance, without)} == {"cost"}
+    usual = adr_opt.generate("tiny", seed=0)
+    plan = adr_opt.solve(usual, "greedy-guarded").plan
+    without = plan.replace(cost=plan.delta_v_m_s)
+    assert {violation.rule for violation in adr_opt.check(usual, without)} == {"cost"}
+    assert adr_opt.check(usual, without.replace(model=FORMER_MODEL)) == ()
+
+
+@pytest.mark.parametrize("cost", ["duration", "expense"])
+def test_only_delta_v_has_a_price_of_time(cost):
+    """Where the end or the expense counts, a price of days is refused, and 0 as well."""
+    for price in (0.0, 1.0):
+        with pytest.raises((InputError, ValueError), match="days are paid for where cost"):
+            Objective(cost=cost, time_m_s_per_day=price)
+    assert adr_opt.generate("tiny", seed=0).replace(
+        objective=Objective(cost="duration")
+    ).time_m_s_per_s == 0.0  # fmt: skip
