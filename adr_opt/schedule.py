@@ -283,6 +283,25 @@ class Scheduler:
         """
         return last.cost + self._time_m_s_per_s * (last.ready - self._rules().ready)
 
+    def endings(self, order: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
+        """When an order can be over, and the least ΔV of that: of a later end less and less.
+
+        Returns
+        -------
+        ends : (endings,) float64
+            Ascending [s]; none where the order cannot be flown.
+        delta_vs : (endings,) float64
+            Descending, tows included [m/s].
+        """
+        fronts = self.fronts(order)
+        if not order or len(fronts) <= len(order):
+            return np.empty(0), np.empty(0)
+        last = fronts[-1]
+        by_end = np.lexsort((last.cost, last.ready))
+        ends, costs = last.ready[by_end], last.cost[by_end]
+        falls = costs < np.append(math.inf, np.minimum.accumulate(costs)[:-1])
+        return ends[falls], costs[falls] - self._before(order)
+
     def of(self, order: tuple[int, ...]) -> Schedule:
         """The schedule of least cost: the earliest end of least ΔV, or the other way round."""
         fronts = self.fronts(order)

@@ -161,6 +161,11 @@ class Objective(Record):
     def _without_no_price(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
         return without(write(self), "time_m_s_per_day")
 
+    @property
+    def asks_for_more(self) -> bool:
+        """Whether it asks for another cost than the usual one, ΔV at the default price of time."""
+        return self.cost != "delta-v" or bool(self.time_m_s_per_day)
+
     def together(self, costs: Iterable[float]) -> float:
         """What routes cost together that cost so much each."""
         if self.cost == "duration":

@@ -118,23 +118,23 @@ def _time_m_s(instance: Instance, plan: Plan) -> float:
     A day has the price that the instance states, or else the ΔV resolution over the days of the
     mission. Plans of the former model were made before that, and given costs have no known unit.
     """
-    days = instance.mission.duration_s / DAY_S
+    mission_days = instance.mission.duration_s / DAY_S
     price = instance.objective.time_m_s_per_day
     if price is None:
-        if plan.model == FORMER_MODEL or instance.transfer.given is not None or days == 0.0:
+        if plan.model == FORMER_MODEL or instance.transfer.given is not None or not mission_days:
             return 0.0
-        price = instance.transfer.delta_v_resolution_m_s / days
-    launches = launch_times(instance)
-    since = {
-        chaser.name: launches.get(chaser.name, chaser.available_s[0]) for chaser in instance.chasers
-    }
-    alone = instance.chasers[0].name if len(instance.chasers) == 1 else None
-    flown = [
-        _over_s(route.legs[-1]) - since[alone or route.chaser]
-        for route in plan.routes
-        if route.legs and (alone or route.chaser) in since
-    ]
-    return price * sum(flown) / DAY_S
+        price = instance.transfer.delta_v_resolution_m_s / mission_days
+    launches, first = launch_times(instance), instance.chasers[0]
+    chasers = {chaser.name: chaser for chaser in instance.chasers}
+    over: dict[str, float] = {}
+    for route in plan.routes:
+        name = chasers.get(route.chaser, first).name
+        for leg in route.legs:
+            over[name] = max(over.get(name, 0.0), _over_s(leg))
+    flown_s = sum(
+        end - launches.get(name, chasers[name].available_s[0]) for name, end in over.items()
+    )
+    return price * flown_s / DAY_S
 
 
 def _over_s(leg: Leg) -> float:
