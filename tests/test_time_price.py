@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import json
 import math
 from contextlib import closing
 
@@ -9,6 +11,8 @@ import numpy as np
 import pytest
 from against_enumeration import compared_cost
 from brute_force import brute_force
+from conftest import Cli, refused
+from hand_made import hand_made
 from random_rules import (
     carrying,
     drifting_mission,
@@ -24,6 +28,7 @@ from random_rules import (
 from two_chasers import campaign as two_chasers
 
 import adr_opt
+from adr_opt.analysis import Axis, frontier, tradeoff
 from adr_opt.campaign import Campaign
 from adr_opt.chasers import TankByMass
 from adr_opt.errors import InputError
@@ -203,3 +208,76 @@ def test_only_delta_v_has_a_price_of_time(cost):
     assert adr_opt.generate("tiny", seed=0).replace(
         objective=Objective(cost="duration")
     ).time_m_s_per_s == 0.0  # fmt: skip
+
+
+def test_a_frontier_has_the_least_delta_v_of_each_last_day():
+    """For each last day no shorter mission takes less, at the same prize, by enumeration."""
+    instance = adr_opt.generate("tiny", seed=2, targets=4)
+    made = tradeoff(instance, [Axis("duration", (instance.mission.duration_s,))], time_limit=20.0)
+    endings = frontier(made, time_limit=20.0)
+    assert len(endings) > 3
+    days, spent = [e.last_s for e in endings], [e.delta_v_m_s for e in endings]
+    assert sorted(days) == days
+    assert sorted(spent, reverse=True) == spent
+    ends = brute_force(Mission(instance.replace(objective=Objective(time_m_s_per_day=0.0))))
+    assert (endings[-1].prize, endings[-1].delta_v_m_s) == pytest.approx(ends[:2], abs=1e-6)
+    for ending in endings:
+        shorter = instance.replace(
+            mission=instance.mission.replace(duration_s=ending.last_s),
+            objective=Objective(time_m_s_per_day=0.0),
+        )
+        mission = Mission(shorter)
+        timed = mission.time(ending.routes[0])
+        assert timed.made == len(ending.routes[0])
+        assert timed.delta_v == pytest.approx(ending.delta_v_m_s, abs=1e-6)
+        assert timed.ends[-1] == pytest.approx(ending.last_s, abs=1e-3)
+        price = instance.time_m_s_per_s * ending.last_s
+        assert ending.cost == pytest.approx(ending.delta_v_m_s + price, rel=1e-12)
+    usual = Mission(instance).time(endings[-1].routes[0])
+    assert min(ending.cost for ending in endings) <= usual.cost + 1e-9
+
+
+def test_a_frontier_of_several_chasers_adds_what_each_takes_by_then():
+    """On the frontier of a campaign every chaser is done by the last day, at its least ΔV."""
+    whole = two_chasers()
+    instance = whole.part([f"debris-00{number}" for number in (3, 4, 5, 6, 8)])
+    axes = [Axis("duration", (instance.mission.duration_s,))]
+    endings = frontier(tradeoff(instance, axes, time_limit=20.0), time_limit=10.0)
+    assert len(endings) > 2
+    assert all(all(ending.routes) for ending in endings)
+    for ending in endings:
+        campaign = Campaign(
+            instance.replace(
+                mission=instance.mission.replace(duration_s=ending.last_s),
+                objective=Objective(time_m_s_per_day=0.0),
+            )
+        )
+        timed = [
+            mission.time(route)
+            for mission, route in zip(campaign.missions, ending.routes, strict=True)
+        ]
+        assert [each.made for each in timed] == [len(route) for route in ending.routes]
+        assert sum(each.delta_v for each in timed) == pytest.approx(ending.delta_v_m_s, abs=1e-6)
+
+
+def test_the_verb_writes_the_frontier(cli: Cli, tmp_path) -> None:
+    """CSV, page and JSON have the same last days; what has no frontier is refused in a sentence."""
+    hand_made().save("instance.json")
+    outcome = cli(
+        "tradeoff", "instance.json", "--frontier", "front.csv", "--page", "front.html",
+        "--time-limit", 10, "--json",
+    )  # fmt: skip
+    assert outcome.status == 0, outcome.err
+    stated = json.loads(outcome.out)["frontier"]
+    with open("front.csv", encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == len(stated) >= 1
+    for row, ending in zip(rows, stated, strict=True):
+        assert float(row["last_day"]) * 86400.0 == pytest.approx(ending["last_s"])
+        assert float(row["delta_v_m_s"]) == ending["delta_v_m_s"]
+        assert json.loads(row["routes"]) == ending["routes"]
+    with open("front.html", encoding="utf-8") as file:
+        assert file.read().count("Least ΔV against the last day") >= 2
+    hand_made().replace(objective=Objective(cost="duration")).save("ends.json")
+    refused(cli("tradeoff", "ends.json", "--frontier", "front.csv"), "objective.cost")
+    refused(cli("tradeoff", "instance.json"), "nothing is varied")

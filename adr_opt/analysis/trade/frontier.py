@@ -114,8 +114,8 @@ def frontier(
     Returns
     -------
     tuple of Ending
-        For each tank by the last day, each with less ΔV than the one before by the resolution of
-        the instance; the one of the least ΔV is the last.
+        For each tank by the last day, each with less ΔV than the one before, by the resolution of
+        the instance but for the one of least cost and the last one, that of the least ΔV.
 
     Raises
     ------
@@ -187,17 +187,17 @@ def _endings(problem: Problem, tank_m_s: float, prize: float, routes: Routes) ->
 
 
 def _kept(ends: list[Ending], resolution_m_s: float) -> list[Ending]:
-    """Those that take less than all before them, by the resolution, and the one of least ΔV."""
-    kept: list[Ending] = []
-    least: Ending | None = None
+    """Those that take less than all before them, by the resolution; and the least ΔV and cost."""
+    falling: list[Ending] = []
     for ending in ends:
-        if least is not None and ending.delta_v_m_s >= least.delta_v_m_s:
-            continue
-        least = ending
-        if not kept or ending.delta_v_m_s <= kept[-1].delta_v_m_s - resolution_m_s:
+        if not falling or ending.delta_v_m_s < falling[-1].delta_v_m_s:
+            falling.append(ending)
+    cheapest = min(falling, key=lambda ending: ending.cost, default=None)
+    kept: list[Ending] = []
+    for ending in falling:
+        saves = not kept or ending.delta_v_m_s <= kept[-1].delta_v_m_s - resolution_m_s
+        if saves or ending is cheapest or ending is falling[-1]:
             kept.append(ending)
-    if least is not None and kept[-1] is not least:
-        kept.append(least)
     return kept
 
 
