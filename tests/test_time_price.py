@@ -32,6 +32,7 @@ from adr_opt.analysis import Axis, frontier, tradeoff
 from adr_opt.campaign import Campaign
 from adr_opt.chasers import TankByMass
 from adr_opt.errors import InputError
+from adr_opt.given import of_rows
 from adr_opt.instance import Instance
 from adr_opt.mission import Mission
 from adr_opt.plan import FORMER_MODEL
@@ -110,6 +111,42 @@ def test_no_plan_costs_less_than_the_bound(draw):
             assert mission.time(sequence.tolist()).cost >= cost - 1e-6, seed
         closed += proof.bound >= cost * (1.0 - 1e-6) - 1e-6
     assert closed > 5
+
+
+@pytest.mark.parametrize("dearer_first", [False, True])
+def test_who_is_done_sooner_after_the_last_departure_is_not_overlooked(dearer_first):
+    """Of two last legs the dearer one may cost less in the end, whichever of them leaves first.
+
+    Nothing leaves any more once they have come, so that to proofs they land at the same time.
+    """
+    slow, quick = (100.0, 1000.0, 10.0), (200.0, 500.0, 20.0)
+    if dearer_first:
+        slow, quick = (200.0, 1000.0, 10.0), (100.0, 500.0, 20.0)
+    field = adr_opt.generate("tiny", seed=0, targets=2)
+    station, first, second = field.names
+    legs = [(station, first, 0.0, 10.0, 1.0), *((first, second, *leg) for leg in (slow, quick))]
+    columns = ("origin", "destination", "departure_s", "arrival_s", "delta_v_m_s")
+    given = of_rows({name: list(part) for name, part in zip(columns, zip(*legs), strict=True)},
+                    field.names)  # fmt: skip
+    instance = field.replace(
+        mission=field.mission.replace(
+            duration_s=5000.0, service_revolutions=None, service_s=0.0, refuel_revolutions=0.0
+        ),
+        objective=Objective(time_m_s_per_day=8640.0),
+    ).with_given(given)
+    mission = Mission(instance)
+    prizes, cost, _ = brute_force(mission)
+    assert cost == pytest.approx(1.0 + 20.0 + 0.1 * 500.0, abs=1e-6)
+    proof = CostProof(
+        mission, mission.worth(prizes), lambda plan: None, lambda: 1000.0, lambda: False, jobs=1,
+        delta_v_slot_m_s=10.0, most_labels=10**6,
+    )  # fmt: skip
+    with closing(proof):
+        for _ in range(12):
+            if not proof.done:
+                proof.advance()
+            assert proof.bound <= cost + 1e-6
+    assert proof.bound == pytest.approx(cost, rel=1e-5)
 
 
 def tows() -> Instance:
