@@ -126,8 +126,8 @@ def test_who_is_done_sooner_after_the_last_departure_is_not_overlooked(dearer_fi
     station, first, second = field.names
     legs = [(station, first, 0.0, 10.0, 1.0), *((first, second, *leg) for leg in (slow, quick))]
     columns = ("origin", "destination", "departure_s", "arrival_s", "delta_v_m_s")
-    given = of_rows({name: list(part) for name, part in zip(columns, zip(*legs), strict=True)},
-                    field.names)  # fmt: skip
+    rows = {name: [leg[at] for leg in legs] for at, name in enumerate(columns)}
+    given = of_rows(rows, field.names)
     instance = field.replace(
         mission=field.mission.replace(
             duration_s=5000.0, service_revolutions=None, service_s=0.0, refuel_revolutions=0.0
@@ -201,9 +201,7 @@ def test_days_count_from_when_each_chaser_may_fly():
     first, second = instance.chasers
     since_s = 0.25 * instance.mission.duration_s
     late = second.replace(available_s=(since_s, None))
-    instance = instance.replace(
-        chasers=(first, late), objective=Objective(time_m_s_per_day=20.0)
-    )
+    instance = instance.replace(chasers=(first, late), objective=Objective(time_m_s_per_day=20.0))
     plan = adr_opt.solve(instance, "auto", time_limit=20.0).plan
     ends = {route.chaser: route.legs[-1].done_s for route in plan.routes if route.legs}
     assert set(ends) == {first.name, late.name}
@@ -222,9 +220,7 @@ def test_days_count_from_when_each_chaser_may_fly():
 
 def test_check_counts_the_days():
     """`check` refuses a cost without its days; plans of the former model had none by default."""
-    instance = adr_opt.generate("tiny", seed=0).replace(
-        objective=Objective(time_m_s_per_day=1.0)
-    )
+    instance = adr_opt.generate("tiny", seed=0).replace(objective=Objective(time_m_s_per_day=1.0))
     plan = adr_opt.solve(instance, "greedy-guarded").plan
     assert adr_opt.check(instance, plan) == ()
     without = plan.replace(cost=plan.delta_v_m_s)

@@ -8,9 +8,8 @@ costs at least
 since it is a walk and is worth P or more. The walks are those of :mod:`.walks`, times exact; a leg
 pays the least ΔV that any leg between the same bodies in as many slots costs. Labels pay exactly.
 Where time has a price (:attr:`.instance_file.InstanceFile.time_m_s_per_s`), walks pay for it when
-they stop, from then back to when the chaser may fly: labels exactly, walks as if they had stopped at
-the departure before. A label is not the worse for having paid for no time yet, so that dominance is
-what it was.
+they stop, from then back to when the chaser may fly: labels exactly, walks as if they had stopped
+at the departure before. No label has paid for time on its way, so that dominance is what it was.
 They are dropped when they would cost too much at either of two prices, a moderate one and one at
 which a service is worth any ΔV, and when their worth can no longer reach P, by the values of a
 sweep in which nothing is paid. That one is what keeps them few, and so the finest: a mission at its
@@ -70,7 +69,7 @@ class PricedBound(WalkBound):
     mission, delta_v_slot_m_s, jobs, over, network, others
         As of :class:`WalkBound`.
     greatest_tanks : float
-        Most that a service may be worth to a walk [tanks, with what the whole mission's time costs].
+        Most that a service may be worth to a walk [tanks, and what the mission's time costs].
     greatest : float, optional
         The same in the unit of the tariffs that it will be charged with.
     """
