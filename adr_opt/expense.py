@@ -1,4 +1,4 @@
-"""What it takes to use chasers: by what they carry when they start (MODEL section 5)."""
+"""What it takes to use chasers: by what they carry when they start, and by their days."""
 
 from __future__ import annotations
 
@@ -60,17 +60,31 @@ def cost_of_routes(instance: Instance, routes: Iterable[Route]) -> float:
     """What routes cost together, as the instance counts it [m/s, s, or as of expenses]."""
     routes = tuple(routes)
     if instance.objective.cost != "expense":
-        return cost_of(instance.objective, legs_of(routes))
-    chasers = {chaser.name: chaser for chaser in instance.chasers}
-    if len(chasers) == 1:  # a route of an only chaser is its own, whatever it is called
-        chasers = dict.fromkeys((route.chaser for route in routes), instance.chasers[0])
+        return cost_of(instance.objective, legs_of(routes)) + time_paid_m_s(instance, routes)
+    numbers = _numbers(instance, routes)
     return instance.objective.together(
         expense_of(
-            instance, chasers[route.chaser],
+            instance, instance.chasers[numbers[route.chaser]],
             [(leg.destination, leg.delta_v_m_s) for leg in route.legs],
         )
         for route in routes
     )  # fmt: skip
+
+
+def time_paid_m_s(instance: Instance, routes: Sequence[Route]) -> float:
+    """What the days of routes cost, from when each chaser may fly to the end of its last stay."""
+    numbers, since_s = _numbers(instance, routes), instance.available_s
+    flown_s = [
+        route.legs[-1].done_s - since_s[numbers[route.chaser]][0] for route in routes if route.legs
+    ]
+    return instance.time_m_s_per_s * math.fsum(flown_s)
+
+
+def _numbers(instance: Instance, routes: Iterable[Route]) -> dict[str, int]:
+    """Numbers of the chasers of routes, by the names in these."""
+    if len(instance.chasers) == 1:  # a route of an only chaser is its own, whatever it is called
+        return dict.fromkeys((route.chaser for route in routes), 0)
+    return {chaser.name: number for number, chaser in enumerate(instance.chasers)}
 
 
 def legs_of(routes: Iterable[Route]) -> tuple[Leg, ...]:

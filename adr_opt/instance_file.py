@@ -17,6 +17,7 @@ from .chasers import Chaser
 from .epoch import Epoch
 from .errors import InputError
 from .files import to_text
+from .kernels.constants import DAY_S
 from .records import Name, Record
 from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings
 from .sizes import default_step_s
@@ -120,6 +121,22 @@ class InstanceFile(Record):
                 "one in its field chasers"
             )
         return self.chasers[0]
+
+    @property
+    def time_m_s_per_s(self) -> float:
+        """The price of a second of each chaser that is used, in a cost of ΔV [m/s per s].
+
+        By default a mission of the full length costs one ΔV resolution more than one of no length:
+        what the resolution calls equal is decided by time. Given costs are in a unit that is not
+        known, so there the default is nothing, as it is where another cost than ΔV counts.
+        """
+        stated, duration_s = self.objective.time_m_s_per_day, self.mission.duration_s
+        if stated is not None:
+            return stated / DAY_S
+        is_by_model = self.objective.cost == "delta-v" and self.transfer.given is None
+        if not is_by_model or duration_s == 0.0:
+            return 0.0
+        return self.transfer.delta_v_resolution_m_s / duration_s
 
     @property
     def largest_tank_m_s(self) -> float:

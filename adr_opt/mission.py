@@ -345,8 +345,9 @@ class Mission(Shown, Prizes):
         if self._twin is not None:
             return self._twin.schedules.under(self.rules, self.chaser)
         return Scheduler(
-            self.connecting, lambda: self.rules, self.instance.objective.cost, self.chaser
-        )
+            self.connecting, lambda: self.rules, self.instance.objective.cost, self.chaser,
+            self.instance.time_m_s_per_s,
+        )  # fmt: skip
 
     @cached_property
     def transfer_inputs(

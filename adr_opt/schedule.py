@@ -38,8 +38,9 @@ class Schedule:
     delta_v : float
         Total ΔV of the moves made, tows included [m/s].
     cost : float
-        What the mission minimises among plans of the same prizes: that ΔV [m/s], or the end of
-        the last leg's service [s], or the expense of the chaser.
+        What the mission minimises among plans of the same prizes: that ΔV and the price of the
+        time since the start [m/s], or the end of the last leg's service [s], or the expense of
+        the chaser.
     departures, arrivals, ends : (made,) float64
         Of each leg, and the end of the service that follows it [s].
     delta_vs, lefts : (made,) float64
@@ -102,13 +103,21 @@ class Scheduler:
         What the best schedule of an order has least of.
     chaser : Chaser
         Who flies.
+    time_m_s_per_s : float
+        Price of the time from when the chaser may fly to the end of an order [m/s per s].
     """
 
     def __init__(
-        self, connecting: Connecting, rules: Callable[[], Rules], cost: str, chaser: Chaser
+        self,
+        connecting: Connecting,
+        rules: Callable[[], Rules],
+        cost: str,
+        chaser: Chaser,
+        time_m_s_per_s: float = 0.0,
     ) -> None:
         self._rules = rules
         self._chaser = chaser
+        self._time_m_s_per_s = time_m_s_per_s
         self._by_time = cost == "duration"
         self._by_expense = cost == "expense"
 
@@ -266,16 +275,45 @@ class Scheduler:
         """What the first leg takes out of the tank because it was spent before the start [m/s]."""
         return self._spent_m_s(self._rules().start) if order else 0.0
 
+    def paid(self, last: Front) -> FloatArray:
+        """The cost of labels if the order ends with them: with the price of the time until then.
+
+        That is paid at the end alone, so that on the way a label that is ready no later, has no
+        less left and has cost no more makes another one superfluous whatever time costs.
+        """
+        return last.cost + self._time_m_s_per_s * (last.ready - self._rules().ready)
+
+    def endings(self, order: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
+        """When an order can be over, and the least ΔV of that: of a later end less and less.
+
+        Returns
+        -------
+        ends : (endings,) float64
+            Ascending [s]; none where the order cannot be flown.
+        delta_vs : (endings,) float64
+            Descending, tows included [m/s].
+        """
+        fronts = self.fronts(order)
+        if not order or len(fronts) <= len(order):
+            return np.empty(0), np.empty(0)
+        last = fronts[-1]
+        by_end = np.lexsort((last.cost, last.ready))
+        ends, costs = last.ready[by_end], last.cost[by_end]
+        falls = costs < np.append(math.inf, np.minimum.accumulate(costs)[:-1])
+        return ends[falls], costs[falls] - self._before(order)
+
     def of(self, order: tuple[int, ...]) -> Schedule:
         """The schedule of least cost: the earliest end of least ΔV, or the other way round."""
         fronts = self.fronts(order)
         rules = self._rules()
         made = len(fronts) - 1
         last = fronts[-1]
-        keys = (last.cost, last.ready) if self._by_time else (last.ready, last.cost)
+        paid = self.paid(last)
+        keys = (last.cost, last.ready) if self._by_time else (last.ready, paid)
         label = int(np.lexsort(keys)[0])
         before = self._before(order[:made])
-        total = cost = float(last.cost[label]) - before
+        total = float(last.cost[label]) - before
+        cost = float(paid[label]) - before
         if self._by_time:
             cost = float(last.ready[label]) if made else 0.0
         elif self._by_expense:

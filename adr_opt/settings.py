@@ -15,6 +15,7 @@ from pydantic import (
 
 from .kernels.constants import DAY_S
 from .records import (
+    LARGEST_DELTA_V_M_S,
     LARGEST_DURATION_S,
     Length,
     Name,
@@ -139,10 +140,31 @@ class Objective(Record):
 
     ``delta-v`` is the sum over all legs and tows [m/s], ``duration`` the end of the last service,
     or tow [s], ``expense`` the sum of what the chasers that are used take
-    (:class:`.chasers.Expense`).
+    (:class:`.chasers.Expense`). To ``delta-v`` the days of each chaser that is used are added at
+    ``time_m_s_per_day``, which is not in the file where it is None
+    (:attr:`.instance_file.InstanceFile.time_m_s_per_s` is what holds then).
     """
 
     cost: Literal["delta-v", "duration", "expense"] = "delta-v"
+    time_m_s_per_day: Annotated[float, Field(ge=0.0, le=LARGEST_DELTA_V_M_S)] | None = None
+
+    @model_validator(mode="after")
+    def _days_are_paid_in_delta_v(self) -> Self:
+        if self.cost != "delta-v" and self.time_m_s_per_day is not None:
+            raise ValueError(
+                f"time_m_s_per_day = {self.time_m_s_per_day!r}: days are paid for where cost is "
+                f'"delta-v", not "{self.cost}"; leave one of the two out'
+            )
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_no_price(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "time_m_s_per_day")
+
+    @property
+    def asks_for_more(self) -> bool:
+        """Whether it asks for another cost than the usual one, ΔV at the default price of time."""
+        return self.cost != "delta-v" or bool(self.time_m_s_per_day)
 
     def together(self, costs: Iterable[float]) -> float:
         """What routes cost together that cost so much each."""

@@ -75,5 +75,7 @@ class Incumbent:
         )
         if made < len(moves):
             return math.inf
-        by_time = mission.instance.objective.cost == "duration"
-        return float(state.time if by_time else delta_v)
+        if mission.instance.objective.cost == "duration":
+            return float(state.time)
+        paid = mission.instance.time_m_s_per_s * (state.time - rules.ready)
+        return float(delta_v + paid) if made else 0.0

@@ -183,6 +183,17 @@ def tow_of(target: Target, instance: Instance) -> tuple[float, float, float]:
     return 0.5 * revolution_s(ellipse, instance.dynamics), delta_v, target.mass_kg
 
 
+def price_of_time(instance: Instance) -> float:
+    """What a second of a chaser costs besides its ΔV: as stated, or one resolution a mission."""
+    if instance.objective.cost != "delta-v":
+        return 0.0
+    if instance.objective.time_m_s_per_day is not None:
+        return instance.objective.time_m_s_per_day / 86400.0
+    if instance.given is not None:
+        return 0.0
+    return instance.transfer.delta_v_resolution_m_s / instance.mission.duration_s
+
+
 def labels_of(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
     """Those of :func:`labels_and_uses`, for who does not ask about stations."""
     return labels_and_uses(mission)[:2]
@@ -283,6 +294,7 @@ def labels_and_uses(mission: Mission) -> tuple[np.ndarray, np.ndarray, np.ndarra
             if weighs:
                 what[:, 2] += price.per_kg * weight + price.per_kg_squared * weight**2
             what[0, 2] = 0.0
+        what[:, 2] += price_of_time(instance) * (what[:, 0] - launch_s(mission))
         where[1:, 2] += before
         wheres.append(where)
         whats.append(what)

@@ -10,9 +10,10 @@ import numpy as np
 import adr_opt
 from adr_opt.analysis import Replanned
 from adr_opt.checking import Violation
+from adr_opt.expense import cost_of_routes
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import SLACK_M_S, SLACK_S
-from adr_opt.plan import InstanceReference, Unvisited, cost_of
+from adr_opt.plan import InstanceReference, Unvisited
 
 Rows = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -30,7 +31,7 @@ def violations(instance: Instance, made: Replanned, zones=()) -> tuple[Violation
     whole = made.plan.replace(
         instance=InstanceReference(name=zoned.name, sha256=zoned.sha256), routes=routes,
         objective=objective, upper_bound=None, gap=None, status="feasible", cost_bound=None,
-        cost_gap=None, cost_status=None, cost=cost_of(zoned.objective, legs),
+        cost_gap=None, cost_status=None, cost=cost_of_routes(zoned, routes),
         unvisited=tuple(
             Unvisited(target=target.name, reason="not-worth-it")
             for target in instance.targets if target.name not in visited

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Any
 
@@ -11,12 +12,17 @@ from adr_opt.plan import Leg, Plan, Route
 
 
 def with_legs(plan: Plan, legs: Iterable[Leg], **changes: Any) -> Plan:
-    """The plan of one chaser with other legs and what these cost, and more fields changed."""
+    """The plan of one chaser with other legs and what these cost, and more fields changed.
+
+    The chaser may fly from the beginning, and a second costs what it does in the plan.
+    """
     legs = tuple(legs)
+    last_s = plan.legs[-1].done_s if plan.legs else math.inf
+    paid = (plan.cost - plan.delta_v_m_s) / last_s * (legs[-1].done_s if legs else 0.0)
     chaser = plan.routes[0].chaser if plan.routes else "chaser"
     stated = {
         "routes": (Route(chaser=chaser, legs=legs),),
-        "cost": float(sum(leg.delta_v_m_s for leg in legs)),
+        "cost": float(sum(leg.delta_v_m_s for leg in legs)) + paid,
     }
     return plan.replace(**(stated | changes))
 

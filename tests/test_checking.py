@@ -9,6 +9,7 @@ from hand_made import OPTIMAL_PLAN, PERIOD_S, hand_made
 from plans import with_legs
 
 import adr_opt
+from adr_opt.expense import cost_of_routes
 from adr_opt.plan import Plan, Unvisited
 from adr_opt.result import certify
 from adr_opt.settings import KeepOutZone
@@ -83,7 +84,9 @@ def test_any_event_from_ready_on_may_be_taken(plan):
             end_s=leg.end_s + by,
             burns=burns,
         )
-        violations = adr_opt.check(instance, with_legs(plan, (*plan.legs[:3], moved)))
+        later = with_legs(plan, (*plan.legs[:3], moved))
+        later = later.replace(cost=cost_of_routes(instance, later.routes))
+        violations = adr_opt.check(instance, later)
         assert [violation.rule for violation in violations] == ["departure"] * refused, events
         assert all("before the chaser is ready" in violation.message for violation in violations)
 
@@ -237,6 +240,7 @@ def test_figures_in_the_plans_own_favour_gain_nothing(mission, plan):
             (leg.replace(delta_v_left_m_s=left) for leg, left in zip(legs, lefts, strict=True)),
             instance=plan.instance.replace(sha256=instance.sha256),
         )
+        flattered = flattered.replace(cost=cost_of_routes(instance, flattered.routes))
         found = {violation.rule for violation in adr_opt.check(instance, flattered)}
         assert found == {"duration" if "duration_s" in changes else "delta-v"}
 

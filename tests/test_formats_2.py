@@ -210,9 +210,10 @@ def test_legs_have_lines_of_their_own(planned: tuple[Instance, Plan]) -> None:
 
 
 def test_the_cost_is_what_the_instance_counts(planned: tuple[Instance, Plan]) -> None:
-    """ΔV of all legs, or when the last service ends; nothing for no legs."""
-    _, plan = planned
-    assert plan.cost == plan.delta_v_m_s == cost_of(Objective(), plan.legs)
+    """ΔV of all legs and the price of time, or when the last service ends; nothing for no legs."""
+    instance, plan = planned
+    assert plan.delta_v_m_s == cost_of(Objective(), plan.legs)
+    assert plan.cost == plan.delta_v_m_s + instance.time_m_s_per_s * plan.legs[-1].end_s
     assert cost_of(Objective(cost="duration"), plan.legs) == plan.legs[-1].end_s
     assert cost_of(Objective(), ()) == cost_of(Objective(cost="duration"), ()) == 0.0
 

@@ -17,6 +17,7 @@ from conftest import Cli
 from hand_made import OPTIMAL_PLAN, PERIOD_S, hand_made
 
 import adr_opt
+from adr_opt.expense import cost_of_routes
 from adr_opt.instance import Instance
 from adr_opt.mission import Mission
 from adr_opt.plan import Plan, load_plan
@@ -248,7 +249,8 @@ def test_check_names_the_rule_that_a_plan_breaks(
     write(change)
     instance = adr_opt.load("instance.json")
     reference = plain.instance.replace(sha256=instance.sha256)
-    plain.replace(instance=reference).save("plan.json")
+    cost = cost_of_routes(instance, plain.routes)
+    plain.replace(instance=reference, cost=cost).save("plan.json")
     outcome = cli("check", "instance.json", "plan.json", "--json")
     assert outcome.status == 1
     found = [(one["leg"], one["rule"]) for one in json.loads(outcome.out)["violations"]]

@@ -15,9 +15,9 @@ def random_labels(rng: np.random.Generator, words: int) -> Labels:
     memory = rng.integers(0, 2**62, (LABELS, words))
     for _ in range(4):
         memory &= rng.integers(0, 2**62, (LABELS, words))
-    none = np.zeros(LABELS, dtype=np.int32)
+    none, value = np.zeros(LABELS, dtype=np.int32), rng.integers(-2, 3, LABELS) << 16
     return Labels(
-        none, none, rng.integers(-2, 3, LABELS) << 16, rng.integers(0, 300, LABELS) * 10.0,
+        none, none, value, value, rng.integers(0, 300, LABELS) * 10.0,
         rng.integers(0, 2, LABELS).astype(np.int32), none.astype(np.int16),
         rng.integers(0, 2, LABELS) * 1.0, memory,
     )  # fmt: skip

@@ -1,7 +1,8 @@
 """What a planner asks of a mission besides "plan it": orders of one's own, comparisons, trades.
 
 `price` times an order of bodies and says where it breaks; `compare` lays plans side by side;
-`tradeoff` plans and proves over budgets and durations; `replan` plans the rest anew.
+`tradeoff` plans and proves over budgets and durations, and `frontier` says what it takes to be done
+sooner; `replan` plans the rest anew.
 """
 
 from .comparison import Comparison, compare
@@ -9,16 +10,18 @@ from .orders import orders_of, read_orders
 from .priced import PricedOrder, PricedRoute, price
 from .replan import replan
 from .replanned import Replanned
-from .trade import Axis, Tradeoff, parse_axis, tradeoff
+from .trade import Axis, Ending, Tradeoff, frontier, parse_axis, tradeoff
 
 __all__ = [
     "Axis",
     "Comparison",
+    "Ending",
     "PricedOrder",
     "PricedRoute",
     "Replanned",
     "Tradeoff",
     "compare",
+    "frontier",
     "orders_of",
     "parse_axis",
     "price",

@@ -207,8 +207,9 @@ class _Relaxed:
         self._rules = mission.rules._replace(closes=limits.closes, duration=limits.duration)
         connecting = Connecting(self._instance, mission.connecting.corrections)
         self._schedules = Scheduler(
-            connecting, lambda: self._rules, self._instance.objective.cost, mission.chaser
-        )
+            connecting, lambda: self._rules, self._instance.objective.cost, mission.chaser,
+            mission.instance.time_m_s_per_s,
+        )  # fmt: skip
 
     def _under(self, scale: float) -> Rules:
         """The rules with a tank of so many times the size."""

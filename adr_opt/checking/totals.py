@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..instance import Instance
-from ..plan import Leg, Plan
-from .campaign import expense
+from ..kernels.constants import DAY_S
+from ..plan import FORMER_MODEL, Leg, Plan
+from .campaign import expense, launch_times
 from .violation import (
     DELTA_V_TOLERANCE_M_S,
     EXPENSE_TOLERANCE,
@@ -77,7 +78,7 @@ def check_cost(instance: Instance, plan: Plan) -> Iterator[Violation]:
         cost, slack = max([0.0, *(_over_s(leg) for leg in plan.legs)]), TIME_TOLERANCE_S
     else:
         tows = [leg.tow.delta_v_m_s for leg in plan.legs if leg.tow is not None]
-        cost = sum(leg.delta_v_m_s for leg in plan.legs) + sum(tows)
+        cost = sum(leg.delta_v_m_s for leg in plan.legs) + sum(tows) + _time_m_s(instance, plan)
         slack = DELTA_V_TOLERANCE_M_S * (len(plan.legs) + len(tows))
     if abs(plan.cost - cost) > slack:
         yield Violation(None, "cost", f"cost = {plan.cost!r}, but it is {cost!r}")
@@ -109,6 +110,31 @@ def check_cost(instance: Instance, plan: Plan) -> Iterator[Violation]:
         )
     elif plan.cost_status in ("infeasible", "unknown") and plan.legs:
         yield Violation(None, "cost-status", f"{plan.cost_status} is stated, but the plan has legs")
+
+
+def _time_m_s(instance: Instance, plan: Plan) -> float:
+    """What the days of chasers cost, each from when it may fly to when its last leg is over.
+
+    A day has the price that the instance states, or else the ΔV resolution over the days of the
+    mission. Plans of the former model were made before that, and given costs have no known unit.
+    """
+    mission_days = instance.mission.duration_s / DAY_S
+    price = instance.objective.time_m_s_per_day
+    if price is None:
+        if plan.model == FORMER_MODEL or instance.transfer.given is not None or not mission_days:
+            return 0.0
+        price = instance.transfer.delta_v_resolution_m_s / mission_days
+    launches, first = launch_times(instance), instance.chasers[0]
+    chasers = {chaser.name: chaser for chaser in instance.chasers}
+    over: dict[str, float] = {}
+    for route in plan.routes:
+        name = chasers.get(route.chaser, first).name
+        for leg in route.legs:
+            over[name] = max(over.get(name, 0.0), _over_s(leg))
+    flown_s = sum(
+        end - launches.get(name, chasers[name].available_s[0]) for name, end in over.items()
+    )
+    return price * flown_s / DAY_S
 
 
 def _over_s(leg: Leg) -> float:

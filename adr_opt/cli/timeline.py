@@ -155,6 +155,7 @@ def summary(instance: Instance, plan: Plan) -> str:
         f"prize {plan.objective:g}",
         f"ΔV {plan.delta_v_m_s:.1f} m/s",
         *((f"expense {plan.cost:,.6g}",) if instance.objective.cost == "expense" else ()),
+        *((f"{plan.cost:.1f} m/s with time",) if instance.objective.time_m_s_per_day else ()),
         f"refuellings {refuellings}",
         f"duration {used / DAY_S:.2f} of {instance.mission.duration_s / DAY_S:.2f} d",
         *proven,

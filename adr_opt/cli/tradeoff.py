@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from ..analysis.trade import Point, Tradeoff
+    from ..analysis.trade.frontier import Ending
     from ..analysis.trade.points import Board
+    from ..stop import Stop
 
 
 @click.command("tradeoff", short_help="Plans and bounds over budgets and durations.")
@@ -24,9 +26,14 @@ if TYPE_CHECKING:
     "--vary",
     "varied",
     multiple=True,
-    required=True,
     metavar="NAME=LO:HI:STEP",
     help="delta-v, m/s, or duration, days; or values with commas; may be repeated.",
+)
+@click.option(
+    "--frontier",
+    "frontier_path",
+    metavar="FILE",
+    help="CSV: least ΔV against the last day, at the most prize; needs no --vary.",
 )
 @click.option("--method", metavar="NAME", help="Planner; 'methods' lists them and the default.")
 @click.option("--time-limit", type=float, metavar="S", help="Wall time of each run; 10 s.")
@@ -41,6 +48,7 @@ if TYPE_CHECKING:
 def command(
     instance_path: str,
     varied: tuple[str, ...],
+    frontier_path: str | None,
     method: str | None,
     time_limit: float | None,
     seed: int,
@@ -58,7 +66,8 @@ def command(
     is so far; with --out the same call goes on later. Exit status 1: a point has no plan.
     """
     from .. import front
-    from ..analysis.trade import parse_axis, tradeoff
+    from ..analysis.trade import Axis, frontier, parse_axis, tradeoff
+    from ..analysis.trade.frontier import check_frontier, write_frontier
     from ..instance import load
     from ..report.plain import check_page, write_page
     from ..report.traded import traded_page
@@ -66,6 +75,10 @@ def command(
 
     axes = [parse_axis(text) for text in varied]
     instance = load(instance_path)
+    if frontier_path is not None:
+        check_frontier(instance)
+        check_out(frontier_path, instance_path, out, page_path, plot_path)
+        axes = axes or [Axis("duration", (instance.mission.duration_s,))]
     check_out(out, instance_path)
     if page_path is not None:
         check_page(page_path)
@@ -83,25 +96,35 @@ def command(
                 "points proven"
             )
 
-    made = work(
-        lambda stop, progress: tradeoff(
-            instance, axes, method=method or front.DEFAULT_METHOD,
-            time_limit=front.DEFAULT_TIME_LIMIT_S if time_limit is None else time_limit,
-            seed=seed, jobs=jobs, cluster=cluster, path=out, stop=stop, told=told,
-        ),
-        live=False, quiet=quiet,
-    )  # fmt: skip
+    limit = front.DEFAULT_TIME_LIMIT_S if time_limit is None else time_limit
+
+    def run(stop: Stop) -> tuple[Tradeoff, tuple[Ending, ...]]:
+        made = tradeoff(
+            instance, axes, method=method or front.DEFAULT_METHOD, time_limit=limit, seed=seed,
+            jobs=jobs, cluster=cluster, path=out, stop=stop, told=told,
+        )  # fmt: skip
+        if frontier_path is None:
+            return made, ()
+        heard = (lambda text: None) if quiet else say
+        return made, frontier(made, time_limit=limit, seed=seed, stop=stop, told=heard)
+
+    made, endings = work(lambda stop, progress: run(stop), live=False, quiet=quiet)
+    if frontier_path is not None:
+        write_frontier(frontier_path, endings)
     if page_path is not None:
-        write_page(page_path, traded_page(made))
+        write_page(page_path, traded_page(made, endings))
     if plot_path is not None:
         _draw(made, plot_path)
-    for path in (out, page_path, plot_path):
+    for path in (out, frontier_path, page_path, plot_path):
         if path is not None and not quiet:
             say(f"wrote {path}")
     if as_json:
-        emit_json(made.to_dict())
+        stated = {"frontier": [ending.to_dict() for ending in endings]} if frontier_path else {}
+        emit_json(made.to_dict() | stated)
     else:
         emit_rich(_table(made))
+        if endings:
+            emit_rich(_frontier_table(endings))
     return 0 if all(point.routes for point in made.points) else 1
 
 
@@ -146,4 +169,17 @@ def _table(made: Tradeoff) -> Table:
         table.add_column(heading, justify="right", no_wrap=True)
     for point in made.points:
         table.add_row(*cells(point))
+    return table
+
+
+def _frontier_table(endings: tuple[Ending, ...]) -> Table:
+    from rich.table import Table
+
+    from ..report.traded import FRONTIER_HEADINGS, ending_cells
+
+    table = Table(title="Least ΔV against the last day", title_justify="left")
+    for heading in FRONTIER_HEADINGS:
+        table.add_column(heading, justify="right", no_wrap=True)
+    for ending in endings:
+        table.add_row(*ending_cells(ending))
     return table

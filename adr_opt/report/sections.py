@@ -317,6 +317,9 @@ def _asked(instance: Instance) -> list[str]:
         asked.append("of plans that collect as much the one that ends first is best")
     if instance.objective.cost == "expense":
         asked.append("of plans that collect as much the one of the least expense is best")
+    if instance.objective.time_m_s_per_day is not None:
+        price = number(instance.objective.time_m_s_per_day, 3)
+        asked.append(f"each day of a chaser that is used costs {price} m/s")
     if instance.mission.launch_separation_s:
         asked.append(f"launches lie {in_days(instance.mission.launch_separation_s)} apart at least")
     for station in instance.stations:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from ..analysis.trade.axes import KINDS
+from ..analysis.trade.frontier import Ending
 from ..analysis.trade.points import Point, Tradeoff
 from ..kernels.constants import DAY_S
 from ..plot.palette import CHASERS
@@ -16,14 +18,29 @@ from .text import NOTHING, fixed, number
 
 TITLES = {"delta-v": "ΔV of a full tank [m/s]", "duration": "duration [days]"}
 
+FRONTIER = "Least ΔV against the last day"
+
 NOTE = (
     "The line is what the best plan found collects, the band reaches up to what is proven that no "
     "plan exceeds; where the band is gone, the plan is optimal (of the model)."
 )
 
 
-def traded_page(tradeoff: Tradeoff) -> str:
-    """The HTML of the page."""
+FRONTIER_NOTE = (
+    "Of plans that collect the most, the least ΔV that known orders take to be over by a day. The "
+    "cost has the price of time besides."
+)
+
+
+def traded_page(tradeoff: Tradeoff, endings: Sequence[Ending] = ()) -> str:
+    """The HTML of the page.
+
+    Parameters
+    ----------
+    tradeoff : Tradeoff
+    endings : sequence of Ending
+        Its frontier, where there is one.
+    """
     instance = tradeoff.instance
     parts = []
     for axis in tradeoff.axes:
@@ -35,7 +52,11 @@ def traded_page(tradeoff: Tradeoff) -> str:
         ]
         said = f"Prize and bound against {TITLES[axis.kind]}"
         parts.append(section(said, NOTE, chart(lines, TITLES[axis.kind], "prize", said)))
+    if endings:
+        parts.append(section(FRONTIER, FRONTIER_NOTE, _frontier_chart(endings)))
     parts.append(section("Points", "", _table(tradeoff)))
+    if endings:
+        parts.append(section("Sooner or cheaper", "", _frontier_table(endings)))
     under = (
         f"{counted(len(tradeoff.points), 'point')}, {tradeoff.proven} proven · "
         f"{tradeoff.runtime_s:.1f} s, {tradeoff.cpu_s:.1f} s of processors"
@@ -95,3 +116,32 @@ def _table(tradeoff: Tradeoff) -> str:
     kinds = ("n", "n", "n", "n", "n", "", "n", "n", "", "n")
     rows = (row(zip(kinds, cells(point), strict=True)) for point in tradeoff.points)
     return table("Points", zip(HEADINGS, kinds, strict=True), rows)
+
+
+FRONTIER_HEADINGS = ("tank m/s", "prize", "last day", "ΔV m/s", "cost")
+
+
+def ending_cells(ending: Ending) -> tuple[str, ...]:
+    """A plan on the frontier as texts under :data:`FRONTIER_HEADINGS`."""
+    return (
+        number(ending.tank_m_s, 3), number(ending.prize, 3), fixed(ending.last_s / DAY_S, 2),
+        fixed(ending.delta_v_m_s, 1), fixed(ending.cost, 1),
+    )  # fmt: skip
+
+
+def _frontier_chart(endings: Sequence[Ending]) -> str:
+    tanks = list(dict.fromkeys(ending.tank_m_s for ending in endings))
+    lines = []
+    for at, tank_m_s in enumerate(tanks):
+        own = [ending for ending in endings if ending.tank_m_s == tank_m_s]
+        name = "plans" if len(tanks) == 1 else _named("delta-v", tank_m_s, len(tanks))
+        days = [ending.last_s / DAY_S for ending in own]
+        spent = [ending.delta_v_m_s for ending in own]
+        lines.append(Line(name, days, spent, CHASERS[at % len(CHASERS)], step=True, dots=True))
+    return chart(lines, "last day", "ΔV [m/s]", FRONTIER)
+
+
+def _frontier_table(endings: Sequence[Ending]) -> str:
+    kinds = ("n",) * len(FRONTIER_HEADINGS)
+    rows = (row(zip(kinds, ending_cells(each), strict=True)) for each in endings)
+    return table(FRONTIER, zip(FRONTIER_HEADINGS, kinds, strict=True), rows)

@@ -42,7 +42,7 @@ def of_instance(instance: Instance) -> Card:
         ("epoch", f"{instance.epoch:%Y-%m-%d %H:%M:%S} UTC"),
         ("sum of prizes", f"{prizes:g}"),
         ("required", ", ".join(required[:8]) + (" …" if len(required) > 8 else "") or "none"),
-        ("least of equal plans", COSTS[instance.objective.cost]),
+        ("least of equal plans", _cost_of(instance)),
         ("stations", ", ".join(instance.station_names) or "none: nobody refuels"),
     ]
     if windows:
@@ -53,6 +53,13 @@ def of_instance(instance: Instance) -> Card:
         "Instance", repr(instance.name), facts_of(instance), tuple(details),
         (Table(heads, rows, texts=3),),
     )  # fmt: skip
+
+
+def _cost_of(instance: Instance) -> str:
+    """The cost that decides, with a price of time that is stated."""
+    price = instance.objective.time_m_s_per_day
+    stated = "" if price is None else f", and {price:g} m/s a day"
+    return f"{COSTS[instance.objective.cost]}{stated}"
 
 
 def _chaser(chaser: Chaser) -> tuple[str, ...]:

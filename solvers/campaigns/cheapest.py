@@ -110,18 +110,15 @@ def cheapest_routes(
             for label in range(known[state].front.ready.size)
         }
         return [_timed(mission, route, stops) for route, stops in alike.items()]
-    best: dict[tuple[int, ...], _State] = {}
+    best: dict[tuple[int, ...], tuple[float, _State, int]] = {}
     for state in ends:
-        so_far = best.setdefault(state.stops, state)
-        if known[state].front.cost.min() < known[so_far].front.cost.min():
-            best[state.stops] = state
+        paid = schedules.paid(known[state].front)
+        label = int(np.argmin(paid))
+        if state.stops not in best or paid[label] < best[state.stops][0]:
+            best[state.stops] = float(paid[label]), state, label
     return [
-        _timed(
-            mission,
-            tuple(_backwards(known, state, int(np.argmin(known[state].front.cost))))[::-1],
-            stops,
-        )
-        for stops, state in best.items()
+        _timed(mission, tuple(_backwards(known, state, label))[::-1], stops)
+        for stops, (_, state, label) in best.items()
     ]
 
 

@@ -139,7 +139,7 @@ def plan(
     """
     began = time.perf_counter()
     certificate, pool = CampaignCertificate(campaign, progress), Pool(campaign)
-    asks_for_cost = campaign.instance.objective.cost != "delta-v" and not prizes_alone
+    asks_for_cost = campaign.instance.objective.asks_for_more and not prizes_alone
     within: Stop = Part(stop, 1.0 - LAST_FOR_COST) if asks_for_cost else stop
     search = RouteSearch(campaign, seed, within, certificate, pool)
     exchanges = Exchanges(campaign, seed, certificate, pool)

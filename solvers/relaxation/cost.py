@@ -7,6 +7,9 @@ costs at least
 
 since it is a walk and is worth P or more. The walks are those of :mod:`.walks`, times exact; a leg
 pays the least ΔV that any leg between the same bodies in as many slots costs. Labels pay exactly.
+Where time has a price (:attr:`.instance_file.InstanceFile.time_m_s_per_s`), walks pay for it when
+they stop, from then back to when the chaser may fly: labels exactly, walks as if they had stopped
+at the departure before. No label has paid for time on its way, so that dominance is what it was.
 They are dropped when they would cost too much at either of two prices, a moderate one and one at
 which a service is worth any ΔV, and when their worth can no longer reach P, by the values of a
 sweep in which nothing is paid. That one is what keeps them few, and so the finest: a mission at its
@@ -32,6 +35,7 @@ from .cost_rounds import RELATIVE, CostRounds, asked, is_least
 from .labels import Table
 from .network import Network
 from .routes import Routes
+from .sweeps import NEVER
 from .tariffs import Tariff
 from .walks import LARGEST, TimeIsOver, WalkBound
 
@@ -58,14 +62,14 @@ LEAST_SHARE = 1.0 / 8.0
 
 
 class PricedBound(WalkBound):
-    """Walks that pay for their ΔV, that of tows included.
+    """Walks that pay for their ΔV, that of tows included, and for time until they stop.
 
     Parameters
     ----------
     mission, delta_v_slot_m_s, jobs, over, network, others
         As of :class:`WalkBound`.
     greatest_tanks : float
-        Most that a service may be worth to a walk [tanks].
+        Most that a service may be worth to a walk [tanks, and what the mission's time costs].
     greatest : float, optional
         The same in the unit of the tariffs that it will be charged with.
     """
@@ -81,21 +85,41 @@ class PricedBound(WalkBound):
         greatest_tanks: float = GREATEST_TANKS,
         greatest: float | None = None,
     ) -> None:
+        time_price = mission.instance.time_m_s_per_s
         super().__init__(
             mission, delta_v_slot_m_s, jobs=jobs, over=over, network=network, parts=PARTS,
-            others=others,
+            others=others, with_ends=time_price > 0.0,
         )  # fmt: skip
+        self.time_price = time_price
         self.worths = np.array(mission.rules.prize)
         if self.loads is not None:
             self.flown = np.array(self.loads.flown)
-        self.greatest_prize = greatest or greatest_tanks * max(self.budget, 1.0)
+        most = self.budget + time_price * max(mission.rules.duration - mission.rules.ready, 0.0)
+        self.greatest_prize = greatest or greatest_tanks * max(most, 1.0)
         self.greatest_price = self.greatest_prize / (float(self.worths.max(initial=0.0)) or 1.0)
         room = LARGEST / (1 << self.bits) / self.most_legs / self.greatest_prize
         self.unit = 2.0 ** -math.floor(math.log2(room))
+        if time_price > 0.0:
+            self.stop = self._stops()
         self._tariff: Tariff | None = None
         self._worth = math.nan
         if greatest is None:
             self._pay(np.ones(1))
+
+    def _stops(self) -> np.ndarray:
+        """What walks that stop in a bucket have paid for time, packed: no less than the truth.
+
+        Who is ready in a bucket was not ready for the last departure of the bucket before.
+        """
+        buckets = self.buckets
+        before = np.append(-np.inf, buckets.closes[:-1])
+        before[buckets.start[:-1]] = -np.inf
+        passed = np.maximum(before - self.since[0], 0.0)
+        most = LARGEST // (1 << self.bits) // 4
+        paid = np.minimum(np.floor(self.time_price * passed / self.unit), most).astype(np.int64)
+        body = np.repeat(np.arange(buckets.may_end.size), np.diff(buckets.start))
+        packed = (-paid << self.bits) + body
+        return np.where(buckets.may_end[body], packed, NEVER).astype(np.int32)
 
     def _pay(self, price: np.ndarray) -> None:
         """Let a m/s cost so much with so many kits aboard, or with any number."""
@@ -159,8 +183,9 @@ class CostProof(CostRounds):
     ) -> None:
         self._offer, self._cost, self._over, self._jobs = offer, cost, over, jobs
         self._reach = WalkBound(
-            mission, delta_v_slot_m_s, bucket_share=REACH_SHARE, jobs=jobs, over=over
-        )
+            mission, delta_v_slot_m_s, bucket_share=REACH_SHARE, jobs=jobs, over=over,
+            with_ends=mission.instance.time_m_s_per_s > 0.0,
+        )  # fmt: skip
         self._walks = PricedBound(
             mission, COARSER * delta_v_slot_m_s, jobs, over, self._reach.network
         )

@@ -39,6 +39,9 @@ from .buckets import SLACK
 from .pending import is_preceded, next_of, send, take
 from .waiting import FINE, WORD, arrive, is_dominated, keep
 
+MOST_PAID = 2.0**60
+"""Walks pay no more than this for time: enough to be of no use [fine units]."""
+
 EXHAUSTED, CHUNK_DONE, FULL, CROWDED, PILED = 0, 1, 2, 3, 4
 
 
@@ -77,7 +80,8 @@ class Search(NamedTuple):
     shift : (kinds,) float64
         What worth adds to the value of a walk to make its value of that kind [fine units].
     need : (kinds,) int64
-        Value of each kind below which a walk is of no use [fine units].
+        Value of each kind below which a walk is of no use, with the time paid for since the first
+        mission of the network began [fine units].
     gain : (bodies,) int64
         Prize less multiplier [fine units].
     neighbourhood : (bodies, words) int64
@@ -94,6 +98,13 @@ class Search(NamedTuple):
         What a m/s takes off the value of a walk with so many kits aboard [fine units].
     pays : bool
         Whether ΔV is paid for.
+    time_price : float
+        What a second takes off the value of a walk when it ends, where the network has ends of
+        services [fine units].
+    since : float
+        When that time begins [s].
+    asked : int
+        Value, after that, of walks that are asked for [fine units].
     worths : (bodies,) float64
         What targets are worth, where it is; one each where labels of different targets are to be
         told apart, whatever they remember; else nothing.
@@ -116,6 +127,9 @@ class Search(NamedTuple):
     most_visits: int
     price: np.ndarray
     pays: bool
+    time_price: float
+    since: float
+    asked: int
     worths: np.ndarray
     least_worth: float
     reach: Table
@@ -182,6 +196,12 @@ def _rest(search, to_station, j, left, kits, cost):
     if to_station:
         return full_tank(search.loads, search.budget, kits), kits
     return after_service(search.loads, j, kits, left - cost)
+
+
+@inlined
+def _time_paid(search, end):
+    """What a walk that ends with a service pays for time [fine units]."""
+    return np.int64(min(search.time_price * max(end - search.since, 0.0), MOST_PAID))
 
 
 @inlined
@@ -256,6 +276,7 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
     waiting, pending = borrowed(waiting), borrowed(pending)
     words = search.neighbourhood.shape[1]
     counts = search.most_visits < search.gain.size
+    timed = network.end.size > 0
     remembered = np.empty(words, dtype=np.int64)
     target_effort = cursor[2] + effort
     kept = np.empty(waiting.label.shape[1], np.bool_)
@@ -309,9 +330,17 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                 if is_dominated(
                     waiting, labels, j, then, rest, visits, collected, remembered,
                     compared, search.loads,
-                ) or is_preceded(
+                ):  # fmt: skip
+                    continue
+                preceded = is_preceded(
                     pending, landing, labels, then, rest, visits, collected, remembered,
                     compared, search.loads,
+                )  # fmt: skip
+                # Who is ready by the same row may have been ready later: if the walk ends here,
+                # it may pay for less time than the one that dominates it.
+                if preceded and not (
+                    timed and network.may_end[j] and collected >= search.least_worth
+                    and then - _time_paid(search, network.end[leg]) >= search.asked
                 ):  # fmt: skip
                     continue
                 count = cursor[1]
@@ -321,9 +350,11 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                 labels.value[count], labels.left[count] = then, rest
                 labels.visits[count], labels.worth[count] = visits, collected
                 labels.came_from[count] = behind
+                if timed:
+                    labels.final[count] = then - _time_paid(search, network.end[leg])
                 for w in range(words):
                     labels.memory[count, w] = remembered[w]
-                if not send(pending, landing, labels, count):
+                if not preceded and not send(pending, landing, labels, count):
                     return PILED
                 cursor[1] += 1
         cursor[0] += 1

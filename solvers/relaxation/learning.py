@@ -41,7 +41,7 @@ def _value(network, labels, body, label, least_worth):
     """
     if labels.worth[label] < least_worth or not network.may_end[body[labels.row[label]]]:
         return np.int64(-(2**62))
-    return labels.value[label]
+    return labels.final[label]
 
 
 @inlined

@@ -54,6 +54,8 @@ class Network(NamedTuple):
         Row at which each of the missions begins that move on it.
     shortest : float
         Least time from departure to the end of service of any leg but launches [s].
+    end : (legs,) float64
+        End of service [s], or empty: only walks that pay for time ask for it.
     """
 
     start: np.ndarray
@@ -68,6 +70,7 @@ class Network(NamedTuple):
     may_end: np.ndarray
     roots: np.ndarray
     shortest: float
+    end: np.ndarray
 
 
 class Outgoing(NamedTuple):
@@ -268,7 +271,9 @@ def _land(departure, start, post, duration, outgoing, landing, delta_v):
         delta_v[leg] = outgoing.delta_v[leg]
 
 
-def build(mission: Mission, *, others: Sequence[Mission] = (), jobs: int) -> Network:
+def build(
+    mission: Mission, *, others: Sequence[Mission] = (), jobs: int, with_ends: bool = False
+) -> Network:
     """The network of a mission.
 
     Parameters
@@ -279,6 +284,8 @@ def build(mission: Mission, *, others: Sequence[Mission] = (), jobs: int) -> Net
         none of them begins before it.
     jobs : int
         Threads. The network does not depend on it.
+    with_ends : bool
+        Whether ends of services are kept, for walks that pay for time.
     """
     inputs, rules = mission.transfer_inputs, mission.rules
     bodies = rules.service.size
@@ -306,6 +313,7 @@ def build(mission: Mission, *, others: Sequence[Mission] = (), jobs: int) -> Net
         first = joined([outgoing.first for outgoing in found])
         landing, since = np.empty((2, int(first[-1])), dtype=np.int32)
         delta_v, fresh = np.empty(landing.size), np.empty(departure.size, dtype=np.int32)
+        end = np.empty(landing.size if with_ends else 0)
         destination = np.concatenate(
             [np.append(outgoing.destination, np.int32(i)) for i, outgoing in enumerate(found)]
         )
@@ -313,8 +321,12 @@ def build(mission: Mission, *, others: Sequence[Mission] = (), jobs: int) -> Net
         def land(i: int) -> None:
             own = slice(first[start[i]], first[start[i + 1]])
             _land(departure, start, post, rules.duration, found[i], landing[own], delta_v[own])
+            if with_ends:
+                end[own] = found[i].end[found[i].service]
+            # Within a row of landing, too, an earlier end is of use to those who pay for time.
+            lands = end if with_ends else landing
             mark_stale(
-                start[i], start[i + 1], bodies, destination, first, landing, delta_v, since, fresh
+                start[i], start[i + 1], bodies, destination, first, lands, delta_v, since, fresh
             )
 
         list(pool.map(land, range(bodies)))
@@ -342,6 +354,7 @@ def build(mission: Mission, *, others: Sequence[Mission] = (), jobs: int) -> Net
         rules.may_end,
         np.array(roots, dtype=np.int64),
         shortest,
+        end,
     )
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from adr_opt.kernels.loads import KITS_BIT
 
-from .labels import CROWDED, EXHAUSTED, FULL, PILED, Search, Table, extend
+from .labels import CROWDED, EXHAUSTED, FULL, MOST_PAID, PILED, Search, Table, extend
 from .learning import learn, most_of, path_of, plans_of
 from .pending import more_room, pending_room, send
 from .waiting import FINE, WORD, Labels, labels_room, larger, room
@@ -98,7 +98,8 @@ class Routes:
         self._roots = 1 if bound.loads is None else bound.loads.full.size
         self._body = np.repeat(np.arange(bodies, dtype=np.int32), np.diff(network.start))
         self._order = np.argsort(network.departure, kind="stable")
-        self._labels = labels_room(1 << 16, self.neighbourhood.shape[1])
+        self._timed = network.end.size > 0
+        self._labels = labels_room(1 << 16, self.neighbourhood.shape[1], timed=self._timed)
         self._gain = np.zeros(bodies, dtype=np.int64)
         self.total = 0.0
         self.multipliers = np.zeros(bodies)
@@ -145,6 +146,7 @@ class Routes:
         labels.memory[roots], labels.left[roots] = 0, bound.tank
         paid = np.floor(bound.constant / self._unit)
         labels.value[roots] = np.where(bound.tank < 0.0, NOTHING, -paid)
+        labels.final[roots] = labels.value[roots]  # nothing is flown, and no time paid for
         labels.visits[roots] = np.arange(self._roots) << KITS_BIT
         labels.came_from[roots], labels.worth[roots] = -1, 0.0
 
@@ -155,10 +157,12 @@ class Routes:
         # A walk that is asked for is worth the least at any price; shifts are rounded.
         needs = need + np.floor(shift * self.least_worth).astype(np.int64) - 2
         needs[0] = need
+        needs -= math.ceil(min(bound.ahead(self._start) / self._unit, MOST_PAID))
         price = np.broadcast_to(bound.price / self._unit, self._roots).copy()
         search = Search(
             self._values, shift, needs, self._gain, self.neighbourhood, self.compared,
-            bound.budget, bound.loads, bound.most_targets, price, bool(price.any()), self._worths,
+            bound.budget, bound.loads, bound.most_targets, price, bool(price.any()),
+            bound.time_price / self._unit, float(bound.since[self._start]), need, self._worths,
             self.least_worth, self._reach, self._reach_unit,
         )  # fmt: skip
         words = self.neighbourhood.shape[1]
@@ -204,12 +208,12 @@ class Routes:
         )
         at = at[:number]
         seen, found = set[frozenset[int]](), list[tuple[tuple[int, ...], float]]()
-        for label in at[np.argsort(-labels.value[at], kind="stable")]:
+        for label in at[np.argsort(-labels.final[at], kind="stable")]:
             route = path[: path_of(labels, self._body, label, path)].tolist()
             targets = frozenset(route)
             if targets not in seen:
                 seen.add(targets)
-                found.append((tuple(route), float(labels.value[label]) * self._unit))
+                found.append((tuple(route), float(labels.final[label]) * self._unit))
                 if len(found) == most:
                     break
         return found
@@ -258,7 +262,9 @@ class Routes:
                 self.labels_made += int(cursor[1])
                 return False, math.inf, None, 0
             if state == FULL:
-                self._labels = labels_room(2 * labels.row.size, labels.memory.shape[1])
+                self._labels = labels_room(
+                    2 * labels.row.size, labels.memory.shape[1], timed=self._timed
+                )
                 for new, old in zip(self._labels, labels, strict=True):
                     new[: cursor[1]] = old[: cursor[1]]
         count = int(cursor[1])

@@ -24,8 +24,10 @@ def mark_stale(begin, end, bodies, destination, first, landing, delta_v, since, 
     begin, end : int
         The rows of the body.
     bodies : int
-    destination, first, landing, delta_v
+    destination, first, delta_v
         As in :class:`.network.Network`.
+    landing : (legs,) int32 or float64
+        When legs land, in any measure of time.
     since : (legs,) int32
         Written: who was ready by this row has no use for the leg; −1 for none.
     fresh : (rows,) int32

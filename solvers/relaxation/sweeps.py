@@ -42,7 +42,8 @@ class Values(NamedTuple):
 
 @kernel
 def _sweep_buckets(
-    buckets, best, second, landed_best, landed_second, code, toll, bits, width, top, i, high, low
+    buckets, best, second, landed_best, landed_second, code, toll, stop, bits, width, top, i, high,
+    low,
 ):  # fmt: skip
     """Values of the buckets ``low`` to ``high`` − 1 (counted within body i), backwards."""
     mask = (1 << bits) - 1
@@ -52,13 +53,19 @@ def _sweep_buckets(
     # From a station nothing is forbidden; no code has all bits set.
     came_from = simd.spread(mask if buckets.is_station[i] else i)
     base = buckets.start[i]
-    priced = toll.size > 0
+    priced, timed = toll.size > 0, stop.size > 0
     for bucket in range(base + high - 1, base + low - 1, -1):
         begin, end = buckets.first[bucket], buckets.first[bucket + 1]
         for c in range(0, width, simd.LANES):
             # to wait
             found = simd.load(best, (bucket + 2) * width + c)
             other = simd.load(second, (bucket + 2) * width + c)
+            if timed:
+                # Who stops here has paid for less time than who stops later.
+                value = simd.spread(stop[bucket])
+                loser = simd.smaller(found, value)
+                found = simd.larger(found, value)
+                other = simd.larger(other, simd.where_same(found, loser, keep_next, never))
             left = simd.plus(simd.count_up(), simd.spread(c))
             for leg in range(begin, end):
                 cost = buckets.cost[leg]
@@ -106,13 +113,16 @@ def _land(values, layers, width, i, first, last):
 
 
 @kernel
-def begin(buckets, values, layers, width, begun):
+def begin(buckets, values, layers, stop, width, begun):
     """In closing buckets a walk can only stop, where it may; what lies before all is NEVER."""
     for array in values:
         array[:, :width] = NEVER
     for i in range(buckets.start.size - 1):
         closing = buckets.start[i + 1] * width
-        values.best[:, closing : closing + width] = i if buckets.may_end[i] else NEVER
+        stops = i if buckets.may_end[i] else NEVER
+        if stop.size > 0:
+            stops = stop[buckets.start[i + 1] - 1]
+        values.best[:, closing : closing + width] = stops
         values.second[:, closing : closing + width] = NEVER
         begun[i] = buckets.start[i + 1] - 1 - buckets.start[i]
         if layers is not None:
@@ -120,7 +130,9 @@ def begin(buckets, values, layers, width, begun):
 
 
 @kernel
-def sweep_until(buckets, values, layers, code, toll, bits, width, top, begun, begin, step, time):
+def sweep_until(
+    buckets, values, layers, code, toll, stop, bits, width, top, begun, begin, step, time
+):  # fmt: skip
     """Values of all buckets that open at a time or after, of every step-th body from ``begin``."""
     earliest = earliest_taken(time)
     best, second, landed_best, landed_second = values
@@ -133,7 +145,7 @@ def sweep_until(buckets, values, layers, code, toll, bits, width, top, begun, be
             full = top_of(layers, top, kits)
             _sweep_buckets(
                 buckets, best[kits], second[kits], landed_best[kits], landed_second[kits],
-                code, toll[min(kits, toll.shape[0] - 1)], bits, width, full, i, high, low,
+                code, toll[min(kits, toll.shape[0] - 1)], stop, bits, width, full, i, high, low,
             )  # fmt: skip
         if layers is not None:
             _land(values, layers, width, i, buckets.start[i] + low, buckets.start[i] + high)
@@ -142,7 +154,7 @@ def sweep_until(buckets, values, layers, code, toll, bits, width, top, begun, be
 
 @kernel
 def trace(
-    buckets, values, layers, code, toll, bits, width, top, bucket, body, kits, left, walk
+    buckets, values, layers, code, toll, stop, bits, width, top, bucket, body, kits, left, walk
 ):  # fmt: skip
     """Follow the best walk from a state; returns its length."""
     best, second, landed_best, landed_second = values

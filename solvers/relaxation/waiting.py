@@ -35,6 +35,9 @@ class Labels(NamedTuple):
         By which row the walk is ready, and which one it goes on from.
     value : (labels,) int64
         [fine units].
+    final : (labels,) int64
+        The same if the walk ends there, less what it then pays for time; the same array where time
+        has no price.
     left : (labels,) float64
         [m/s].
     visits : (labels,) int32
@@ -51,6 +54,7 @@ class Labels(NamedTuple):
     row: np.ndarray
     parent: np.ndarray
     value: np.ndarray
+    final: np.ndarray
     left: np.ndarray
     visits: np.ndarray
     came_from: np.ndarray
@@ -58,18 +62,19 @@ class Labels(NamedTuple):
     memory: np.ndarray
 
 
-def labels_room(size: int, words: int = 1) -> Labels:
-    """Room for as many labels, that remember so many words each."""
+def labels_room(size: int, words: int = 1, *, timed: bool = False) -> Labels:
+    """Room for as many labels, that remember so many words each; ``timed`` where time is paid."""
     row, parent, visits = (np.empty(size, dtype=np.int32) for _ in range(3))
     came_from = np.empty(size, dtype=np.int16)
     left, worth = np.empty(size), np.empty(size)
     value, memory = np.empty(size, dtype=np.int64), np.empty((size, words), dtype=np.int64)
-    return Labels(row, parent, value, left, visits, came_from, worth, memory)
+    final = np.empty(size, dtype=np.int64) if timed else value
+    return Labels(row, parent, value, final, left, visits, came_from, worth, memory)
 
 
 def bytes_each() -> int:
     """Memory of a label that remembers one word."""
-    return sum(array.nbytes for array in labels_room(1))
+    return sum(array.nbytes for array in {id(each): each for each in labels_room(1)}.values())
 
 
 class Waiting(NamedTuple):

@@ -109,6 +109,8 @@ class WalkBound:
         Steps of ΔV in a slot that legs are told apart by, for walks that pay for it.
     others : sequence of Mission
         That move on the same network, see :func:`.network.build`.
+    with_ends : bool
+        Whether the network has ends of services, for walks that pay for time.
 
     Attributes
     ----------
@@ -138,6 +140,13 @@ class WalkBound:
         ΔV that each service takes itself, where walks pay for it [m/s].
     toll : (kits + 1 or 1, legs kept) int32
         What a leg takes off a walk's value [units]; empty for nothing.
+    stop : (buckets,) int32
+        What a walk has to pay for time that is over in a bucket, packed as :class:`Values` are; no
+        less than the truth, and counted from when the first mission begins. Empty for nothing.
+    time_price : float
+        What a second takes off a walk's value.
+    since : (missions,) float64
+        When each of the missions begins [s].
     is_paid : (bodies,) bool
         Which multipliers walks pay at each visit: of targets, unless somebody says otherwise who
         counts how often a station may be gone to.
@@ -155,6 +164,7 @@ class WalkBound:
         network: Network | None = None,
         parts: int = 1,
         others: Sequence[Mission] = (),
+        with_ends: bool = False,
     ) -> None:
         rules = mission.rules
         self._over = over
@@ -163,9 +173,10 @@ class WalkBound:
         self.is_paid = self.is_target
         self._bonuses = bonuses(mission)
         self._starts = [each.rules.start for each in (mission, *others)]
+        self.since = np.array([each.rules.ready for each in (mission, *others)])
         self.most_targets = rules.most_targets
         bodies = self.prize.size
-        self.network = network or build(mission, others=others, jobs=jobs)
+        self.network = network or build(mission, others=others, jobs=jobs, with_ends=with_ends)
         assignment = assign(self.network, bucket_share)
         self.loads = rules.loads
         layers = 1 if self.loads is None else self.loads.full.size
@@ -194,7 +205,8 @@ class WalkBound:
         room = LARGEST / (1 << self.bits) / self.most_legs / self.greatest_prize
         # A power of two, so that units are exact numbers.
         self.unit = 2.0 ** -math.floor(math.log2(room))
-        self.toll = np.empty((1, 0), dtype=np.int32)
+        self.toll, self.stop = np.empty((1, 0), dtype=np.int32), np.empty(0, dtype=np.int32)
+        self.time_price = 0.0
         self.price, self.worths, self.flown = np.zeros(1), self.prize, np.zeros(bodies)
         self.tank = np.array([rules.budget]) if self.loads is None else np.array(self.loads.first)
         self.constant = np.zeros(self.tank.size)
@@ -302,15 +314,19 @@ class WalkBound:
     def _sweep_all(self, code: np.ndarray) -> None:
         """The values of all states; ``code`` holds what each service is worth, packed."""
         self._common = (
-            self.buckets, self.values, self.layers, code, self.toll, self.bits, self.width,
-            self.top,
+            self.buckets, self.values, self.layers, code, self.toll, self.stop, self.bits,
+            self.width, self.top,
         )  # fmt: skip
-        begin(self.buckets, self.values, self.layers, self.width, self._begun)
+        begin(self.buckets, self.values, self.layers, self.stop, self.width, self._begun)
         self._sweep(sweep_until, *self._common, self._begun)
 
     def holds(self, multipliers: np.ndarray) -> bool:
         """Whether the last evaluation was that of these multipliers, as they are."""
         return self._kept is not None and np.array_equal(self._kept, multipliers)
+
+    def ahead(self, number: int) -> float:
+        """What a mission, by its number, does not pay for: the time before it begins."""
+        return self.time_price * float(self.since[number] - self.since[0])
 
     def best_from(self, number: int) -> tuple[float, np.ndarray]:
         """Value and bodies of the best walk of a mission, by its number, in the last evaluation.
@@ -324,7 +340,8 @@ class WalkBound:
         possible = (found >= -LARGEST >> self.bits) & (self.tank >= 0.0)
         if not possible.any():
             return -math.inf, self._walk[:0]
-        worth = np.where(possible, found - np.floor(self.constant / self.unit), -np.inf)
+        paid = np.floor((self.constant - self.ahead(number)) / self.unit)
+        worth = np.where(possible, found - paid, -np.inf)
         kits = int(np.argmax(worth))
         length = trace(*self._common, root, start, kits, int(tops[kits]), self._walk)
         return float(worth[kits]) * self.unit, self._walk[:length].copy()

@@ -1,0 +1,214 @@
+"""The frontier of ΔV against the last day: what it takes to be done sooner, at the same prize.
+
+At each duration of a trade-off whose plans collect the most, the least cost is asked for; and every
+order of bodies that is known by then is timed anew over all connections of the longest mission. So
+the frontier is exact for these orders, and no better than they are.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import os
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ...campaign import Problem, problem_of
+from ...errors import InputError
+from ...files import write_text
+from ...front import solve
+from ...instance import Instance
+from ...kernels.constants import DAY_S
+from ...stop import Stop
+from .points import Point, Routes, Tradeoff
+from .shared import Shared, variant
+
+CHEAPEST = "exact"
+"""The planner that is asked for the least cost."""
+
+COLUMNS = ("tank_m_s", "prize", "last_day", "delta_v_m_s", "cost", "routes")
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Ending:
+    """A plan on the frontier.
+
+    Attributes
+    ----------
+    tank_m_s : float
+        ΔV of a full tank, as of the points of the trade-off [m/s].
+    prize : float
+        The most that the points with such a tank collect.
+    last_s : float
+        When the last service or tow of all is over [s].
+    delta_v_m_s : float
+        Of all legs and tows: no known order takes less that is over by then [m/s].
+    cost : float
+        The same with the price of time [m/s].
+    routes : tuple of tuple of str
+        Bodies in order, for each chaser.
+    """
+
+    tank_m_s: float
+    prize: float
+    last_s: float
+    delta_v_m_s: float
+    cost: float
+    routes: Routes
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields, for JSON."""
+        return {**asdict(self), "routes": [list(route) for route in self.routes]}
+
+
+def check_frontier(instance: Instance) -> None:
+    """Refuse an instance that has no frontier of ΔV against the last day.
+
+    Raises
+    ------
+    InputError
+        Another cost than ΔV counts, or less ΔV may not be enough of a reason to fly otherwise.
+    """
+    if instance.objective.cost != "delta-v":
+        raise InputError(
+            f'objective.cost = "{instance.objective.cost}": a frontier is one of ΔV against the '
+            'last day; write "delta-v", or leave the frontier out'
+        )
+    for station in instance.stations:
+        if station.max_propellant_kg is not None:
+            raise InputError(
+                f"{station.name!r} limits propellant, and a chaser that is done sooner takes more "
+                "of it; leave the limit or the frontier out"
+            )
+
+
+def frontier(
+    made: Tradeoff,
+    *,
+    time_limit: float,
+    seed: int = 0,
+    stop: Stop | None = None,
+    told: Callable[[str], None] = lambda text: None,
+) -> tuple[Ending, ...]:
+    """What it takes to be done sooner, of the plans of a trade-off that collect the most.
+
+    Parameters
+    ----------
+    made : Tradeoff
+    time_limit : float
+        Wall time for the least cost at each duration [s].
+    seed : int
+    stop : Stop, optional
+        Ends the search for cheaper plans; what is known is timed all the same.
+    told : callable
+        Told of each search.
+
+    Returns
+    -------
+    tuple of Ending
+        For each tank by the last day, each with less ΔV than the one before, by the resolution of
+        the instance but for the one of least cost and the last one, that of the least ΔV.
+
+    Raises
+    ------
+    InputError
+        See :func:`check_frontier`.
+    """
+    check_frontier(made.instance)
+    tanks = any(axis.kind == "delta-v" for axis in made.axes)
+    found: list[Ending] = []
+    for tank_m_s, row in made.along("duration").items():
+        prize = max(point.prize for point in row)
+        best = [point for point in row if point.prize == prize and any(point.routes)]
+        if not best:
+            continue
+        longest_s = max(point.duration_s for point in row)
+        shared = Shared(made.instance, longest_s, tanks=tanks)
+        orders = dict.fromkeys(point.routes for point in best)
+        for point in best:
+            if stop is not None and stop.remaining_s() <= 0.0:
+                break
+            routes = _cheapest(shared.problem(point.limits), point, time_limit, seed, stop)
+            if routes is not None:
+                orders[routes] = None
+                told(f"{point.duration_s / DAY_S:g} d: asked for the least cost")
+        problem = problem_of(variant(made.instance, (tank_m_s, longest_s), tanks=tanks))
+        ends = sorted(
+            (ending for order in orders for ending in _endings(problem, tank_m_s, prize, order)),
+            key=lambda ending: (ending.last_s, ending.delta_v_m_s),
+        )
+        found.extend(_kept(ends, made.instance.transfer.delta_v_resolution_m_s))
+    return tuple(found)
+
+
+def _cheapest(
+    problem: Problem, point: Point, time_limit: float, seed: int, stop: Stop | None
+) -> Routes | None:
+    """The cheapest plan found that collects as much as a point; None if it collects less."""
+    start = point.routes if len(problem.missions) > 1 else point.routes[0]
+    result = solve(
+        problem, CHEAPEST, time_limit=time_limit, seed=seed, stop=stop, start=start, repair=True,
+        cost=True,
+    )  # fmt: skip
+    if result.plan is None or result.objective < point.prize:
+        return None
+    return tuple(tuple(problem.names[j] for j in route) for route in result.routes)
+
+
+def _endings(problem: Problem, tank_m_s: float, prize: float, routes: Routes) -> Iterator[Ending]:
+    """All last days of routes that pay, each with the least ΔV of every chaser until then."""
+    timed: list[tuple[FloatArray, FloatArray, float]] = []
+    for mission, route in zip(problem.missions, routes, strict=True):
+        if route:
+            order = tuple(mission.numbers(route).tolist())
+            timed.append((*mission.schedules.endings(order), float(mission.rules.ready)))
+    if not timed or any(not ends.size for ends, _, _ in timed):
+        return
+    first_s = max(float(ends[0]) for ends, _, _ in timed)
+    days = np.unique(np.concatenate([ends for ends, _, _ in timed]))
+    price, taken = problem.instance.time_m_s_per_s, []
+    for ends, _, _ in timed:
+        taken.append(np.searchsorted(ends, days[days >= first_s], side="right") - 1)
+    for place, last_s in enumerate(days[days >= first_s].tolist()):
+        which = [int(each[place]) for each in taken]
+        spent = math.fsum(float(least[at]) for (_, least, _), at in zip(timed, which, strict=True))
+        flown_s = math.fsum(
+            float(ends[at]) - since for (ends, _, since), at in zip(timed, which, strict=True)
+        )
+        yield Ending(tank_m_s, prize, last_s, spent, spent + price * flown_s, routes)
+
+
+def _kept(ends: list[Ending], resolution_m_s: float) -> list[Ending]:
+    """Those that take less than all before them, by the resolution; and the least ΔV and cost."""
+    falling: list[Ending] = []
+    for ending in ends:
+        if not falling or ending.delta_v_m_s < falling[-1].delta_v_m_s:
+            falling.append(ending)
+    cheapest = min(falling, key=lambda ending: ending.cost, default=None)
+    kept: list[Ending] = []
+    for ending in falling:
+        saves = not kept or ending.delta_v_m_s <= kept[-1].delta_v_m_s - resolution_m_s
+        if saves or ending is cheapest or ending is falling[-1]:
+            kept.append(ending)
+    return kept
+
+
+def write_frontier(path: str | os.PathLike[str], endings: Iterable[Ending]) -> None:
+    """Write the CSV file, whole or not at all; the last day is one of the mission, from 0."""
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for each in endings:
+        writer.writerow((
+            repr(each.tank_m_s), repr(each.prize), repr(each.last_s / DAY_S),
+            repr(each.delta_v_m_s), repr(each.cost), json.dumps(each.routes, ensure_ascii=False),
+        ))  # fmt: skip
+    write_text(path, text.getvalue())
