@@ -23,7 +23,7 @@ from ..schedule import Scheduler
 FINER, COARSER = 0.5, 2.0
 """Steps tried, as multiples of that of the instance."""
 
-WORTH_FINER, WORTH_COARSER = 0.05, 0.01
+WORTH_FINER, WORTH_COARSER = 0.05, 0.03
 """A finer grid pays that saves this share of the ΔV at least, a coarser one that costs no more."""
 
 LONGEST_TRIED = 1000
@@ -65,8 +65,9 @@ def on_grid(problem: Problem, plan: Plan, step_s: float) -> GridTrial:
         mission = missions[name]
         moves = tuple(mission.numbers(order).tolist())
         scheduler = Scheduler(
-            other, partial(_rules, mission), instance.objective.cost, mission.chaser
-        )
+            other, partial(_rules, mission), instance.objective.cost, mission.chaser,
+            instance.time_m_s_per_s,
+        )  # fmt: skip
         schedule = scheduler.of(moves)
         total += schedule.delta_v if schedule.made == len(moves) else math.inf
     return GridTrial(step_s, total)
@@ -80,7 +81,7 @@ def grid_advice(problem: Problem, plan: Plan) -> str | None:
     """One sentence on a finer or coarser grid, where one pays; else None.
 
     A finer grid pays where the orders of the plan cost at least 5 % less on it, a coarser one where
-    the plan is not proven to be optimal, and its orders cost at most 1 % more.
+    the plan is not proven to be optimal, and its orders cost at most 3 % more.
 
     Parameters
     ----------

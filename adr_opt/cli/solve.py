@@ -83,6 +83,8 @@ def command(
     none that holds.
     """
     from .. import front
+    from ..analysis.grids import grid_advice
+    from ..campaign import problem_of
     from ..instance import load
     from ..plan import load_plan
     from ..planner import BOUNDS, PLANNERS
@@ -121,7 +123,7 @@ def command(
         "memory_gib": memory_gib,
     }  # fmt: skip
     looped: RefinedResult | None = None
-    live = wanted(as_json, quiet)
+    live, problem = wanted(as_json, quiet), problem_of(instance)
     if refining.refine:
         looped = work(
             lambda stop, progress: run_refined(
@@ -133,7 +135,7 @@ def command(
     else:
         result = work(
             lambda stop, progress: front.run(
-                PLANNERS, instance, method, stop=stop, progress=progress,
+                PLANNERS, problem, method, stop=stop, progress=progress,
                 building=progress.building, sizing=progress.sizing, **given,
             ),
             live=live, quiet=quiet,
@@ -165,6 +167,10 @@ def command(
           (partial(save_certificate, certificate_path, instance, result, quiet),)),
     )  # fmt: skip
     not_written = unsaved or others
+    if not quiet and looped is None and problem.has_timetable:
+        advice = grid_advice(problem, plan)
+        if advice is not None:
+            say(f"note: {advice}")
     if not as_json:
         from .timeline import by_chaser, summary, timelines
 
