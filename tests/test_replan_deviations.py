@@ -26,7 +26,7 @@ import adr_opt
 from adr_opt.analysis import Replanned, price, replan
 from adr_opt.analysis.deviations import Deviations
 from adr_opt.analysis.state import State, states_at
-from adr_opt.chasers import InOrbit, TankByMass
+from adr_opt.chasers import AtStation, InOrbit, TankByMass
 from adr_opt.errors import InputError
 from adr_opt.instance import Instance
 from adr_opt.kernels.constants import DAY_S
@@ -165,6 +165,19 @@ def test_a_service_that_took_longer_or_shorter_moves_when_the_chaser_is_free() -
     # Before the arrival it is told what it will take.
     early = state_of(instance, plan, leg.leaves_s + 1.0, services_s={"south": 600.0})
     assert early.free_s == pytest.approx(leg.arrival_s + 600.0)
+
+
+def test_a_service_beyond_the_mission_leaves_nothing_to_do() -> None:
+    """The rest is empty; where the chaser has to end at a station, there is none."""
+    instance, plan = simple()
+    at_s, services_s = plan.legs[0].arrival_s, {"south": 30.0 * DAY_S}
+    made = replan(instance, plan, at_s, services_s=services_s)
+    assert passes(made)
+    assert made.plan.legs == ()
+    chaser = instance.chaser.replace(end=AtStation(station="station"))
+    returning = instance.replace(chasers=(chaser,))
+    plan = price(returning, {"chaser": ORDER[:2]}).plan()
+    assert replan(returning, plan, at_s, services_s=services_s).plan is None
 
 
 def test_a_leg_that_was_to_begin_within_a_service_has_not_begun() -> None:
