@@ -223,8 +223,8 @@ def certificate(plan: Plan, found: Facts) -> str:
         said = f"The plan collects all there is, {collected}: no plan can be better."
     elif plan.upper_bound is None:
         said = (
-            "No upper bound was asked for, so it is not known how much better another plan could "
-            "be. <code>solve --bound lagrangian</code> asks for one."
+            "The plan states no upper bound, so it is not known how much better another plan could "
+            "be. <code>bound --start</code> proves one of the model."
         )
     elif plan.status == "optimal":
         said = (
