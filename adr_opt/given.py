@@ -123,19 +123,23 @@ def among(
     names : collection of str
         Bodies that stay.
     starts : mapping of str to str, optional
-        Bodies that are left for good, and the start that takes over what leads from each: nothing
-        leads to a start, and nothing else from it.
+        Bodies that are left, and the start that takes over what leads from each: nothing leads to
+        a start, and nothing else from it.
     """
     new = set(starts.values())
     known = [*given.names, *sorted(new.difference(given.names))]
     number = {name: at for at, name in enumerate(known)}
     stays = np.array([name in names and name not in new for name in given.names], dtype=np.bool_)
-    leads = stays | np.array([name in starts for name in given.names], dtype=np.bool_)
+    left = np.array([name in starts for name in given.names], dtype=np.bool_)
     become = np.array([number[starts.get(name, name)] for name in given.names], dtype=np.int32)
-    mine = leads[given.origin] & stays[given.destination]
+    # A body that is left and stays leads on twice: from itself, and from the start.
+    mine, taken = (np.flatnonzero(origins[given.origin] & stays[given.destination])
+                   for origins in (stays, left))  # fmt: skip
+    rows = np.concatenate([mine, taken])
     return _made(
-        become[given.origin[mine]], given.destination[mine], given.departure[mine],
-        given.arrival[mine], given.cost[mine], known, "row {}",
+        np.concatenate([given.origin[mine], become[given.origin[taken]]]),
+        given.destination[rows], given.departure[rows], given.arrival[rows], given.cost[rows],
+        known, "row {}",
     )  # fmt: skip
 
 

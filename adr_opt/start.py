@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from .breaking import why_not_flown
 from .campaign import Problem
 from .checking import check
 from .errors import InputError
 from .kernels.loads import most_kits
 from .mission import Mission
 from .plan import Plan
-from .schedule import left_at_start
 
 Start = Plan | Iterable[int | str] | Iterable[Iterable[int | str]]
 """A plan, or its bodies in order; of several chasers a sequence each."""
@@ -124,11 +124,8 @@ def _refuse_violations(mission: Problem, plan: Plan) -> None:
 
 def why_illegal(mission: Mission, moves: list[int], made: int) -> str:
     """What is wrong with the first illegal move of a sequence."""
-    timing, rules = mission.time(moves[:made]), mission.rules
-    body, time, left = rules.start, rules.ready, left_at_start(rules, 0)
-    if made:
-        body, time, left = moves[made - 1], float(timing.ends[-1]), float(timing.lefts[-1])
-    j = moves[made]
+    rules, j = mission.rules, moves[made]
+    body = moves[made - 1] if made else rules.start
     name = repr(mission.names[j])
     if rules.is_station[j] and (rules.is_station[body] or body == rules.start):
         return "refuels, but no target was visited since the last refuelling"
@@ -143,12 +140,4 @@ def why_illegal(mission: Mission, moves: list[int], made: int) -> str:
     kits, most = mission.schedules.kits_for(tuple(moves[: made + 1])), most_kits(rules.loads)
     if rules.loads is not None and kits > most:
         return f"goes to {name}, one more kit than the {most} of the chaser"
-    found = mission.schedules.connections(body, j).after(time)
-    if not found.departure.size:
-        return f"goes to {name}, to which there is no transfer any more"
-    spent = mission.connecting.spent_m_s(body)
-    cheapest, left = float(found.delta_v.min()) - spent, left - spent
-    if cheapest > left:
-        return f"to {name} needs {cheapest:.6g} m/s, but only {left:.6g} m/s are left"
-    end = max(float(found.arrival.min()), rules.opens[j]) + rules.service[j]
-    return f"to {name} ends at {end:.6g} s at the earliest, too late for its ΔV, window or mission"
+    return why_not_flown(mission, moves, made)

@@ -112,7 +112,7 @@ def test_a_start_sequence_that_breaks_a_limit_says_which() -> None:
     instance = adr_opt.generate("tiny", 0)
     for limits, named in (
         ({"delta_v_m_s": 1.0}, r"needs .* m/s, but only 1 m/s are left"),
-        ({"duration_s": 20000.0}, "ends at .* s at the earliest, too late"),
+        ({"duration_s": 20000.0}, r"ends on day 0\.\d+ at the earliest, .* after the mission"),
         ({"duration_s": 10.0}, "to which there is no transfer any more"),
     ):
         changed = instance.with_limits(**limits)

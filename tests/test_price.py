@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -13,8 +14,10 @@ from two_chasers import HOME, OWN, campaign, planned
 import adr_opt
 from adr_opt.analysis import orders_of, price, read_orders
 from adr_opt.analysis.mending import PRECISION_M_S
-from adr_opt.chasers import TankByMass
+from adr_opt.chasers import InOrbit, TankByMass
+from adr_opt.cli.timeline import clock
 from adr_opt.errors import InputError
+from adr_opt.kernels.constants import DAY_S
 from adr_opt.mission import Mission
 from adr_opt.settings import MissionSettings
 
@@ -262,3 +265,117 @@ def test_drifting_orders_are_priced_too() -> None:
         assert priced(instance.with_limits(delta_v_m_s=150.0 + added), *order).holds
     else:
         assert not priced(instance.with_limits(delta_v_m_s=600.0), *order).holds
+
+
+def test_the_total_counts_tows(cli: Cli) -> None:
+    """What is said of an order is what the plan of it comes to: ΔV and end with all tows."""
+    field = adr_opt.generate("tiny", 1, targets=3).with_limits(duration_s=200_000.0)
+    instance = field.replace(
+        stations=(),
+        chasers=(
+            field.chaser.replace(
+                start=InOrbit(orbit=field.stations[0].orbit),
+                tank=TankByMass(dry_mass_kg=500.0, propellant_kg=600.0, isp_s=310.0),
+            ),
+        ),
+        targets=tuple(target.replace(removal="tow", mass_kg=250.0) for target in field.targets),
+        mission=field.mission.replace(disposal_altitude_m=450e3),
+    )
+    order = ("debris-001", "debris-003")
+    plan = priced(instance, *order).plan()
+    towing_m_s = sum(leg.tow.delta_v_m_s for leg in plan.legs)
+    assert towing_m_s > 100.0
+    instance.save("t.json")
+    outcome = cli("price", "t.json", *order)
+    assert outcome.status == 0, outcome
+    said = f"ΔV {plan.delta_v_m_s:.1f} m/s, done {clock(plan.legs[-1].tow.end_s)}"
+    assert outcome.out.splitlines()[-1] == f"prize 2, {said}"
+
+
+def test_what_mends_counts_prizes_alone(cli: Cli) -> None:
+    """A required target is worth its prize in a suggestion, without the weight for planners."""
+    instance = hand_made()
+    targets = tuple(
+        target.replace(required=target.name != "far", prize=prize)
+        for target, prize in zip(instance.targets, (2.0, 3.0, 1.0, 1.0), strict=True)
+    )
+    instance.replace(targets=targets).save("h.json")
+    outcome = cli("price", "h.json", "south", "north", "beyond", "--json")
+    (route,) = json.loads(outcome.out)["routes"]
+    assert {tuple(each["order"]): each["prize"] for each in route["mendings"]}[OPTIMAL] == 6.0
+    assert "would do: refuel before north: prize 6," in cli(
+        "price", "h.json", "south", "north", "beyond"
+    ).out  # fmt: skip
+
+
+def window_of(instance, name: str, closes_s: float):
+    return instance.replace(
+        targets=tuple(
+            target.replace(window_s=(0.0, closes_s)) if target.name == name else target
+            for target in instance.targets
+        )
+    )
+
+
+def leaving_at(instance, end_s: float):
+    return instance.replace(chasers=(instance.chaser.replace(available_s=(0.0, end_s)),))
+
+
+@pytest.mark.parametrize(
+    ("instance", "order", "named", "others"),
+    [
+        (hand_made(), ("south", "north"), "it needs 262.488 m/s, but only 168", ("day", "window")),
+        (
+            window_of(hand_made(), "beyond", 3.1 * PERIOD_S), ("north", "beyond"),
+            "after its window closes", ("m/s", "mission", "gone"),
+        ),
+        (
+            leaving_at(hand_made(), 5.0 * PERIOD_S), ("north", "beyond"),
+            "after its chaser is gone", ("m/s", "mission", "window"),
+        ),
+        (
+            hand_made(periods=6.3), ("north", "beyond"),
+            "min after the mission", ("m/s", "window", "gone"),
+        ),
+    ],
+)  # fmt: skip
+def test_the_one_true_reason_is_told_in_days(
+    cli: Cli, instance, order: tuple[str, ...], named: str, others: tuple[str, ...]
+) -> None:
+    """Of ΔV, window, mission and the time of the chaser that is named which breaks the order."""
+    instance.save("h.json")
+    outcome = cli("price", "h.json", *order)
+    assert outcome.status == 1, outcome
+    (line,) = [line for line in outcome.out.splitlines() if "breaks at leg 2" in line]
+    assert named in line
+    reason = line.partition(": it ")[2]
+    assert not any(other in reason for other in others), reason
+    if "m/s" in others:
+        day = float(re.search(r"ends on day ([0-9.]+) at the earliest", reason)[1])
+        assert day == pytest.approx(6.5 * PERIOD_S / DAY_S, abs=1e-3)
+        assert " s " not in reason
+
+
+def test_where_either_would_do_both_reasons_are_told() -> None:
+    """What is cheap enough ends too late, and what ends in time is too dear: so it is said."""
+    found = 0
+    for seed in range(6):
+        instance = adr_opt.generate("tiny", seed, targets=4)
+        first, second = instance.names[instance.first_target :][:2]
+        connections = adr_opt.Timetable(instance).connections(first, second)
+        least_m_s, dear_m_s = connections.delta_v.min(), connections.delta_v.max()
+        if dear_m_s < least_m_s + 1.0:
+            continue
+        (route,) = priced(instance, first, second, mend=False).routes
+        last_s = float(connections.arrival[connections.delta_v.argmin()])
+        spent_m_s = route.legs[0].delta_v_m_s
+        enough = spent_m_s + float(least_m_s) + 0.01
+        limited = window_of(instance, second, last_s - 1.0).with_limits(delta_v_m_s=enough)
+        (broken,) = priced(limited, first, second, mend=False).routes
+        if broken.holds or len(broken.legs) != 1:
+            continue
+        if "to end in time, but only" in broken.reason:
+            assert "what can be paid ends on day" in broken.reason
+            assert "its window closes" in broken.reason
+            found += 1
+    assert found > 0

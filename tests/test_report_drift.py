@@ -21,11 +21,13 @@ from plans import with_legs
 import adr_opt
 from adr_opt import plot
 from adr_opt.flight.mean_flight import fly_mean
+from adr_opt.flight.tanks import tanks_of
 from adr_opt.kernels import orbits
 from adr_opt.plot.budget import budget
 from adr_opt.plot.nodes import Nodes, nodes_of, of_body, of_track
 from adr_opt.plot.tracks import tracks
 from adr_opt.refining import refine
+from adr_opt.refining.plan import Missing
 
 plotly_graph_objects = pytest.importorskip("plotly.graph_objects")
 
@@ -211,6 +213,51 @@ def test_the_verdict_says_what_was_flown(cli: Cli) -> None:
     outcome = cli("report", "my.json", "plan.json", "--out", "mission.html")
     assert outcome.status == 1
     assert "when flown tank 1 (legs 1 to 2) of" in outcome.err
+
+
+def test_a_refined_plan_is_judged_by_its_refined_flight(cli: Cli) -> None:
+    """A tank that breaks in mean motion and holds refined is not said to break, nor left unflown.
+
+    Where the refined one breaks, or lacks a leg, that heads the page, and nothing else.
+    """
+    tight, of = with_a_tight_tank()
+    assert adr_opt.flight.fly(tight, of).broken_tanks
+    refined = adr_opt.refine(tight, of)
+    assert all(tank.holds for tank in tanks_of(tight, refined))
+    text = page(tight, of, refined)
+    said = words(text)
+    assert 'role="alert"' not in text
+    assert "✓ Checked against the instance: no violations. Refined and flown in" in said
+    assert "every tank holds" in said
+    assert "breaks" not in said
+    assert "not flown" not in said
+    flown = words(page(tight, of, refined, flight=adr_opt.flight.fly(tight, of)))
+    assert "The plan, flown" in flown
+    assert "breaks" not in flown
+    tight.save("my.json")
+    of.save("plan.json")
+    refined.save("refined.json")
+    call = ("report", "my.json", "plan.json", "--refined", "refined.json", "--out", "m.html")
+    outcome = cli(*call, "--json")
+    assert outcome.status == 0, outcome
+    assert all(tank["holds"] for tank in json.loads(outcome.out)["tanks"])
+    assert "tank" not in outcome.err
+    lacking = refined.replace(
+        status="incomplete", legs=refined.legs[:1], missing=(Missing(leg=2, reason="interrupted"),)
+    )
+    broken = words(page(tight, of, lacking))
+    assert "The refined plan does not hold" in broken
+    assert "When flown this plan breaks" not in broken
+
+
+def test_a_refined_plan_on_eccentric_orbits_is_flown_on_the_true_ones() -> None:
+    """Its page does not say that nobody has flown it there, as that of the plan alone does."""
+    instance, plan = drifting_instance(0.003), drifting_plan(0.003)
+    refined = adr_opt.refine(instance, plan)
+    assert refined.missing == ()
+    said = words(page(instance, plan, refined))
+    assert "not flown on the true ones" not in said
+    assert "Refined and flown in numerically integrated motion" in said
 
 
 def test_segments_and_tracks_fill_the_mission() -> None:

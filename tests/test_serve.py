@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import math
 import os
 import sys
 import threading
@@ -267,6 +268,46 @@ def test_incumbent_and_bound_are_told_as_they_come(desk: Desk) -> None:
     desk.plan(Order("exact", 60.0))
     assert wait(desk).phase == "done"
     assert desk._work._reused._built is known
+
+
+def test_the_run_ends_with_what_its_plan_states(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On part of a timetable nothing is proven but what is trivial: in the end no bound is told."""
+    monkeypatch.setattr(front, "TABLE_BYTES", 1e-4 * 2.0**30)
+    field = adr_opt.generate("nominal", 0, targets=30)
+    field.save(tmp_path / "my.json")
+    made = Desk(field, None, Folder(tmp_path / "work", tmp_path / "my.json"))
+    made.plan(Order("auto", 3.0))
+    look, plan = wait(made), made.state()["plan"]
+    assert any("nothing is proven" in note for note in plan["notes"])
+    assert plan["upper_bound"] is None
+    told = look.to_dict()
+    assert (told["incumbent"], told["bound"]) == (plan["objective"], None)
+    assert told["gap"] is None
+    assert told["points"][-1][1:] == [plan["objective"], None]
+    assert "none given" in made.report()
+
+
+def test_the_run_ends_with_what_the_result_states(desk: Desk) -> None:
+    """What was told on the way gives way to the result, which the plan and its report have."""
+    instance = hand_made()
+    result = adr_opt.solve(instance, "beam")
+
+    def told_more(*args: Any, progress: Any, **more: Any) -> Result:
+        progress(1.0, 2.5)
+        return result
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(front, "run", told_more)
+        desk.plan(Order("beam", 3.0))
+        look = wait(desk)
+    known = [
+        value if math.isfinite(value) else None for value in (result.objective, result.upper_bound)
+    ]
+    assert [look.to_dict()[name] for name in ("incumbent", "bound")] == known
+    plan = desk.state()["plan"]
+    assert [plan[name] for name in ("objective", "upper_bound")] == known
 
 
 @pytest.mark.usefixtures("methods")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -24,6 +25,8 @@ from adr_opt.chasers import TankByMass
 from adr_opt.connections import Connecting
 from adr_opt.errors import InputError
 from adr_opt.kernels.constants import DAY_S
+from adr_opt.report.charts import BOTTOM, HEIGHT, TOP
+from adr_opt.report.traded import traded_page
 from adr_opt.stop import MaxIterations
 
 TANKS = Axis("delta-v", (130.0, 140.0, 270.0, 300.0, 420.0, 700.0))
@@ -310,3 +313,24 @@ def test_the_verb_writes_what_it_tells(cli: Cli) -> None:
     )  # fmt: skip
     assert content["proven"] == 4
     assert [point["status"] for point in content["points"]] == ["optimal"] * 4
+
+
+def test_the_band_of_the_page_reaches_up_to_the_bounds(surface) -> None:
+    """Far above the prizes the band is in the picture, and its axis reaches as far."""
+    field = adr_opt.generate("tiny", 0, targets=8)
+    points = (
+        Point(100.0, DAY_S, prize=3.0, upper_bound=7.6, visits=3),
+        Point(200.0, DAY_S, prize=4.0, visits=4),
+    )
+    made = replace(surface, instance=field, axes=(Axis("delta-v", (100.0, 200.0)),), points=points)
+    page = traded_page(made)
+    (outline,) = re.findall(r'<polygon points="([^"]*)"', page)
+    heights = [float(point.split(",")[1]) for point in outline.split()]
+    # The prizes from left to right, and back along the bounds; all of them below the upper edge.
+    assert len(heights) == 4
+    assert min(heights) >= TOP
+    assert max(heights) <= HEIGHT - BOTTOM
+    # As high as they are: of 8 prizes where nothing is proven.
+    zero = HEIGHT - BOTTOM
+    shares = [(zero - height) / (zero - heights[2]) for height in heights]
+    assert shares == pytest.approx([3.0 / 8.0, 4.0 / 8.0, 1.0, 7.6 / 8.0], abs=2e-3)

@@ -67,8 +67,9 @@ class Mending:
         Which is left out; before which it refuels; the first of those that change places.
     order : tuple of str
     prize : float
+        Of its targets, without what planners add for those that are required.
     delta_v_m_s, end_s : float
-        Of all legs, and the end of the last service.
+        Of all legs and tows, and the end of the last service, or tow.
     """
 
     kind: Literal["leave-out", "refuel", "swap"]
@@ -90,12 +91,12 @@ def mendings(mission: Mission, moves: Moves) -> tuple[Mending, ...]:
         timing = mission.time(changed)
         if timing.made < len(changed) or not mission.may_stop(changed):
             continue
-        names = tuple(mission.names[j] for j in changed)
+        names, prize = tuple(mission.names[j] for j in changed), mission.prizes(changed)
         mending = Mending(
-            kind, mission.names[body], names, timing.objective, timing.delta_v,
+            kind, mission.names[body], names, prize, timing.delta_v,
             float(timing.ends[-1]) if changed else 0.0,
         )  # fmt: skip
-        found.append((-timing.objective, timing.cost, len(found), mending))
+        found.append((-prize, timing.cost, len(found), mending))
     return tuple(entry[-1] for entry in sorted(found))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -21,6 +21,7 @@ from ..routes import routes_of
 from ..settings import KeepOutZone
 from ..stop import AnyOf, MaxRuntime, Stop
 from .beginnings import beginnings, former_orders, orders_left
+from .deviations import Deviations
 from .putting import in_order, is_usurped, kept_waiting
 from .replanned import Replanned, compared
 from .rest import crossings, rest_of
@@ -50,6 +51,10 @@ def replan(
     lost: Iterable[str] = (),
     failed: int | None = None,
     keep: int = 0,
+    missed: Iterable[str] = (),
+    retry: bool = False,
+    services_s: Mapping[str, float] | None = None,
+    costs_m_s: Mapping[int, float] | None = None,
     method: str | None = None,
     time_limit: float = DEFAULT_TIME_LIMIT_S,
     seed: int = 0,
@@ -80,9 +85,19 @@ def replan(
     lost : iterable of str
         Targets that are not to be visited any more.
     failed : int, optional
-        Number of a leg that is not flown as planned.
+        Number of a leg that has not begun, and does not begin when it was to. Those before it of
+        its chaser are flown as planned, and the rest begins where it was to begin, later.
     keep : int
         So many legs of each chaser that have not begun are flown as planned.
+    missed : iterable of str
+        Targets to which the leg has begun, and that are not serviced: the chaser is there all the
+        same, with the kit, and without a tow.
+    retry : bool
+        Whether those may be tried again; else they are given up.
+    services_s : mapping of str to float, optional
+        How long the service of a target took, or the attempt at one that was missed [s].
+    costs_m_s : mapping of int to float, optional
+        What a leg took, by its number, without the tow that may follow [m/s].
     method : str, optional
         Planner of the rest; "beam" for one chaser and "auto" for several by default.
     time_limit : float
@@ -94,20 +109,23 @@ def replan(
     ------
     InputError
         The plan is of another instance, the time is outside the mission, a name is no target or
-        one that is done, or a leg that is to be kept crosses a new zone.
+        one that is done, a leg that is to be kept crosses a new zone, or what is told of the
+        flight cannot have been.
     """
     began = time.perf_counter()
     if plan.instance.sha256 != instance.sha256:
         raise InputError("the plan belongs to another instance; give the one it was made for")
-    states = states_at(instance, plan, at_s, keep=keep, failed=failed)
+    went = Deviations(_each_once(missed), retry, dict(services_s or {}), dict(costs_m_s or {}))
+    states = states_at(instance, plan, at_s, keep=keep, failed=failed, went=went)
     zoned = instance.replace(keep_out_zones=(*instance.keep_out_zones, *zones))
-    notes = tuple(crossings(zoned, states, at_s, len(instance.keep_out_zones)))
-    gone = tuple(dict.fromkeys(lost))
+    notes = tuple(note for state in states for note in state.notes)
+    notes += tuple(crossings(zoned, states, at_s, len(instance.keep_out_zones)))
+    gone = _each_once(lost)
     former = former_orders(plan, states)
     states = in_order(zoned, states)
 
     def left(now: tuple[State, ...]) -> Instance | None:
-        return rest_of(zoned, now, gone, at_s)
+        return rest_of(zoned, now, gone, at_s, went.given_up)
 
     def planned(beginning: Instance, orders: list[list[str]]) -> Result:
         return _planned(beginning, orders, method, time_limit, seed, stop)
@@ -145,7 +163,11 @@ def replan(
             best = own
     notes = (*notes, *_waits(states, best))
     orders = tuple(former[state.chaser.name] for state in best[1])
-    return compared(instance, *best, orders, gone, notes, began)
+    return compared(instance, *best, orders, gone, went, notes, began)
+
+
+def _each_once(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(names))
 
 
 def _waits(states: Sequence[State], found: Found) -> Iterator[str]:

@@ -11,6 +11,7 @@ from ..instance import Instance
 from ..plan import Plan, Route
 from ..result import Result
 from ..showing import Card, Shown
+from .deviations import Deviations
 from .state import State
 
 Orders = tuple[tuple[str, ...], ...]
@@ -34,6 +35,8 @@ class Replanned(Shown):
     gained, dropped, lost : tuple of str
         Targets that the former rest did not visit and the new one does; that it did, and which are
         left out now though they could still be visited; and those that are lost.
+    missed, given_up : tuple of str
+        Targets that were come to and not serviced, and those of them that are not tried again.
     prize_before, prize_after : float
         Of the former rest, and of the new one.
     kept : int
@@ -50,6 +53,8 @@ class Replanned(Shown):
     gained: tuple[str, ...]
     dropped: tuple[str, ...]
     lost: tuple[str, ...]
+    missed: tuple[str, ...]
+    given_up: tuple[str, ...]
     prize_before: float
     prize_after: float
     kept: int
@@ -67,7 +72,11 @@ class Replanned(Shown):
         return self.result.plan
 
     def whole(self) -> tuple[Route, ...]:
-        """What each chaser flies from beginning to end: what is fixed, and the new rest."""
+        """What each chaser flies from beginning to end: what is fixed, and the new rest.
+
+        Of legs that went otherwise than planned it has the times and costs that they had, and a
+        target that was missed is tried again by a second leg to it.
+        """
         plan = self.plan
         new = {} if plan is None else {route.chaser: route.legs for route in plan.routes}
         routes = []
@@ -99,6 +108,8 @@ class Replanned(Shown):
             "gained": list(self.gained),
             "dropped": list(self.dropped),
             "lost": list(self.lost),
+            "missed": list(self.missed),
+            "given_up": list(self.given_up),
             "kept_legs": self.kept,
             "notes": list(self.notes),
             "runtime_s": self.runtime_s,
@@ -107,7 +118,8 @@ class Replanned(Shown):
 
 def compared(
     instance: Instance, chosen: Instance, states: tuple[State, ...], result: Result,
-    former: Orders, lost: tuple[str, ...], notes: tuple[str, ...], began: float,
+    former: Orders, lost: tuple[str, ...], went: Deviations, notes: tuple[str, ...],
+    began: float,
 ) -> Replanned:  # fmt: skip
     """What a new rest gains and loses against the former one.
 
@@ -121,7 +133,9 @@ def compared(
         Of planning what is left.
     former : tuple of tuple of str
         What the plan was about to do, for each chaser.
-    lost, notes : tuple of str
+    lost : tuple of str
+    went : Deviations
+    notes : tuple of str
     began : float
         When replanning began, by the performance counter [s].
     """
@@ -142,6 +156,8 @@ def compared(
         gained=tuple(name for name in after if name not in before),
         dropped=tuple(name for name in before if name not in after and name not in lost),
         lost=lost,
+        missed=went.missed,
+        given_up=went.given_up,
         prize_before=sum(prizes[name] for name in before),
         prize_after=sum(prizes[name] for name in after),
         kept=kept,

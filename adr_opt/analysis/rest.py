@@ -13,6 +13,7 @@ from ..instance import Instance
 from ..keep_out import crossed
 from ..numbering import Numbering
 from ..station_limits import StationLimits
+from .deviations import without_service
 from .state import State, as_flown, going_on, put_s
 
 
@@ -41,12 +42,19 @@ def crossings(zoned: Instance, states: Sequence[State], at_s: float, before: int
                 continue
             said = f"to {leg.destination!r} crosses new zone {new[0] - before + 1}"
             if leg.leaves_s >= at_s:
-                raise InputError(f"the leg {said}, and is to be kept; keep fewer legs")
+                raise InputError(
+                    f"the leg {said}, and is to be kept; keep fewer legs, or let an earlier one "
+                    "fail"
+                )
             yield f"the leg under way {said}, and is finished all the same"
 
 
 def rest_of(
-    zoned: Instance, states: Sequence[State], lost: Sequence[str], at_s: float
+    zoned: Instance,
+    states: Sequence[State],
+    lost: Sequence[str],
+    at_s: float,
+    given_up: Sequence[str] = (),
 ) -> Instance | None:
     """The instance that is left, with chasers where they are; None where a station has run out.
 
@@ -60,19 +68,26 @@ def rest_of(
         Targets that are not to be visited any more.
     at_s : float
         Since the epoch [s].
+    given_up : sequence of str
+        Targets that were missed, and are not tried again.
 
     Raises
     ------
     InputError
         What is lost is no target, or done.
     """
-    done = {leg.destination for state in states for leg in state.legs}
+    missed = {name for state in states for name in state.missed}
+    done = {leg.destination for state in states for leg in state.legs} - missed
+    gone = {*lost, *given_up}
     names = {target.name for target in zoned.targets}
     for name in lost:
         if name not in names:
             raise InputError(f"lost {name!r}: not a target of {zoned.name!r}")
         if name in done:
-            raise InputError(f"lost {name!r}: it is done by then, or the leg to it has begun")
+            raise InputError(
+                f"lost {name!r}: it is done by then, or the leg to it has begun; tell it as missed "
+                "if it is not serviced"
+            )
     put = {state.body: put_s(zoned, state) for state in states if state.is_put}
     targets = tuple(
         # What is still to be towed is worth nothing any more, and there for who is put onto it.
@@ -80,7 +95,7 @@ def rest_of(
         if target.name in put
         else target
         for target in zoned.targets
-        if target.name in put or (target.name not in done and target.name not in lost)
+        if target.name in put or (target.name not in done and target.name not in gone)
     )
     chasers = tuple(going_on(zoned, state) for state in states)
     # Launches are apart by their times then, and who is put somewhere is not launched.
@@ -116,7 +131,8 @@ def _changed(instance: Instance, states: Sequence[State], **changes: Any) -> Ins
 
 def _stations_left(instance: Instance, states: Sequence[State]) -> tuple[Station, ...] | None:
     """The stations with what is left of their limits; None where more was taken than there is."""
-    limits = StationLimits(instance)
+    missed = [name for state in states for name in state.missed]
+    limits = StationLimits(without_service(instance, missed))
     uses = [
         limits.use(as_flown(state), [(leg.destination, leg.delta_v_m_s) for leg in state.legs])
         for state in states

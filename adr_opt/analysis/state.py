@@ -4,18 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..cargo import kits_of
 from ..chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
 from ..errors import InputError
 from ..expense import carried_kg
 from ..instance import Instance
+from ..kernels.constants import SLACK_S
 from ..limits import limits_of
 from ..numbering import LEO
 from ..plan import Leg, Plan
 from ..routes import Flown, routes_of
 from ..tow import released_orbit, tows_of
+from .deviations import (
+    AS_PLANNED,
+    Deviations,
+    as_carried_out,
+    check_deviations,
+    possible_legs,
+    refuse_not_begun,
+    said_of,
+    weighed_anew,
+    without_service,
+)
+
+DELAY_S = 1.0
+"""So much later than planned a chaser is free whose leg failed: that departure is over."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +56,7 @@ class State:
         The most it may still leave behind; None where there is no limit. Where kits have a mass,
         those that are aboard.
     since_refuelling : int
-        Targets serviced since the last one.
+        Targets visited since the last one; one that was missed counts.
     since_s : float
         When it may fly at all [s].
     idle_kits : int
@@ -49,6 +64,10 @@ class State:
     is_put : bool
         Whether it is with an object that it is still to tow, before it goes on. Its rest begins
         with that target: it is put there, as chasers are launched, while its service ends.
+    missed : tuple of str
+        Targets that its legs lead to, and that were not serviced.
+    notes : tuple of str
+        What is said of legs that went otherwise than planned.
     """
 
     chaser: Chaser
@@ -62,6 +81,8 @@ class State:
     since_s: float
     idle_kits: int = 0
     is_put: bool = False
+    missed: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def is_new(self) -> bool:
@@ -70,7 +91,7 @@ class State:
 
     @property
     def is_at_target(self) -> bool:
-        """Whether it is at a target, which it has serviced."""
+        """Whether it is at a target, which it has serviced, or missed."""
         return self.since_refuelling > 0
 
     @property
@@ -89,13 +110,20 @@ class State:
 
 
 def states_at(
-    instance: Instance, plan: Plan, at_s: float, *, keep: int = 0, failed: int | None = None
+    instance: Instance,
+    plan: Plan,
+    at_s: float,
+    *,
+    keep: int = 0,
+    failed: int | None = None,
+    went: Deviations = AS_PLANNED,
 ) -> tuple[State, ...]:
     """Where each chaser is at a time.
 
     A leg that has begun is finished: whoever has left cannot turn back. One that leaves a disposal
     orbit begins with the tow: it leaves as that ends. The legs after it that have not begun are
-    fixed too if ``keep`` says so, as many of each chaser.
+    fixed too if ``keep`` says so, as many of each chaser. A leg that was to begin before a service
+    was over that took longer has not begun.
 
     Parameters
     ----------
@@ -105,12 +133,16 @@ def states_at(
         Since the epoch [s].
     keep : int
     failed : int, optional
-        Number of a leg that is not flown, and none after it of its chaser; it may not have begun.
+        Number of a leg that does not begin when it was to; it may not have begun. Those before it
+        of its chaser are fixed, and it is free for another one once that time is over.
+    went : Deviations
+        What went otherwise than planned.
 
     Raises
     ------
     InputError
-        The time is outside the mission, or the leg is none, or has begun.
+        The time is outside the mission, the leg is none, or has begun, or what is told cannot have
+        been.
     """
     if not 0.0 <= at_s <= instance.mission.duration_s:
         raise InputError(
@@ -120,39 +152,90 @@ def states_at(
         raise InputError(f"keep = {keep}: must not be negative")
     if failed is not None and not 1 <= failed <= len(plan.legs):
         raise InputError(f"failed leg {failed}: the plan has the legs 1 to {len(plan.legs)}")
-    return tuple(_state(instance, flown, at_s, keep, failed) for flown in routes_of(instance, plan))
+    check_deviations(instance, plan, went)
+    return tuple(
+        _state(instance, flown, _fixed(instance, flown, at_s, keep, failed, went), at_s, went)
+        for flown in routes_of(instance, plan)
+    )
 
 
-def _state(instance: Instance, flown: Flown, at_s: float, keep: int, failed: int | None) -> State:
-    begins_s = _begins_s(flown)
-    begun = sum(time_s < at_s for time_s in begins_s)
-    fixed = flown.legs[: begun + keep]
-    for at, (number, _) in enumerate(fixed):
-        if number == failed:
-            if at < begun:
-                raise InputError(
-                    f"failed leg {failed}: it has begun at {begins_s[at]:.0f} s, before {at_s:g} "
-                    "s; tell a target that was not reached as lost"
-                )
-            fixed = fixed[:at]
-            break
+class Fixed(NamedTuple):
+    """Which legs of a chaser are flown as planned.
+
+    Attributes
+    ----------
+    legs : tuple of (int, Leg)
+        Each after its number.
+    since_s : float
+        No leg may begin before that any more [s].
+    notes : tuple of str
+    """
+
+    legs: tuple[tuple[int, Leg], ...]
+    since_s: float
+    notes: tuple[str, ...]
+
+
+def _fixed(
+    instance: Instance, flown: Flown, at_s: float, keep: int, failed: int | None, went: Deviations
+) -> Fixed:
+    legs, begins_s = flown.legs, _begins_s(flown)
+    planned = sum(time_s < at_s for time_s in begins_s)
+    possible = possible_legs(instance, legs, begins_s, went)
+    begun = min(planned, possible)
+    count, since_s = min(begun + keep, len(legs)), at_s
+    for at, (number, leg) in enumerate(legs):
+        if number != failed:
+            continue
+        if at < begun:
+            raise InputError(
+                f"failed leg {failed}: it has begun at {begins_s[at]:.0f} s, before {at_s:g} "
+                f"s, and is finished; if {leg.destination!r} is not serviced, tell it as missed"
+            )
+        count = at
+        since_s = max(at_s, begins_s[at] + DELAY_S)
+    if count > possible:
+        raise InputError(
+            f"leg {legs[possible][0]} to {legs[possible][1].destination!r} is to be kept, and was "
+            f"to begin before the service at {legs[possible - 1][1].destination!r} is over; keep "
+            "fewer legs"
+        )
+    refuse_not_begun(legs, begun, count, at_s, went)
+    notes = said_of(legs, begun, planned, possible, went.missed)
+    return Fixed(as_carried_out(instance, legs[:count], at_s, went), since_s, notes)
+
+
+def _state(instance: Instance, flown: Flown, fixed: Fixed, at_s: float, went: Deviations) -> State:
+    """The state after legs that are fixed: kits that missed targets did not take are aboard."""
     chaser, stations = flown.chaser, instance.station_names
-    legs = tuple(leg for _, leg in fixed)
-    aboard = _loaded(instance, flown).aboard(instance)[len(legs)]
+    count = len(fixed.legs)
+    missed = went.missed_of(leg for _, leg in fixed.legs)
+    kept = kits_of(instance, missed)
+    serviced = without_service(instance, missed)
+    loaded = _loaded(instance, flown)
+    happened = replace(
+        loaded, chaser=heavier(loaded.chaser, kept), legs=(*fixed.legs, *flown.legs[count:])
+    )
+    if missed or fixed.legs != flown.legs[:count]:
+        happened = weighed_anew(serviced, happened, count)
+    legs = tuple(leg for _, leg in happened.legs[:count])
+    aboard = happened.aboard(serviced)[count]
     tow = legs[-1].tow if legs else None
-    is_put = tow is not None and tow.start_s >= at_s
+    # A tow that was planned to begin within a service that took longer has not begun either.
+    is_put = tow is not None and (tow.start_s >= at_s or legs[-1].end_s > tow.start_s + SLACK_S)
     propellant = None
-    if isinstance(chaser.tank, TankByMass) and aboard.mass_kg is not None:
+    if isinstance(happened.chaser.tank, TankByMass) and aboard.mass_kg is not None:
         mass_kg = aboard.mass_kg + (aboard.towing_kg if is_put else 0.0)
-        propellant = max(mass_kg - chaser.tank.dry_mass_kg - aboard.kits * chaser.kit_mass_kg, 0.0)
+        without_kg = happened.chaser.tank.dry_mass_kg + aboard.kits * chaser.kit_mass_kg
+        propellant = max(mass_kg - without_kg, 0.0)
     since = 0
     for leg in legs:
         since = 0 if leg.destination in stations else since + 1
     kits = chaser.kits
     if legs and chaser.kit_mass_kg > 0.0:
-        kits = aboard.kits
+        kits = aboard.kits + kept
     elif kits is not None:
-        kits -= kits_of(instance, (leg.destination for leg in legs))
+        kits -= kits_of(serviced, (leg.destination for leg in legs))
     body = legs[-1].destination if legs else None if chaser.is_launched else chaser.start_name
     since_s, _ = instance.available_s[instance.chasers.index(chaser)]
     free_s = since_s
@@ -160,8 +243,8 @@ def _state(instance: Instance, flown: Flown, at_s: float, keep: int, failed: int
         free_s = legs[-1].end_s if is_put else legs[-1].done_s
     left_m_s = max(aboard.on_arrival_m_s if is_put else aboard.left_m_s, 0.0)
     return State(
-        chaser, legs, body, max(at_s, free_s), left_m_s, propellant, kits, since, since_s,
-        is_put=is_put,
+        chaser, legs, body, max(fixed.since_s, free_s), left_m_s, propellant, kits, since, since_s,
+        is_put=is_put, missed=missed, notes=fixed.notes,
     )  # fmt: skip
 
 
@@ -208,7 +291,7 @@ def going_on(instance: Instance, state: State) -> Chaser:
     What it was launched for is paid, so that it has no expense any more.
     """
     chaser, stations = state.chaser, instance.station_names
-    done = sum(leg.destination not in stations for leg in state.legs)
+    done = sum(leg.destination not in (*stations, *state.missed) for leg in state.legs)
     changes: dict[str, Any] = {"kits": state.kits}
     if chaser.max_targets is not None:
         changes["max_targets"] = max(chaser.max_targets - done, 0) + state.is_put

@@ -76,8 +76,8 @@ def _tell(priced: PricedOrder) -> None:
         emit(f"required, and in no order: {', '.join(priced.lacking)}")
     for chaser in priced.unended:
         emit(f"{chaser}: the order ends where its mission may not")
-    delta_v = sum(leg.delta_v_m_s for route in priced.routes for leg in route.legs)
-    end_s = max((leg.end_s for route in priced.routes for leg in route.legs), default=0.0)
+    delta_v = sum(leg.spent_m_s for route in priced.routes for leg in route.legs)
+    end_s = max((leg.done_s for route in priced.routes for leg in route.legs), default=0.0)
     emit(f"prize {priced.objective:g}, ΔV {delta_v:.1f} m/s, done {clock(end_s)}")
 
 
@@ -92,7 +92,9 @@ def _verdict(route: PricedRoute, *, several: bool) -> Iterator[str]:
         return
     whose = f"{route.chaser}: " if several else ""
     at = len(route.legs)
-    yield f"{whose}breaks at leg {at + 1}, to {route.order[at]}: it {route.reason}"
+    to = route.order[at]
+    reason = route.reason.removeprefix(f"to {to!r} ")
+    yield f"{whose}breaks at leg {at + 1}, to {to}: it {reason}"
     best = {mending.kind: mending for mending in reversed(route.mendings)}
     told = [mending for mending in route.mendings if best[mending.kind] is mending]
     lines = [*_lacking(route.missing), *map(_told, told)]

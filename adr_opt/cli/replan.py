@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from ..instance import Instance
     from ..settings import KeepOutZone
 
+Key = TypeVar("Key", int, str)
+
 UNITS = {"": DAY_S, "d": DAY_S, "h": HOUR_S, "s": 1.0}
 
 
@@ -39,7 +42,19 @@ UNITS = {"": DAY_S, "d": DAY_S, "h": HOUR_S, "s": 1.0}
 @click.option(
     "--lost", multiple=True, metavar="NAME[,NAME...]", help="A target that is none any more."
 )
-@click.option("--failed", type=int, metavar="LEG", help="A leg that is not flown as planned.")
+@click.option("--failed", type=int, metavar="LEG", help="A leg that does not begin when planned.")
+@click.option(
+    "--missed", multiple=True, metavar="NAME[,NAME...]", help="A target come to, not serviced."
+)
+@click.option("--retry", is_flag=True, help="What was missed may be tried again.")
+@click.option(
+    "--service-took",
+    "services",
+    multiple=True,
+    metavar="NAME=DAYS",
+    help="How long a service, or the attempt, took; 36h, 900s.",
+)
+@click.option("--cost", "costs", multiple=True, metavar="LEG=M_S", help="The ΔV that a leg took.")
 @click.option("--keep", type=int, default=0, metavar="N", help="Legs more that stay as planned; 0.")
 @click.option("--method", metavar="NAME", help="Planner of the rest; else a beam, of several auto.")
 @click.option("--time-limit", type=float, metavar="S", help="Wall time of a run; 2 s.")
@@ -55,6 +70,10 @@ def command(
     zones_path: str | None,
     lost: tuple[str, ...],
     failed: int | None,
+    missed: tuple[str, ...],
+    retry: bool,
+    services: tuple[str, ...],
+    costs: tuple[str, ...],
     keep: int,
     method: str | None,
     time_limit: float | None,
@@ -83,16 +102,26 @@ def command(
     if out is not None and out_instance is not None and is_same_file(out, out_instance):
         raise InputError(f"{out}: named for the plan and for the instance; give each its own")
     known, names = BodyNames(instance), set(instance.names)
-    gone = [
-        known.one(part.strip(), "--lost ")
-        for text in lost
-        for part in ([text] if text in names else text.split(","))
-    ]
+
+    def named(texts: tuple[str, ...], option: str) -> list[str]:
+        return [
+            known.one(part.strip(), f"{option} ")
+            for text in texts
+            for part in ([text] if text in names else text.split(","))
+        ]
+
+    gone, tried = named(lost, "--lost"), named(missed, "--missed")
+    took_s = _once(
+        (known.one(name, "--service-took "), parse_span(days, "--service-took"))
+        for name, days in map(_pair_of("--service-took", "NAME=DAYS"), services)
+    )
+    spent_m_s = _once(map(parse_cost, costs))
     limit = DEFAULT_TIME_LIMIT_S if time_limit is None else time_limit
     made = work(
         lambda stop, progress: replan(
-            instance, plan, at_s, zones=zones, lost=gone, failed=failed, keep=keep, method=method,
-            time_limit=limit, seed=seed, stop=stop,
+            instance, plan, at_s, zones=zones, lost=gone, failed=failed, keep=keep, missed=tried,
+            retry=retry, services_s=took_s, costs_m_s=spent_m_s, method=method, time_limit=limit,
+            seed=seed, stop=stop,
         ),
         live=False, quiet=quiet,
     )  # fmt: skip
@@ -121,9 +150,9 @@ def parse_time(text: str, instance: Instance) -> float:
     """
     from .import_ import parse_epoch
 
-    found = re.fullmatch(r"([+-]?\d+\.?\d*(?:e[+-]?\d+)?) *([dhs]?)", text.strip(), re.IGNORECASE)
+    found = _span_s(text)
     if found is not None:
-        return float(found[1]) * UNITS[found[2].lower()]
+        return found
     try:
         return (parse_epoch(text) - instance.epoch).total_seconds()
     except InputError:
@@ -131,6 +160,67 @@ def parse_time(text: str, instance: Instance) -> float:
             f"--at {text!r}: give days after the epoch, as 2.5, 36h or 900s, or a time like "
             "2026-01-01T00:00:00Z"
         ) from None
+
+
+def _span_s(text: str) -> float | None:
+    """Days, or with a unit, as seconds; None for something else."""
+    found = re.fullmatch(r"([+-]?\d+\.?\d*(?:e[+-]?\d+)?) *([dhs]?)", text.strip(), re.IGNORECASE)
+    return None if found is None else float(found[1]) * UNITS[found[2].lower()]
+
+
+def parse_span(text: str, option: str) -> float:
+    """A time that something takes as seconds: days, or with a unit.
+
+    Raises
+    ------
+    InputError
+        It is none.
+    """
+    found = _span_s(text)
+    if found is None:
+        raise InputError(f"{option} {text!r}: give days, as 2.5, 36h or 900s")
+    return found
+
+
+def parse_cost(text: str) -> tuple[int, float]:
+    """The number of a leg and what it took [m/s].
+
+    Raises
+    ------
+    InputError
+        It is something else.
+    """
+    number, cost = _pair_of("--cost", "LEG=M_S")(text)
+    try:
+        return int(number), float(cost)
+    except ValueError:
+        raise InputError(f"--cost {text!r}: give LEG=M_S, as 12=140.5") from None
+
+
+def _pair_of(option: str, form: str) -> Callable[[str], tuple[str, str]]:
+    def pair(text: str) -> tuple[str, str]:
+        name, equals, value = text.rpartition("=")
+        if not equals or not name.strip():
+            raise InputError(f"{option} {text!r}: give {form}")
+        return name.strip(), value
+
+    return pair
+
+
+def _once(pairs: Iterable[tuple[Key, float]]) -> dict[Key, float]:
+    """A value for each key.
+
+    Raises
+    ------
+    InputError
+        A key has two.
+    """
+    found = dict[Key, float]()
+    for key, value in pairs:
+        if key in found:
+            raise InputError(f"{key}: {found[key]:g} and {value:g} are told of it; tell one")
+        found[key] = value
+    return found
 
 
 def read_zones(path: str) -> tuple[KeepOutZone, ...]:
@@ -192,8 +282,11 @@ def _tell(made: Replanned) -> None:
     for table in timelines(made.instance, made.plan, terminal_width()):
         emit_rich(table)
     emit(summary(made.instance, made.plan))
+    tried = tuple(name for name in made.missed if name not in made.given_up)
     for words, names in (
-        ("lost", made.lost), ("left out now", made.dropped), ("visited instead", made.gained)
+        ("lost", made.lost), ("missed, and given up", made.given_up),
+        ("missed, and may be tried again", tried), ("left out now", made.dropped),
+        ("visited instead", made.gained),
     ):  # fmt: skip
         if names:
             emit(f"{words}: {counted(len(names), 'target')}: {', '.join(names)}")

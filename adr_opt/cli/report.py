@@ -54,8 +54,9 @@ def command(
     """Write PLAN on INSTANCE as one self-contained HTML page: charts, tables, bound and gap.
 
     A plan with violations is reported too: they head the page and are counted here. So are tanks
-    that break when flown, on the true orbits or under J2, or refined. Exit status 1: there are such
-    tanks, or the refined plan lacks a leg or, with --fly, misses.
+    that break when flown, on the true orbits or under J2; with --refined those alone that break
+    with the refined legs. Exit status 1: there are such tanks, or the refined plan lacks a leg or,
+    with --fly, misses.
     """
     from ..instance import load
     from ..plan import load_plan
@@ -79,7 +80,9 @@ def command(
     except InputError as error:
         said = str(error)
         raise InputError(said if said.startswith(f"{out}: ") else f"{plan_path}: {said}") from None
-    broken = [tank for tank in written.tanks or () if not tank.holds]
+    # Those of a refined plan that break are among its complaints.
+    flown = () if refined is not None else written.tanks or ()
+    broken = [tank for tank in flown if not tank.holds]
     if as_json:
         tanks = None if written.tanks is None else [tank.to_dict() for tank in written.tanks]
         emit_json(

@@ -18,6 +18,8 @@ SCALES = {"delta-v": 1.0, "duration": 86400.0}
 def tradeoff(ax: Any, made: Tradeoff, kind: str | None = None) -> Any:
     """Add what the best plans collect, with a band up to the bounds; a line for each other limit.
 
+    Where nothing is proven the band reaches up to all prizes.
+
     Parameters
     ----------
     ax : matplotlib.axes.Axes
@@ -33,6 +35,7 @@ def tradeoff(ax: Any, made: Tradeoff, kind: str | None = None) -> Any:
     rows = made.along(kind)
     other = "duration" if kind == "delta-v" else "delta-v"
     units = {"delta-v": "m/s", "duration": "days"}
+    most = math.fsum(target.prize for target in made.instance.targets)
     for at, (value, row) in enumerate(rows.items()):
         there = [point for point in row if math.isfinite(point.prize)]
         x = [
@@ -40,10 +43,7 @@ def tradeoff(ax: Any, made: Tradeoff, kind: str | None = None) -> Any:
             for point in there
         ]
         prize = [point.prize for point in there]
-        bound = [
-            point.upper_bound if math.isfinite(point.upper_bound) else point.prize
-            for point in there
-        ]
+        bound = [point.upper_bound if math.isfinite(point.upper_bound) else most for point in there]
         colour = CHASERS[at % len(CHASERS)]
         said = f"{value / SCALES[other]:g} {units[other]}" if len(rows) > 1 else "best plan"
         ax.plot(x, prize, color=colour, marker="o", markersize=4, label=said)

@@ -55,7 +55,7 @@ def chart(lines: Sequence[Line], x_title: str, y_title: str, caption: str) -> st
         What it shows, for those who do not see it.
     """
     xs = [x for line in lines for x in line.x] or [0.0, 1.0]
-    ys = [y for line in lines for y in line.y] or [0.0, 1.0]
+    ys = [y for line in lines for y in (*line.y, *line.below)] or [0.0, 1.0]
     x_low, x_high = min(xs), max(xs)
     if x_low == x_high:
         x_low, x_high = x_low - 1.0, x_high + 1.0

@@ -41,7 +41,7 @@ def section(
     """
     parts = ""
     if isinstance(flight, Flight):
-        parts += _of_plan(flight)
+        parts += _of_plan(flight, is_refined=refined is not None)
     if refined is not None:
         parts += _of_refined(instance, refined, refined_flight)
     return parts and f"<section>\n<h2>Refined and flown</h2>\n{parts}\n</section>"
@@ -60,7 +60,7 @@ def complaints(
     return (*found, *(str(tank) for tank in tanks_of(instance, refined) if not tank.holds))
 
 
-def _of_plan(flight: Flight) -> str:
+def _of_plan(flight: Flight, *, is_refined: bool) -> str:
     said = (
         f"The burns of the plan, flown in {MOTIONS[flight.dynamics]} by a program that shares no "
         "state with the planner. The miss is that at the stand-off, and with it the speed relative "
@@ -79,9 +79,10 @@ def _of_plan(flight: Flight) -> str:
     ]  # fmt: skip
     if is_true:
         headings += [("true miss m", "n"), ("aside m/s", "n"), ("corrected m/s", "n")]
-    return f"<h3>The plan, flown</h3><p>{said}</p>{table('Flown legs', headings, rows)}" + _tanks(
-        flight.tanks
-    )
+    if is_refined:
+        said += " The refined burns below are flown instead, and tanks are judged by them."
+    tanks = "" if is_refined else _tanks(flight.tanks)
+    return f"<h3>The plan, flown</h3><p>{said}</p>{table('Flown legs', headings, rows)}{tanks}"
 
 
 def _leg(leg: LegFlight, is_true: bool) -> str:

@@ -13,6 +13,7 @@ from ..checking import Violation, check
 from ..errors import InputError
 from ..files import check_writable, write_text
 from ..flight import Flight, RefinedFlight, TankFlight, fly
+from ..flight.tanks import tanks_of
 from ..instance import Instance
 from ..kernels.constants import DAY_S
 from ..plan import Plan
@@ -42,7 +43,7 @@ class Report:
         What the check of the plan found.
     tanks : tuple of TankFlight or None
         Whether each tank holds when flown, on the true orbits or under J2; None if that was not
-        or need not be flown.
+        or need not be flown. Of a plan that is refined, whether it holds with the refined legs.
     trouble : str or None
         Why the chaser's path could not be drawn, if it could not.
     complaints : tuple of str
@@ -75,10 +76,11 @@ def write_report(
         Violations do not stop the report: they head it.
     path : path
     refined : RefinedPlan, optional
-        The same plan, refined: what its legs take is told beside what they were planned with.
+        The same plan, refined: what its legs take is told beside what they were planned with, and
+        whether the plan holds is judged by them alone.
     flight : Flight, optional
         What :func:`adr_opt.flight.fly` found of the plan. Where nodes drift or orbits are eccentric
-        the plan is flown here if it is not given.
+        the plan is flown here if it is not given, and no refined plan is.
     refined_flight : RefinedFlight, optional
         What :func:`adr_opt.flight.fly_refined` found of the refined plan.
 
@@ -96,6 +98,8 @@ def write_report(
     text = _page(instance, plan, found)
     write_text(path, text)
     tanks = found.flight.tanks if isinstance(found.flight, Flight) else None
+    if refined is not None:
+        tanks = tanks_of(instance, refined)
     return Report(
         os.fspath(path), len(text.encode()), found.violations, tanks, found.trouble,
         flights.complaints(instance, refined, refined_flight),
@@ -140,7 +144,8 @@ def _found(
     refined_flight: RefinedFlight | None,
 ) -> _Found:
     violations = check(instance, plan)
-    flown = _flown(instance, plan) if flight is None else flight
+    # Of a refined plan its own flight is what counts; the plan is flown only if that is asked for.
+    flown = _flown(instance, plan) if flight is None and refined is None else flight
     return _Found(violations, flown, *_drawn(instance, plan), refined, refined_flight)
 
 
@@ -204,6 +209,8 @@ def _page(instance: Instance, plan: Plan, known: _Found) -> str:
             known.violations,
             known.flight,
             flights.complaints(instance, refined, known.refined_flight),
+            refined,
+            known.refined_flight,
         ),
         headline=sections.headline(found),
         crew=sections.crew(instance, plan, refined),

@@ -7,7 +7,7 @@ from datetime import UTC
 
 from ..chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
 from ..checking import Violation
-from ..flight import Flight
+from ..flight import Flight, RefinedFlight
 from ..instance import Instance
 from ..kernels.constants import DAY_S
 from ..plan import Plan
@@ -24,11 +24,14 @@ def verdict(
     instance: Instance,
     violations: tuple[Violation, ...],
     flown: Flight | str | None,
-    refined: tuple[str, ...] = (),
+    complaints: tuple[str, ...] = (),
+    refined: RefinedPlan | None = None,
+    refined_flight: RefinedFlight | None = None,
 ) -> str:
     """What the check and a flight on the true orbits, or in the mean dynamics, found.
 
-    One quiet line if the plan holds, and a box that cannot be missed for all that breaks.
+    One quiet line if the plan holds, and a box that cannot be missed for all that breaks. Of a plan
+    that is refined the refined flight alone says whether it holds: its burns are those to be flown.
 
     Parameters
     ----------
@@ -36,10 +39,15 @@ def verdict(
     violations : tuple of Violation
     flown : Flight or str or None
         On the true orbits or under J2, or why it was not flown; None if all flies as planned.
-    refined : tuple of str
+    complaints : tuple of str
         What is wrong with the refined plan.
+    refined : RefinedPlan, optional
+    refined_flight : RefinedFlight, optional
+        Its flight by another integrator.
     """
     drifts = instance.nodes_drift
+    if refined is not None:
+        flown = None
     boxes = ""
     if violations:
         boxes += _box(
@@ -63,14 +71,16 @@ def verdict(
             "the plan holds.",
             flown.broken_tanks,
         )
-    if refined:
+    if complaints:
         boxes += _box(
             "The refined plan does not hold",
             "In true dynamics something is missing. Figures below are those of the model.",
-            refined,
+            complaints,
         )
     if boxes:
         return boxes
+    if refined is not None:
+        return _refined(refined, refined_flight)
     if drifts:
         return _drifting(instance, flown)
     if isinstance(flown, str):
@@ -83,6 +93,19 @@ def verdict(
     return (
         '<p class="verdict good"><span aria-hidden="true">✓</span> '
         f"Checked against the instance: no violations.{held}</p>"
+    )
+
+
+def _refined(refined: RefinedPlan, flight: RefinedFlight | None) -> str:
+    """The same of a plan that is refined, with which nothing is wrong."""
+    left_m = max((leg.residual_m for leg in refined.legs), default=0.0)
+    met = f"the stand-offs are met to {length(left_m)}"
+    if flight is not None:
+        met = f"another integrator finds the stand-offs met to {length(flight.worst_miss_m)}"
+    return (
+        '<p class="verdict good"><span aria-hidden="true">✓</span> Checked against the instance: '
+        "no violations. Refined and flown in numerically integrated motion, in the field "
+        f"{escape(refined.gravity)}: every tank holds, and {met}.</p>"
     )
 
 
@@ -200,8 +223,8 @@ def certificate(plan: Plan, found: Facts) -> str:
         said = f"The plan collects all there is, {collected}: no plan can be better."
     elif plan.upper_bound is None:
         said = (
-            "No upper bound was asked for, so it is not known how much better another plan could "
-            "be. <code>solve --bound lagrangian</code> asks for one."
+            "The plan states no upper bound, so it is not known how much better another plan could "
+            "be. <code>bound --start</code> proves one of the model."
         )
     elif plan.status == "optimal":
         said = (

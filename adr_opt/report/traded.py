@@ -22,7 +22,8 @@ FRONTIER = "Least ΔV against the last day"
 
 NOTE = (
     "The line is what the best plan found collects, the band reaches up to what is proven that no "
-    "plan exceeds; where the band is gone, the plan is optimal (of the model)."
+    "plan exceeds, or to all prizes where nothing is proven; where the band is gone, the plan is "
+    "optimal (of the model)."
 )
 
 
@@ -42,12 +43,14 @@ def traded_page(tradeoff: Tradeoff, endings: Sequence[Ending] = ()) -> str:
         Its frontier, where there is one.
     """
     instance = tradeoff.instance
-    parts = []
+    parts, most = [], math.fsum(target.prize for target in instance.targets)
     for axis in tradeoff.axes:
         other = "duration" if axis.kind == "delta-v" else "delta-v"
         rows = tradeoff.along(axis.kind)
         lines = [
-            _line(points, axis.kind, _named(other, value, len(rows)), CHASERS[at % len(CHASERS)])
+            _line(
+                points, axis.kind, _named(other, value, len(rows)), CHASERS[at % len(CHASERS)], most
+            )
             for at, (value, points) in enumerate(rows.items())
         ]
         said = f"Prize and bound against {TITLES[axis.kind]}"
@@ -76,16 +79,15 @@ def value_of(point: Point, kind: str) -> float:
     return value / KINDS[kind].scale
 
 
-def _line(points: tuple[Point, ...], kind: str, name: str, colour: str) -> Line:
+def _line(points: tuple[Point, ...], kind: str, name: str, colour: str, most: float) -> Line:
     there = [point for point in points if math.isfinite(point.prize)]
-    top = max((point.prize for point in there), default=0.0)
     return Line(
         name,
         [value_of(point, kind) for point in there],
         [point.prize for point in there],
         colour,
         dots=True,
-        below=[point.upper_bound if math.isfinite(point.upper_bound) else top for point in there],
+        below=[point.upper_bound if math.isfinite(point.upper_bound) else most for point in there],
     )
 
 

@@ -290,12 +290,12 @@
 
   function showWork() {
     const { phase, stopping, runs } = work;
-    // Before the first run: what is known of the plan that came with the instance.
-    const given = phase === "idle" && state?.plan;
-    const known = given
-      ? { ...given, incumbent: given.objective, bound: given.upper_bound } : work;
+    // While nothing runs: the figures of the plan that is shown, as its report has them.
+    const settled = !runs && state?.plan;
+    const known = settled
+      ? { ...settled, incumbent: settled.objective, bound: settled.upper_bound } : work;
     let line = PHASES[phase];
-    if (given) line = "The plan that was given";
+    if (settled && phase === "idle") line = "The plan that was given";
     if (runs && stopping) line = "Stopping: the best plan so far is on its way";
     put("phase", line);
     put("incumbent", text(known.incumbent));

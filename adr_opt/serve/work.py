@@ -173,6 +173,13 @@ class _Run:
             del self.points[MOST_POINTS // 2]
         self.points.append((self.elapsed_s, *best))
 
+    def settle(self, result: Result) -> None:
+        """Take over what is stated in the end, which may be less than was hoped on the way."""
+        self._begin()
+        known, stated = (-math.inf, math.inf), (result.objective, result.upper_bound)
+        if (self.points[-1][1:] if self.points else known) != stated:
+            self.points.append((self.elapsed_s, *stated))
+
     @property
     def elapsed_s(self) -> float:
         """Since the clock began [s]."""
@@ -265,7 +272,9 @@ class Work:
                 run.said = "stopped before it began"
             else:
                 run.phase = "compiling"
-                run.said = self._done(instance, self._result(run, instance, known))
+                result = self._result(run, instance, known)
+                run.settle(result)
+                run.said = self._done(instance, result)
             run.phase = "done"
         except InputError as error:
             run.said, run.phase = str(error), "failed"

@@ -107,9 +107,12 @@ def of_replanned(made: Replanned) -> Card:
     ]  # fmt: skip
     details = [
         (what, ", ".join(names))
-        for what, names in (("gained", made.gained), ("dropped", made.dropped), ("lost", made.lost))
+        for what, names in (
+            ("gained", made.gained), ("dropped", made.dropped), ("lost", made.lost),
+            ("missed", made.missed), ("given up", made.given_up),
+        )
         if names
-    ]
+    ]  # fmt: skip
     details += [("note", note) for note in made.notes]
     tables = () if made.plan is None else (legs_table(made.plan.routes),)
     return Card("Replanned", f"on {made.instance.name!r}", tuple(facts), tuple(details), tables)
