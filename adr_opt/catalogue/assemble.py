@@ -18,6 +18,7 @@ from ..chasers import AtStation, InOrbit, Tank
 from ..drift import drift_warning
 from ..errors import InputError
 from ..files import sentence
+from ..frame import Frame
 from ..instance import Instance
 from ..kernels.constants import DAY_S, EARTH_RADIUS_M
 from ..orbit import Orbit
@@ -274,6 +275,8 @@ def _instance(
         return Instance(
             name=name,
             epoch=epoch.astimezone(UTC),
+            # SGP4 gives elements in TEME of date: at the epoch those of the epoch.
+            frame=Frame(name="TEME", axes_epoch=epoch.astimezone(UTC)),
             stations=stations,
             targets=targets_of(names, orbits, crew, fields),
             chasers=crew.chasers(

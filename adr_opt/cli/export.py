@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -10,6 +11,9 @@ from ..errors import InputError
 from ..wording import counted
 from .output import emit_json, say
 from .parameters import check_out, instance_argument, json_option, plan_argument, quiet_option
+
+if TYPE_CHECKING:
+    from ..trajectory.axes import Axes
 
 
 @click.command("export", short_help="Write the flight of PLAN as OEM, OPM, CZML or GMAT script.")
@@ -26,10 +30,9 @@ from .parameters import check_out, instance_argument, json_option, plan_argument
 )
 @click.option(
     "--frame",
-    default="EME2000",
-    show_default=True,
     type=click.Choice(["EME2000", "GCRF", "ICRF", "TEME"]),
-    help="What the frame of the elements is called; nothing is transformed.",
+    help="Turn all to this frame from that of INSTANCE; where it names none, call it so. By "
+    "default its own, else EME2000.",
 )
 @click.option(
     "--step",
@@ -53,7 +56,7 @@ def command(
     plan_path: str,
     out: str,
     format_: str | None,
-    frame: str,
+    frame: str | None,
     step_s: float | None,
     leg: int | None,
     body: str | None,
@@ -87,7 +90,7 @@ def command(
         written = flown(instance, plan, step_s, leg, chaser, together=format_ in TOGETHER)
     except InputError as error:
         raise InputError(f"{plan_path}: {error}") from None
-    write_trajectory(written, out, format=format_, frame=frame)
+    axes = write_trajectory(written, out, format=format_, frame=frame)
     arcs = [arc for _, arc in written.arcs()]
     if as_json:
         emit_json(
@@ -95,7 +98,7 @@ def command(
                 "instance": instance.name,
                 "path": out,
                 "format": format_,
-                "frame": frame,
+                **_frame(axes),
                 **({} if written.chaser is None else {"chaser": written.chaser}),
                 "legs": len(written.legs),
                 "dynamics": instance.dynamics,
@@ -108,8 +111,23 @@ def command(
         )
     if not quiet:
         legs, parts = counted(len(written.legs), "leg"), counted(len(arcs), "arc")
-        say(f"wrote {out}: {legs}, {parts}")
+        say(f"wrote {out}: {legs}, {parts}, {_in_frame(axes)}")
     return 0
+
+
+def _frame(axes: Axes) -> dict[str, Any]:
+    """What --json says of the frame of the file."""
+    told: dict[str, Any] = axes.frame.model_dump(mode="json")
+    told = {"frame": told.pop("name"), **told}
+    return told | {"instance_frame": None if axes.own is None else axes.own.name}
+
+
+def _in_frame(axes: Axes) -> str:
+    """The same in words."""
+    if axes.own is None:
+        return f"called {axes.frame}: the instance names no frame"
+    turned = "" if axes.frame == axes.own else f", turned from {axes.own}"
+    return f"in {axes.frame}{turned}"
 
 
 def _refined(
@@ -117,7 +135,7 @@ def _refined(
     refined_path: str,
     out: str,
     format_: str,
-    frame: str,
+    frame: str | None,
     step_s: float | None,
     leg: int | None,
     body: str | None,
@@ -130,6 +148,7 @@ def _refined(
     from ..refining import load_refined
     from ..refining.oem import write_refined
     from ..routes import several
+    from ..trajectory.axes import axes_of
 
     if format_ != "oem":
         raise InputError(f"{out}: a refined plan is written as .oem only; name such a file")
@@ -140,7 +159,7 @@ def _refined(
         )
     except InputError as error:
         raise InputError(f"{refined_path}: {error}") from None
-    whose = chaser if several(instance) else None
+    axes, whose = axes_of(instance, frame), chaser if several(instance) else None
     legs = [one for one in refined.legs if leg in (None, one.leg) and whose in (None, one.chaser)]
     if as_json:
         emit_json(
@@ -148,7 +167,7 @@ def _refined(
                 "instance": instance.name,
                 "path": out,
                 "format": format_,
-                "frame": frame,
+                **_frame(axes),
                 "body": body,
                 **({"chaser": legs[0].chaser} if several(instance) and body is None else {}),
                 "legs": len(legs),
@@ -161,5 +180,6 @@ def _refined(
             }
         )
     if not quiet:
-        say(f"wrote {out}: {counted(len(legs), 'leg')}, {counted(len(written), 'arc')}")
+        parts = f"{counted(len(legs), 'leg')}, {counted(len(written), 'arc')}"
+        say(f"wrote {out}: {parts}, {_in_frame(axes)}")
     return 0

@@ -13,6 +13,7 @@ from ..instance import Instance
 from ..kernels.constants import EARTH_RADIUS_M, J2
 from ..kernels.gravity import J3, J4
 from ..routes import chaser_wanted
+from ..trajectory.axes import Axes, axes_of
 from ..trajectory.clock import Clock
 from ..trajectory.kvn import ORIGINATOR, comment, metadata, object_name, plain, who
 from ..trajectory.oem import segment
@@ -26,7 +27,7 @@ def write_refined(
     refined: RefinedPlan,
     path: str | os.PathLike[str],
     *,
-    frame: str = "EME2000",
+    frame: str | None = None,
     body: str | None = None,
     step_s: float | None = None,
     leg: int | None = None,
@@ -39,8 +40,8 @@ def write_refined(
     instance : Instance
     refined : RefinedPlan
     path : path
-    frame : {"EME2000", "GCRF", "ICRF", "TEME"}
-        The name of the frame that the elements are meant in; nothing is transformed.
+    frame : {"EME2000", "GCRF", "ICRF", "TEME"}, optional
+        As for :func:`.trajectory.write_plan`.
     body, step_s, leg
         As :func:`.ephemeris.tracks` takes them.
     chaser : str, optional
@@ -60,10 +61,11 @@ def write_refined(
     refuse_foreign(instance, refined)
     check_frame(frame)
     check_writable(path)
+    axes = axes_of(instance, frame)
     name = _whose(instance, refined, chaser, leg, body)
     written = tracks(refined, body=body, step_s=step_s, leg=leg, chaser=name)
     called = object_name(name) if body is None else plain(body)
-    write_text(path, "\n".join(_lines(instance, refined, called, name, written, frame)) + "\n")
+    write_text(path, "\n".join(_lines(instance, refined, called, name, written, axes)) + "\n")
     return written
 
 
@@ -84,20 +86,20 @@ def _lines(
     name: str,
     chaser: str | None,
     written: tuple[Track, ...],
-    frame: str,
+    axes: Axes,
 ) -> Iterator[str]:
     clock = Clock(instance)
     yield "CCSDS_OEM_VERS = 2.0"
-    for sentence in (*_origin(instance, refined), *who(instance, chaser)):
+    for sentence in (*_origin(instance, refined, axes), *who(instance, chaser)):
         yield from comment(sentence)
     yield f"CREATION_DATE = {datetime.now(UTC):%Y-%m-%dT%H:%M:%S}"
     yield f"ORIGINATOR = {ORIGINATOR}"
     for track in written:
         yield ""
-        yield from segment(clock, track.comment, track.arc, metadata(frame, name))
+        yield from segment(clock, track.comment, track.arc, axes, metadata(instance, axes, name))
 
 
-def _origin(instance: Instance, refined: RefinedPlan) -> Iterator[str]:
+def _origin(instance: Instance, refined: RefinedPlan, axes: Axes) -> Iterator[str]:
     yield (
         f"Plan by {refined.plan.method} (seed {refined.plan.seed}), refined, for the instance "
         f"{instance.name}, sha256 {refined.instance.sha256}."
@@ -110,7 +112,4 @@ def _origin(instance: Instance, refined: RefinedPlan) -> Iterator[str]:
         + (f", R = {EARTH_RADIUS_M / 1e3:.3f} km, {terms}" if terms else "")
         + "; impulsive burns."
     )
-    yield (
-        "The reference frame is named by whoever exports: an instance says only that its elements "
-        "are inertial."
-    )
+    yield axes.said

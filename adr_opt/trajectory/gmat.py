@@ -18,10 +18,14 @@ import textwrap
 from collections.abc import Generator, Iterator
 from datetime import datetime
 
+import numpy as np
+
 from ..errors import InputError
+from ..frame import FRAMES
 from ..instance import Instance
 from ..kernels import orbits
 from ..kernels.constants import EARTH_RADIUS_M, MU_M3_S2
+from .axes import USUAL, Axes, axes_of
 from .bodies import body_states
 from .clock import Clock
 from .kvn import WIDTH, origin, plain, who
@@ -63,11 +67,14 @@ WARNING = (
 """What has to be known of a script under J2."""
 
 
-def to_gmat(trajectory: Trajectory, frame: str) -> str:
+def to_gmat(trajectory: Trajectory, frame: str | None = None) -> str:
     """The script: bodies of the plan as spacecraft, burns as impulses, coasts by elapsed time.
 
     The chaser docks as the plan has it: at each arrival it takes over the state of the
     destination. A report file tells, at each arrival and before docking, where both are.
+
+    ``frame`` is as for :func:`.axes.axes_of`; by default, where the instance names one that GMAT
+    has not, EME2000.
 
     Raises
     ------
@@ -80,19 +87,26 @@ def to_gmat(trajectory: Trajectory, frame: str) -> str:
             f"leg {first} leaves a disposal orbit, which a script of it alone does not know; "
             "export the whole plan, or write .oem"
         )
-    if frame not in AXES:
+    return "\n".join(_lines(trajectory, axes_in_gmat(trajectory.instance, frame))) + "\n"
+
+
+def axes_in_gmat(instance: Instance, frame: str | None) -> Axes:
+    """The axes of a script; raises :class:`InputError` where GMAT has none for a frame."""
+    if frame is None and instance.frame is not None and instance.frame.name not in AXES:
+        frame = USUAL
+    if frame in FRAMES and frame not in AXES:
         raise InputError(
             f"frame = {frame!r}: GMAT has no such axes; use one of {', '.join(AXES)}, or write .oem"
         )
-    return "\n".join(_lines(trajectory, AXES[frame])) + "\n"
+    return axes_of(instance, frame)
 
 
-def _lines(trajectory: Trajectory, system: str) -> Iterator[str]:
-    instance = trajectory.instance
+def _lines(trajectory: Trajectory, axes: Axes) -> Iterator[str]:
+    instance, system = trajectory.instance, AXES[axes.frame.name]
     ends = {name for path in trajectory.legs for name in (path.leg.origin, path.leg.destination)}
     names = {body: _name(instance, body) for body in instance.names if body in ends}
     start = _whole_millisecond(instance, trajectory.start_s)
-    said = [*origin(instance, trajectory.plan), *who(instance, trajectory.chaser)]
+    said = [*origin(instance, trajectory.plan, axes), *who(instance, trajectory.chaser)]
     if instance.dynamics == "j2":
         said.append(WARNING)
     for sentence in said:
@@ -102,10 +116,10 @@ def _lines(trajectory: Trajectory, system: str) -> Iterator[str]:
     chaser_at = trajectory.legs[0].leg.origin
     for spacecraft, body in [(CHASER, chaser_at), *((names[body], body) for body in names)]:
         yield ""
-        yield from _spacecraft(instance, system, spacecraft, body, start)
+        yield from _spacecraft(instance, axes, spacecraft, body, start)
     yield from _propagator(instance)
     for path in trajectory.legs:
-        yield from _impulses(path, system)
+        yield from _impulses(path, axes)
     crew = ", ".join([CHASER, *names.values()])
     yield from _views(crew, system)
     now = start
@@ -145,13 +159,13 @@ def _propagator(instance: Instance) -> Iterator[str]:
     )
 
 
-def _impulses(path: LegPath, system: str) -> Iterator[str]:
+def _impulses(path: LegPath, axes: Axes) -> Iterator[str]:
     """The burns of a leg, to be made by its manoeuvres."""
     for number, burn in enumerate(path.leg.all_burns, start=1):
         yield ""
         yield f"Create ImpulsiveBurn {_burn(path, number)};"
-        yield f"GMAT {_burn(path, number)}.CoordinateSystem = {system};"
-        for element, value in enumerate(burn.delta_v_m_s, start=1):
+        yield f"GMAT {_burn(path, number)}.CoordinateSystem = {AXES[axes.frame.name]};"
+        for element, value in enumerate(axes.turned(np.array(burn.delta_v_m_s)), start=1):
             yield f"GMAT {_burn(path, number)}.Element{element} = {value / 1e3:.12f};"
         yield f"GMAT {_burn(path, number)}.DecrementMass = false;"
 
@@ -213,35 +227,49 @@ def _coast(
 
 
 def _spacecraft(
-    instance: Instance, system: str, spacecraft: str, body: str, start_s: float
+    instance: Instance, axes: Axes, spacecraft: str, body: str, start_s: float
 ) -> Iterator[str]:
     epoch = datetime.fromisoformat(Clock(instance).label(start_s))
     yield f"% {plain(body)}" if spacecraft != CHASER else "% the chaser"
     yield f"Create Spacecraft {spacecraft};"
     yield f"GMAT {spacecraft}.DateFormat = UTCGregorian;"
     yield f"GMAT {spacecraft}.Epoch = '{_gregorian(epoch)}';"
-    yield f"GMAT {spacecraft}.CoordinateSystem = {system};"
+    yield f"GMAT {spacecraft}.CoordinateSystem = {AXES[axes.frame.name]};"
     if instance.dynamics == "j2":
         yield f"GMAT {spacecraft}.DisplayStateType = BrouwerMeanShort;"
-        for element, value in zip(BROUWER, _mean_elements(instance, body, start_s), strict=True):
+        for element, value in zip(
+            BROUWER, _mean_elements(instance, axes, body, start_s), strict=True
+        ):
             yield f"GMAT {spacecraft}.BrouwerShort{element} = {value:.12f};"
         return
     yield f"GMAT {spacecraft}.DisplayStateType = Cartesian;"
-    position, velocity = (state[0] / 1e3 for state in body_states(instance, body, start_s))
+    position, velocity = (
+        axes.turned(state[0]) / 1e3 for state in body_states(instance, body, start_s)
+    )
     for axis, value in zip(COMPONENTS, (*position, *velocity), strict=True):
         yield f"GMAT {spacecraft}.{axis} = {value:.12f};"
 
 
 def _mean_elements(
-    instance: Instance, body: str, time_s: float
+    instance: Instance, axes: Axes, body: str, time_s: float
 ) -> tuple[float, float, float, float, float, float]:
     """The circle that is planned with, as mean elements in GMAT's units (km, degrees)."""
     orbit = instance.body_orbits[instance.names.index(body)]
     row = orbit.row(instance.oblateness_m2)
-    angles = (orbits.node_at(row, time_s), orbits.latitude_at(row, time_s))
-    node, latitude = (math.degrees(angle) % 360.0 for angle in angles)
-    inclination = math.degrees(row[orbits.INCLINATION])
-    return row[orbits.RADIUS] / 1e3, 0.0, inclination, node, 0.0, latitude
+    angles = row[orbits.INCLINATION], orbits.node_at(row, time_s), orbits.latitude_at(row, time_s)
+    if axes.matrix is not None:
+        angles = _turned(axes, *angles)
+    inclination, node, latitude = (math.degrees(angle) for angle in angles)
+    return row[orbits.RADIUS] / 1e3, 0.0, inclination, node % 360.0, 0.0, latitude % 360.0
+
+
+def _turned(axes: Axes, inclination: float, node: float, latitude: float) -> tuple[float, ...]:
+    """Inclination, node and latitude of a place on a circle in other axes [rad]."""
+    towards, ahead, normal = axes.turned(np.array(orbits.frame(inclination, node)))
+    node = math.atan2(normal[0], -normal[1])
+    ascending = np.array([math.cos(node), math.sin(node), 0.0])
+    shift = math.atan2(ascending @ ahead, ascending @ towards)
+    return math.atan2(math.hypot(normal[0], normal[1]), normal[2]), node, latitude - shift
 
 
 def _whole_millisecond(instance: Instance, time_s: float) -> float:

@@ -7,15 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
+from .axes import Axes, axes_of
 from .clock import Clock, states_at_labels
-from .kvn import comment, header, metadata, object_name, who
+from .kvn import comment, header, metadata, object_name, origin, who
 from .sampling import Trajectory
 
 MASS_KG = 1000.0
 """The format wants a mass where there are manoeuvres; the model has none."""
 
 
-def to_opm(trajectory: Trajectory, frame: str) -> str:
+def to_opm(trajectory: Trajectory, frame: str | None = None) -> str:
     """The first state and all burns in key-value notation.
 
     Whoever propagates it flies on what the burns leave: the few centimetres and tenths of a
@@ -23,17 +26,21 @@ def to_opm(trajectory: Trajectory, frame: str) -> str:
     the chaser docked, and add up to decimetres over a week. A message of one leg has none of
     that.
     """
-    return "\n".join(_lines(trajectory, frame)) + "\n"
+    return "\n".join(_lines(trajectory, axes_of(trajectory.instance, frame))) + "\n"
 
 
-def _lines(trajectory: Trajectory, frame: str) -> Iterator[str]:
+def _lines(trajectory: Trajectory, axes: Axes) -> Iterator[str]:
     clock = Clock(trajectory.instance)
     first = trajectory.legs[0].arcs[0]
-    positions, _ = states_at_labels(first)
+    position, velocity = (
+        axes.turned(states_at_labels(first)[0][0]),
+        axes.turned(first.velocities_m_s[0]),
+    )
     instance, chaser = trajectory.instance, trajectory.chaser
-    yield from header("CCSDS_OPM_VERS", instance, trajectory.plan, who(instance, chaser))
+    said = [*origin(instance, trajectory.plan, axes), *who(instance, chaser)]
+    yield from header("CCSDS_OPM_VERS", said)
     yield ""
-    yield from metadata(frame, object_name(chaser))
+    yield from metadata(instance, axes, object_name(chaser))
     yield ""
     yield from comment(f"State at the beginning of leg {trajectory.legs[0].number}")
     if instance.dynamics == "j2":
@@ -42,9 +49,9 @@ def _lines(trajectory: Trajectory, frame: str) -> Iterator[str]:
             "Propagated as an osculating state it leads elsewhere"
         )
     yield f"EPOCH = {clock.label(first.start_s)}"
-    for axis, value in zip("XYZ", positions[0] / 1e3, strict=True):
+    for axis, value in zip("XYZ", position / 1e3, strict=True):
         yield f"{axis} = {value:.9f} [km]"
-    for axis, value in zip("XYZ", first.velocities_m_s[0] / 1e3, strict=True):
+    for axis, value in zip("XYZ", velocity / 1e3, strict=True):
         yield f"{axis}_DOT = {value:.12f} [km/s]"
     yield ""
     yield from comment("The mass is a placeholder that the format asks for: the plan has none")
@@ -58,6 +65,6 @@ def _lines(trajectory: Trajectory, frame: str) -> Iterator[str]:
             yield f"MAN_EPOCH_IGNITION = {clock.label(burn.time_s)}"
             yield "MAN_DURATION = 0.000 [s]"
             yield "MAN_DELTA_MASS = 0.000 [kg]"
-            yield f"MAN_REF_FRAME = {frame}"
-            for number, part in enumerate(burn.delta_v_m_s, start=1):
+            yield f"MAN_REF_FRAME = {axes.frame.name}"
+            for number, part in enumerate(axes.turned(np.array(burn.delta_v_m_s)), start=1):
                 yield f"MAN_DV_{number} = {part / 1e3:.12f} [km/s]"
