@@ -21,12 +21,14 @@ from ..files import sentence
 from ..frame import Frame
 from ..instance import Instance
 from ..kernels.constants import DAY_S, EARTH_RADIUS_M
+from ..least_time import too_short
 from ..orbit import Orbit
 from ..settings import MissionSettings, TransferSettings
 from ..sizes import transfers_for
 from ..wording import counted
 from .crew import Crew
 from .demands import Demands, check_musts, filled, targets_of, told_left_out, told_masses
+from .drag import drag_warning
 from .filters import Filters
 from .finding import find
 from .propagation import FLOAT, mean_elements, true_anomaly
@@ -359,9 +361,12 @@ def _warnings(
             f"outside the altitudes of phasing, {rule.min_altitude_m / 1e3:g} to "
             f"{rule.max_altitude_m / 1e3:g} km; few or no transfers will lead there"
         )
-    drift = drift_warning(instance)
-    if drift is not None:
-        yield drift
+    duration_s = instance.mission.duration_s
+    for warning in (
+        drag_warning(bodies, epoch, duration_s), drift_warning(instance), too_short(instance),
+    ):  # fmt: skip
+        if warning is not None:
+            yield warning
     if len(targets) > MANY_TARGETS:
         yield (
             f"{len(targets)} targets: the timetable grows with their square; --max-targets keeps "
