@@ -213,7 +213,7 @@ def to_instance(
     instance = _instance(
         name or _default_name(targets, len(rows)),
         epoch,
-        home if refuelling else None,
+        Station(name=home, object_id=host.designator if host else None) if refuelling else None,
         place,
         _unique([record.label for record in targets], {home} if refuelling else set()),
         elements[rows],
@@ -258,7 +258,7 @@ def _orbits(elements: FLOAT) -> list[Orbit]:
 def _instance(
     name: str,
     epoch: datetime,
-    station_name: str | None,
+    station: Station | None,
     place: FLOAT,
     names: Sequence[str],
     elements: FLOAT,
@@ -271,9 +271,9 @@ def _instance(
         home, *orbits = _orbits(np.vstack((place, elements)))
         stations: tuple[Station, ...] = ()
         start: AtStation | InOrbit = InOrbit(orbit=home)
-        if station_name is not None:
-            stations = (Station(name=station_name, orbit=home),)
-            start = AtStation(station=station_name)
+        if station is not None:
+            stations = (station.replace(orbit=home),)
+            start = AtStation(station=station.name)
         return Instance(
             name=name,
             epoch=epoch.astimezone(UTC),

@@ -77,7 +77,7 @@ def _by_bstar(record: Record, epoch: datetime, duration_s: float) -> float | Non
     # Of the axes and not of the anomaly, which is known only up to whole turns.
     rates = satellite.xke / 60.0 * (np.array(axes) ** -1.5 - axes[0] ** -1.5)
     angle = duration_s / (len(axes) - 1) * float(simpson(rates))
-    return angle * axes[0] * float(satellite.radiusearthkm)
+    return angle * float(axes[0] * satellite.radiusearthkm)
 
 
 def _by_derivatives(record: Record, epoch: datetime, duration_s: float) -> float:

@@ -49,6 +49,12 @@ if TYPE_CHECKING:
 @click.option(
     "--chaser", metavar="NAME", help="Whose flight; needed where there are several, but for .czml."
 )
+@click.option(
+    "--object-id",
+    metavar="ID",
+    help="International designator of what is written, like 2026-001A; else UNKNOWN, or that "
+    "which INSTANCE has of a --body.",
+)
 @json_option
 @quiet_option
 def command(
@@ -61,16 +67,21 @@ def command(
     leg: int | None,
     body: str | None,
     chaser: str | None,
+    object_id: str | None,
     as_json: bool,
     quiet: bool,
 ) -> int:
     """Fly PLAN in the dynamics of INSTANCE and write the flight for other programs.
 
-    Of a refined plan, an OEM file of its numerically integrated states is written. Where there are
-    several chasers, a file holds the flight of one of them, but that a CZML file may hold all.
+    Of a refined plan, an OEM, OPM or script file of its osculating states is written. Where there
+    are several chasers, a file holds the flight of one of them, but that a CZML file may hold all.
     """
     if step_s is not None and not (step_s > 0.0 and math.isfinite(step_s)):
         raise InputError(f"--step = {step_s:g}: must be a positive number of seconds")
+    if object_id is not None and not (object_id.strip() and object_id.isascii()):
+        raise InputError(f"--object-id {object_id!r}: give a designator like 2026-001A, in ASCII")
+    if object_id is not None and not object_id.isprintable():
+        raise InputError(f"--object-id {object_id!r}: give it in one line")
 
     from ..instance import load
     from ..plan import load_plan
@@ -81,8 +92,9 @@ def command(
     check_out(out, instance_path, plan_path)
     if is_refined(plan_path):
         return _refined(
-            instance_path, plan_path, out, format_, frame, step_s, leg, body, chaser, as_json, quiet
-        )
+            instance_path, plan_path, out, format_, frame, step_s, leg, body, chaser, object_id,
+            as_json, quiet,
+        )  # fmt: skip
     if body is not None:
         raise InputError(f"--body {body}: only of a refined plan bodies are exported")
     instance, plan = load(instance_path), load_plan(plan_path)
@@ -90,7 +102,7 @@ def command(
         written = flown(instance, plan, step_s, leg, chaser, together=format_ in TOGETHER)
     except InputError as error:
         raise InputError(f"{plan_path}: {error}") from None
-    axes = write_trajectory(written, out, format=format_, frame=frame)
+    axes = write_trajectory(written, out, format=format_, frame=frame, object_id=object_id)
     arcs = [arc for _, arc in written.arcs()]
     if as_json:
         emit_json(
@@ -140,6 +152,7 @@ def _refined(
     leg: int | None,
     body: str | None,
     chaser: str | None,
+    object_id: str | None,
     as_json: bool,
     quiet: bool,
 ) -> int:
@@ -148,18 +161,21 @@ def _refined(
     from ..refining import load_refined
     from ..refining.oem import write_refined
     from ..routes import several
-    from ..trajectory.axes import axes_of
+    from ..trajectory.write import axes_in
 
-    if format_ != "oem":
-        raise InputError(f"{out}: a refined plan is written as .oem only; name such a file")
+    if format_ == "czml":
+        raise InputError(
+            f"{out}: a refined plan is written as .oem, .opm or .script; name such a file"
+        )
     instance, refined = load(instance_path), load_refined(refined_path)
     try:
         written = write_refined(
-            instance, refined, out, frame=frame, body=body, step_s=step_s, leg=leg, chaser=chaser
-        )
+            instance, refined, out, frame=frame, body=body, step_s=step_s, leg=leg, chaser=chaser,
+            format=format_, object_id=object_id,
+        )  # fmt: skip
     except InputError as error:
         raise InputError(f"{refined_path}: {error}") from None
-    axes, whose = axes_of(instance, frame), chaser if several(instance) else None
+    axes, whose = axes_in(format_, instance, frame), chaser if several(instance) else None
     legs = [one for one in refined.legs if leg in (None, one.leg) and whose in (None, one.chaser)]
     if as_json:
         emit_json(

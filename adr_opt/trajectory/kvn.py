@@ -84,9 +84,9 @@ def object_name(chaser: str | None) -> str:
     return OBJECT_NAME if chaser is None else plain(chaser)
 
 
-def header(keyword: str, said: Iterable[str]) -> Iterator[str]:
-    """The header of a message of version 2.0, with the sentences that it says."""
-    yield f"{keyword} = 2.0"
+def header(keyword: str, said: Iterable[str], version: str = "2.0") -> Iterator[str]:
+    """The header of a message, with the sentences that it says."""
+    yield f"{keyword} = {version}"
     for sentence in said:
         yield from comment(sentence)
     yield f"CREATION_DATE = {datetime.now(UTC):%Y-%m-%dT%H:%M:%S}"

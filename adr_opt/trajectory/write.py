@@ -9,7 +9,7 @@ from pathlib import Path
 from ..errors import InputError
 from ..files import check_writable, write_text
 from ..flight.flyable import refuse_broken_chain
-from ..frame import FRAMES
+from ..frame import FRAMES as FRAMES
 from ..instance import Instance
 from ..plan import Plan
 from ..routes import chaser_wanted, owners
@@ -37,6 +37,7 @@ def write_plan(
     step_s: float | None = None,
     leg: int | None = None,
     chaser: str | None = None,
+    object_id: str | None = None,
 ) -> Trajectory:
     """Fly a plan and write the flight, whole or not at all.
 
@@ -60,6 +61,8 @@ def write_plan(
     chaser : str, optional
         Only the legs of this chaser. Where there are several, all formats but ``czml`` need it, or
         a leg.
+    object_id : str, optional
+        International designator of the chaser, for ``oem`` and ``opm``; else UNKNOWN.
 
     Returns
     -------
@@ -79,7 +82,7 @@ def write_plan(
     check_frame(frame)
     check_writable(path)
     trajectory = flown(instance, plan, step_s, leg, chaser, together=kind in TOGETHER)
-    write_trajectory(trajectory, path, format=format, frame=frame)
+    write_trajectory(trajectory, path, format=format, frame=frame, object_id=object_id)
     return trajectory
 
 
@@ -119,6 +122,7 @@ def write_trajectory(
     *,
     format: str | None = None,
     frame: str | None = None,
+    object_id: str | None = None,
 ) -> Axes:
     """Write a flight with at least one leg; the parameters are those of :func:`write_plan`.
 
@@ -131,9 +135,9 @@ def write_trajectory(
     check_frame(frame)
     axes = axes_in(format, trajectory.instance, frame)
     if format == "oem":
-        text = to_oem(trajectory, frame)
+        text = to_oem(trajectory, frame, object_id)
     elif format == "opm":
-        text = to_opm(trajectory, frame)
+        text = to_opm(trajectory, frame, object_id)
     elif format == "czml":
         text = to_czml(trajectory)
     else:
