@@ -11,7 +11,7 @@ from ..flight.tanks import refined_routes
 from ..instance import Instance
 from ..trajectory import opm
 from ..trajectory.axes import Axes
-from ..trajectory.course import Course, CourseLeg, burnt_of
+from ..trajectory.course import Burnt, Course, CourseLeg, burnt_of
 from ..trajectory.gmat import cartesian, script, whole_millisecond
 from .bodies import moved
 from .plan import RefinedLeg, RefinedPlan
@@ -102,7 +102,7 @@ def _course(
                 f"leg {after.leg} begins at {after.origin!r}, and leg {one.leg} ends at "
                 f"{one.destination!r}: what is between them is not refined; write .oem, or one leg"
             )
-    burnt = {}
+    burnt: dict[int, tuple[Burnt, ...]] = {}
     if not refined.missing:
         wanted = {leg.leg for leg in legs}
         for its, route in refined_routes(instance, refined):

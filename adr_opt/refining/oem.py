@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator
-from typing import Literal
 
 from ..errors import InputError
 from ..files import check_writable, write_text
@@ -23,6 +22,9 @@ from .ephemeris import Track, tracks
 from .messages import to_gmat, to_opm
 from .plan import RefinedPlan
 
+FORMATS = ("oem", "opm", "script")
+"""Of refined plans."""
+
 
 def write_refined(
     instance: Instance,
@@ -34,7 +36,7 @@ def write_refined(
     step_s: float | None = None,
     leg: int | None = None,
     chaser: str | None = None,
-    format: Literal["oem", "opm", "script"] = "oem",
+    format: str = "oem",
     object_id: str | None = None,
 ) -> tuple[Track, ...]:
     """Write the flight of the chaser, or of a visited body, whole or not at all.
@@ -64,13 +66,17 @@ def write_refined(
     Raises
     ------
     InputError
-        A refined plan of another instance, an unknown frame, a body in a format of burns, legs
-        that do not follow each other there, what :func:`.ephemeris.tracks`
-        raises, or a file that cannot be written.
+        A refined plan of another instance, an unknown frame or format, a body in a format of
+        burns, legs that do not follow each other there, what :func:`.ephemeris.tracks` raises, or a
+        file that cannot be written.
+    MissingExtra
+        There is something to turn to the frame, and astropy is not installed.
     """
     refuse_foreign(instance, refined)
     check_frame(frame)
     check_writable(path)
+    if format not in FORMATS:
+        raise InputError(f"format = {format!r}: use one of {', '.join(FORMATS)}")
     axes = axes_in(format, instance, frame)
     if format != "oem" and body is not None:
         raise InputError(f"a body makes no burns: .{format} is of chasers; write .oem of {body!r}")
@@ -95,7 +101,8 @@ def write_refined(
 
 def _designator(instance: Instance, body: str | None) -> str | None:
     """What the instance says that a body is called in catalogues."""
-    known = {one.name: one.object_id for one in (*instance.stations, *instance.targets)}
+    known = {station.name: station.object_id for station in instance.stations}
+    known |= {target.name: target.object_id for target in instance.targets}
     return None if body is None else known.get(body)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..plan import Leg
 from ..routes import routes_of
 from .axes import Axes
-from .course import Course, CourseLeg, burnt_of
+from .course import Burnt, Course, CourseLeg, burnt_of
 from .kvn import origin, who
 from .sampling import Trajectory
 
@@ -14,7 +14,7 @@ def course_of(trajectory: Trajectory, axes: Axes) -> Course:
     """The legs of a trajectory as their burns, with the masses that its plan leads to."""
     instance, plan = trajectory.instance, trajectory.plan
     numbers = [path.number for path in trajectory.legs]
-    burnt = {}
+    burnt: dict[int, tuple[Burnt, ...]] = {}
     for flown in routes_of(instance, plan):
         route = [_leg(number, leg) for number, leg in flown.legs]
         if any(leg.number in numbers for leg in route):
