@@ -155,6 +155,24 @@ def test_a_refined_leg_after_a_tow_begins_where_the_tow_led(tmp_path: Path) -> N
             assert np.linalg.norm(chaser - goal) < 1.0
 
 
+def test_ephemerides_of_refined_plans_are_turned(tmp_path: Path) -> None:
+    """States of chaser and bodies in GCRF are those in TEME, turned."""
+    oem = pytest.importorskip("oem")
+    instance, _, one = mission()
+    matrix = axes_of(instance, "GCRF").matrix
+    for body in (None, one.legs[0].destination):
+        found = {}
+        for frame in (None, "GCRF"):
+            write_refined(instance, one, tmp_path / "a.oem", frame=frame, body=body, leg=1)
+            read = oem.OrbitEphemerisMessage.open(tmp_path / "a.oem")
+            found[frame] = np.array(
+                [state.position for segment in read.segments for state in segment.states]
+            )
+            assert read.segments[0].metadata["REF_FRAME"] == (frame or "TEME")
+        assert np.abs(found["GCRF"] - found[None] @ matrix.T).max() < 1e-8
+        assert np.linalg.norm(found["GCRF"] - found[None], axis=1).max() > 20.0
+
+
 def test_the_shell_writes_refined_plans_in_three_formats(cli: Cli, tmp_path: Path) -> None:
     """What the suffix says is written and counted; CZML, bodies and gaps are refused."""
     instance, _, one = mission()

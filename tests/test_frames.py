@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import re
+import sys
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -21,6 +23,9 @@ from adr_opt.trajectory import body_states, sample, write_plan
 from adr_opt.trajectory.axes import axes_of, rotation
 
 pytest.importorskip("astropy")
+
+ROOT = Path(__file__).parents[1]
+EXTERNAL = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", ROOT / "../shared/data")) / "ccsds"
 
 Array = np.ndarray
 ARCSECOND = math.radians(1.0 / 3600.0)
@@ -383,12 +388,38 @@ def test_export_says_which_frame_it_wrote(
 def test_import_sets_teme_of_the_epoch(cli: Cli, tmp_path: Path) -> None:
     """An instance made of element sets names TEME with axes of its own epoch, whatever it is."""
     pytest.importorskip("sgp4")
-    cloud = Path(__file__).parents[1] / "examples" / "catalogue" / "cloud.tle"
+    cloud = ROOT / "examples" / "catalogue" / "cloud.tle"
     for options in ((), ("--epoch", "2025-03-09T01:02:03Z")):
         out = tmp_path / "my.json"
         assert cli("import", cloud, "--max-targets", 3, *options, "--out", out).status == 0
         instance = adr_opt.load(out)
         assert instance.frame == Frame(name="TEME", axes_epoch=instance.epoch)
+
+
+def test_planes_of_imported_objects_are_those_of_sgp4_in_gcrf() -> None:
+    """What is exported in GCRF lies in the plane that SGP4's state has there, and not in TEME's."""
+    pytest.importorskip("sgp4")
+    from astropy import units
+    from astropy.coordinates import GCRS, TEME, CartesianRepresentation
+    from astropy.time import Time
+
+    from adr_opt.catalogue import read, to_instance
+    from adr_opt.catalogue.propagation import state
+
+    found = read(ROOT / "examples" / "catalogue" / "cloud.tle")
+    instance = to_instance(found, max_targets=6).instance
+    axes, when = axes_of(instance, "GCRF"), Time(instance.epoch.replace(tzinfo=None), scale="utc")
+    records = {record.label: record for record in found}
+    for target in instance.targets:
+        record = records[target.name]
+        minutes = (instance.epoch - record.epoch).total_seconds() / 60.0
+        normal = np.cross(*state(record, minutes))
+        stated = CartesianRepresentation(normal / np.linalg.norm(normal), unit=units.one)
+        true = TEME(stated, obstime=when).transform_to(GCRS(obstime=when)).cartesian.xyz.value
+        own = np.cross(*(one[0] for one in body_states(instance, target.name, 0.0)))
+        own /= np.linalg.norm(own)
+        assert np.degrees(np.arccos(min(1.0, axes.turned(own) @ true))) < 0.03
+        assert np.degrees(np.arccos(min(1.0, own @ true))) > 0.1
 
 
 def test_labelled_matrices_name_the_frame(tiny: Instance) -> None:
@@ -399,3 +430,44 @@ def test_labelled_matrices_name_the_frame(tiny: Instance) -> None:
     assert found["frame_name"] == "TEME"
     assert found["frame_axes_epoch"] == "2025-02-27T06:30:15.250000Z"
     assert not any(key.startswith("frame") for key in attributes(adr_opt.generate("tiny", 0)))
+
+
+def test_variants_of_an_instance_keep_its_frame(tiny: Instance) -> None:
+    """Parts, other limits and replacements are in the frame that the whole is in."""
+    shorter, fewer = tiny.with_limits(duration_s=86400.0), tiny.part(tiny.names[-2:])
+    assert shorter.frame == fewer.frame == tiny.replace(name="other").frame == TEME
+    assert tiny.replace(frame={"name": "GCRF"}).frame == GCRF
+    assert "TEME of 2025-02-27T06:30:15Z" in tiny._repr_html_()
+
+
+def test_what_has_to_be_turned_needs_the_library(
+    tiny: Instance, plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without astropy a file in the instance's own frame is written, one in another refused."""
+    monkeypatch.setitem(sys.modules, "astropy", None)
+    write_plan(tiny, plan, tmp_path / "a.oem")
+    for name, frame in (("b.oem", "GCRF"), ("b.script", None), ("b.czml", None)):
+        with pytest.raises(adr_opt.MissingExtra, match=r"astropy.*\[astro\]"):
+            write_plan(tiny, plan, tmp_path / name, frame=frame)
+        assert not (tmp_path / name).exists()
+
+
+@pytest.mark.external
+@pytest.mark.skipif(not EXTERNAL.is_dir(), reason=f"there is no folder {EXTERNAL}")
+def test_keywords_stand_in_the_order_of_messages_of_others(
+    tiny: Instance, plan: Plan, tmp_path: Path
+) -> None:
+    """Wherever an example has two of the keywords of our messages, they stand in the same order."""
+    pattern = re.compile(r"^\s*([A-Z_0-9]+)\s*=", re.MULTILINE)
+    compared = 0
+    for kind in ("opm", "oem"):
+        write_plan(tiny, plan, tmp_path / f"a.{kind}", leg=1)
+        text = (tmp_path / f"a.{kind}").read_text(encoding="ascii")
+        ours = list(dict.fromkeys(pattern.findall(text)))
+        assert "REF_FRAME_EPOCH" in ours
+        for path in EXTERNAL.glob(f"{kind.upper()}Example*.txt"):
+            theirs = dict.fromkeys(pattern.findall(path.read_text(encoding="utf-8")))
+            both = [keyword for keyword in theirs if keyword in ours]
+            assert both == [keyword for keyword in ours if keyword in theirs], path.name
+            compared += "REF_FRAME_EPOCH" in both
+    assert compared >= 2

@@ -69,6 +69,13 @@ def test_bstar_counts_as_sgp4_moves_the_object(late_days: float) -> None:
     assert found == pytest.approx(gained * satellite.a * satellite.radiusearthkm, rel=0.02)
 
 
+def test_far_up_only_drag_counts() -> None:
+    """Where the Moon and resonances move an axis too, what SGP4 does without B* is taken off."""
+    high = replace(STILL, mean_motion_rev_day=1.0027, inclination_deg=0.1, eccentricity=1e-4)
+    assert satellite_of(high).method == "d"
+    assert along_track_km(high, high.epoch, 60.0 * DAY_S) == pytest.approx(0.0, abs=1e-6)
+
+
 def test_the_warning_says_how_many_and_the_worst() -> None:
     """Those beyond 100 km are counted, whichever of the two moves them; the worst is named."""
     dragged = replace(STILL, name="FAST", number=11, mean_motion_dot_rev_day2=3e-4)

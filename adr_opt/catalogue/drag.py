@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import datetime
 
 import numpy as np
@@ -11,7 +12,7 @@ from scipy.integrate import simpson
 
 from ..kernels.constants import DAY_S
 from ..wording import counted
-from .propagation import satellite_of
+from .propagation import FLOAT, satellite_of
 from .records import Record
 
 MOST_KM = 100.0
@@ -22,6 +23,9 @@ DECAYS = math.inf
 
 SHARES = np.linspace(0.0, 1.0, 9)
 """Of the mission, at which the mean motion is asked for."""
+
+DEEP_SPACE = "d"
+"""What SGP4 calls its method for revolutions of 225 minutes and more."""
 
 LEAST_RADIUS = 1.0
 """Of orbits, in radii of the Earth: below it an object has come down."""
@@ -66,18 +70,30 @@ def drag_warning(records: Sequence[Record], epoch: datetime, duration_s: float) 
 
 def _by_bstar(record: Record, epoch: datetime, duration_s: float) -> float | None:
     """What SGP4 makes of B* [km]; None if the object comes down meanwhile."""
+    times = (epoch - record.epoch).total_seconds() + duration_s * SHARES
+    axes = _axes(record, times)
+    if axes is None:
+        return None
+    # Of the axes and not of the anomaly, which is known only up to whole turns.
+    gained = axes**-1.5 - axes[0] ** -1.5
     satellite = satellite_of(record)
-    start = (epoch - record.epoch).total_seconds()
-    axes = []
-    for share in SHARES:
-        code, *_ = satellite.sgp4_tsince((start + share * duration_s) / 60.0)
+    if satellite.method == DEEP_SPACE:
+        # High up the Moon and the Sun move the axis, too.
+        without = _axes(replace(record, bstar=0.0), times)
+        gained -= 0.0 if without is None else without**-1.5 - without[0] ** -1.5
+    turned = duration_s / (len(times) - 1) * float(simpson(satellite.xke / 60.0 * gained))
+    return turned * float(axes[0] * satellite.radiusearthkm)
+
+
+def _axes(record: Record, times_s: FLOAT) -> FLOAT | None:
+    """Semi-major axes at times after the epoch of the elements, in radii of the Earth."""
+    satellite, axes = satellite_of(record), []
+    for time_s in times_s:
+        code, *_ = satellite.sgp4_tsince(float(time_s) / 60.0)
         if code or not satellite.am > LEAST_RADIUS:
             return None
         axes.append(satellite.am)
-    # Of the axes and not of the anomaly, which is known only up to whole turns.
-    rates = satellite.xke / 60.0 * (np.array(axes) ** -1.5 - axes[0] ** -1.5)
-    angle = duration_s / (len(axes) - 1) * float(simpson(rates))
-    return angle * float(axes[0] * satellite.radiusearthkm)
+    return np.array(axes)
 
 
 def _by_derivatives(record: Record, epoch: datetime, duration_s: float) -> float:
