@@ -43,6 +43,9 @@ Prize = Annotated[
     AfterValidator(_is_nothing_or_enough),
 ]
 
+ObjectId = Annotated[str, Field(pattern=r"^[!-~]([ -~]*[!-~])?$", max_length=80)]
+"""As messages may hold it: printable ASCII, mostly ``1997-051C``."""
+
 Removal = Literal["visit", "kit", "tow"]
 
 
@@ -51,13 +54,15 @@ class Station(Record):
 
     It fills at most ``max_refuellings`` tanks of all chasers together, and gives out at most
     ``max_propellant_kg`` for that; null for no limit. Neither field is in files that do not state
-    it. Whoever arrives there refuels, also at the end of its route.
+    it, nor is ``object_id``, as of a target. Whoever arrives there refuels, also at the end of its
+    route.
     """
 
     name: Name
     orbit: Orbit | None = None
     max_refuellings: Annotated[int, Field(ge=0)] | None = None
     max_propellant_kg: Annotated[float, Field(ge=0.0, le=LARGEST_MASS_KG)] | None = None
+    object_id: ObjectId | None = None
 
     @property
     def is_limited(self) -> bool:
@@ -66,7 +71,7 @@ class Station(Record):
 
     @model_serializer(mode="wrap")
     def _without_no_limit(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "max_refuellings", "max_propellant_kg")
+        return without(write(self), "max_refuellings", "max_propellant_kg", "object_id")
 
 
 class Target(Record):
@@ -75,7 +80,8 @@ class Target(Record):
     Its service begins not before ``window_s`` opens and ends before it closes. ``required``: a plan
     has to service it. ``removal`` "kit": the chaser leaves a kit with it, and goes on without;
     "tow": it carries the object, which has ``mass_kg``, down to the disposal altitude of the
-    mission and goes on from there. It may have no orbit where connections are given.
+    mission and goes on from there. It may have no orbit where connections are given. ``object_id``
+    is its international designator, for exports, and in no file that does not state it.
     """
 
     name: Name
@@ -85,6 +91,11 @@ class Target(Record):
     window_s: Window = (0.0, None)
     mass_kg: Annotated[float, Field(gt=0.0, le=LARGEST_MASS_KG)] | None = None
     removal: Removal = "visit"
+    object_id: ObjectId | None = None
+
+    @model_serializer(mode="wrap")
+    def _without_no_designator(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "object_id")
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:

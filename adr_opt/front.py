@@ -14,6 +14,7 @@ from .candidates import candidates, may_ask
 from .drift import drift_warning
 from .errors import InputError
 from .instance import AnyInstance, Instance
+from .least_time import too_short
 from .planner import (
     BOUNDS,
     PLANNERS,
@@ -285,8 +286,7 @@ def _beyond_the_model(mission: Problem, result: Result) -> Result:
             cost_bound=None, cost_gap=None, cost_status=None,
         )  # fmt: skip
     drift = None if plan is None else drift_warning(mission.instance, plan)
-    if drift is not None:
-        notes.append(drift)
+    notes += [said for said in (drift, too_short(mission.instance)) if said is not None]
     return noted(replace(result, plan=plan), notes)
 
 

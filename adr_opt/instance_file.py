@@ -9,7 +9,12 @@ from __future__ import annotations
 import hashlib
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 
 from .agreement import check_expense, check_names, check_orbits, check_stations, check_tows
 from .bodies import Station, Target
@@ -17,8 +22,9 @@ from .chasers import Chaser
 from .epoch import Epoch
 from .errors import InputError
 from .files import to_text
+from .frame import Frame
 from .kernels.constants import DAY_S
-from .records import Name, Record
+from .records import Name, Record, without
 from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings
 from .sizes import default_step_s
 
@@ -26,11 +32,16 @@ FORMAT: Literal["adr-opt-instance/2"] = "adr-opt-instance/2"
 
 
 class InstanceFile(Record):
-    """The fields of an instance; :class:`adr_opt.Instance` is what can be planned."""
+    """The fields of an instance; :class:`adr_opt.Instance` is what can be planned.
+
+    ``frame``: the inertial frame that orbits and burns are in. Where it is null nobody knows which
+    one, and files say nothing of it.
+    """
 
     format: Literal["adr-opt-instance/2"] = FORMAT
     name: Name
     epoch: Epoch
+    frame: Frame | None = None
     dynamics: Literal["two-body", "j2"] = "two-body"
     stations: Annotated[tuple[Station, ...], Field(strict=False)]
     targets: Annotated[tuple[Target, ...], Field(strict=False)]
@@ -39,6 +50,10 @@ class InstanceFile(Record):
     transfer: TransferSettings = TransferSettings()
     objective: Objective = Objective()
     keep_out_zones: Annotated[tuple[KeepOutZone, ...], Field(strict=False)] = ()
+
+    @model_serializer(mode="wrap")
+    def _without_no_frame(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "frame")
 
     @model_validator(mode="after")
     def _something_drifts(self) -> Self:

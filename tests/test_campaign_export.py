@@ -38,7 +38,7 @@ def seconds(label: str) -> float:
 def test_a_chaser_is_asked_for(files: Cli) -> None:
     """What holds the flight of one chaser is not written without a name; the sentence lists all."""
     wanted = [("plan.json", f"a.{suffix}") for suffix in ("oem", "opm", "script")]
-    for plan, out in [*wanted, ("r.json", "a.oem")]:
+    for plan, out in [*wanted, *(("r.json", out) for _, out in wanted)]:
         call = ("export", "my.json", plan, "--out", out)
         refused(files(*call), NAMED)
         refused(files(*call, "--chaser", "ghost"), "'ghost'", "'tender', 'kicker'")
@@ -46,7 +46,7 @@ def test_a_chaser_is_asked_for(files: Cli) -> None:
             files(*call, "--chaser", HOME, "--leg", 5), "it is one of 'kicker', not of 'tender'"
         )
         assert not Path(out).exists()
-    refused(files("export", "my.json", "r.json", "--out", "a.czml"), ".oem only")
+    refused(files("export", "my.json", "r.json", "--out", "a.czml"), ".oem, .opm or .script")
 
 
 @pytest.mark.parametrize("plan", ["plan.json", "r.json"])

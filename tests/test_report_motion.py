@@ -16,10 +16,12 @@ import pytest
 from drifting_plans import drifting_instance, drifting_plan
 from two_chasers import OWN, campaign, planned
 
+from adr_opt import generate
+from adr_opt.frame import Frame
 from adr_opt.instance import Instance
 from adr_opt.plan import Plan
 from adr_opt.plot.tracks import tracks
-from adr_opt.report.greenwich import sidereal_angle_rad, sidereal_rate_rad_s
+from adr_opt.report.greenwich import greenwich, sidereal_angle_rad, sidereal_rate_rad_s
 from adr_opt.report.motion import motion
 from adr_opt.trajectory import body_states, propagate, sample
 from adr_opt.trajectory.kepler import turned
@@ -119,6 +121,22 @@ def test_greenwich_turns_as_it_does_for_others() -> None:
     gstime = pytest.importorskip("sgp4.propagation").gstime
     days = (later - j2000).total_seconds() / DAY_S + 2451545.0
     assert sidereal_angle_rad(later) == pytest.approx(gstime(days), abs=1e-8)
+
+
+def test_greenwich_counts_in_the_frame_of_the_instance() -> None:
+    """In GCRF it is the Earth rotation angle of the IERS; from the equinox of date 0.33° more."""
+    erfa = pytest.importorskip("erfa")
+    instance = generate("tiny", 0)
+    days = (instance.epoch - datetime(2000, 1, 1, 12, tzinfo=UTC)).total_seconds() / 86400.0
+    of_date, rate = greenwich(instance)
+    assert (of_date, rate) == (sidereal_angle_rad(instance.epoch), sidereal_rate_rad_s())
+    teme = instance.replace(frame=Frame(name="TEME", axes_epoch=instance.epoch))
+    assert greenwich(teme) == (of_date, rate)
+    for name in ("GCRF", "EME2000"):
+        angle, turning = greenwich(instance.replace(frame=Frame(name=name)))
+        assert angle == pytest.approx(erfa.era00(2451545.0, days), abs=1e-9)
+        assert math.degrees(of_date - angle) == pytest.approx(0.33, abs=0.005)
+        assert TURN / turning == pytest.approx(86164.0989, abs=1e-3)
 
 
 with_browser = pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")

@@ -18,14 +18,17 @@ from ..chasers import AtStation, InOrbit, Tank
 from ..drift import drift_warning
 from ..errors import InputError
 from ..files import sentence
+from ..frame import Frame
 from ..instance import Instance
 from ..kernels.constants import DAY_S, EARTH_RADIUS_M
+from ..least_time import too_short
 from ..orbit import Orbit
 from ..settings import MissionSettings, TransferSettings
 from ..sizes import transfers_for
 from ..wording import counted
 from .crew import Crew
 from .demands import Demands, check_musts, filled, targets_of, told_left_out, told_masses
+from .drag import drag_warning
 from .filters import Filters
 from .finding import find
 from .propagation import FLOAT, mean_elements, true_anomaly
@@ -209,7 +212,7 @@ def to_instance(
     instance = _instance(
         name or _default_name(targets, len(rows)),
         epoch,
-        home if refuelling else None,
+        Station(name=home, object_id=host.designator if host else None) if refuelling else None,
         place,
         _unique([record.label for record in targets], {home} if refuelling else set()),
         orbits,
@@ -269,7 +272,7 @@ def _transfer(
 def _instance(
     name: str,
     epoch: datetime,
-    station_name: str | None,
+    station: Station | None,
     place: FLOAT,
     names: Sequence[str],
     orbits: Sequence[Orbit],
@@ -282,12 +285,14 @@ def _instance(
         (home,) = _orbits(place[None, :])
         stations: tuple[Station, ...] = ()
         start: AtStation | InOrbit = InOrbit(orbit=home)
-        if station_name is not None:
-            stations = (Station(name=station_name, orbit=home),)
-            start = AtStation(station=station_name)
+        if station is not None:
+            stations = (station.replace(orbit=home),)
+            start = AtStation(station=station.name)
         return Instance(
             name=name,
             epoch=epoch.astimezone(UTC),
+            # SGP4 gives elements in TEME of date: at the epoch those of the epoch.
+            frame=Frame(name="TEME", axes_epoch=epoch.astimezone(UTC)),
             stations=stations,
             targets=targets_of(names, orbits, crew, fields),
             chasers=crew.chasers(
@@ -370,9 +375,12 @@ def _warnings(
             f"outside the altitudes of phasing, {rule.min_altitude_m / 1e3:g} to "
             f"{rule.max_altitude_m / 1e3:g} km; few or no transfers will lead there"
         )
-    drift = drift_warning(instance)
-    if drift is not None:
-        yield drift
+    duration_s = instance.mission.duration_s
+    for warning in (
+        drag_warning(bodies, epoch, duration_s), drift_warning(instance), too_short(instance),
+    ):  # fmt: skip
+        if warning is not None:
+            yield warning
     if len(targets) > MANY_TARGETS:
         yield (
             f"{len(targets)} targets: the timetable grows with their square; --max-targets keeps "

@@ -190,7 +190,7 @@ def filled(
     *,
     by_criticality: bool,
 ) -> dict[int, dict[str, Any]]:
-    """What is asked, with what the catalogue itself says of masses, and prizes by criticality.
+    """What is asked, with masses and designators of the catalogue, and prizes by criticality.
 
     What a table asks for goes before either, and the mass that all are towed with before the
     catalogue's.
@@ -199,6 +199,8 @@ def filled(
     for number, record in enumerate(targets):
         if record.mass_kg is not None and crew.towed_kg is None:
             fields.setdefault(number, {}).setdefault("mass_kg", record.mass_kg)
+        if record.designator is not None:
+            fields.setdefault(number, {})["object_id"] = record.designator
     if by_criticality:
         known = {number: its["mass_kg"] for number, its in fields.items() if "mass_kg" in its}
         for number, prize in enumerate(criticality(targets, catalogue, known)):

@@ -96,6 +96,12 @@ class Record:
         return (self,)
 
     @property
+    def designator(self) -> str | None:
+        """The international designator as messages may hold it; None where there is none."""
+        known = self.object_id.upper() not in NO_DESIGNATOR and self.object_id.isascii()
+        return self.object_id if known else None
+
+    @property
     def label(self) -> str:
         """The object as an instance names it: its name and what tells it from namesakes."""
         identity = str(self.number) if self.number else self.object_id

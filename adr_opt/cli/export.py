@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -10,6 +11,9 @@ from ..errors import InputError
 from ..wording import counted
 from .output import emit_json, say
 from .parameters import check_out, instance_argument, json_option, plan_argument, quiet_option
+
+if TYPE_CHECKING:
+    from ..trajectory.axes import Axes
 
 
 @click.command("export", short_help="Write the flight of PLAN as OEM, OPM, CZML or GMAT script.")
@@ -26,10 +30,9 @@ from .parameters import check_out, instance_argument, json_option, plan_argument
 )
 @click.option(
     "--frame",
-    default="EME2000",
-    show_default=True,
     type=click.Choice(["EME2000", "GCRF", "ICRF", "TEME"]),
-    help="What the frame of the elements is called; nothing is transformed.",
+    help="Turn all to this frame from that of INSTANCE; where it names none, call it so. By "
+    "default its own, else EME2000.",
 )
 @click.option(
     "--step",
@@ -46,6 +49,12 @@ from .parameters import check_out, instance_argument, json_option, plan_argument
 @click.option(
     "--chaser", metavar="NAME", help="Whose flight; needed where there are several, but for .czml."
 )
+@click.option(
+    "--object-id",
+    metavar="ID",
+    help="International designator of what is written, like 2026-001A; else UNKNOWN, or that "
+    "which INSTANCE has of a --body.",
+)
 @json_option
 @quiet_option
 def command(
@@ -53,21 +62,26 @@ def command(
     plan_path: str,
     out: str,
     format_: str | None,
-    frame: str,
+    frame: str | None,
     step_s: float | None,
     leg: int | None,
     body: str | None,
     chaser: str | None,
+    object_id: str | None,
     as_json: bool,
     quiet: bool,
 ) -> int:
     """Fly PLAN in the dynamics of INSTANCE and write the flight for other programs.
 
-    Of a refined plan, an OEM file of its numerically integrated states is written. Where there are
-    several chasers, a file holds the flight of one of them, but that a CZML file may hold all.
+    Of a refined plan, an OEM, OPM or script file of its osculating states is written. Where there
+    are several chasers, a file holds the flight of one of them, but that a CZML file may hold all.
     """
     if step_s is not None and not (step_s > 0.0 and math.isfinite(step_s)):
         raise InputError(f"--step = {step_s:g}: must be a positive number of seconds")
+    if object_id is not None and not (object_id.strip() and object_id.isascii()):
+        raise InputError(f"--object-id {object_id!r}: give a designator like 2026-001A, in ASCII")
+    if object_id is not None and not object_id.isprintable():
+        raise InputError(f"--object-id {object_id!r}: give it in one line")
 
     from ..instance import load
     from ..plan import load_plan
@@ -78,8 +92,9 @@ def command(
     check_out(out, instance_path, plan_path)
     if is_refined(plan_path):
         return _refined(
-            instance_path, plan_path, out, format_, frame, step_s, leg, body, chaser, as_json, quiet
-        )
+            instance_path, plan_path, out, format_, frame, step_s, leg, body, chaser, object_id,
+            as_json, quiet,
+        )  # fmt: skip
     if body is not None:
         raise InputError(f"--body {body}: only of a refined plan bodies are exported")
     instance, plan = load(instance_path), load_plan(plan_path)
@@ -87,7 +102,7 @@ def command(
         written = flown(instance, plan, step_s, leg, chaser, together=format_ in TOGETHER)
     except InputError as error:
         raise InputError(f"{plan_path}: {error}") from None
-    write_trajectory(written, out, format=format_, frame=frame)
+    axes = write_trajectory(written, out, format=format_, frame=frame, object_id=object_id)
     arcs = [arc for _, arc in written.arcs()]
     if as_json:
         emit_json(
@@ -95,7 +110,7 @@ def command(
                 "instance": instance.name,
                 "path": out,
                 "format": format_,
-                "frame": frame,
+                **_frame(axes),
                 **({} if written.chaser is None else {"chaser": written.chaser}),
                 "legs": len(written.legs),
                 "dynamics": instance.dynamics,
@@ -108,8 +123,23 @@ def command(
         )
     if not quiet:
         legs, parts = counted(len(written.legs), "leg"), counted(len(arcs), "arc")
-        say(f"wrote {out}: {legs}, {parts}")
+        say(f"wrote {out}: {legs}, {parts}, {_in_frame(axes)}")
     return 0
+
+
+def _frame(axes: Axes) -> dict[str, Any]:
+    """What --json says of the frame of the file."""
+    told: dict[str, Any] = axes.frame.model_dump(mode="json")
+    told = {"frame": told.pop("name"), **told}
+    return told | {"instance_frame": None if axes.own is None else axes.own.name}
+
+
+def _in_frame(axes: Axes) -> str:
+    """The same in words."""
+    if axes.own is None:
+        return f"called {axes.frame}: the instance names no frame"
+    turned = "" if axes.frame == axes.own else f", turned from {axes.own}"
+    return f"in {axes.frame}{turned}"
 
 
 def _refined(
@@ -117,11 +147,12 @@ def _refined(
     refined_path: str,
     out: str,
     format_: str,
-    frame: str,
+    frame: str | None,
     step_s: float | None,
     leg: int | None,
     body: str | None,
     chaser: str | None,
+    object_id: str | None,
     as_json: bool,
     quiet: bool,
 ) -> int:
@@ -130,17 +161,21 @@ def _refined(
     from ..refining import load_refined
     from ..refining.oem import write_refined
     from ..routes import several
+    from ..trajectory.write import axes_in
 
-    if format_ != "oem":
-        raise InputError(f"{out}: a refined plan is written as .oem only; name such a file")
+    if format_ == "czml":
+        raise InputError(
+            f"{out}: a refined plan is written as .oem, .opm or .script; name such a file"
+        )
     instance, refined = load(instance_path), load_refined(refined_path)
     try:
         written = write_refined(
-            instance, refined, out, frame=frame, body=body, step_s=step_s, leg=leg, chaser=chaser
-        )
+            instance, refined, out, frame=frame, body=body, step_s=step_s, leg=leg, chaser=chaser,
+            format=format_, object_id=object_id,
+        )  # fmt: skip
     except InputError as error:
         raise InputError(f"{refined_path}: {error}") from None
-    whose = chaser if several(instance) else None
+    axes, whose = axes_in(format_, instance, frame), chaser if several(instance) else None
     legs = [one for one in refined.legs if leg in (None, one.leg) and whose in (None, one.chaser)]
     if as_json:
         emit_json(
@@ -148,7 +183,7 @@ def _refined(
                 "instance": instance.name,
                 "path": out,
                 "format": format_,
-                "frame": frame,
+                **_frame(axes),
                 "body": body,
                 **({"chaser": legs[0].chaser} if several(instance) and body is None else {}),
                 "legs": len(legs),
@@ -161,5 +196,6 @@ def _refined(
             }
         )
     if not quiet:
-        say(f"wrote {out}: {counted(len(legs), 'leg')}, {counted(len(written), 'arc')}")
+        parts = f"{counted(len(legs), 'leg')}, {counted(len(written), 'arc')}"
+        say(f"wrote {out}: {parts}, {_in_frame(axes)}")
     return 0

@@ -20,6 +20,7 @@ def attributes(instance: Instance) -> dict[str, Any]:
         "instance": instance.name,
         "sha256": instance.sha256,
         "epoch": stated["epoch"],
+        **{f"frame_{key}": value for key, value in stated.get("frame", {}).items()},
         "station": ", ".join(instance.station_names),
         "mu_m3_s2": MU_M3_S2,
         "earth_radius_m": EARTH_RADIUS_M,

@@ -1,11 +1,11 @@
-"""A refined plan as a CCSDS Orbit Ephemeris Message: one object a message."""
+"""A refined plan as files of other programs: an ephemeris, a message of burns, a script."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
-from datetime import UTC, datetime
+from collections.abc import Iterable, Iterator
 
+from ..errors import InputError
 from ..files import check_writable, write_text
 from ..flight.flyable import refuse_foreign
 from ..flight.tanks import refined_routes
@@ -13,12 +13,17 @@ from ..instance import Instance
 from ..kernels.constants import EARTH_RADIUS_M, J2
 from ..kernels.gravity import J3, J4
 from ..routes import chaser_wanted
+from ..trajectory.axes import Axes
 from ..trajectory.clock import Clock
-from ..trajectory.kvn import ORIGINATOR, comment, metadata, object_name, plain, who
+from ..trajectory.kvn import header, metadata, object_name, plain, who
 from ..trajectory.oem import segment
-from ..trajectory.write import check_frame
+from ..trajectory.write import axes_in, check_frame
 from .ephemeris import Track, tracks
+from .messages import to_gmat, to_opm
 from .plan import RefinedPlan
+
+FORMATS = ("oem", "opm", "script")
+"""Of refined plans."""
 
 
 def write_refined(
@@ -26,11 +31,13 @@ def write_refined(
     refined: RefinedPlan,
     path: str | os.PathLike[str],
     *,
-    frame: str = "EME2000",
+    frame: str | None = None,
     body: str | None = None,
     step_s: float | None = None,
     leg: int | None = None,
     chaser: str | None = None,
+    format: str = "oem",
+    object_id: str | None = None,
 ) -> tuple[Track, ...]:
     """Write the flight of the chaser, or of a visited body, whole or not at all.
 
@@ -39,32 +46,64 @@ def write_refined(
     instance : Instance
     refined : RefinedPlan
     path : path
-    frame : {"EME2000", "GCRF", "ICRF", "TEME"}
-        The name of the frame that the elements are meant in; nothing is transformed.
+    frame : {"EME2000", "GCRF", "ICRF", "TEME"}, optional
+        As for :func:`.trajectory.write_plan`.
     body, step_s, leg
         As :func:`.ephemeris.tracks` takes them.
     chaser : str, optional
         Whose flight; needed where there are several chasers, unless a leg or a body is named.
+    format : {"oem", "opm", "script"}
+        The last two hold the first osculating state and the burns of the chaser.
+    object_id : str, optional
+        International designator of the chaser, or of the body; by default that which the instance
+        has of the body, else UNKNOWN.
 
     Returns
     -------
     tuple of Track
-        What was written.
+        What was written, as states over time.
 
     Raises
     ------
     InputError
-        A refined plan of another instance, an unknown frame, what :func:`.ephemeris.tracks`
-        raises, or a file that cannot be written.
+        A refined plan of another instance, an unknown frame or format, a body in a format of
+        burns, legs that do not follow each other there, what :func:`.ephemeris.tracks` raises, or a
+        file that cannot be written.
+    MissingExtra
+        There is something to turn to the frame, and astropy is not installed.
     """
     refuse_foreign(instance, refined)
     check_frame(frame)
     check_writable(path)
+    if format not in FORMATS:
+        raise InputError(f"format = {format!r}: use one of {', '.join(FORMATS)}")
+    axes = axes_in(format, instance, frame)
+    if format != "oem" and body is not None:
+        raise InputError(f"a body makes no burns: .{format} is of chasers; write .oem of {body!r}")
     name = _whose(instance, refined, chaser, leg, body)
     written = tracks(refined, body=body, step_s=step_s, leg=leg, chaser=name)
-    called = object_name(name) if body is None else plain(body)
-    write_text(path, "\n".join(_lines(instance, refined, called, name, written, frame)) + "\n")
+    said = [*_origin(instance, refined, axes), *who(instance, name)]
+    if format == "oem":
+        called = object_name(name) if body is None else plain(body)
+        about = tuple(metadata(instance, axes, called, object_id or _designator(instance, body)))
+        text = "\n".join(_lines(instance, said, written, axes, about)) + "\n"
+    else:
+        legs = [
+            one for one in refined.legs if leg in (None, one.leg) and name in (None, one.chaser)
+        ]
+        if format == "opm":
+            text = to_opm(instance, refined, legs, name, said, axes, object_id)
+        else:
+            text = to_gmat(instance, refined, legs, name, said, axes)
+    write_text(path, text)
     return written
+
+
+def _designator(instance: Instance, body: str | None) -> str | None:
+    """What the instance says that a body is called in catalogues."""
+    known = {station.name: station.object_id for station in instance.stations}
+    known |= {target.name: target.object_id for target in instance.targets}
+    return None if body is None else known.get(body)
 
 
 def _whose(
@@ -80,24 +119,19 @@ def _whose(
 
 def _lines(
     instance: Instance,
-    refined: RefinedPlan,
-    name: str,
-    chaser: str | None,
+    said: Iterable[str],
     written: tuple[Track, ...],
-    frame: str,
+    axes: Axes,
+    about: Iterable[str],
 ) -> Iterator[str]:
     clock = Clock(instance)
-    yield "CCSDS_OEM_VERS = 2.0"
-    for sentence in (*_origin(instance, refined), *who(instance, chaser)):
-        yield from comment(sentence)
-    yield f"CREATION_DATE = {datetime.now(UTC):%Y-%m-%dT%H:%M:%S}"
-    yield f"ORIGINATOR = {ORIGINATOR}"
+    yield from header("CCSDS_OEM_VERS", said)
     for track in written:
         yield ""
-        yield from segment(clock, track.comment, track.arc, metadata(frame, name))
+        yield from segment(clock, track.comment, track.arc, axes, about)
 
 
-def _origin(instance: Instance, refined: RefinedPlan) -> Iterator[str]:
+def _origin(instance: Instance, refined: RefinedPlan, axes: Axes) -> Iterator[str]:
     yield (
         f"Plan by {refined.plan.method} (seed {refined.plan.seed}), refined, for the instance "
         f"{instance.name}, sha256 {refined.instance.sha256}."
@@ -110,7 +144,4 @@ def _origin(instance: Instance, refined: RefinedPlan) -> Iterator[str]:
         + (f", R = {EARTH_RADIUS_M / 1e3:.3f} km, {terms}" if terms else "")
         + "; impulsive burns."
     )
-    yield (
-        "The reference frame is named by whoever exports: an instance says only that its elements "
-        "are inertial."
-    )
+    yield axes.said

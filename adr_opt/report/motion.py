@@ -17,7 +17,7 @@ from ..plot.palette import COLOURS, LABELS, PHASES, STATION, UNVISITED, VISITED
 from ..plot.tracks import Track
 from ..routes import Flown, routes_of, several
 from .figures.orbits import MOST_RINGS
-from .greenwich import sidereal_angle_rad, sidereal_rate_rad_s
+from .greenwich import greenwich
 from .text import in_chart
 
 COLUMNS = (
@@ -67,7 +67,7 @@ def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[st
     return {
         "mu": MU_M3_S2,
         "radius": EARTH_RADIUS_M,
-        "sidereal": [sidereal_angle_rad(instance.epoch), sidereal_rate_rad_s()],
+        "sidereal": list(greenwich(instance)),
         "kinds": KINDS,
         "phases": {phase: [LABELS[phase], COLOURS[phase]] for phase in PHASES},
         "bodies": bodies,

@@ -45,6 +45,8 @@ def of_instance(instance: Instance) -> Card:
         ("least of equal plans", _cost_of(instance)),
         ("stations", ", ".join(instance.station_names) or "none: nobody refuels"),
     ]
+    if instance.frame is not None:
+        details.insert(1, ("frame", str(instance.frame)))
     if windows:
         details.append(("targets with a window", f"{windows}"))
     rows = [_chaser(chaser) for chaser in instance.chasers]

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..kernels.constants import DAY_S
 from ..routes import owners, several
+from .axes import Axes, axes_of
 from .bodies import body_states
 from .clock import Clock
 from .kepler import Array, revolution
@@ -17,6 +19,9 @@ from .kvn import origin
 from .sampling import SHORTEST_ARC_S, STEP_S, Arc, LegPath, Trajectory
 
 Span = tuple[float, float]
+
+CESIUM = "ICRF"
+"""The frame that Cesium calls INERTIAL."""
 
 BODY_STEP_S = 300.0
 """Between samples of the station and the targets; a twentieth of a low orbit."""
@@ -41,16 +46,18 @@ SPEED_UP = 300.0
 def to_czml(trajectory: Trajectory) -> str:
     """The mission as a CZML document.
 
-    Positions are in Cesium's INERTIAL frame. Each arc is a packet with its own path, shown while
+    Positions are in Cesium's INERTIAL frame, the ICRF, which those of an instance that names its
+    own frame are turned to. Each arc is a packet with its own path, shown while
     its leg is flown, in the colour of its phase; the chaser itself is one packet over all of them.
     Where there are several chasers, each is such a packet, and arcs are in the colour of theirs.
     """
-    clock = Clock(trajectory.instance)
+    clock, axes = Clock(trajectory.instance), axes_of(trajectory.instance, CESIUM)
+    trajectory = _turned(trajectory, axes)
     shown = _when_shown(trajectory)
-    packets = [_document(trajectory, clock, len(shown))]
+    packets = [_document(trajectory, clock, axes, len(shown))]
     visited = set(trajectory.plan.destinations)
     for name, intervals in shown.items():
-        packets.append(_body(trajectory, clock, name, name in visited, intervals))
+        packets.append(_body(trajectory, clock, axes, name, name in visited, intervals))
     crew = _crew(trajectory)
     for chaser in crew:
         packets.append(_chaser(trajectory, clock, chaser))
@@ -59,6 +66,24 @@ def to_czml(trajectory: Trajectory) -> str:
             arcs = range(len(path.arcs))
             packets += [_arc(trajectory, clock, chaser, path, number) for number in arcs]
     return json.dumps(packets, ensure_ascii=False, separators=(",", ":"), allow_nan=False) + "\n"
+
+
+def _turned(trajectory: Trajectory, axes: Axes) -> Trajectory:
+    """The flight in other axes; bodies stay in those of the instance."""
+    if axes.matrix is None:
+        return trajectory
+    legs = []
+    for path in trajectory.legs:
+        arcs = (
+            replace(
+                arc,
+                positions_m=axes.turned(arc.positions_m),
+                velocities_m_s=axes.turned(arc.velocities_m_s),
+            )
+            for arc in path.arcs
+        )
+        legs.append(replace(path, arcs=tuple(arcs)))
+    return replace(trajectory, legs=tuple(legs))
 
 
 def _when_shown(trajectory: Trajectory) -> dict[str, list[Span]]:
@@ -81,9 +106,9 @@ def _when_shown(trajectory: Trajectory) -> dict[str, list[Span]]:
     return {name: spans for name, spans in shown.items() if spans}
 
 
-def _document(trajectory: Trajectory, clock: Clock, bodies: int) -> dict[str, Any]:
+def _document(trajectory: Trajectory, clock: Clock, axes: Axes, bodies: int) -> dict[str, Any]:
     interval = _interval(clock, trajectory.start_s, trajectory.end_s)
-    said = origin(trajectory.instance, trajectory.plan)
+    said = origin(trajectory.instance, trajectory.plan, axes)
     if bodies < len(trajectory.instance.names):
         said.append(
             f"Of {len(trajectory.instance.names)} bodies the {bodies} that legs begin or end at "
@@ -105,7 +130,12 @@ def _document(trajectory: Trajectory, clock: Clock, bodies: int) -> dict[str, An
 
 
 def _body(
-    trajectory: Trajectory, clock: Clock, name: str, visited: bool, shown: list[Span]
+    trajectory: Trajectory,
+    clock: Clock,
+    axes: Axes,
+    name: str,
+    visited: bool,
+    shown: list[Span],
 ) -> dict[str, Any]:
     from ..plot import palette
 
@@ -117,7 +147,7 @@ def _body(
     tracks, intervals = [], []
     for start, end in shown:
         times = np.linspace(start, end, 1 + max(8, int(np.ceil((end - start) / BODY_STEP_S))))
-        positions = body_states(instance, name, times)[0]
+        positions = axes.turned(body_states(instance, name, times)[0])
         tracks.append(_position(clock, times, positions, BODY_DEGREE, 1))
         intervals.append(_interval(clock, start, end))
     whole = len(shown) == 1

@@ -9,6 +9,8 @@ from datetime import UTC, datetime
 from ..instance import Instance
 from ..kernels.constants import EARTH_RADIUS_M, J2
 from ..plan import Plan
+from .axes import Axes
+from .clock import Clock
 
 ORIGINATOR = "ADR-OPT"
 OBJECT_NAME = "CHASER"
@@ -29,15 +31,14 @@ def comment(text: str) -> Iterator[str]:
         yield f"COMMENT {line}"
 
 
-def origin(instance: Instance, plan: Plan) -> list[str]:
+def origin(instance: Instance, plan: Plan, axes: Axes) -> list[str]:
     """Sentences that say what a file was made from and how far it can be trusted."""
     said = [
         f"Plan by {plan.method} (seed {plan.seed}) for the instance {instance.name}, "
         f"sha256 {plan.instance.sha256}.",
         f"{_motion(instance)}, impulsive burns. At the end of a leg the chaser is docked; the step "
         f"there is the residual of the approach, {_residual(instance)}.",
-        "The reference frame is named by whoever exports: an instance says only that its elements "
-        "are inertial.",
+        axes.said,
     ]
     if instance.is_approximate:
         said.append(
@@ -83,19 +84,24 @@ def object_name(chaser: str | None) -> str:
     return OBJECT_NAME if chaser is None else plain(chaser)
 
 
-def header(keyword: str, instance: Instance, plan: Plan, said: Iterable[str] = ()) -> Iterator[str]:
-    """The header of a message of version 2.0, with more sentences that it says."""
-    yield f"{keyword} = 2.0"
-    for sentence in (*origin(instance, plan), *said):
+def header(keyword: str, said: Iterable[str], version: str = "2.0") -> Iterator[str]:
+    """The header of a message, with the sentences that it says."""
+    yield f"{keyword} = {version}"
+    for sentence in said:
         yield from comment(sentence)
     yield f"CREATION_DATE = {datetime.now(UTC):%Y-%m-%dT%H:%M:%S}"
     yield f"ORIGINATOR = {ORIGINATOR}"
 
 
-def metadata(frame: str, name: str = OBJECT_NAME) -> Iterator[str]:
+def metadata(
+    instance: Instance, axes: Axes, name: str = OBJECT_NAME, object_id: str | None = None
+) -> Iterator[str]:
     """What both messages say of the object, the frame and the time system."""
     yield f"OBJECT_NAME = {name}"
-    yield f"OBJECT_ID = {OBJECT_ID}"
+    yield f"OBJECT_ID = {object_id or OBJECT_ID}"
     yield "CENTER_NAME = EARTH"
-    yield f"REF_FRAME = {frame}"
+    yield f"REF_FRAME = {axes.frame.name}"
+    if axes.frame.axes_epoch is not None:
+        since_s = (axes.frame.axes_epoch - instance.epoch).total_seconds()
+        yield f"REF_FRAME_EPOCH = {Clock(instance).label(since_s)}"
     yield "TIME_SYSTEM = UTC"

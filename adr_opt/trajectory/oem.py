@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from .axes import Axes, axes_of
 from .clock import Clock, states_at_labels
-from .kvn import comment, header, metadata, object_name, who
+from .kvn import comment, header, metadata, object_name, origin, who
 from .sampling import Arc, Trajectory
 
 DEGREE = 7
@@ -13,7 +14,7 @@ DEGREE = 7
 centimetre."""
 
 
-def to_oem(trajectory: Trajectory, frame: str) -> str:
+def to_oem(trajectory: Trajectory, frame: str | None = None, object_id: str | None = None) -> str:
     """The ephemeris in key-value notation.
 
     One segment for each arc, so that no interpolation runs across a burn: a leg is the run of
@@ -22,23 +23,28 @@ def to_oem(trajectory: Trajectory, frame: str) -> str:
 
     Where planes drift, the velocities written are the rates of the positions, or interpolation
     would not lead from one to the next; a burn is then a step of these to a part in a thousand.
+
+    ``frame`` is as for :func:`.axes.axes_of`, ``object_id`` the chaser's, if it has any.
     """
-    return "\n".join(_lines(trajectory, frame)) + "\n"
+    axes = axes_of(trajectory.instance, frame)
+    return "\n".join(_lines(trajectory, axes, object_id)) + "\n"
 
 
-def _lines(trajectory: Trajectory, frame: str) -> Iterator[str]:
-    clock = Clock(trajectory.instance)
-    said = who(trajectory.instance, trajectory.chaser)
-    if trajectory.instance.dynamics == "j2":
+def _lines(trajectory: Trajectory, axes: Axes, object_id: str | None) -> Iterator[str]:
+    instance = trajectory.instance
+    clock = Clock(instance)
+    said = [*origin(instance, trajectory.plan, axes), *who(instance, trajectory.chaser)]
+    if instance.dynamics == "j2":
         said += ["Velocities are the rates of the positions, the drift of the planes included."]
-    yield from header("CCSDS_OEM_VERS", trajectory.instance, trajectory.plan, said)
+    yield from header("CCSDS_OEM_VERS", said)
+    name = object_name(trajectory.chaser)
     for path, arc in trajectory.arcs():
         yield ""
         which = f"leg {path.number}, {path.leg.origin} to {path.leg.destination}: {arc.phase}"
-        yield from segment(clock, which, arc, metadata(frame, object_name(trajectory.chaser)))
+        yield from segment(clock, which, arc, axes, metadata(instance, axes, name, object_id))
 
 
-def segment(clock: Clock, said: str, arc: Arc, about: Iterable[str]) -> Iterator[str]:
+def segment(clock: Clock, said: str, arc: Arc, axes: Axes, about: Iterable[str]) -> Iterator[str]:
     """One arc, with a comment and what the metadata say of object, frame and times."""
     labels = clock.labels(arc.times_s)
     yield "META_START"
@@ -49,6 +55,6 @@ def segment(clock: Clock, said: str, arc: Arc, about: Iterable[str]) -> Iterator
     yield f"INTERPOLATION_DEGREE = {DEGREE}"
     yield "META_STOP"
     yield from comment(said)
-    positions, velocities = states_at_labels(arc)
+    positions, velocities = (axes.turned(vectors) for vectors in states_at_labels(arc))
     for label, r, v in zip(labels, positions / 1e3, velocities / 1e3, strict=True):
         yield f"{label} {r[0]:.9f} {r[1]:.9f} {r[2]:.9f} {v[0]:.12f} {v[1]:.12f} {v[2]:.12f}"

@@ -9,11 +9,13 @@ from pathlib import Path
 from ..errors import InputError
 from ..files import check_writable, write_text
 from ..flight.flyable import refuse_broken_chain
+from ..frame import FRAMES as FRAMES
 from ..instance import Instance
 from ..plan import Plan
 from ..routes import chaser_wanted, owners
-from .czml import to_czml
-from .gmat import to_gmat
+from .axes import Axes, axes_of
+from .czml import CESIUM, to_czml
+from .gmat import axes_in_gmat, to_gmat
 from .oem import to_oem
 from .opm import to_opm
 from .sampling import Trajectory, sample
@@ -24,9 +26,6 @@ FORMATS = ("oem", "opm", "czml", "script")
 TOGETHER = ("czml",)
 """Formats that may hold the flights of several chasers."""
 
-FRAMES = ("EME2000", "GCRF", "ICRF", "TEME")
-"""Inertial frames that the elements of an instance may be meant in."""
-
 
 def write_plan(
     instance: Instance,
@@ -34,10 +33,11 @@ def write_plan(
     path: str | os.PathLike[str],
     *,
     format: str | None = None,
-    frame: str = "EME2000",
+    frame: str | None = None,
     step_s: float | None = None,
     leg: int | None = None,
     chaser: str | None = None,
+    object_id: str | None = None,
 ) -> Trajectory:
     """Fly a plan and write the flight, whole or not at all.
 
@@ -48,9 +48,11 @@ def write_plan(
     path : path
         Its suffix chooses the format where ``format`` does not.
     format : {"oem", "opm", "czml", "script"}, optional
-    frame : {"EME2000", "GCRF", "ICRF", "TEME"}
-        The name of the frame that the elements are meant in; nothing is transformed. CZML has
-        only Cesium's INERTIAL and takes no notice, GMAT has no TEME.
+    frame : {"EME2000", "GCRF", "ICRF", "TEME"}, optional
+        By default the frame of the instance, and EME2000 if it names none. Where it names one,
+        states and burns are turned from that to this, by astropy; else this is only a name. CZML
+        has only Cesium's INERTIAL, the ICRF, and takes no notice; GMAT has no TEME, and a script
+        is in EME2000 for it.
     step_s : float, optional
         Largest time between two states of ``oem`` and ``czml``; by default that of
         :func:`.sampling.sample` [s].
@@ -59,6 +61,8 @@ def write_plan(
     chaser : str, optional
         Only the legs of this chaser. Where there are several, all formats but ``czml`` need it, or
         a leg.
+    object_id : str, optional
+        International designator of the chaser, for ``oem`` and ``opm``; else UNKNOWN.
 
     Returns
     -------
@@ -71,12 +75,14 @@ def write_plan(
         Unknown format, frame or chaser, several chasers and none is named, a plan of another
         instance, without legs or that cannot be flown, legs that do not follow each other, no such
         leg, a step that is not positive, or a file that cannot be written.
+    MissingExtra
+        There is something to turn, and astropy is not installed.
     """
     kind = format_of(path, format)
     check_frame(frame)
     check_writable(path)
     trajectory = flown(instance, plan, step_s, leg, chaser, together=kind in TOGETHER)
-    write_trajectory(trajectory, path, format=format, frame=frame)
+    write_trajectory(trajectory, path, format=format, frame=frame, object_id=object_id)
     return trajectory
 
 
@@ -115,25 +121,41 @@ def write_trajectory(
     path: str | os.PathLike[str],
     *,
     format: str | None = None,
-    frame: str = "EME2000",
-) -> None:
-    """Write a flight with at least one leg; the parameters are those of :func:`write_plan`."""
+    frame: str | None = None,
+    object_id: str | None = None,
+) -> Axes:
+    """Write a flight with at least one leg; the parameters are those of :func:`write_plan`.
+
+    Returns
+    -------
+    Axes
+        Those of the file.
+    """
     format = format_of(path, format)
     check_frame(frame)
+    axes = axes_in(format, trajectory.instance, frame)
     if format == "oem":
-        text = to_oem(trajectory, frame)
+        text = to_oem(trajectory, frame, object_id)
     elif format == "opm":
-        text = to_opm(trajectory, frame)
+        text = to_opm(trajectory, frame, object_id)
     elif format == "czml":
         text = to_czml(trajectory)
     else:
         text = to_gmat(trajectory, frame)
     write_text(path, text)
+    return axes
 
 
-def check_frame(frame: str) -> None:
+def axes_in(format: str, instance: Instance, frame: str | None) -> Axes:
+    """The axes of a file of a format, as asked for or by default."""
+    if format == "czml":
+        return axes_of(instance, CESIUM)
+    return axes_in_gmat(instance, frame) if format == "script" else axes_of(instance, frame)
+
+
+def check_frame(frame: str | None) -> None:
     """Raise :class:`InputError` for a frame that no format names."""
-    if frame not in FRAMES:
+    if frame is not None and frame not in FRAMES:
         raise InputError(f"frame = {frame!r}: use one of {', '.join(FRAMES)}")
 
 
