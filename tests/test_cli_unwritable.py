@@ -74,6 +74,8 @@ def test_no_result_takes_the_place_of_another_or_of_what_is_read(cli: Cli, tiny_
     refused(cli(*call, "new-link.json"), "give each its own")
     call = ["tradeoff", tiny_file, "--vary", "delta-v=500", "--out", "old.svg"]
     refused(cli(*call, "--plot", "old.svg"), another)
+    call = ["tradeoff", tiny_file, "--vary", "duration=1", "--out", "old.json"]
+    refused(cli(*call, "--frontier", "old.json"), another)
     assert Path("old.json").read_text() == Path("old.svg").read_text() == "old"
     assert load_plan("p.json").legs
 

@@ -77,7 +77,7 @@ def command(
     instance = load(instance_path)
     if frontier_path is not None:
         check_frontier(instance)
-        check_out(frontier_path, instance_path, out, page_path, plot_path)
+        check_out(frontier_path, instance_path, results=(out, page_path, plot_path))
         axes = axes or [Axis("duration", (instance.mission.duration_s,))]
     check_out(out, instance_path)
     if page_path is not None:
