@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -176,7 +177,12 @@ def command(
         # The plan is safe by now, whatever becomes of its flight.
         plan, flight = flown_plan(instance, plan)
         if plan.flown is not None and not_written is None:
-            lacking = _first_trouble(partial(_save_plan, plan, out, quiet=True))
+            again = [partial(_save_plan, plan, out, quiet=True)]
+            if certificate_path is not None:
+                # It names the digest of the plan's file.
+                flown = replace(result, plan=plan)
+                again.append(partial(save_certificate, certificate_path, instance, flown, True))
+            lacking = _first_trouble(*again)
             if lacking is not None and not quiet:
                 say(f"the plan is written, but not what its flight came to: {lacking}")
         if not as_json:
