@@ -180,3 +180,12 @@ def test_given_connections_are_not_flown(cli: Cli) -> None:
     assert said.out.splitlines()[-1].startswith("not flown: the connections of 'roads' are given")
     text = cli("check", "my.json", "plan.json").out
     assert "neither flown nor refined: the connections of 'roads' are given" in text
+
+
+@pytest.mark.usefixtures("drawn")
+def test_a_certificate_names_the_plan_with_its_flight(cli: Cli) -> None:
+    """The digest of the plan in a certificate is that of the file as it stands in the end."""
+    call = ("solve", "my.json", "--method", "exact", "--time-limit", "20", "--out", "plan.json")
+    assert cli(*call, "--certificate", "proof.json").status == 0
+    assert load_plan("plan.json").own_flight is not None
+    assert cli("verify", "my.json", "plan.json", "proof.json").status == 0

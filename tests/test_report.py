@@ -229,6 +229,8 @@ def test_tanks_that_break_head_the_page(eccentric, cli: Cli) -> None:
     text = page(instance, plan)
     alert = text.partition('role="alert"')[2].partition("</section>")[0]
     assert "legal in the model" in alert
+    assert "solve --refine" in alert
+    assert "--margin" not in text
     assert [str(tank) for tank in broken] == re.findall(r"<li>(.*?)</li>", alert)
     assert "✓" not in text
     Path("my.json").write_text(instance.to_json(), encoding="utf-8")
