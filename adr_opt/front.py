@@ -209,9 +209,10 @@ def run(
         form_for(whole, bound, prover)
     both_jobs = jobs if prover is not None and takes_jobs(prover) else None
     only_prover = both_jobs is not None and not takes_jobs(method_of(method, group))
+    its_jobs = None if only_prover else jobs
     prepared = prepare(
         group, method, seed=seed, starts=start is not None, repair=repair, options=options,
-        jobs=None if only_prover else jobs,
+        jobs=its_jobs,
     )  # fmt: skip
     destinations = start_destinations(whole, () if start is None else start, repair=repair)
     others = () if stop is None else (stop,)
@@ -221,12 +222,12 @@ def run(
     ready = partial(
         warm_up, starts=start is not None, drifts=drifts, campaign=isinstance(whole, Campaign)
     )
-    ready(group, method, *others, options=options)
+    ready(group, method, *others, options=options, jobs=its_jobs)
     on_demand = needs_no_table(prepared.function, prepared.arguments["options"])
     if on_demand and may_ask(whole):
-        ready(group, method, *others, options=options, asks=True)
+        ready(group, method, *others, options=options, jobs=its_jobs, asks=True)
     if bound is not None:
-        ready(BOUNDS, bound, *others)
+        ready(BOUNDS, bound, *others, jobs=both_jobs)
     criteria: list[Stop] = [MaxRuntime(time_limit), *others]
     # Some methods look at all pairs by themselves: what they prove is proven of all.
     of_all = knows_all_pairs(method_of(method, group))
