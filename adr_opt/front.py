@@ -32,6 +32,7 @@ from .timetable_size import TABLE_BYTES, Size, estimate, too_large
 from .together import together
 
 __all__ = [
+    "DEFAULT_BOUND",
     "DEFAULT_BOUND_TIME_LIMIT_S",
     "DEFAULT_METHOD",
     "DEFAULT_TIME_LIMIT_S",
@@ -43,6 +44,8 @@ __all__ = [
 ]
 
 DEFAULT_METHOD = "auto"
+DEFAULT_BOUND = "exact"
+"""It proves most kinds of missions, those of several chasers included."""
 DEFAULT_TIME_LIMIT_S = 10.0
 DEFAULT_BOUND_TIME_LIMIT_S = 60.0
 
@@ -125,7 +128,7 @@ def solve(
 
 def bound(
     instance: AnyInstance | Problem,
-    method: str,
+    method: str = DEFAULT_BOUND,
     *,
     time_limit: float = DEFAULT_BOUND_TIME_LIMIT_S,
     seed: int = 0,
