@@ -1,10 +1,12 @@
 """What a planner asks of a mission besides "plan it": orders of one's own, comparisons, trades.
 
 `price` times an order of bodies and says where it breaks; `compare` lays plans side by side;
-`tradeoff` plans and proves over budgets and durations; `replan` plans the rest anew.
+`tradeoff` plans and proves over budgets and durations; `replan` plans the rest anew; `plan_of`
+makes a plan of departures that somebody chose.
 """
 
 from .comparison import Comparison, compare
+from .departures import plan_of
 from .orders import orders_of, read_orders
 from .priced import PricedOrder, PricedRoute, price
 from .replan import replan
@@ -21,6 +23,7 @@ __all__ = [
     "compare",
     "orders_of",
     "parse_axis",
+    "plan_of",
     "price",
     "read_orders",
     "replan",
