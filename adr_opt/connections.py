@@ -131,14 +131,18 @@ class AllConnections(Shown):
             array = np.concatenate(parts) if parts else np.empty(0)
             return array.astype(kind, copy=False)
 
-        columns = (
-            np.repeat(np.array([pair[at] for pair in listed], dtype=np.int32), counts)
-            for at in (0, 1)
-        )
+        def bodies(numbers: list[int]) -> npt.NDArray[np.int32]:
+            return np.repeat(np.array(numbers, dtype=np.int32), counts)
+
         return cls(
-            names, *columns, column("departure", np.float64), column("arrival", np.float64),
-            column("delta_v", np.float64), column("revolutions", np.int8),
-        )  # fmt: skip
+            names,
+            bodies([i for i, _, _ in listed]),
+            bodies([j for _, j, _ in listed]),
+            column("departure", np.float64),
+            column("arrival", np.float64),
+            column("delta_v", np.float64),
+            column("revolutions", np.int8),
+        )
 
 
 Pairwise = tuple[int, int, Connections]
