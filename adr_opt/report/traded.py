@@ -14,7 +14,7 @@ from .plain import page, row, section
 from .tables import table
 from .text import NOTHING, fixed, number
 
-TITLES = {"delta-v": "ΔV of a full tank [m/s]", "duration": "duration [days]"}
+TITLES = {kind.name: kind.title for kind in KINDS.values()}
 
 NOTE = (
     "The line is what the best plan found collects, the band reaches up to what is proven that no "
@@ -27,7 +27,7 @@ def traded_page(tradeoff: Tradeoff) -> str:
     instance = tradeoff.instance
     parts = []
     for axis in tradeoff.axes:
-        other = "duration" if axis.kind == "delta-v" else "delta-v"
+        other = "delta-v" if axis.kind == "duration" else "duration"
         rows = tradeoff.along(axis.kind)
         lines = [
             _line(points, axis.kind, _named(other, value, len(rows)), CHASERS[at % len(CHASERS)])
@@ -51,8 +51,7 @@ def _named(kind: str, value: float, rows: int) -> str:
 
 def value_of(point: Point, kind: str) -> float:
     """The limit of a point that is varied, in the unit that people give it in."""
-    value = point.delta_v_m_s if kind == "delta-v" else point.duration_s
-    return value / KINDS[kind].scale
+    return point.value(kind) / KINDS[kind].scale
 
 
 def _line(points: tuple[Point, ...], kind: str, name: str, colour: str) -> Line:
