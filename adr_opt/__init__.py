@@ -17,6 +17,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .analysis.departures import plan_of
     from .certificate import Certificate, load_certificate
     from .checking import Violation, check
     from .errors import InputError, MissingExtra
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 
 # Importing the package must cost next to nothing, so names are imported when first used.
 _HOME = {
+    "plan_of": "analysis.departures",
     "Certificate": "certificate",
     "load_certificate": "certificate",
     "Verdict": "verifying",
@@ -82,6 +84,7 @@ __all__ = [
     "load_certificate",
     "load_plan",
     "load_refined",
+    "plan_of",
     "refine",
     "solve",
     "solve_refined",

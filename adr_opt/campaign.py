@@ -167,7 +167,10 @@ class Campaign(Shown, Prizes):
         )
 
     def with_limits(
-        self, duration_s: float | None = None, delta_v_m_s: float | None = None
+        self,
+        duration_s: float | None = None,
+        delta_v_m_s: float | None = None,
+        propellant_kg: float | None = None,
     ) -> Problem:
         """The same of another duration or with other tanks, see :meth:`Mission.with_limits`.
 
@@ -179,7 +182,7 @@ class Campaign(Shown, Prizes):
         InputError
             A limit is not valid, or longer than what is known.
         """
-        instance = self.instance.with_limits(duration_s, delta_v_m_s)
+        instance = self.instance.with_limits(duration_s, delta_v_m_s, propellant_kg)
         connecting, threads = self.connecting.limited(instance), self._threads
         if is_campaign(instance):
             return Campaign(instance, threads=threads, margin=self.margin, connecting=connecting)

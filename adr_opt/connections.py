@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -64,6 +66,87 @@ class Connections(Shown):
             self.delta_v[first:],
             self.revolutions[first:],
         )
+
+
+@dataclass(frozen=True, repr=False)
+class AllConnections(Shown):
+    """The connections of all pairs in arrays: pair by pair by origin, then by destination.
+
+    Within a pair in order of departure, then of arrival, as :class:`Connections`.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Bodies, in the order of their numbers.
+    origin, destination : (connections,) int32
+        Numbers of bodies.
+    departure, arrival : (connections,) float64
+        Times since the epoch; the arrival is the end of the approach [s].
+    delta_v : (connections,) float64
+        [m/s].
+    revolutions : (connections,) int8
+        Phasing revolutions; −1 for a transfer that drifts, 0 for one that is given.
+    """
+
+    names: tuple[str, ...]
+    origin: npt.NDArray[np.int32]
+    destination: npt.NDArray[np.int32]
+    departure: FloatArray
+    arrival: FloatArray
+    delta_v: FloatArray
+    revolutions: npt.NDArray[np.int8]
+
+    def __len__(self) -> int:
+        """How many there are."""
+        return int(self.departure.size)
+
+    def _card(self) -> Card:
+        from .showing.of_connections import of_all
+
+        return of_all(self)
+
+    def columns(self) -> dict[str, npt.NDArray[Any]]:
+        """The arrays by the names of :meth:`.Timetable.from_connections`, for tables of others.
+
+        Returns
+        -------
+        dict of str to array
+            ``origin``, ``destination``, ``departure_s``, ``arrival_s``, ``delta_v_m_s``,
+            ``revolutions``.
+        """
+        return {
+            "origin": self.origin, "destination": self.destination, "departure_s": self.departure,
+            "arrival_s": self.arrival, "delta_v_m_s": self.delta_v,
+            "revolutions": self.revolutions,
+        }  # fmt: skip
+
+    @classmethod
+    def joined(cls, names: tuple[str, ...], pairs: Iterable[Pairwise]) -> AllConnections:
+        """Those of pairs, one pair after the other: origin, destination, connections."""
+        listed = list(pairs)
+        counts = [found.departure.size for _, _, found in listed]
+
+        def column(name: str, kind: type[np.generic]) -> npt.NDArray[Any]:
+            parts = [getattr(found, name) for _, _, found in listed]
+            array = np.concatenate(parts) if parts else np.empty(0)
+            return array.astype(kind, copy=False)
+
+        def bodies(numbers: list[int]) -> npt.NDArray[np.int32]:
+            return np.repeat(np.array(numbers, dtype=np.int32), counts)
+
+        return cls(
+            names,
+            bodies([i for i, _, _ in listed]),
+            bodies([j for _, j, _ in listed]),
+            column("departure", np.float64),
+            column("arrival", np.float64),
+            column("delta_v", np.float64),
+            column("revolutions", np.int8),
+        )
+
+
+Pairwise = tuple[int, int, Connections]
+"""Origin, destination, and the connections between them."""
 
 
 class Connecting:

@@ -33,6 +33,7 @@ from .timetable_size import TABLE_BYTES, Size, estimate, too_large
 from .together import together
 
 __all__ = [
+    "DEFAULT_BOUND",
     "DEFAULT_BOUND_TIME_LIMIT_S",
     "DEFAULT_METHOD",
     "DEFAULT_TIME_LIMIT_S",
@@ -44,6 +45,8 @@ __all__ = [
 ]
 
 DEFAULT_METHOD = "auto"
+DEFAULT_BOUND = "exact"
+"""It proves most kinds of missions, those of several chasers included."""
 DEFAULT_TIME_LIMIT_S = 10.0
 DEFAULT_BOUND_TIME_LIMIT_S = 60.0
 
@@ -126,7 +129,7 @@ def solve(
 
 def bound(
     instance: AnyInstance | Problem,
-    method: str,
+    method: str = DEFAULT_BOUND,
     *,
     time_limit: float = DEFAULT_BOUND_TIME_LIMIT_S,
     seed: int = 0,
@@ -210,9 +213,10 @@ def run(
         form_for(whole, bound, prover)
     both_jobs = jobs if prover is not None and takes_jobs(prover) else None
     only_prover = both_jobs is not None and not takes_jobs(method_of(method, group))
+    its_jobs = None if only_prover else jobs
     prepared = prepare(
         group, method, seed=seed, starts=start is not None, repair=repair, options=options,
-        jobs=None if only_prover else jobs,
+        jobs=its_jobs,
     )  # fmt: skip
     destinations = start_destinations(whole, () if start is None else start, repair=repair)
     others = () if stop is None else (stop,)
@@ -222,12 +226,12 @@ def run(
     ready = partial(
         warm_up, starts=start is not None, drifts=drifts, campaign=isinstance(whole, Campaign)
     )
-    ready(group, method, *others, options=options)
+    ready(group, method, *others, options=options, jobs=its_jobs)
     on_demand = needs_no_table(prepared.function, prepared.arguments["options"])
     if on_demand and may_ask(whole):
-        ready(group, method, *others, options=options, asks=True)
+        ready(group, method, *others, options=options, jobs=its_jobs, asks=True)
     if bound is not None:
-        ready(BOUNDS, bound, *others)
+        ready(BOUNDS, bound, *others, jobs=both_jobs)
     criteria: list[Stop] = [MaxRuntime(time_limit), *others]
     # Some methods look at all pairs by themselves: what they prove is proven of all.
     of_all = knows_all_pairs(method_of(method, group))

@@ -18,7 +18,7 @@ from pydantic import (
 
 from .agreement import check_expense, check_names, check_orbits, check_stations, check_tows
 from .bodies import Station, Target
-from .chasers import Chaser
+from .chasers import Chaser, TankByMass
 from .epoch import Epoch
 from .errors import InputError
 from .files import to_text
@@ -103,21 +103,33 @@ class InstanceFile(Record):
         return hash(tuple(getattr(self, field) for field in type(self).model_fields))
 
     def with_limits(
-        self, duration_s: float | None = None, delta_v_m_s: float | None = None
+        self,
+        duration_s: float | None = None,
+        delta_v_m_s: float | None = None,
+        propellant_kg: float | None = None,
     ) -> Self:
         """The same field for a mission of another duration or with other tanks.
+
+        With ``delta_v_m_s`` all tanks are counted in ΔV; with ``propellant_kg`` those by mass hold
+        so much, and the rest of their masses stays.
 
         Raises
         ------
         InputError
-            A limit is not valid.
+            A limit is not valid, or a tank that is to hold so much propellant knows no masses.
         """
+        if delta_v_m_s is not None and propellant_kg is not None:
+            raise InputError("a tank is given by its ΔV or by its propellant; give one of the two")
         changes: dict[str, Any] = {}
         if duration_s is not None:
             changes["mission"] = self.mission.replace(duration_s=duration_s)
         if delta_v_m_s is not None:
             changes["chasers"] = tuple(
                 chaser.replace(tank=_tank_of(chaser, delta_v_m_s)) for chaser in self.chasers
+            )
+        if propellant_kg is not None:
+            changes["chasers"] = tuple(
+                chaser.replace(tank=_filled(chaser, propellant_kg)) for chaser in self.chasers
             )
         return self.replace(**changes)
 
@@ -179,3 +191,20 @@ def _tank_of(chaser: Chaser, delta_v_m_s: float) -> dict[str, float]:
     if spent == 0.0:
         return {"delta_v_m_s": delta_v_m_s}
     return {"delta_v_m_s": delta_v_m_s, "initial_delta_v_m_s": min(full - spent, delta_v_m_s)}
+
+
+def _filled(chaser: Chaser, propellant_kg: float) -> TankByMass:
+    """A tank by mass with other propellant; what is left at the start stays, if it holds that."""
+    tank = chaser.tank
+    if not isinstance(tank, TankByMass):
+        raise InputError(
+            f"propellant: the tank of {chaser.name!r} is counted in ΔV, and knows no masses; say "
+            "what ΔV it holds, or give its dry_mass_kg, propellant_kg and isp_s"
+        )
+    initial = tank.initial_propellant_kg
+    if initial is not None:
+        initial = min(initial, propellant_kg)
+    return TankByMass(
+        dry_mass_kg=tank.dry_mass_kg, propellant_kg=propellant_kg, isp_s=tank.isp_s,
+        initial_propellant_kg=initial,
+    )  # fmt: skip

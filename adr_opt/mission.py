@@ -264,7 +264,10 @@ class Mission(Shown, Prizes):
         return other
 
     def with_limits(
-        self, duration_s: float | None = None, delta_v_m_s: float | None = None
+        self,
+        duration_s: float | None = None,
+        delta_v_m_s: float | None = None,
+        propellant_kg: float | None = None,
     ) -> Mission:
         """The same mission of another duration or with another tank, on what is known of this one.
 
@@ -278,13 +281,15 @@ class Mission(Shown, Prizes):
             No longer than this mission [s].
         delta_v_m_s : float, optional
             Of a full tank [m/s].
+        propellant_kg : float, optional
+            Of a full tank by mass, instead [kg].
 
         Raises
         ------
         InputError
             A limit is not valid, or longer than what is known.
         """
-        instance = self.instance.with_limits(duration_s, delta_v_m_s)
+        instance = self.instance.with_limits(duration_s, delta_v_m_s, propellant_kg)
         connecting = self.connecting.limited(instance)
         usual = self.time_value_m_s_per_h == self.instance.time_value_m_s_per_h
         worth = instance.time_value_m_s_per_h if usual else self.time_value_m_s_per_h

@@ -69,14 +69,53 @@ def get(name: str, group: str = PLANNERS) -> Planner:
     Raises
     ------
     InputError
-        There is none of that name; the sentence lists those there are.
+        There is none of that name; the sentence lists those there are. Or what is installed under
+        it cannot be called as planners are.
     """
     found = _found(group)
     if name not in found:
         known = ", ".join(found) or "none is installed"
         raise InputError(f"method {name!r} is unknown; use one of: {known}")
-    planner: Planner = found[name].load()
-    return planner if _options(planner) else _with_options(name, planner)
+    return adapted(name, found[name].load())
+
+
+def adapted(name: str, planner: Any) -> Planner:
+    """What is installed under a name, as it is called here: its options are those of a class.
+
+    Raises
+    ------
+    InputError
+        It cannot be called as planners are.
+    """
+    _check_signature(name, planner)
+    several = campaign_form(planner)
+    if several is not None:
+        _check_signature(f"{name} for several chasers", several)
+    made: Planner = planner if _options(planner) else _with_options(name, planner)
+    return made
+
+
+def _check_signature(name: str, planner: Any) -> None:
+    """Refuse what cannot be called as planners are.
+
+    Raises
+    ------
+    InputError
+        It is no function, or one that takes other arguments.
+    """
+    wanted = "planners are functions of (mission, *, seed, stop, progress)"
+    if not callable(planner):
+        raise InputError(
+            f"method {name!r} is of type {type(planner).__name__} and cannot be called; {wanted}"
+        )
+    signature = inspect.signature(planner)
+    try:
+        signature.bind(None, seed=0, stop=None, progress=None)
+    except TypeError as error:
+        raise InputError(
+            f"method {name!r} takes {signature} ({error}); {wanted}, and further parameters need "
+            "defaults"
+        ) from None
 
 
 _CAMPAIGN, _KNOWN, _EVIDENCE = "campaign_form", "known_rules", "shows_evidence"
@@ -221,11 +260,20 @@ def _with_options(name: str, planner: Callable[..., Result]) -> Planner:
         "ItsOptions", declared, bases=(Options,), frozen=True, namespace={"_method": name}
     )
 
-    @wraps(planner)
-    def called(*given: Any, options: Any = None, **more: Any) -> Result:
-        values = {} if options is None else vars(options)
-        return planner(*given, **more, **values)
-
+    called = _with_keywords(planner)
     shown = inspect.Parameter("options", inspect.Parameter.KEYWORD_ONLY, default=kind())
     called.__dict__["__signature__"] = signature.replace(parameters=[*fixed, shown])
+    several = campaign_form(planner)
+    if several is not None and "options" not in inspect.signature(several).parameters:
+        setattr(called, _CAMPAIGN, _with_keywords(several))
+    return called
+
+
+def _with_keywords(planner: Callable[..., Result]) -> Planner:
+    """A function with keyword-only options, called with an object of a class."""
+
+    @wraps(planner)
+    def called(*given: Any, options: Any = None, **more: Any) -> Result:
+        return planner(*given, **more, **({} if options is None else vars(options)))
+
     return called

@@ -99,6 +99,7 @@ class Prepared:
             mission, stop=_Shown(mission, stop), progress=_shown(mission, progress),
             **self.arguments,
         )  # fmt: skip
+        _check_result(self.method, result)
         if self.plans and self.method != PUBLISHED and stop.remaining_s() <= 0.0:
             result = self._at_least_the_fallback(mission, result, stop, progress)
         return noted(result, self.notes)
@@ -141,6 +142,22 @@ class Prepared:
             counters=result.counters,
             notes=[*said, f"{self.method} ran out of time: the plan is that of {FALLBACK}"],
         )  # fmt: skip
+
+
+def _check_result(method: str, result: object) -> None:
+    """Refuse what is no result.
+
+    Raises
+    ------
+    InputError
+        A method returned something else.
+    """
+    if not isinstance(result, Result):
+        returned = "None" if result is None else f"an object of type {type(result).__name__}"
+        raise InputError(
+            f"method {method!r} returned {returned} in place of a Result; let it return what "
+            "adr_opt.result.certify makes"
+        )
 
 
 def prepare(
@@ -212,7 +229,7 @@ def _others(group: str, able: Callable[[Planner], bool]) -> str:
         try:
             if able(get(name, group)):
                 found.append(name)
-        except (ImportError, AttributeError):
+        except (ImportError, AttributeError, InputError):
             continue  # cannot be recommended; asked for by name, it says why
     return f", or use one of: {', '.join(found)}" if found else ""
 
@@ -270,7 +287,7 @@ def _plans_campaigns(name: str, group: str, counts: frozenset[str]) -> bool:
     """Whether an installed method can be called for several chasers, by the rules that count."""
     try:
         method = get(name, group)
-    except (ImportError, AttributeError):
+    except (ImportError, AttributeError, InputError):
         return False  # cannot be recommended; asked for by name, it says why
     return campaign_form(method) is not None and counts <= known_rules(method)
 
@@ -284,16 +301,19 @@ def warm_up(
     method: str,
     *stops: Stop,
     starts: bool = False,
+    jobs: int | None = None,
     options: Mapping[str, Any] | None = None,
     drifts: bool = False,
     campaign: bool = False,
     asks: bool = False,
 ) -> Exception | None:
-    """Let a method compile its kernels, by a run on a small mission; once in a process is enough.
+    """Let a method compile its kernels, by a run on a small mission, with the options asked for.
+
+    Once in a process is enough for each choice of options.
 
     Parameters
     ----------
-    group, method, options
+    group, method, jobs, options
         As in :func:`adr_opt.front.run`.
     *stops : Stop
         They end the practice too.
@@ -318,25 +338,29 @@ def warm_up(
     """
     mission = practice_campaign(drifts) if campaign else practice_mission(drifts)
     mission = asking_mission() if asks else mission
-    prepared = prepare(group, method, options=options)
-    # Numbers say how much is done, texts and switches what is done.
-    given = prepared.arguments["options"]
-    chosen = {name: value for name, value in vars(given).items() if isinstance(value, (str, bool))}
+    prepared = prepare(group, method, jobs=jobs, options=options)
+    given, habit = prepared.arguments["options"], habits(prepared.function)
+    # Numbers say how much is done, for which a method may have habits; texts and switches say what.
+    chosen = {
+        name: habit.options.get(name, value) if not isinstance(value, (str, bool)) else value
+        for name, value in vars(given).items()
+    }
     function = form_for(mission, method, prepared.function)
     begins = {}
     if starts and takes_start(function):
         begins["start"] = ((1,), ()) if campaign else (1,)
-    key = (group, method, drifts, campaign, asks, *begins, *sorted(chosen.items()))
-    habit = habits(prepared.function)
+    told = sorted((name, repr(value)) for name, value in chosen.items())
+    key = (group, method, drifts, campaign, asks, *begins, *told)
     with _warming:
         if key in _warm:
             return None
         _warm.add(key)
         try:
-            function(
+            result = function(
                 mission, seed=0, stop=Practice(habit.rounds, *stops), progress=silent, **begins,
-                options=read(type(given), {**habit.options, **chosen}),
+                options=read(type(given), chosen),
             )  # fmt: skip
+            _check_result(method, result)
         except Exception as error:
             return error
     return None

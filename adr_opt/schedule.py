@@ -128,7 +128,7 @@ class Scheduler:
             return float(self.connections(i, j).delta_v.min(initial=math.inf))
 
         self._spent_m_s = connecting.spent_m_s
-        self.connections = lru_cache(PAIRS_KEPT)(of_pair)
+        self.connections: Callable[[int, int], Connections] = lru_cache(PAIRS_KEPT)(of_pair)
         self._least = lru_cache(None)(least)
         # The order of the last call, the kits at its start, and its fronts. One object, so that
         # threads may share it.
@@ -139,6 +139,13 @@ class Scheduler:
         made = copy(self)
         made._rules = lambda: rules
         made._chaser = chaser or self._chaser
+        made._last = ((), 0, ())
+        return made
+
+    def over(self, connections: Callable[[int, int], Connections]) -> Scheduler:
+        """The same over other connections: a function of origin and destination gives them."""
+        made = copy(self)
+        made.connections = connections
         made._last = ((), 0, ())
         return made
 

@@ -103,7 +103,7 @@ def test_verb_imports_only_its_own_module() -> None:
         (["solve", "x.json", "--seed"], "'--seed' requires an argument"),
         (["check", "x.json"], "missing argument 'PLAN'"),
         (["check", "x.json", "y.json", "z.json"], "extra argument (z.json)"),
-        (["bound", "x.json"], "missing option '--method'"),
+        (["bound"], "missing argument 'INSTANCE'"),
         (["matrix", "x.json", "--at", "0"], "missing option '--out'"),
         (["import", "--out", "my.json"], "missing argument 'FILE...'"),
         (["import", "x.tle"], "missing option '--out'"),

@@ -177,6 +177,17 @@ def test_a_margin_is_left_in_every_tank(cli: Cli, tiny_file: Path) -> None:
     assert cli("solve", tiny_file, "--margin", "1").status == 2
 
 
+def test_a_bound_has_a_default_method(cli: Cli, tiny_file: str) -> None:
+    """Without `--method` a bound is that of `exact`, in the shell, in Python and in the list."""
+    said = cli("bound", tiny_file, "--json")
+    assert said.status == 0
+    assert json.loads(said.out)["method"] == "exact"
+    bounds = json.loads(cli("methods", "--json").out)["bounds"]
+    assert [each["name"] for each in bounds if each["default"]] == ["exact"]
+    proven = adr_opt.bound(tiny_file)
+    assert (proven.method, proven.upper_bound) == ("exact", json.loads(said.out)["upper_bound"])
+
+
 def test_times_are_written_as_clocks() -> None:
     """Days count from 0, minutes are rounded and carry into hours and days."""
     assert clock(0.0) == "0d 00:00"

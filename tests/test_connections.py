@@ -200,3 +200,56 @@ def test_times_and_resolutions_that_make_no_sense_are_refused(timetable, after, 
     """A negative or infinite number is refused."""
     with pytest.raises(InputError, match="must be a finite number"):
         timetable.connections(0, 1, after, resolution_m_s=resolution)
+
+
+FIELDS = {
+    "two-body": lambda: adr_opt.generate("tiny", 0, targets=4),
+    "drifting": lambda: adr_opt.generate("sso", 0, targets=3).with_limits(duration_s=20 * DAY_S),
+    "launched": lambda: adr_opt.generate("removal", 0, targets=3, chasers=2),
+    "nothing": lambda: adr_opt.generate("tiny", 0, targets=0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("field", FIELDS)
+@pytest.mark.parametrize(("after", "resolution"), [(0.0, None), (30_000.0, 0.0), (5_000.0, 25.0)])
+def test_all_connections_are_those_of_the_pairs(field, after, resolution):
+    """The arrays of the whole field hold, pair by pair, what each pair has by itself."""
+    table = Timetable(FIELDS[field]())
+    found = table.all_connections(after, resolution_m_s=resolution)
+    assert found.names == table.names
+    at = 0
+    for i, j in itertools.permutations(range(len(table.names)), 2):
+        pair = table.connections(i, j, after, resolution_m_s=resolution)
+        rows = slice(at, at := at + pair.departure.size)
+        assert (found.origin[rows] == i).all()
+        assert (found.destination[rows] == j).all()
+        for name in ("departure", "arrival", "delta_v", "revolutions"):
+            np.testing.assert_array_equal(getattr(found, name)[rows], getattr(pair, name))
+    assert at == len(found) == found.origin.size == found.destination.size
+    kinds = [column.dtype.str[1:] for column in found.columns().values()]
+    assert kinds == ["i4", "i4", "f8", "f8", "f8", "i1"]
+
+
+def test_all_connections_make_the_same_timetable_again():
+    """Their columns are what `from_connections` takes: the same field, its costs given."""
+    instance = adr_opt.generate("tiny", 0, targets=4)
+    table = Timetable(instance)
+    found = table.all_connections()
+    columns = found.columns()
+    given = Timetable.from_connections(
+        instance, {k: v for k, v in columns.items() if k[:3] != "rev"}
+    )
+    for i, j in itertools.permutations(range(5), 2):
+        ours, theirs = table.connections(i, j), given.connections(i, j)
+        np.testing.assert_array_equal(ours.departure, theirs.departure)
+        np.testing.assert_array_equal(ours.delta_v, theirs.delta_v)
+    assert repr(found).startswith(f"<AllConnections: {len(found)}, of 20 pairs, ")
+
+
+@pytest.mark.parametrize(("after", "resolution"), [(-1.0, None), (math.nan, None), (0.0, -0.1)])
+def test_all_connections_refuse_what_makes_no_sense(after, resolution):
+    """A time or a resolution that is negative or no number is refused before anything is done."""
+    with pytest.raises(InputError, match="must be a finite number ≥ 0"):
+        Timetable(adr_opt.generate("tiny", 0, targets=2)).all_connections(
+            after, resolution_m_s=resolution
+        )

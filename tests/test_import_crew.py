@@ -67,6 +67,36 @@ def test_expenses_and_separate_launches_reach_the_instance(imported) -> None:
     assert adr_opt.load("out.json").chaser.priced == Expense(fixed=3.0)
 
 
+def test_chasers_may_share_a_rocket(imported) -> None:
+    """No time between launches puts all chasers on one, which a campaign is planned with."""
+    assert imported("--launches", "2", "--launch-every", "0").status == 0
+    instance = adr_opt.load("out.json")
+    assert [chaser.available_s for chaser in instance.chasers] == [(0.0, None)] * 2
+    assert instance.mission.launch_separation_s is None
+    result = adr_opt.solve(instance, "greedy-guarded")
+    assert adr_opt.check(instance, result.plan) == ()
+    first, second = (route.legs[0] for route in result.plan.routes)
+    assert first.arrival_s == second.arrival_s == 0.0
+    assert first.destination != second.destination
+
+
+def test_services_take_the_days_that_are_said(imported) -> None:
+    """Each service of a plan takes so long; without the option it is a revolution of the target."""
+    assert imported("--service-days", "0.25", "--delta-v", "6000").status == 0
+    instance = adr_opt.load("out.json")
+    assert instance.mission.service_s == 0.25 * DAY_S
+    assert instance.mission.service_revolutions is None
+    plan = adr_opt.solve(instance, "greedy-guarded").plan
+    services = [leg for leg in plan.legs if leg.destination not in instance.station_names]
+    assert services
+    for leg in services:
+        assert leg.end_s - leg.arrival_s == pytest.approx(0.25 * DAY_S)
+    assert imported("--service-days", "0").status == 0
+    assert adr_opt.load("out.json").mission.service_s == 0.0
+    assert imported().status == 0
+    assert adr_opt.load("out.json").mission.service_revolutions == 1.0
+
+
 def test_each_option_stands_for_itself(imported) -> None:
     """Launches keep the station, and kits or masses need no launches."""
     assert imported("--launches", "2", "--launch-every", "2").status == 0
@@ -117,6 +147,9 @@ def test_deadlines_and_requirements_reach_their_objects(imported) -> None:
         (("--launch-every", "9"), "--launch-every: nothing is launched"),
         (("--launches", "2"), "launch 2 is on day 365, and the mission ends on day 7"),
         (("--launches", "2", "--launch-every", "nan"), "--launch-every = nan"),
+        (("--launches", "2", "--launch-every", "-1"), "--launch-every = -1: must be"),
+        (("--service-days", "-1"), "--service-days = -1: must be a finite number of at least 0"),
+        (("--service-days", "nan"), "--service-days = nan"),
         (("--launch-separation", "9"), "--launch-separation: nothing is launched"),
         (("--launches", "3", "--launch-separation", "4"), "launch 3 is on day 8"),
         (("--expense", "much"), "--expense 'much': give one to three numbers"),

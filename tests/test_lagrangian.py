@@ -6,6 +6,7 @@ from brute_force import brute_force
 from calling import call
 
 import adr_opt
+from adr_opt.certificate import certificate_of
 from adr_opt.kernels.compile import kernel
 from adr_opt.mission import Mission
 from adr_opt.stop import MaxIterations, MaxRuntime
@@ -14,7 +15,7 @@ from solvers.relaxation import simd
 from solvers.relaxation.latest import latest_of, latest_time
 from solvers.relaxation.multipliers import Descent
 from solvers.relaxation.routes import Routes
-from solvers.relaxation.walks import WalkBound
+from solvers.relaxation.walks import MOST_SLOTS, WalkBound
 from solvers.search.greedy_order import greedy_sequence
 
 SLOTS_M_S = (7.0, 40.0, 150.0)
@@ -197,6 +198,30 @@ def test_without_time_the_bound_is_trivial(nominal):
     result = lagrangian(nominal, seed=0, stop=lambda z, b: True, progress=silent)
     assert result.upper_bound == nominal.total_prize
     assert result.status == "unknown"
+
+
+@pytest.mark.parametrize("seed", range(0, 150, 15))
+def test_a_tank_without_end_is_proven_as_soon_as_one_that_is_large(seed):
+    """With 1e9 m/s no ΔV is counted: brute force is met, and the certificate is verified."""
+    mission = Mission(tiny_mission(seed).instance.with_limits(delta_v_m_s=1e9), threads=1)
+    optimum, _, _ = brute_force(mission)
+    result = call(lagrangian, mission, stop=MaxIterations(60), jobs=1)
+    assert result.counters["delta_v_slot_m_s"] >= 1e9
+    assert result.status == "optimal"
+    assert result.upper_bound == result.objective == pytest.approx(optimum, abs=1e-5)
+    certificate = certificate_of(mission.instance, result)
+    assert adr_opt.verify(mission.instance, result.plan, certificate).verified
+
+
+def test_slots_of_large_tanks_are_few():
+    """Nothing that is made before time is asked for grows with the tank, up to the largest."""
+    instance = adr_opt.generate("tiny", 0)
+    for tank_m_s in (3e3, 1e5, 1e6, 1e9):
+        mission = Mission(instance.with_limits(delta_v_m_s=tank_m_s), threads=1)
+        walks = WalkBound(mission, 20.0)
+        assert walks.top <= MOST_SLOTS
+        assert walks.top * walks.slot <= tank_m_s * (1.0 + 1e-9)
+        assert walks.slot >= 20.0
 
 
 def test_more_targets_than_bits():

@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from html import escape
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,7 @@ PLANNERS = """
 import os, signal, time
 from adr_opt.planner import get
 from adr_opt.mission import Mission
+from adr_opt.result import certify
 
 def note(mission, name):
     if "-i" not in mission.instance.name:
@@ -50,6 +52,12 @@ def held(line):
 def raises(mission, *, seed, stop, progress):
     raise RuntimeError("no idea what to do")
 
+def forgets(mission, *, seed, stop, progress):
+    get("greedy")(mission, seed=seed, stop=stop, progress=progress)
+
+def breaks(mission, *, seed, stop, progress):
+    return certify(mission, "breaks", (1, 1), seed=seed, runtime_s=0.0)
+
 def lies(mission, *, seed, stop, progress):
     result = get("greedy")(mission, seed=seed, stop=stop, progress=progress)
     plan = result.plan.replace(objective=result.objective + 1.0)
@@ -62,7 +70,7 @@ def deadly(mission, *, seed, stop, progress):
     return get("greedy")(mission, seed=seed, stop=stop, progress=progress)
 """
 
-NAMES = ("slow", "raises", "lies", "deadly")
+NAMES = ("slow", "raises", "forgets", "breaks", "lies", "deadly")
 
 FACTS = (
     "suite, field, iteration, zones, method, seed, outcome, message, violations, status, visits, "
@@ -223,7 +231,7 @@ def test_two_runs_at_once_share_the_work(
 def test_planners_that_raise_lie_or_kill_do_not_end_the_run(start: Start, tmp_path: Path) -> None:
     """Their rows say so, all others are there, the report names them, the exit status is 1."""
     out = tmp_path / "out"
-    methods = "deadly,greedy,raises,lies,beam:width=50"
+    methods = "deadly,greedy,raises,forgets,breaks,lies,beam:width=50"
     status, said = finish(
         start(out, "--cases", 3, "--iterations", 1, "--methods", methods, "--jobs", 2,
               "--bound", "lagrangian", "--bound-time-limit", 5)
@@ -232,12 +240,13 @@ def test_planners_that_raise_lie_or_kill_do_not_end_the_run(start: Start, tmp_pa
     with sqlite3.connect(out / "results.sqlite") as base:
         rows = base.execute("SELECT method, field, outcome, message, bound FROM result").fetchall()
         (bounds,) = base.execute("SELECT count(*) FROM bound WHERE message IS NULL").fetchone()
-    assert len(rows) == 3 * 5
+    assert len(rows) == 3 * 7
     assert bounds == 3
     outcomes = {(method.split("@")[0], field): outcome for method, field, outcome, _, _ in rows}
     for field in range(3):
         assert outcomes["greedy", field] == outcomes["beam:width=50", field] == "legal"
         assert outcomes["raises", field] == "raised"
+        assert outcomes["forgets", field] == outcomes["breaks", field] == "raised"
         assert outcomes["lies", field] == "illegal"
         assert outcomes["deadly", field] == ("died" if field == 1 else "legal")
     assert all(bound is not None for *_, bound in rows)
@@ -245,10 +254,14 @@ def test_planners_that_raise_lie_or_kill_do_not_end_the_run(start: Start, tmp_pa
     for sentence in (
         "tiny, field 1, iteration 0: deadly: died: its worker process died",
         "tiny, field 0, iteration 0: raises: raised: RuntimeError: no idea what to do",
+        "tiny, field 0, iteration 0: forgets: raised: InputError: method 'forgets' returned None",
+        "tiny, field 0, iteration 0: breaks: raised: InputError: ",
         "tiny, field 2, iteration 0: lies: illegal: plan: objective",
     ):
-        assert sentence in page
+        assert escape(sentence) in page
         assert sentence in said
+    for wrong in ("raises", "forgets", "breaks"):
+        assert f"{wrong}: fails on the practice mission tiny-000-z2 (" in said
 
 
 def test_ctrl_c_ends_a_run_and_its_workers(

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from conftest import Cli, refused
 from hand_made import PERIOD_S, hand_made
+from towed_fields import field as towed
 from two_chasers import campaign
 
 import adr_opt
@@ -259,7 +260,7 @@ def test_points_are_all_pairs() -> None:
     ("arguments", "named"),
     [
         (("--vary", "delta-v"), "give it as NAME=LO:HI:STEP"),
-        (("--vary", "mass=1:2:1"), "'mass' is unknown; use one of: delta-v, duration"),
+        (("--vary", "mass=1:2:1"), "'mass' is unknown; use one of: delta-v, propellant, duration"),
         (("--vary", "delta-v=1:2"), "give numbers, as LO:HI:STEP"),
         (("--vary", "delta-v=a,b"), "give numbers"),
         (("--vary", "delta-v=3:1:1"), "LO must not exceed HI"),
@@ -268,6 +269,8 @@ def test_points_are_all_pairs() -> None:
         (("--vary", "delta-v=5,5"), "each given once"),
         (("--vary", "delta-v=1:1e9:1"), "more than the 10000 allowed"),
         (("--vary", "delta-v=5", "--vary", "delta-v=6"), "varied twice"),
+        (("--vary", "delta-v=5", "--vary", "propellant=6"), "two ways to say what is in a tank"),
+        (("--vary", "propellant=5"), "is counted in ΔV, and knows no masses"),
         (("--vary", "delta-v=5", "--method", "no"), "'no'"),
         (("--vary", "delta-v=5", "--time-limit", "0"), "time limit = 0"),
         (("--vary", "delta-v=5", "--jobs", "-1"), "jobs = -1"),
@@ -288,7 +291,52 @@ def test_a_tank_by_mass_with_kits_has_no_budget(cli: Cli) -> None:
     tank = TankByMass(dry_mass_kg=500.0, propellant_kg=54.0, isp_s=300.0)
     chaser = instance.chaser.replace(tank=tank, kits=2, kit_mass_kg=5.0)
     instance.replace(chasers=(chaser,)).save("h.json")
-    refused(cli("tradeoff", "h.json", "--vary", "delta-v=100,200"), "kit_mass_kg")
+    outcome = cli("tradeoff", "h.json", "--vary", "delta-v=100,200")
+    refused(outcome, "is one by mass, and masses count (kit_mass_kg, tows or expense); vary propel")
+
+
+def test_propellant_is_varied_where_masses_count(cli: Cli) -> None:
+    """Tanks by mass hold more or less propellant, and stay what they are: tows are planned."""
+    instance = towed()
+    instance.save("t.json")
+    call = ("tradeoff", "t.json", "--vary", "propellant=150:450:100", "--time-limit", "20")
+    outcome = cli(*call, "--json", "--out", "t.csv", "--page", "t.html")
+    assert outcome.status == 0, outcome
+    made = json.loads(outcome.out)
+    assert made["varied"] == {"propellant": [150.0, 250.0, 350.0, 450.0]}
+    assert made["proven"] == 4
+    for point in made["points"]:
+        alone = instance.with_limits(propellant_kg=point["propellant_kg"])
+        assert alone.chaser.tank.propellant_kg == point["propellant_kg"]
+        assert alone.chaser.tank.dry_mass_kg == instance.chaser.tank.dry_mass_kg
+        assert point["delta_v_m_s"] == alone.chaser.tank.delta_v_m_s
+        assert adr_opt.solve(alone, "exact", time_limit=20.0).objective == point["prize"]
+    prizes = [point["prize"] for point in made["points"]]
+    assert prizes == sorted(prizes)
+    assert prizes[0] < prizes[-1]
+    assert "propellant of a full tank [kg]" in Path("t.html").read_text(encoding="utf-8")
+    again = cli(*call, "--out", "t.csv")
+    assert again.status == 0
+    assert [line.split("│")[1].strip() for line in again.out.splitlines() if "│" in line] == [
+        "150", "250", "350", "450",
+    ]  # fmt: skip
+
+
+def test_propellant_is_not_varied_where_a_station_has_little() -> None:
+    """Larger tanks take more of a station, so that points would say nothing of each other."""
+    instance = towed()
+    limited = instance.replace(stations=(instance.stations[0].replace(max_propellant_kg=500.0),))
+    with pytest.raises(InputError, match="a station has a max_propellant_kg"):
+        tradeoff(limited, [Axis("propellant", (100.0, 200.0))])
+
+
+def test_points_stand_alone_where_planes_drift_and_masses_count() -> None:
+    """No plan of a smaller tank is taken for one of a larger tank there, and no bound back."""
+    points = [(1000.0, DAY_S), (2000.0, DAY_S), (2000.0, 2.0 * DAY_S)]
+    board = Board(points, slack_m_s(towed("j2")))
+    assert not board.counts(points[0], points[1])
+    assert board.counts(points[1], points[2])
+    assert Board(points, slack_m_s(towed())).counts(points[0], points[1])
 
 
 def test_the_verb_writes_what_it_tells(cli: Cli) -> None:

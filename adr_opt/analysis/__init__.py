@@ -2,10 +2,11 @@
 
 `price` times an order of bodies and says where it breaks; `compare` lays plans side by side;
 `tradeoff` plans and proves over budgets and durations, and `frontier` says what it takes to be done
-sooner; `replan` plans the rest anew.
+sooner; `replan` plans the rest anew; `plan_of` makes a plan of departures that the caller chose.
 """
 
 from .comparison import Comparison, compare
+from .departures import plan_of
 from .orders import orders_of, read_orders
 from .priced import PricedOrder, PricedRoute, price
 from .replan import replan
@@ -24,6 +25,7 @@ __all__ = [
     "frontier",
     "orders_of",
     "parse_axis",
+    "plan_of",
     "price",
     "read_orders",
     "replan",

@@ -300,6 +300,7 @@ def _instance(
             ),
             mission=MissionSettings(
                 duration_s=float(duration_s),
+                service_s=crew.service_s,
                 launch_separation_s=crew.separation_s,
                 disposal_altitude_m=crew.disposal_altitude_m,
             ),

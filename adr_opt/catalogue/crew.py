@@ -53,6 +53,8 @@ class Crew:
         Mass of each target, all of which are towed; None if they are not.
     disposal_altitude_m : float, optional
         Of the circles that they are towed to.
+    service_s : float, optional
+        How long each service takes; None for one revolution of the target [s].
     """
 
     tank: AnyTank = field(default_factory=lambda: Tank(delta_v_m_s=3000.0))
@@ -64,12 +66,15 @@ class Crew:
     separation_s: float | None = None
     towed_kg: float | None = None
     disposal_altitude_m: float | None = None
+    service_s: float | None = None
 
     def __post_init__(self) -> None:
         if self.launches < 0:
             raise InputError(f"launches = {self.launches}: must not be negative")
         if not 0.0 <= self.apart_s < math.inf:
             raise InputError(f"time between launches = {self.apart_s:g} s: must not be negative")
+        if self.service_s is not None and not 0.0 <= self.service_s < math.inf:
+            raise InputError(f"service = {self.service_s:g} s: must not be negative")
         if self.kit_mass_kg > 0.0 and self.kits is None:
             raise InputError(f"kit mass = {self.kit_mass_kg:g} kg: there are no kits; say how many")
         if self.towed_kg is not None and self.kits is not None:

@@ -20,7 +20,7 @@ from .parameters import (
 
 @click.command("bound")
 @instance_argument
-@click.option("--method", required=True, metavar="NAME", help="Bound; 'methods' lists them.")
+@click.option("--method", metavar="NAME", help="Bound; 'methods' lists them and the default.")
 @click.option(
     "--time-limit", type=float, metavar="S", help="Wall time, the timetable included; 60 s."
 )
@@ -30,7 +30,7 @@ from .parameters import (
 @quiet_option
 def command(
     instance_path: str,
-    method: str,
+    method: str | None,
     time_limit: float | None,
     seed: int,
     iterations: int | None,
@@ -54,6 +54,7 @@ def command(
     from .live import wanted
     from .work import work
 
+    method = method or front.DEFAULT_BOUND
     time_limit = front.DEFAULT_BOUND_TIME_LIMIT_S if time_limit is None else time_limit
     options = parse_assignments(front.method_of(method, BOUNDS), assignments)
     instance = load(instance_path)

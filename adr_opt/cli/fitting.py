@@ -144,3 +144,12 @@ def check_positive(given: Any, names: tuple[str, ...]) -> None:
         if value is not None and not 0.0 < value < math.inf:
             option = f"--{name.replace('_', '-')}"
             raise InputError(f"{option} = {value:g}: must be a positive number")
+
+
+def check_not_negative(given: Any, names: tuple[str, ...]) -> None:
+    """Raise :class:`InputError` for an option that is given and is negative or not finite."""
+    for name in names:
+        value = getattr(given, name)
+        if value is not None and not 0.0 <= value < math.inf:
+            option = f"--{name.replace('_', '-')}"
+            raise InputError(f"{option} = {value:g}: must be a finite number of at least 0")

@@ -10,7 +10,7 @@ import click
 from ..errors import InputError
 from ..kernels.constants import DAY_S
 from ..wording import counted
-from .fitting import Fitting, check_positive, fitting_options
+from .fitting import Fitting, check_not_negative, check_positive, fitting_options
 
 if TYPE_CHECKING:
     from ..catalogue import Crew, Demands
@@ -31,7 +31,8 @@ def crew_options(function: Function) -> Function:
                 "--launches", type=int, metavar="N", help="N chasers, each onto its first target."
             ),
             click.option(
-                "--launch-every", type=float, metavar="DAYS", help="Between two launches; 365."
+                "--launch-every", type=float, metavar="DAYS",
+                help="Between two launches; 365. 0 for all chasers on one rocket.",
             ),
             click.option(
                 "--launch-separation", type=float, metavar="DAYS",
@@ -40,6 +41,10 @@ def crew_options(function: Function) -> Function:
             click.option(
                 "--expense", metavar="FIXED[,PER_KG[,PER_KG2]]",
                 help="Of each chaser that is used; of equal plans the least expense is best.",
+            ),
+            click.option(
+                "--service-days", type=float, metavar="D",
+                help="How long each service takes; else one revolution of the target.",
             ),
             click.option(
                 "--deadline", "deadlines", multiple=True, metavar="OBJECT=DAYS",
@@ -75,6 +80,7 @@ class CrewOptions(NamedTuple):
     launch_every: float | None
     launch_separation: float | None
     expense: str | None
+    service_days: float | None
     deadlines: tuple[str, ...]
     required: tuple[str, ...]
     musts: tuple[str, ...]
@@ -99,7 +105,8 @@ class CrewOptions(NamedTuple):
         from ..catalogue.crew import APART_S
         from ..chasers import Tank
 
-        check_positive(self, ("launches", "launch_every", "launch_separation"))
+        check_positive(self, ("launches", "launch_separation"))
+        check_not_negative(self, ("launch_every", "service_days"))
         if self.launch_every is not None and self.launches is None:
             raise InputError("--launch-every: nothing is launched; say how often with --launches")
         if self.launch_separation is not None and self.launches is None:
@@ -121,6 +128,7 @@ class CrewOptions(NamedTuple):
             separation_s=None if separation is None else DAY_S * separation,
             towed_kg=fitting.tow,
             disposal_altitude_m=fitting.disposal_altitude_m,
+            service_s=None if self.service_days is None else DAY_S * self.service_days,
         )
 
     def _expense(self, tank: AnyTank) -> Expense | None:

@@ -70,7 +70,7 @@ def _describe(name: str, group: str) -> dict[str, Any]:
     entry: dict[str, Any] = {
         "name": name,
         "summary": "",
-        "default": group == PLANNERS and name == front.DEFAULT_METHOD,
+        "default": name == (front.DEFAULT_METHOD if group == PLANNERS else front.DEFAULT_BOUND),
         "takes_start": False,
         "options": [],
     }

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     "varied",
     multiple=True,
     metavar="NAME=LO:HI:STEP",
-    help="delta-v, m/s, or duration, days; or values with commas; may be repeated.",
+    help="delta-v, m/s, propellant, kg, or duration, days; or values with commas; repeatable.",
 )
 @click.option(
     "--frontier",
@@ -165,10 +165,12 @@ def _table(made: Tradeoff) -> Table:
 
     said = f"{made.proven} of {counted(len(made.points), 'point')} proven"
     table = Table(title=f"{made.instance.name}: {said}", title_justify="left")
-    for heading in HEADINGS:
+    with_propellant = any(axis.kind == "propellant" for axis in made.axes)
+    for heading in (*(("kg",) if with_propellant else ()), *HEADINGS):
         table.add_column(heading, justify="right", no_wrap=True)
     for point in made.points:
-        table.add_row(*cells(point))
+        held = (f"{point.propellant_kg:,.6g}",) if with_propellant else ()
+        table.add_row(*held, *cells(point))
     return table
 
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from ..analysis.trade.axes import KINDS
 from .axes import label
 from .palette import CHASERS
 
 if TYPE_CHECKING:
     from ..analysis.trade import Tradeoff
 
-TITLES = {"delta-v": "ΔV of a full tank [m/s]", "duration": "duration [days]"}
-SCALES = {"delta-v": 1.0, "duration": 86400.0}
+TITLES = {kind.name: kind.title for kind in KINDS.values()}
+SCALES = {kind.name: kind.scale for kind in KINDS.values()}
 
 
 def tradeoff(ax: Any, made: Tradeoff, kind: str | None = None) -> Any:
@@ -24,7 +25,7 @@ def tradeoff(ax: Any, made: Tradeoff, kind: str | None = None) -> Any:
     ----------
     ax : matplotlib.axes.Axes
     made : Tradeoff
-    kind : {"delta-v", "duration"}, optional
+    kind : {"delta-v", "propellant", "duration"}, optional
         What goes along the axis; the first that is varied by default.
 
     Returns
@@ -33,15 +34,12 @@ def tradeoff(ax: Any, made: Tradeoff, kind: str | None = None) -> Any:
     """
     kind = kind or made.axes[0].kind
     rows = made.along(kind)
-    other = "duration" if kind == "delta-v" else "delta-v"
+    other = "delta-v" if kind == "duration" else "duration"
     units = {"delta-v": "m/s", "duration": "days"}
     most = math.fsum(target.prize for target in made.instance.targets)
     for at, (value, row) in enumerate(rows.items()):
         there = [point for point in row if math.isfinite(point.prize)]
-        x = [
-            (point.delta_v_m_s if kind == "delta-v" else point.duration_s) / SCALES[kind]
-            for point in there
-        ]
+        x = [point.value(kind) / SCALES[kind] for point in there]
         prize = [point.prize for point in there]
         bound = [point.upper_bound if math.isfinite(point.upper_bound) else most for point in there]
         colour = CHASERS[at % len(CHASERS)]

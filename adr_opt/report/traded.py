@@ -16,7 +16,7 @@ from .plain import page, row, section
 from .tables import table
 from .text import NOTHING, fixed, number
 
-TITLES = {"delta-v": "ΔV of a full tank [m/s]", "duration": "duration [days]"}
+TITLES = {kind.name: kind.title for kind in KINDS.values()}
 
 FRONTIER = "Least ΔV against the last day"
 
@@ -45,7 +45,7 @@ def traded_page(tradeoff: Tradeoff, endings: Sequence[Ending] = ()) -> str:
     instance = tradeoff.instance
     parts, most = [], math.fsum(target.prize for target in instance.targets)
     for axis in tradeoff.axes:
-        other = "duration" if axis.kind == "delta-v" else "delta-v"
+        other = "delta-v" if axis.kind == "duration" else "duration"
         rows = tradeoff.along(axis.kind)
         lines = [
             _line(
@@ -75,8 +75,7 @@ def _named(kind: str, value: float, rows: int) -> str:
 
 def value_of(point: Point, kind: str) -> float:
     """The limit of a point that is varied, in the unit that people give it in."""
-    value = point.delta_v_m_s if kind == "delta-v" else point.duration_s
-    return value / KINDS[kind].scale
+    return point.value(kind) / KINDS[kind].scale
 
 
 def _line(points: tuple[Point, ...], kind: str, name: str, colour: str, most: float) -> Line:

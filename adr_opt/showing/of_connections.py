@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from .card import Card, Table, days
 
 if TYPE_CHECKING:
-    from ..connections import Connections
+    from ..connections import AllConnections, Connections
 
 
 def of_connections(found: Connections) -> Card:
@@ -26,3 +26,12 @@ def of_connections(found: Connections) -> Card:
     ]
     heads = ("departure day", "arrival day", "ΔV m/s", "revolutions")
     return Card("Connections", "", tuple(facts), (), (Table(heads, rows, texts=0),))
+
+
+def of_all(found: AllConnections) -> Card:
+    """The card of the connections of all pairs."""
+    pairs = len(set(zip(found.origin.tolist(), found.destination.tolist(), strict=True)))
+    facts = [f"{len(found)}" if len(found) else "none", f"of {pairs} pairs"]
+    if len(found):
+        facts.append(f"{found.delta_v.min():,.1f} to {found.delta_v.max():,.1f} m/s")
+    return Card("AllConnections", "", tuple(facts), (), ())

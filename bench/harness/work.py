@@ -18,7 +18,7 @@ from typing import Any
 import adr_opt
 from adr_opt import front
 from adr_opt.campaign import Campaign, Problem, problem_of
-from adr_opt.errors import InputError
+from adr_opt.errors import MissingExtra
 from adr_opt.instance import Instance
 from adr_opt.mission import Mission
 from adr_opt.planner import BOUNDS, takes_jobs
@@ -96,18 +96,19 @@ def _as_new(problem: Problem) -> Problem:
 
 
 def preflight(methods: tuple[Method | BoundCall, ...]) -> str | None:
-    """Compile and load every method in this process; what input is wrong, if any.
+    """Compile and load every method in this process; which package is missing, if any.
 
-    What a planner raises otherwise is for its rows to say.
+    What a planner raises otherwise, or returns, is for its rows to say: the run goes on.
     """
     for method in methods:
         try:
             _solve_small(method)
-        except InputError as error:
+        except MissingExtra as error:
             return f"{method.name}: {error}"
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             print(
-                f"{method.name}: fails on a small mission ({_sentence(error)}); its rows will say "
+                f"{method.name}: fails on the practice mission "
+                f"{_small(False, False).instance.name} ({_sentence(error)}); its rows will say "
                 "what becomes of it",
                 file=sys.stderr,
             )

@@ -27,7 +27,7 @@ def random_walks(mission, *, seed, stop, progress, walks=100):
                 if timing.made == len(moves + more):
                     moves, collected = moves + more, timing.objective
                     break
-        if collected > most:
+        if collected > most and mission.may_stop(mission.closed(moves)):
             best, most = moves, collected
             progress(most, math.inf)
         walk += 1

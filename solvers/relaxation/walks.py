@@ -47,21 +47,35 @@ LARGEST = 2**29
 BUCKET_SHARE = 1.0 / 60.0
 """Usual length of a bucket of time, as a share of the shortest leg."""
 
+MOST_SLOTS = 8_000
+"""More slots of ΔV would make one evaluation, and what comes before the first, take too long: a
+tank worth hundreds of km/s is as good as any, and needs none."""
+
 ROOM_BYTES = 0.6e9
 """Memory that the values of all states may take."""
 
 
 def affordable(buckets: int, budget: float, slot: float, arrays: int = 2) -> float:
-    """The slot asked for, widened until the values of all states fit into memory [m/s].
+    """The slot asked for, widened until slots are few enough and all values fit into memory [m/s].
 
     Parameters
     ----------
     arrays : int
         So many integers for each bucket and slot.
     """
-    while slot < budget and 4.0 * arrays * buckets * (budget / slot + simd.LANES) > ROOM_BYTES:
+    while slot < budget and (
+        budget > MOST_SLOTS * slot
+        or 4.0 * arrays * buckets * (budget / slot + simd.LANES) > ROOM_BYTES
+    ):
         slot *= 2.0
     return slot
+
+
+def spendable(network: Network, duration: float) -> float:
+    """No walk spends more: each leg the most that any costs, one after the other [m/s]."""
+    legs = duration / network.shortest + 1.0 if network.shortest > 0.0 else math.inf
+    # One more, and a launch that takes no time.
+    return float((legs + 2.0) * network.delta_v.max(initial=0.0))
 
 
 def _stages(buckets: Buckets) -> list[float]:
@@ -182,6 +196,8 @@ class WalkBound:
         layers = 1 if self.loads is None else self.loads.full.size
         arrays = 2 if self.loads is None else 4 * layers
         self.slot = affordable(int(assignment.start[-1]), rules.budget, delta_v_slot_m_s, arrays)
+        if self.loads is None and rules.budget > spendable(self.network, rules.duration):
+            self.slot = max(self.slot, rules.budget)  # nothing is short of ΔV, so none is counted
         self.top = math.floor(rules.budget / self.slot + SLACK)
         self.width = (self.top // simd.LANES + 1) * simd.LANES
         self._jobs = jobs

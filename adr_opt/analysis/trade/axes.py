@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
+from ...chasers import TankByMass
 from ...errors import InputError
 from ...instance import Instance
 from ...kernels.constants import DAY_S
@@ -28,14 +29,49 @@ class Kind:
         As a command line says them.
     scale : float
         What one unit is in SI.
+    title : str
+        As charts say it.
     """
 
     name: str
     unit: str
     scale: float
+    title: str
 
 
-KINDS = {kind.name: kind for kind in (Kind("delta-v", "m/s", 1.0), Kind("duration", "days", DAY_S))}
+KINDS = {
+    kind.name: kind
+    for kind in (
+        Kind("delta-v", "m/s", 1.0, "ΔV of a full tank [m/s]"),
+        Kind("propellant", "kg", 1.0, "propellant of a full tank [kg]"),
+        Kind("duration", "days", DAY_S, "duration [days]"),
+    )
+}
+
+
+@dataclass(frozen=True)
+class Tanks:
+    """Which limit of tanks is varied, and its values.
+
+    Attributes
+    ----------
+    limit : {"", "delta_v_m_s", "propellant_kg"}
+        Nothing where tanks stay as they are.
+    values : tuple of (float, float)
+        The ΔV by which points are told apart [m/s], and what the limit is there: that ΔV itself
+        where nothing else is said.
+    """
+
+    limit: str = ""
+    values: tuple[tuple[float, float], ...] = ()
+
+    def changes(self, delta_v_m_s: float) -> dict[str, float]:
+        """What ``with_limits`` is to change of tanks, at a point."""
+        return {self.limit: dict(self.values).get(delta_v_m_s, delta_v_m_s)} if self.limit else {}
+
+
+IN_DELTA_V = Tanks("delta_v_m_s")
+"""All tanks are counted in ΔV, by which points are told apart."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +80,9 @@ class Axis:
 
     Attributes
     ----------
-    kind : {"delta-v", "duration"}
+    kind : {"delta-v", "propellant", "duration"}
     values : tuple of float
-        [m/s] or [s].
+        [m/s], [kg] or [s].
     """
 
     kind: str
@@ -107,14 +143,51 @@ def grid(instance: Instance, axes: Sequence[Axis]) -> list[Limits]:
         raise InputError("nothing is varied; say what with --vary, as delta-v=1000:6000:500")
     if len(by_kind) < len(axes):
         raise InputError("one limit is varied twice; give its values in one list")
-    tanks = {chaser.tank.delta_v_m_s for chaser in instance.chasers}
-    if "delta-v" not in by_kind and len(tanks) > 1:
-        # Nothing is read off this number but how points compare, and all have the same.
-        tanks = {max(tanks)}
-    delta_vs = by_kind["delta-v"].values if "delta-v" in by_kind else tuple(tanks)
+    tanks = tanks_of(instance, axes)
+    # Where tanks stay, nothing is read off this number but that all points have the same.
+    delta_vs = tuple(value for value, _ in tanks.values) or (instance.largest_tank_m_s,)
     durations = (
         by_kind["duration"].values if "duration" in by_kind else (instance.mission.duration_s,)
     )
     if len(delta_vs) * len(durations) > MOST_POINTS:
         raise InputError(f"{len(delta_vs) * len(durations)} points, more than {MOST_POINTS}")
     return list(product(delta_vs, durations))
+
+
+def tanks_of(instance: Instance, axes: Sequence[Axis]) -> Tanks:
+    """What is varied of tanks.
+
+    Raises
+    ------
+    InputError
+        It cannot be: masses count and ΔV is varied, or there are none and propellant is.
+    """
+    by_kind = {axis.kind: axis for axis in axes}
+    if "delta-v" in by_kind and "propellant" in by_kind:
+        raise InputError("vary delta-v or propellant: they are two ways to say what is in a tank")
+    if "delta-v" in by_kind:
+        for chaser in instance.chasers:
+            if counts_masses(instance) and isinstance(chaser.tank, TankByMass):
+                raise InputError(
+                    f"vary delta-v: the tank of {chaser.name!r} is one by mass, and masses count "
+                    "(kit_mass_kg, tows or expense); vary propellant, in kg"
+                )
+        values = by_kind["delta-v"].values
+        return Tanks("delta_v_m_s", tuple(zip(values, values, strict=True)))
+    if "propellant" in by_kind:
+        if any(station.max_propellant_kg is not None for station in instance.stations):
+            raise InputError(
+                "vary propellant: a station has a max_propellant_kg, of which larger tanks take "
+                "more, so that points say nothing of each other; leave the limit out"
+            )
+        values = by_kind["propellant"].values
+        held = [instance.with_limits(propellant_kg=value).largest_tank_m_s for value in values]
+        return Tanks("propellant_kg", tuple(zip(held, values, strict=True)))
+    return Tanks()
+
+
+def counts_masses(instance: Instance) -> bool:
+    """Whether what a chaser weighs makes a difference beyond the ΔV of its empty tank."""
+    return any(target.removal == "tow" for target in instance.targets) or any(
+        chaser.kit_mass_kg > 0.0 or chaser.priced.counts_mass for chaser in instance.chasers
+    )

@@ -26,6 +26,7 @@ from ...front import solve
 from ...instance import Instance
 from ...kernels.constants import DAY_S
 from ...stop import Stop
+from .axes import tanks_of
 from .points import Point, Routes, Tradeoff
 from .shared import Shared, variant
 
@@ -123,7 +124,7 @@ def frontier(
         See :func:`check_frontier`.
     """
     check_frontier(made.instance)
-    tanks = any(axis.kind == "delta-v" for axis in made.axes)
+    tanks = tanks_of(made.instance, made.axes)
     found: list[Ending] = []
     for tank_m_s, row in made.along("duration").items():
         prize = max(point.prize for point in row)

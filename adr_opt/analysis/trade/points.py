@@ -42,6 +42,8 @@ class Point(Shown):
         Planners that were run for this point; none where its neighbours say it all.
     runtime_s, cpu_s : float
         Wall time and processor time of these.
+    propellant_kg : float or None
+        Of a full tank, where that is varied; ``delta_v_m_s`` is what it is worth then.
     """
 
     delta_v_m_s: float
@@ -54,11 +56,19 @@ class Point(Shown):
     methods: tuple[str, ...] = ()
     runtime_s: float = 0.0
     cpu_s: float = 0.0
+    propellant_kg: float | None = None
 
     def _card(self) -> Card:
         from ...showing.of_analysis import of_point
 
         return of_point(self)
+
+    def value(self, kind: str) -> float:
+        """Its limit of a kind, in SI."""
+        if kind == "propellant":
+            assert self.propellant_kg is not None
+            return self.propellant_kg
+        return self.delta_v_m_s if kind == "delta-v" else self.duration_s
 
     @property
     def limits(self) -> Limits:
@@ -95,9 +105,12 @@ class Point(Shown):
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """The fields, for JSON."""
+        """The fields, for JSON; propellant only where it is varied."""
+        fields = asdict(self)
+        if self.propellant_kg is None:
+            del fields["propellant_kg"]
         return {
-            **asdict(self),
+            **fields,
             "status": self.status,
             "routes": [list(route) for route in self.routes],
             "methods": list(self.methods),
@@ -142,7 +155,7 @@ class Tradeoff(Shown):
         """The points by the value of the other limit, each row ascending in this one."""
         rows: dict[float, list[Point]] = {}
         for point in self.points:
-            key = point.duration_s if kind == "delta-v" else point.delta_v_m_s
+            key = point.delta_v_m_s if kind == "duration" else point.duration_s
             rows.setdefault(key, []).append(point)
         return {key: tuple(row) for key, row in rows.items()}
 

@@ -8,7 +8,7 @@ import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from ...campaign import Problem
@@ -20,7 +20,7 @@ from ...planner import PLANNERS, campaign_form, get, takes_jobs, takes_start
 from ...prepared import form_for, method_of
 from ...stop import MaxRuntime, Stop
 from ...tolerance import meets
-from .axes import Axis, Limits, grid
+from .axes import Axis, Limits, Tanks, grid, tanks_of
 from .points import Board, Impossible, Point, Tradeoff
 from .results import ResultsFile
 from .resumed import take_in
@@ -126,7 +126,7 @@ def tradeoff(
     if jobs != 1 and cluster is not None:
         raise InputError("jobs and a cluster exclude each other; leave one of them out")
     limits = grid(instance, axes)
-    tanks = any(axis.kind == "delta-v" for axis in axes)
+    tanks = tanks_of(instance, axes)
     for each in limits:
         variant(instance, each, tanks=tanks)  # what is not valid is refused before any work
     shared = Shared(instance, max(duration for _, duration in limits), tanks=tanks)
@@ -161,7 +161,8 @@ def tradeoff(
                 if file is not None:
                     file.append(point, used)
                 told(point, board)
-    points = tuple(board.points[each] for each in limits)
+    held = dict(tanks.values) if tanks.limit == "propellant_kg" else {}
+    points = tuple(replace(board.points[each], propellant_kg=held.get(each[0])) for each in limits)
     cpu_s = time.process_time() - cpu_began + runner.elsewhere_s
     made = Tradeoff(instance, tuple(axes), points, time.perf_counter() - began, cpu_s)
     if file is not None and not _is_over(stop):
@@ -283,11 +284,11 @@ class _Work(NamedTuple):
 
     instance: Instance
     longest_s: float
-    tanks: bool
+    tanks: Tanks
     settings: Settings
 
     @property
-    def key(self) -> tuple[str, float, bool, Settings]:
+    def key(self) -> tuple[str, float, Tanks, Settings]:
         """What it is told apart by; instances with given connections are not to be compared."""
         return self.instance.sha256, self.longest_s, self.tanks, self.settings
 

@@ -11,25 +11,39 @@ connections of its own.
 
 from __future__ import annotations
 
+import math
+
 from ...campaign import Problem, problem_of
 from ...connections import Connecting
 from ...instance import Instance
-from .axes import Limits
+from .axes import IN_DELTA_V, Limits, Tanks, counts_masses
 
 
-def variant(instance: Instance, limits: Limits, *, tanks: bool) -> Instance:
-    """The instance of a point; its tanks stay as they are where they are not varied."""
+def variant(instance: Instance, limits: Limits, *, tanks: Tanks | bool) -> Instance:
+    """The instance of a point; its tanks stay as they are where they are not varied.
+
+    ``tanks`` says what of them is; True stands for their ΔV.
+    """
     delta_v_m_s, duration_s = limits
-    return instance.with_limits(duration_s, delta_v_m_s if tanks else None)
+    return instance.with_limits(duration_s, **_said(tanks).changes(delta_v_m_s))
+
+
+def _said(tanks: Tanks | bool) -> Tanks:
+    if isinstance(tanks, Tanks):
+        return tanks
+    return IN_DELTA_V if tanks else Tanks()
 
 
 def slack_m_s(instance: Instance) -> float:
     """What a plan may cost more on the connections of a larger tank, at most [m/s].
 
-    Each leg as much as the resolution, where connections that save less are left out.
+    Each leg as much as the resolution, where connections that save less are left out. There is no
+    such limit where masses count: what is aboard, or towed, takes part in each leg.
     """
     if not instance.nodes_drift and instance.transfer.departure_spacing_s == 0.0:
         return 0.0
+    if counts_masses(instance):
+        return math.inf
     return instance.transfer.delta_v_resolution_m_s * (2 * len(instance.targets) + 2)
 
 
@@ -41,18 +55,18 @@ class Shared:
     instance : Instance
     longest_s : float
         The longest duration of all points [s].
-    tanks : bool
-        Whether tanks are varied.
+    tanks : Tanks or bool
+        What is varied of tanks; True for their ΔV.
     """
 
-    def __init__(self, instance: Instance, longest_s: float, *, tanks: bool) -> None:
-        self._instance, self.longest_s, self._tanks = instance, longest_s, tanks
+    def __init__(self, instance: Instance, longest_s: float, *, tanks: Tanks | bool) -> None:
+        self._instance, self.longest_s, self._tanks = instance, longest_s, _said(tanks)
         self._of_tank: dict[float, Problem] = {}
 
     def problem(self, limits: Limits) -> Problem:
         """What is planned at a point, with all that is known of its timetable."""
         delta_v_m_s, duration_s = limits
-        return self._longest(limits).with_limits(duration_s, delta_v_m_s if self._tanks else None)
+        return self._longest(limits).with_limits(duration_s, **self._tanks.changes(delta_v_m_s))
 
     def _longest(self, limits: Limits) -> Problem:
         """The longest mission with such a tank, or with any where that makes no difference."""

@@ -1,0 +1,8 @@
+"""For the tests of planners that others write: :func:`validate_planner`, case by case."""
+
+from __future__ import annotations
+
+from .cases import CASES
+from .validate import Fault, PlannerFault, validate_planner
+
+__all__ = ["CASES", "Fault", "PlannerFault", "validate_planner"]

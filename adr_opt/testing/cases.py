@@ -1,0 +1,158 @@
+"""Small missions, by name, on which a planner shows that it knows the rules of all of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ..bodies import Station, Target
+from ..campaign import Problem
+from ..chasers import AtStation, Chaser, InOrbit
+from ..generator import generate
+from ..instance import Instance
+from ..kernels.constants import DAY_S
+from ..mission import Mission
+from ..practice import asking_mission, practice_campaign, practice_mission
+from ..timetable import Timetable
+
+BEGINNING, REPEATED, OVER = "start plan", "same seed, same plan", "time over at once"
+"""Cases of the way a planner is called; the mission is that of :func:`_field`."""
+
+
+class Case(NamedTuple):
+    """A mission to plan.
+
+    Attributes
+    ----------
+    problem : callable
+        Makes it.
+    practises : bool
+        Whether the planner is stopped as it is when it practises, after some questions.
+    has_plan : bool
+        Whether there is one, be it that of an empty route.
+    """
+
+    problem: Callable[[], Problem]
+    practises: bool = False
+    has_plan: bool = True
+
+
+def _field() -> Instance:
+    return generate("tiny", 0)
+
+
+def _with(**changes: object) -> Callable[[], Problem]:
+    """The field with other parts."""
+    return lambda: Mission(_field().replace(**changes))
+
+
+def _with_targets(change: Callable[[int, Target], Target]) -> Callable[[], Problem]:
+    """The field with targets changed, by their place in the file."""
+
+    def problem() -> Problem:
+        field = _field()
+        return Mission(
+            field.replace(targets=tuple(change(*each) for each in enumerate(field.targets)))
+        )
+
+    return problem
+
+
+def _with_chaser(change: Callable[[Instance], Chaser]) -> Callable[[], Problem]:
+    """The field with another chaser."""
+
+    def problem() -> Problem:
+        field = _field()
+        return Mission(field.replace(chasers=(change(field),)))
+
+    return problem
+
+
+def _with_limits(duration_s: float | None = None, delta_v_m_s: float | None = None) -> Problem:
+    return Mission(_field().with_limits(duration_s=duration_s, delta_v_m_s=delta_v_m_s))
+
+
+def _required(delta_v_m_s: float | None = None) -> Problem:
+    """The last target has to be serviced."""
+    field = _field()
+    *others, last = field.targets
+    changed = field.replace(targets=(*others, last.replace(required=True)))
+    return Mission(changed.with_limits(delta_v_m_s=delta_v_m_s))
+
+
+def _without_station() -> Problem:
+    """The chaser starts in an orbit of its own, and can refuel nowhere."""
+    field = _field()
+    orbit = field.stations[0].orbit
+    assert orbit is not None
+    chaser = field.chaser.replace(start=InOrbit(orbit=orbit))
+    return Mission(field.replace(stations=(), chasers=(chaser,)))
+
+
+def _two_stations() -> Problem:
+    """The last target is a station, where the mission has to end."""
+    field = _field()
+    *targets, last = field.targets
+    stations = (*field.stations, Station(name="second", orbit=last.orbit))
+    chaser = field.chaser.replace(end=AtStation(station="second"))
+    return Mission(field.replace(stations=stations, targets=tuple(targets), chasers=(chaser,)))
+
+
+def _given() -> Problem:
+    """Connections from a table, with gaps in it."""
+    field = _field()
+    bodies = len(field.names)
+    origin, destination = np.meshgrid(np.arange(bodies), np.arange(bodies), indexing="ij")
+    cost = 40.0 + 10.0 * ((3 * origin + 5 * destination) % 7)
+    cost[(origin + destination) % 4 == 3] = math.inf
+    duration = np.where(np.isfinite(cost), 5000.0 + 500.0 * abs(origin - destination), math.inf)
+    departures = [0.0, 0.4 * DAY_S, 0.8 * DAY_S]
+    timetable = Timetable.from_matrices(field, departures, [duration] * 3, [cost] * 3)
+    return Mission(timetable.instance)
+
+
+CASES: dict[str, Case] = {
+    "practice mission": Case(practice_mission, practises=True),
+    "practice mission with drifting nodes": Case(lambda: practice_mission(True), practises=True),
+    "practice mission without a timetable": Case(asking_mission, practises=True),
+    "practice campaign": Case(practice_campaign, practises=True),
+    "usual field": Case(_with()),
+    "no targets": Case(_with(targets=())),
+    "one target": Case(lambda: Mission(_field().replace(targets=_field().targets[:1]))),
+    "tank nearly empty": Case(lambda: _with_limits(delta_v_m_s=1.0)),
+    "mission of a quarter of an hour": Case(lambda: _with_limits(duration_s=900.0)),
+    "targets worth nothing": Case(_with_targets(lambda at, each: each.replace(prize=0.0))),
+    "unequal prizes": Case(_with_targets(lambda at, each: each.replace(prize=0.3 * at + 0.1))),
+    "two targets in one orbit": Case(
+        _with_targets(lambda at, each: each.replace(orbit=_field().targets[at // 2].orbit))
+    ),
+    "windows": Case(
+        _with_targets(
+            lambda at, each: each.replace(
+                window_s=(0.1 * at * DAY_S, (0.1 * at + 0.6) * DAY_S if at % 2 else None)
+            )
+        )
+    ),
+    "required target": Case(_required),
+    "required target out of reach": Case(lambda: _required(1.0), has_plan=False),
+    "one target at most": Case(_with_chaser(lambda field: field.chaser.replace(max_targets=1))),
+    "chaser that comes late": Case(
+        _with_chaser(lambda field: field.chaser.replace(available_s=(0.3 * DAY_S, 1.2 * DAY_S)))
+    ),
+    "end at a station": Case(
+        _with_chaser(
+            lambda field: field.chaser.replace(end=AtStation(station=field.stations[0].name))
+        )
+    ),
+    "no station": Case(_without_station),
+    "two stations": Case(_two_stations),
+    "keep-out zones": Case(lambda: Mission(generate("tiny", 0, zones=4))),
+    "given connections": Case(_given),
+    OVER: Case(_with()),
+    BEGINNING: Case(_with()),
+    REPEATED: Case(_with()),
+}
+"""All cases by name."""

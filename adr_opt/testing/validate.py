@@ -1,0 +1,268 @@
+"""Run a planner on cases, and say of each whether its plan may count."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, NamedTuple
+
+from ..campaign import Campaign, Problem
+from ..checking import check
+from ..errors import InputError
+from ..options import read
+from ..planner import (
+    Planner,
+    adapted,
+    campaign_form,
+    get,
+    needs_no_table,
+    options_of,
+    silent,
+    takes_start,
+)
+from ..practice import Practice, habits
+from ..prepared import FALLBACK, Prepared
+from ..result import Result
+from ..stop import MaxIterations, MaxRuntime, Stop
+from .cases import BEGINNING, CASES, OVER, REPEATED, Case
+
+MOST_QUESTIONS = 1000
+"""So often may a planner ask on after it was told that it is enough: its threads may each."""
+
+RELATIVE = 1e-6
+"""Difference by which sums of prizes may differ that were added up in other orders."""
+
+SAME_WORK = 5
+"""Iterations after which plans are compared."""
+
+
+class Fault(NamedTuple):
+    """What a planner does wrong.
+
+    Attributes
+    ----------
+    case : str
+        On which of :data:`CASES`.
+    reason : str
+        In a sentence.
+    """
+
+    case: str
+    reason: str
+
+    def __str__(self) -> str:
+        """The sentence with the name of the case."""
+        return f"{self.case}: {self.reason}"
+
+
+class PlannerFault(AssertionError):
+    """A planner does something wrong; a line for each case.
+
+    Attributes
+    ----------
+    faults : tuple of Fault
+    """
+
+    def __init__(self, name: str, faults: tuple[Fault, ...], cases: int) -> None:
+        self.faults = faults
+        lines = "\n".join(f"  {fault}" for fault in faults)
+        super().__init__(f"planner {name!r} fails in {len(faults)} of {cases} cases:\n{lines}")
+
+
+def validate_planner(
+    planner: Callable[..., Result] | str,
+    *,
+    cases: Iterable[str] | None = None,
+    plans: bool = True,
+    seed: int = 0,
+    time_limit: float = 2.0,
+    **options: Any,
+) -> tuple[str, ...]:
+    """Run a planner on the practice mission and on edge cases, and judge its plans by ``check``.
+
+    It is called as :func:`adr_opt.solve` calls it, but need not be installed. In each case it has
+    to return a Result with a plan that breaks no rule, prizes that are those of the plan, no
+    incumbent better than that and no bound below it or below a greedy plan; and to stop asking when
+    it is told that it is enough.
+
+    Parameters
+    ----------
+    planner : callable or str
+        The function, or the name of an installed planner.
+    cases : iterable of str, optional
+        Names of :data:`CASES`. By default all, but those of several chasers, of rows that are
+        worked out on demand and of start plans for planners that do not know them.
+    plans : bool
+        Whether plans are what it is asked for; False for a bound.
+    seed : int
+    time_limit : float
+        Of each case that is no practice [s].
+    **options
+        Of the planner.
+
+    Returns
+    -------
+    tuple of str
+        The names of the cases, all of which it passes.
+
+    Raises
+    ------
+    PlannerFault
+        It fails; a line for each case says why.
+    InputError
+        It cannot be called as planners are, or there is no such case or option.
+    """
+    name = planner if isinstance(planner, str) else getattr(planner, "__name__", "planner")
+    function = get(planner) if isinstance(planner, str) else adapted(name, planner)
+    arguments = {"seed": seed, "options": read(options_of(function), options)}
+    # Not as a planner, for which a greedy plan would stand in.
+    prepared = Prepared(name, function, arguments, plans=False)
+    wanted = _wanted(prepared, cases)
+    faults = tuple(
+        Fault(case, reason)
+        for case in wanted
+        for reason in _faults(prepared, case, plans, time_limit)
+    )
+    if faults:
+        raise PlannerFault(name, faults, len(wanted))
+    return wanted
+
+
+def _wanted(prepared: Prepared, cases: Iterable[str] | None) -> tuple[str, ...]:
+    if cases is not None:
+        wanted = (cases,) if isinstance(cases, str) else tuple(cases)
+        for case in wanted:
+            if case not in CASES:
+                raise InputError(f"case {case!r} is unknown; use one of: {', '.join(CASES)}")
+        return wanted
+    function = prepared.function
+    knows = {
+        "practice campaign": campaign_form(function) is not None,
+        "practice mission without a timetable": needs_no_table(
+            function, prepared.arguments["options"]
+        ),
+        BEGINNING: takes_start(function),
+    }
+    return tuple(case for case in CASES if knows.get(case, True))
+
+
+class _Watched:
+    """A stop that a planner has to heed."""
+
+    def __init__(self, stop: Stop) -> None:
+        self._stop = stop
+        self._left = MOST_QUESTIONS
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
+        if not self._stop(incumbent, bound):
+            return False
+        self._left -= 1
+        if self._left < 0:
+            raise AssertionError("it goes on after stop(incumbent, bound) said that it is enough")
+        return True
+
+    def remaining_s(self) -> float:
+        """Seconds that may still be used."""
+        return self._stop.remaining_s()
+
+
+class _Over:
+    """A stop that says at once that it is enough."""
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
+        return True
+
+    def remaining_s(self) -> float:
+        """Seconds that may still be used."""
+        return 0.0
+
+
+class _Heard:
+    """A progress that remembers the best incumbent and the least bound."""
+
+    def __init__(self) -> None:
+        self.incumbent, self.bound = -math.inf, math.inf
+
+    def __call__(self, incumbent: float, bound: float) -> None:
+        """Hear of it."""
+        self.incumbent, self.bound = max(self.incumbent, incumbent), min(self.bound, bound)
+
+
+def _faults(prepared: Prepared, name: str, plans: bool, time_limit: float) -> Iterator[str]:
+    """What goes wrong in a case, in sentences."""
+    case = CASES[name]
+    problem = case.problem()
+    for mission in problem.missions:
+        mission.rules  # noqa: B018  builds the timetable, which is no part of the time limit
+    known = _greedy(problem)
+    if name == BEGINNING:
+        prepared = prepared.beginning_from(problem, (known.destinations,), repair=False)
+
+    def stop() -> Stop:
+        if name == OVER:
+            return _Watched(_Over())
+        if name == REPEATED:
+            return _Watched(MaxIterations(SAME_WORK))
+        if case.practises:
+            return _Watched(Practice(habits(prepared.function).rounds))
+        return _Watched(MaxRuntime(time_limit))
+
+    heard = _Heard()
+    try:
+        result = prepared(problem, stop(), heard)
+        again = prepared(problem, stop()) if name == REPEATED else result
+    except (Exception, SystemExit) as error:
+        said = str(error) if isinstance(error, (InputError, AssertionError)) else repr(error)
+        yield f"raised {type(error).__name__}: {said}" if said == str(error) else f"raised {said}"
+        return
+    yield from _judged(problem, result, case, plans)
+    yield from _claimed(result, heard, known)
+    if again.routes != result.routes:
+        yield (
+            f"gives another plan when it is called again with the seed "
+            f"{prepared.arguments['seed']} and may ask as often: {again.routes} after "
+            f"{result.routes}"
+        )
+
+
+def _greedy(problem: Problem) -> Result:
+    """The plan of a planner that is known."""
+    planner: Planner = get(FALLBACK)
+    form = campaign_form(planner) if isinstance(problem, Campaign) else planner
+    assert form is not None
+    return form(problem, seed=0, stop=MaxIterations(1_000_000), progress=silent)
+
+
+def _judged(problem: Problem, result: Result, case: Case, plans: bool) -> Iterator[str]:
+    """Whether there is a plan, and what ``check`` finds."""
+    plan = result.plan
+    if plan is None:
+        if plans and case.has_plan:
+            said = "".join(f"; {note}" for note in result.notes)
+            yield f"returned no plan, where one with no leg is one, or one is known{said}"
+        return
+    violations = check(problem.instance, plan)
+    if violations:
+        more = f", and {len(violations) - 1} more" if len(violations) > 1 else ""
+        yield f"its plan breaks the rules: {violations[0]}{more}"
+    if result.objective != plan.objective:
+        yield f"its objective is {result.objective!r}, that of its plan {plan.objective!r}"
+
+
+def _claimed(result: Result, heard: _Heard, known: Result) -> Iterator[str]:
+    """What it says of incumbents and bounds that cannot be."""
+    best = max(result.objective, known.objective)
+    bound = min(result.upper_bound, heard.bound)
+    if bound < best - _rounding(best):
+        yield f"its bound {bound!r} is below {best!r}, which a plan collects"
+    if result.plan is not None and heard.incumbent > result.objective + _rounding(result.objective):
+        yield (
+            f"it reported the incumbent {heard.incumbent!r} and returned a plan that collects "
+            f"{result.objective!r}"
+        )
+
+
+def _rounding(prizes: float) -> float:
+    return RELATIVE * abs(prizes) if math.isfinite(prizes) else 0.0
