@@ -69,7 +69,8 @@ class InstanceFile(Record):
         """A grid that is not given follows from the mission, where there are drift legs."""
         transfer = self.transfer
         if transfer.max_drift_s > 0.0 and "drift_step_s" not in transfer.model_fields_set:
-            step = default_step_s(self.mission.duration_s, [body.orbit for body in self.targets])
+            known = [body.orbit for body in self.targets if body.orbit is not None]
+            step = default_step_s(self.mission.duration_s, known)
             object.__setattr__(self, "transfer", transfer.replace(drift_step_s=step))
         return self
 

@@ -117,7 +117,7 @@ def generate(
         targets=objects,
         chasers=chasers_of(kind, seed, chasers or kind.chasers, start, there),
         mission=_mission(kind),
-        transfer=_transfers(kind, [target.orbit for target in objects]),
+        transfer=_transfers(kind, [each.orbit for each in objects if each.orbit is not None]),
         keep_out_zones=draw_zones(seed, zones, kind.duration_s),
     )
     return fitted(
