@@ -8,6 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from osculating import from_mean_circle
+from scipy.integrate import solve_ivp
 
 import adr_opt
 from adr_opt.flight.refined import _World
@@ -56,12 +57,43 @@ def energy(state: Array, gravity: str) -> float:
 @pytest.mark.parametrize("gravity", ["two-body", "j2", "j3", "j4"])
 @pytest.mark.parametrize("seed", range(3))
 def test_two_integrators_agree(gravity: str, seed: int) -> None:
-    """Collocation and SciPy's DOP853, each with its own pull, end a day within a millimetre."""
+    """Collocation and the judge's elements, each with its own pull, end a day within 0.1 mm."""
     state = random_state(np.random.default_rng(seed))
     there = moved(state, DAY_S, gravity)
     other = _World(gravity).coast(state[:, None], 0.0, DAY_S)[:, 0]
-    assert np.linalg.norm((there - other)[:3]) < 1e-3
-    assert np.linalg.norm((there - other)[3:]) < 1e-6
+    assert np.linalg.norm((there - other)[:3]) < 1e-4
+    assert np.linalg.norm((there - other)[3:]) < 1e-7
+
+
+@pytest.mark.parametrize("gravity", ["two-body", "j2", "j3", "j4"])
+@pytest.mark.parametrize("inclination", [0.0, 1.24, 1.7, math.pi])
+def test_the_judge_flies_as_scipy_does(gravity: str, inclination: float) -> None:
+    """Forth and back, side by side, the judge is where SciPy's DOP853 is with positions."""
+    states = []
+    for e, longitude in ((0.0, 1.0), (0.01, 4.0), (0.6, 2.5)):
+        of = [7.1e6 / (1.0 - e), 0.3 * e, 0.9 * e, 0.0, 0.0, longitude]
+        states.append(np.asarray(equinoctial.state_of(np.array(of), planes(inclination, 2.0))))
+
+    def rates(_: float, state: Array) -> Array:
+        return np.r_[state[3:], pull(*state[:3], FIELDS[gravity])]
+
+    for until in (0.25 * DAY_S, -0.25 * DAY_S):
+        found = _World(gravity).coast(np.stack(states, axis=1), 0.0, until)
+        for state, there in zip(states, found.T, strict=True):
+            flown = solve_ivp(rates, (0.0, until), state, "DOP853", rtol=1e-13, atol=1e-6)
+            assert np.linalg.norm((flown.y[:, -1] - there)[:3]) < 5e-3
+            assert np.linalg.norm((flown.y[:, -1] - there)[3:]) < 5e-6
+
+
+@pytest.mark.parametrize("inclination", [71.0, 98.0])
+def test_two_integrators_agree_after_two_years(inclination: float) -> None:
+    """So that a metre, which legs may miss by, is not what integrators part by themselves."""
+    of = [EARTH_RADIUS_M + 840e3, 0.003, 0.001, 0.0, 0.0, 1.0]
+    state = np.asarray(equinoctial.state_of(np.array(of), planes(math.radians(inclination), 2.0)))
+    there = moved(state, 730.0 * DAY_S, "j2")
+    other = _World("j2").coast(state[:, None], 0.0, 730.0 * DAY_S)[:, 0]
+    assert np.linalg.norm((there - other)[:3]) < 0.1
+    assert np.linalg.norm((there - other)[3:]) < 1e-4
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -70,22 +70,22 @@ def refuse_broken_chain(instance: Instance, plan: Plan) -> None:
 
 
 def _refuse_broken_route(flown: Flown, who: str) -> None:
-    where, free_s, towed = flown.chaser.start_name, 0.0, False
+    where, free_s = flown.chaser.start_name, 0.0
     for number, leg in flown.legs:
         if leg.origin != where:
             raise InputError(
                 f"leg {number} begins at {leg.origin!r}, but {who} is at {where!r}; put the "
                 "legs in order"
             )
-        begins_s = min(leg.departure_s, leg.leaves_s)
-        if not towed:
-            begins_s = min(leg.ready_s, begins_s)  # after a tow nobody waits
+        begins_s = min(leg.ready_s, leg.departure_s, leg.leaves_s)
         if begins_s < free_s - TIME_TOLERANCE_S:
             raise InputError(
                 f"leg {number} begins at {begins_s!r} s, but {who} is free at {free_s!r} s "
                 "only; correct its times"
             )
-        where, free_s, towed = leg.destination, leg.done_s, leg.tow is not None
+        # A tow may be put off until the next leg leaves, after the departure_s of a drift; the
+        # chaser is free as soon as it may be over. That it ends on leaving is asked elsewhere.
+        where, free_s = leg.destination, leg.free_s
 
 
 def _refuse_tow(number: int, leg: Leg, is_towed: bool) -> None:
