@@ -68,7 +68,7 @@ def hold(instance: Instance, plan: Plan, out: Path) -> None:
         write_plan(instance, plan, path)
         assert path.stat().st_size > 0
     write_refined(instance, refined, out / "refined.oem")
-    # Between circles of eccentric orbits, whose rates are others, approaches end tens of metres off.
+    # Between circles of eccentric orbits, which have other rates, approaches end tens of metres off.
     for arcs, most_m in (
         ([arc for _, arc in sample(instance, plan).arcs()], 100.0),
         ([track.arc for track in tracks(refined)], 10.0),
