@@ -15,6 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from adr_opt.kernels.loads import KITS_BIT
+from adr_opt.tolerance import ROUNDED
 
 from .labels import CROWDED, EXHAUSTED, FULL, PILED, Search, Table, extend
 from .learning import learn, most_of, path_of, plans_of
@@ -113,7 +114,7 @@ class Routes:
             bound.evaluate(kept, keep=True)
         value, _ = bound.best_from(self._start)
         self._gain = np.ceil((bound.prize - kept) / self._unit).astype(np.int64)
-        self.multipliers, self.total = kept, float(kept.sum())
+        self.multipliers, self.total = kept, math.fsum(kept)
         return value + self.total
 
     def pay(self, values: Table, prices: np.ndarray, reach: WalkBound, least_worth: float) -> None:
@@ -243,8 +244,9 @@ class Routes:
             Memories added.
         """
         bound = self._bound
-        # A little lower, so that no rounding of the sum of multipliers counts.
-        need = math.ceil((threshold - self.total) / self._unit - 1e-3)
+        # A little lower, so that no rounding of sums and of what services are worth counts.
+        rounding = ROUNDED * (abs(threshold) + 2.0 * self.total)
+        need = math.ceil((threshold - self.total - rounding) / self._unit - 1e-3)
         self._begin()
         extend_labels = self._extension(need)
         cursor = np.array([0, self._roots, 0], dtype=np.int64)
