@@ -168,7 +168,9 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
     # Of as many targets as may be serviced the required ones are worth most. A bound that says no
     # more than that goes without saying.
     most = prizes.shown(prizes.total_worth)
-    bound = min(result.upper_bound, most if result.status == "optimal" else math.inf)
+    bound = prizes.rounded_down(result.upper_bound)
+    if result.status == "optimal":
+        bound = min(bound, most)
     if bound == math.inf:
         raise InputError(f"{result.method} has proven nothing, so there is no certificate")
     walks: tuple[ProvenWalks, ...] = ()

@@ -99,7 +99,9 @@ def save_certificate(
     bound = certificate.upper_bound
     shown = "there is no plan" if bound is None else f"upper bound {bound:.15g}"
     say(f"wrote {path}: {shown}")
-    if bound is not None and not Prizes(instance).meets(result.upper_bound, bound):
+    prizes = Prizes(instance)
+    proven = prizes.rounded_down(result.upper_bound)
+    if bound is not None and not prizes.meets(proven, bound):
         say(
             f"note: the certificate is that of the bound before the last step of the proof, which "
             f"packs routes and proves {result.upper_bound:.15g}"
