@@ -32,8 +32,11 @@ FIRST_WAITING = 256
 FIRST_BLOCKS = 4096
 """Blocks of labels on their way before there has to be more room."""
 
-NOTHING = -(2.0**60)
+NOTHING = -(2.0**62)
 """Value of a walk that cannot be begun [fine units]."""
+
+LEAST_GAIN, LEAST_NEED = -(2.0**57), -(2**61)
+"""What a service takes off at most, and how little may be asked for [fine units]."""
 
 ANY_WORTH = -1e300
 """Less than anything is worth."""
@@ -113,7 +116,9 @@ class Routes:
         if not bound.holds(kept):
             bound.evaluate(kept, keep=True)
         value, _ = bound.best_from(self._start)
-        self._gain = np.ceil((bound.prize - kept) / self._unit).astype(np.int64)
+        # A service that takes more off a walk than any walk has may as well take no more.
+        gain = np.maximum(np.ceil((bound.prize - kept) / self._unit), LEAST_GAIN)
+        self._gain = gain.astype(np.int64)
         self.multipliers, self.total = kept, math.fsum(kept)
         return value + self.total
 
@@ -247,6 +252,8 @@ class Routes:
         # A little lower, so that no rounding of sums and of what services are worth counts.
         rounding = ROUNDED * (abs(threshold) + 2.0 * self.total)
         need = math.ceil((threshold - self.total - rounding) / self._unit - 1e-3)
+        if need < LEAST_NEED:  # multipliers far beyond all prizes prove nothing
+            return False, math.inf, None, 0
         self._begin()
         extend_labels = self._extension(need)
         cursor = np.array([0, self._roots, 0], dtype=np.int64)
