@@ -13,7 +13,7 @@ from .kernels.timetable import source_of
 from .kernels.timetable_making import WAVE
 from .mission import Mission
 from .pairs import nearest_pairs, neighbours
-from .result import Result, status_of
+from .result import Result, proven_of
 from .timetable import Timetable
 from .timetable_size import TABLE_BYTES, estimate
 
@@ -119,14 +119,15 @@ class Candidates:
             if math.isfinite(bound):
                 return result  # nothing was planned, on whatever timetable
             return replace(result, upper_bound=bound, evidence=None, status="unknown", notes=notes)
-        status = status_of(self.mission, result.objective, bound)
+        proven = proven_of(self.mission, result.objective, bound)
         plan = result.plan.replace(
-            status=status, upper_bound=result.plan.upper_bound if of_all else None,
-            gap=result.plan.gap if of_all else None, cost_bound=None, cost_gap=None,
-            cost_status=None, notes=(*result.plan.notes, note),
+            **proven._asdict(), cost_bound=None, cost_gap=None, cost_status=None,
+            notes=(*result.plan.notes, note),
         )  # fmt: skip
+        if proven.upper_bound is not None:
+            bound = proven.upper_bound
         return replace(
-            result, plan=plan, upper_bound=bound, status=status, notes=notes,
+            result, plan=plan, upper_bound=bound, status=proven.status, notes=notes,
             evidence=result.evidence if of_all else None,
         )  # fmt: skip
 

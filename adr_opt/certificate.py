@@ -23,7 +23,6 @@ from .records import Name, NonNegative, Positive, Record
 from .result import Result
 from .showing import Card, Shown
 from .station_limits import StationLimits
-from .tolerance import meets, rounded_down
 
 FORMAT: Literal["adr-opt-certificate/1"] = "adr-opt-certificate/1"
 
@@ -173,19 +172,21 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
     # Of as many targets as may be serviced the required ones are worth most. A bound that says no
     # more than that goes without saying.
     most = prizes.shown(prizes.total_worth)
-    bound = min(result.upper_bound, most if result.status == "optimal" else math.inf)
+    bound = prizes.rounded_down(result.upper_bound)
+    if result.status == "optimal":
+        bound = min(bound, most)
     if bound == math.inf:
         raise InputError(f"{result.method} has proven nothing, so there is no certificate")
     walks: tuple[ProvenWalks, ...] = ()
     multipliers: dict[str, float] = {}
     floors: ProvenFloors | None = None
-    if not meets(bound, most):
+    if not prizes.meets(bound, most):
         if evidence is None:
             raise InputError(
                 f"{result.method} does not say what its bound rests on, so there is no certificate"
             )
         proven = _proven(prizes, evidence)
-        bound = bound if meets(bound, proven) else proven
+        bound = bound if prizes.meets(bound, proven) else proven
         walks = tuple(_stated(instance, each) for each in evidence.walks)
         if evidence.floors is not None:
             floors = ProvenFloors(
@@ -231,7 +232,7 @@ def _proven(prizes: Prizes, evidence: Evidence) -> float:
     parts = [len(each.chasers) * each.most for each in evidence.walks]
     paid = StationLimits(prizes.instance).total(evidence.multipliers)
     below = math.fsum([paid, *parts]) if evidence.floors is None else evidence.floors.most
-    worth = rounded_down(below, prizes.prize_step)
+    worth = prizes.rounded_down(below)
     shown = prizes.shown(worth)
     least = min((each.prize for each in prizes.instance.targets if each.prize), default=0.0)
     if 0.0 <= shown < least:

@@ -26,7 +26,7 @@ from .planner import (
     takes_start,
 )
 from .prepared import form_for, method_of, prepare, warm_up
-from .result import Result, noted, status_of
+from .result import Result, noted, proven_of
 from .start import Start, start_destinations
 from .stop import AnyOf, MaxIterations, MaxRuntime, Stop
 from .timetable_size import TABLE_BYTES, Size, estimate, too_large
@@ -286,7 +286,7 @@ def _beyond_the_model(mission: Problem, result: Result) -> Result:
         # A plan file is read together with its instance, whose tanks may be used to the end, and
         # whose connections cost what the model says.
         plan = plan.replace(
-            upper_bound=None, gap=None, status=status_of(mission, plan.objective, math.inf),
+            **proven_of(mission, plan.objective)._asdict(),
             cost_bound=None, cost_gap=None, cost_status=None,
         )  # fmt: skip
     drift = None if plan is None else drift_warning(mission.instance, plan)

@@ -27,6 +27,7 @@ from .kernels.constants import DAY_S
 from .records import Name, Record, without
 from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings
 from .sizes import default_step_s
+from .tolerance import check_prizes
 
 FORMAT: Literal["adr-opt-instance/2"] = "adr-opt-instance/2"
 
@@ -78,6 +79,10 @@ class InstanceFile(Record):
     def _parts_agree(self) -> Self:
         check_names(self.stations, self.targets, self.chasers)
         check_stations(self.stations, self.chasers)
+        check_prizes(
+            (target.prize for target in self.targets),
+            sum(target.required for target in self.targets),
+        )
         check_expense(self.chasers, self.objective)
         is_given = self.transfer.given is not None
         check_orbits(self.stations, self.targets, self.mission, is_given=is_given)

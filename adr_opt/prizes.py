@@ -11,7 +11,14 @@ import numpy.typing as npt
 
 from .cargo import most_targets
 from .instance import Instance
-from .tolerance import RELATIVE, ROUNDING, common_step
+from .tolerance import RELATIVE, ROUNDED, ROUNDING, common_step, rounded_down
+
+GUARD, MOST_GUARD = 1e-9, 0.125
+"""A computed bound may be too small by this share of all worths, or by so many steps at most."""
+
+MARGIN, MOST_MARGIN = 1e-3, 0.5
+"""Plans worth a step more are asked for from so much below, or by more where steps are small beside
+the sum: by several times what rounding may do [steps]."""
 
 
 class Prizes:
@@ -77,7 +84,55 @@ class Prizes:
     @cached_property
     def prize_step(self) -> float:
         """All objectives are multiples of it, so that a bound may be rounded down; 0 for none."""
-        return common_step(target.prize for target in self.instance.targets)
+        return common_step((target.prize for target in self.instance.targets), len(self.required))
+
+    @cached_property
+    def step_slack(self) -> float:
+        """By how much a computed bound may be too small [steps]."""
+        if not self.prize_step:
+            return 0.0
+        steps = self.all_worth / self.prize_step
+        return max(ROUNDING, min(MOST_GUARD, GUARD * steps))
+
+    @cached_property
+    def step_margin(self) -> float:
+        """How far below the next step it is asked for, well more than the slack [steps]."""
+        return max(MARGIN, min(MOST_MARGIN, 4.0 * self.step_slack))
+
+    @cached_property
+    def prize_resolution(self) -> float:
+        """Objectives that differ by no more are equal: half a step; a share of all prizes without.
+
+        That is, what arithmetic can tell apart, not what anybody would like to neglect.
+        """
+        return 0.5 * self.prize_step if self.prize_step else RELATIVE * (self.all_prize or 1.0)
+
+    @property
+    def rounding(self) -> float:
+        """By how much a computed bound may be too small."""
+        return self.step_slack * self.prize_step if self.prize_step else self.prize_resolution
+
+    @cached_property
+    def bound_guard(self) -> float:
+        """What a proven value is raised by before others verify it, against their rounding."""
+        return (0.5 if self.prize_step else 0.125) * self.rounding
+
+    @cached_property
+    def threshold_guard(self) -> float:
+        """The same of a threshold that nothing reaches, which has more room below the next step."""
+        margin = self.step_margin * self.prize_step if self.prize_step else self.prize_resolution
+        return 0.25 * margin
+
+    def rounded_down(self, bound: float) -> float:
+        """A bound on what plans are worth: the largest whole number of steps that it allows."""
+        return rounded_down(bound, self.prize_step, self.step_slack)
+
+    def meets(self, incumbent: float, bound: float) -> bool:
+        """Whether no objective is above an incumbent and within a bound: less than a step is left.
+
+        Without a step, whether no more is left than arithmetic can tell.
+        """
+        return incumbent >= self.rounded_down(bound) - self.prize_resolution
 
     @property
     def most_targets(self) -> int | None:
@@ -118,10 +173,13 @@ class Prizes:
             return worth
         prizes = worth - len(self.required) * self.bonus
         # The difference of two numbers that large has lost digits.
-        step = self.prize_step or RELATIVE * self.bonus
-        whole = step * round(prizes / step)
-        if abs(prizes - whole) < ROUNDING * step:
-            prizes = whole
+        step = self.prize_step
+        if step:
+            whole = step * round(prizes / step)
+            if abs(prizes - whole) < self.step_slack * step:
+                prizes = whole
+        elif abs(prizes) <= ROUNDED * abs(worth):
+            prizes = 0.0
         return prizes if prizes >= 0.0 else -math.inf
 
     def collected(self, bodies: Iterable[int]) -> float:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from itertools import chain
-from typing import Any
+from typing import Any, NamedTuple
 
 from .campaign import Problem
 from .errors import InputError
@@ -20,7 +20,7 @@ from .plan import MODEL, InstanceReference, Plan, Route, Status, relative_gap
 from .pricing import APPROXIMATE, legs, unvisited
 from .prizes import Prizes
 from .showing import Card, Shown
-from .tolerance import meets, tolerance
+from .tolerance import COST_RELATIVE
 
 PACKAGES = ("adr-opt", "numpy", "numba", "ortools")
 
@@ -57,8 +57,12 @@ class Result(Shown):
     objective : float
         Sum of the prizes of the plan; −inf without one.
     upper_bound : float
-        Proven: no plan has a larger objective. +inf if nothing was proven.
+        Proven: no plan has a larger objective. +inf if nothing was proven. Where all prizes are
+        collected, their sum.
     status : {"optimal", "feasible", "infeasible", "unknown"}
+        "optimal": the bound exceeds the objective by less than the common step of the prizes
+        (:attr:`.Prizes.prize_step`), so that no plan collects more. Where prizes have none, by no
+        more than :data:`.tolerance.RELATIVE` of the sum of all prizes.
     counters : mapping
         What the method did: iterations, nodes, labels …
     seed : int
@@ -151,14 +155,53 @@ def cost_gap(cost: float, bound: float) -> float:
 
 
 def cost_status(cost: float, bound: float) -> Status:
-    """What is proven of the cost of a plan among all that collect as much."""
-    return "optimal" if cost <= bound + tolerance(bound) else "feasible"
+    """What is proven of the cost of a plan among all that collect as much.
+
+    Costs have no steps: that is the least which exceeds its bound by no more than
+    :data:`.tolerance.COST_RELATIVE` of it.
+    """
+    return "optimal" if cost <= bound + COST_RELATIVE * abs(bound) else "feasible"
 
 
 def status_of(problem: Prizes, objective: float, upper_bound: float) -> Status:
     """What is proven of a plan; all prizes collected is a proof without any bound."""
-    met = meets(objective, min(upper_bound, problem.total_prize))
+    met = problem.meets(objective, min(upper_bound, problem.total_prize))
     return "optimal" if met else "feasible"
+
+
+class Proven(NamedTuple):
+    """What a plan says of what is proven of it.
+
+    Attributes
+    ----------
+    status : {"optimal", "feasible"}
+    upper_bound, gap : float or None
+        None where nothing is.
+    """
+
+    status: Status
+    upper_bound: float | None
+    gap: float | None
+
+
+def proven_of(problem: Prizes, objective: float, upper_bound: float = math.inf) -> Proven:
+    """What is proven of a plan; where all prizes are collected their sum is its bound.
+
+    Parameters
+    ----------
+    problem : Mission or Campaign
+    objective : float
+    upper_bound : float
+        In prizes, +inf for none.
+    """
+    status = status_of(problem, objective, upper_bound)
+    if status == "optimal":
+        upper_bound = min(problem.rounded_down(upper_bound), problem.total_prize)
+        # Sums of the same prizes in another order.
+        upper_bound = max(upper_bound, objective)
+    if not math.isfinite(upper_bound):
+        return Proven(status, None, None)
+    return Proven(status, upper_bound, relative_gap(objective, upper_bound))
 
 
 def certify(
@@ -261,11 +304,10 @@ def certify_routes(
         for mission, sequence in flown
     )
     objective = problem.prizes(moves)
-    status = status_of(problem, objective, upper_bound)
+    status, bound, gap = proven_of(problem, objective, upper_bound)
     cost = cost_of_routes(problem.instance, priced)
     if cost_bound is not None:
         cost_bound = min(cost_bound, cost)  # they may differ by rounding
-    bounded = math.isfinite(upper_bound)
     plan = Plan(
         model=MODEL,
         instance=InstanceReference(name=problem.instance.name, sha256=problem.sha256),
@@ -273,8 +315,8 @@ def certify_routes(
         seed=seed,
         status=status,
         objective=objective,
-        upper_bound=upper_bound if bounded else None,
-        gap=relative_gap(objective, upper_bound) if bounded else None,
+        upper_bound=bound,
+        gap=gap,
         cost=cost,
         cost_bound=cost_bound,
         cost_gap=None if cost_bound is None else cost_gap(cost, cost_bound),
@@ -285,6 +327,7 @@ def certify_routes(
         routes=priced,
         unvisited=unvisited(flown),
     )
+    upper_bound = math.inf if bound is None else bound
     return Result(
         method, moves, plan, objective, upper_bound, status, dict(counters or {}), seed, runtime_s,
         said, tuple(sequence for _, sequence in flown), evidence=evidence,

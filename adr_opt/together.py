@@ -175,7 +175,7 @@ def _join(mission: Problem, planned: Result, proven: Result, runtime_s: float) -
     best = proven if proven.objective > planned.objective else planned
     upper_bound = float(min(planned.upper_bound, proven.upper_bound, mission.total_prize))
     if best.sequence is not None:
-        if not Proven()(upper_bound, best.objective):
+        if best.objective > upper_bound + mission.rounding:
             raise InvalidBound(
                 f"the plan by {best.method!r} of objective {best.objective!r} exceeds the bound "
                 f"{upper_bound!r} by {planned.method!r} and {proven.method!r}: "

@@ -1,46 +1,99 @@
 """When two objectives count as equal, and what steps objectives come in.
 
-All of it is relative, so that prizes of any size are planned and proven alike. `check` states its
-own tolerance, on purpose.
+Prizes have a common step wherever they are written in so few digits that it can be told, and then
+objectives are compared exactly: by whole steps. Where they have none, objectives differ by as
+little as anybody likes, and the tolerance is what arithmetic leaves. `check` and `verify` work all
+this out again by themselves, on purpose.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from decimal import Decimal
+from fractions import Fraction
 
-RELATIVE = 1e-6
-"""An incumbent meets a bound that is above it by no more than this share of the bound."""
+RELATIVE = 1e-11
+"""Objectives without a common step count as equal if they differ by this share of all prizes."""
+
+ROUNDED = 2.0**-48
+"""Sums of the same prizes may differ by this share for rounding alone."""
+
+COST_RELATIVE = 1e-6
+"""A cost, which has no steps, counts as the least if it exceeds its bound by no more of it."""
 
 ROUNDING = 1e-6
 """A bound this little below a multiple of the step counts as that multiple [steps]."""
 
 WHOLE = 1e-12
-"""A prize is a multiple of the step if it misses one by no more than this share of it."""
+"""A prize is a multiple of a step that was found by division if it misses one by no more of it."""
+
+NOISY = 1e-6
+"""Such a step is no smaller than this share of the sum of all prizes."""
+
+MOST_STEPS = 2**46
+"""All that targets are worth together, in steps: so many can be told apart with a margin, since
+sums are off by no more than 2⁻⁵⁰ of themselves."""
+
+DIGITS = 12
+"""A prize of no more significant digits is taken to be meant exactly."""
+
+TOO_SMALL = 4.0 * RELATIVE
+"""Share of all prizes below which a prize without a common step would be lost in sums."""
 
 
 def tolerance(bound: float) -> float:
-    """What an incumbent may lack of a bound that it meets."""
-    return RELATIVE * abs(bound)
+    """What an incumbent may lack of a bound by rounding alone."""
+    return ROUNDED * abs(bound)
 
 
 def meets(incumbent: float, bound: float) -> bool:
-    """Whether an incumbent is as good as a bound."""
+    """Whether an incumbent is as good as a bound, where prizes are not known.
+
+    Where they are, :meth:`.Prizes.meets` knows more.
+    """
     return incumbent >= bound - tolerance(bound)
 
 
-def common_step(prizes: Iterable[float]) -> float:
+def common_step(prizes: Iterable[float], required: int = 0) -> float:
     """The largest number of which all prizes are multiples, and with them all objectives.
+
+    Parameters
+    ----------
+    prizes : iterable of float
+    required : int
+        So many targets are required, and each of them is worth all prizes more to a planner.
 
     Returns
     -------
     float
-        0 if there is none, or if it is below the tolerance of the sum of all prizes: rounding to
-        such steps would tell nobody anything.
+        0 if there is none, or if all worths are more than :data:`MOST_STEPS` together.
     """
-    worth = [prize for prize in prizes if prize > 0.0]
-    least = RELATIVE * sum(worth)
-    if not worth or min(worth) < least:
+    worth = [float(prize) for prize in prizes if prize > 0.0]
+    if not worth:
+        return 0.0
+    step = decimal_step(worth)
+    return step if _are_few(worth, step, required) else _step_by_division(worth)
+
+
+def _are_few(worth: Sequence[float], step: float, required: int) -> bool:
+    """Whether all that targets are worth are few enough steps to be told apart."""
+    return (1 + required) * (math.fsum(worth) + step) <= MOST_STEPS * step
+
+
+def decimal_step(prizes: Sequence[float]) -> float:
+    """The largest number of which positive prizes are multiples exactly as they are written."""
+    if all(prize.is_integer() for prize in prizes):
+        return float(math.gcd(*(int(prize) for prize in prizes)))
+    written = [Fraction(repr(prize)) for prize in prizes]
+    parts = math.lcm(*(number.denominator for number in written))
+    return float(Fraction(math.gcd(*(int(number * parts) for number in written)), parts))
+
+
+def _step_by_division(worth: list[float]) -> float:
+    """The step of prizes that rounding has moved from its multiples; 0 for none."""
+    least = NOISY * math.fsum(worth)
+    if min(worth) < least:
         return 0.0
     step = 0.0
     for prize in worth:
@@ -54,16 +107,62 @@ def common_step(prizes: Iterable[float]) -> float:
     return step if step >= least and are_multiples(worth, step) else 0.0
 
 
+def check_prizes(prizes: Iterable[float], required: int) -> None:
+    """See that sums of prizes can be told apart by the arithmetic of proofs.
+
+    Parameters
+    ----------
+    prizes : iterable of float
+    required : int
+        So many targets are required: each is worth more to a planner than all prizes together.
+
+    Raises
+    ------
+    ValueError
+        They cannot. What is accepted stays so with fewer targets.
+    """
+    worth = [float(prize) for prize in prizes if prize > 0.0]
+    if not worth or common_step(worth, required):
+        return
+    total = math.fsum(worth)
+    meant = [prize for prize in worth if _digits(prize) <= DIGITS]
+    if meant and not _are_few(meant, decimal_step(meant), required):
+        step = decimal_step(meant)
+        besides = f", and {required} required targets count as many each" if required else ""
+        raise ValueError(
+            f"field targets: prizes are multiples of {step:g} and sum to {total:g}, which is "
+            f"{total / step:.2g} steps{besides}; no more than {MOST_STEPS:.2g} can be told apart: "
+            "round prizes"
+        )
+    if min(worth) < TOO_SMALL * total:
+        raise ValueError(
+            f"field targets: a prize of {min(worth):g} is lost in the sum of all, {total:g}; give "
+            f"prizes of at least {TOO_SMALL:g} of it, or with a common step"
+        )
+
+
+def _digits(prize: float) -> int:
+    """Significant digits that a prize is written in."""
+    return len(Decimal(repr(prize)).normalize().as_tuple().digits)
+
+
 def are_multiples(prizes: Iterable[float], step: float) -> bool:
-    """Whether all prizes are multiples of a step."""
+    """Whether all prizes are multiples of a step, but for rounding."""
     return all(abs(prize - step * round(prize / step)) <= WHOLE * prize for prize in prizes)
 
 
-def rounded_down(bound: float, step: float) -> float:
-    """A bound on objectives that come in steps; as it is if the step is 0."""
+def rounded_down(bound: float, step: float, slack: float = ROUNDING) -> float:
+    """A bound on objectives that come in steps; as it is if the step is 0.
+
+    Parameters
+    ----------
+    bound, step : float
+    slack : float
+        By how much the bound may be too small for rounding [steps].
+    """
     if not step or not math.isfinite(bound):
         return bound
-    return step * math.floor(bound / step + ROUNDING)
+    return step * math.floor(bound / step + slack)
 
 
 def rounded_up(goal: float, step: float) -> float:

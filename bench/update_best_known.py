@@ -47,7 +47,7 @@ from adr_opt.plan import InstanceReference, relative_gap
 from adr_opt.planner import PLANNERS
 from adr_opt.result import certify_routes, versions
 from adr_opt.together import BOUND_NOTE, InvalidBound
-from adr_opt.tolerance import RELATIVE, meets, tolerance
+from adr_opt.tolerance import COST_RELATIVE, meets, tolerance
 
 FOLDER = Path(__file__).resolve().parents[1] / "instances"
 WHO = "the adr-opt developers"
@@ -197,7 +197,7 @@ def update(folder: Path, claim: Claim) -> str:
         more = plan.objective > row.objective + slack
         cheaper = (
             abs(plan.objective - row.objective) <= slack
-            and plan.delta_v_m_s < row.delta_v_m_s * (1.0 - RELATIVE)
+            and plan.delta_v_m_s < row.delta_v_m_s * (1.0 - COST_RELATIVE)
         )  # fmt: skip
         if more or cheaper:
             said.append(f"plan {plan.objective:g} with {plan.delta_v_m_s:.1f} m/s by {plan.method}")

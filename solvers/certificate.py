@@ -11,12 +11,9 @@ from adr_opt.evidence import Evidence
 from adr_opt.mission import Mission
 from adr_opt.planner import Progress
 from adr_opt.prizes import Prizes
-from adr_opt.tolerance import rounded_down, rounded_up, tolerance
+from adr_opt.tolerance import rounded_up
 
 from .incumbent import Incumbent
-
-MARGIN = 1e-3
-"""Plans worth a step more are asked for from this much below; more than the rounding [steps]."""
 
 STRIDE = 0.01
 """Ask for a plan worth so much less than the bound (relative)."""
@@ -99,7 +96,7 @@ class CertificateOf(Generic[Found]):
         What it rests on is kept; where nobody can tell, that of the last bound of which it is
         known.
         """
-        bound = max(rounded_down(bound, self._mission.prize_step), self.incumbent)
+        bound = max(self._mission.rounded_down(bound), self.incumbent)
         if bound < 0.0:
             bound = -math.inf  # every plan is worth at least nothing, so there is none
         if bound < self.bound:
@@ -111,12 +108,7 @@ class CertificateOf(Generic[Found]):
     def proven(self) -> bool:
         """Whether the incumbent meets the bound, or no plan has all that is required."""
         none = self._mission.shown(self.bound) == -math.inf
-        return none or self.incumbent >= self.bound - self._tolerance
-
-    @property
-    def _tolerance(self) -> float:
-        """What an incumbent may lack of the bound."""
-        return tolerance(self.bound)
+        return none or self._mission.meets(self.incumbent, self.bound)
 
     @property
     def stated(self) -> float:
@@ -132,7 +124,16 @@ class CertificateOf(Generic[Found]):
     @property
     def goal(self) -> float:
         """What the next plan has to be worth to be better."""
-        return self.incumbent + (self._mission.prize_step or self._tolerance)
+        return self.incumbent + (self._mission.prize_step or self._mission.prize_resolution)
+
+    @property
+    def next_goal(self) -> float:
+        """The same, but half of it where prizes have no step, so that none is within tolerance."""
+        return self.goal if self._mission.prize_step else 0.5 * (self.incumbent + self.goal)
+
+    def below(self, goal: float) -> float:
+        """What no plan is worth more than if none is worth :attr:`next_goal`."""
+        return self.incumbent if self._mission.prize_step else goal
 
     @property
     def threshold(self) -> float:
@@ -140,8 +141,8 @@ class CertificateOf(Generic[Found]):
         step = self._mission.prize_step
         value = min(self.bound, rounded_up((1.0 - STRIDE) * self.bound, step))
         if step:
-            return max(value, self.incumbent + step) - MARGIN * step
-        return max(value, self.incumbent + 0.5 * self._tolerance)
+            return max(value, self.incumbent + step) - self._mission.step_margin * step
+        return max(value, self.incumbent + 0.5 * self._mission.prize_resolution)
 
 
 class Certificate(CertificateOf[tuple[int, ...]]):

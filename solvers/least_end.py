@@ -77,7 +77,7 @@ def prove_end(
     counters : dict
         ``ends_asked``: how many shorter missions were looked at.
     """
-    goal = asked(certificate.incumbent)
+    goal = asked(problem, certificate.incumbent)
     ruled_out, open_from, asked_about = 0.0, math.inf, 0
     while stop.remaining_s() > LEAST_S and certificate.cost > 0.0:
         end = certificate.cost * (1.0 - JUST_BELOW)

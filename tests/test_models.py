@@ -210,7 +210,10 @@ def test_worthless_targets(method):
 @exact_methods
 @pytest.mark.parametrize("prizes", [(1e12, 1.0), (1e-7, 3e-7), (1e9, 0.5), (6e6, 9e6)])
 def test_prizes_of_any_size(method, prizes):
-    """Prizes far from 1 and far apart: the bound is valid and the gap within the tolerance."""
+    """Prizes far from 1 and far apart: proven to the step, or it is said that none could be told.
+
+    HiGHS knows no more than seven digits of an objective, and CP-SAT counts in whole numbers.
+    """
     instance = adr_opt.generate("tiny", 4)
     targets = tuple(
         target.replace(prize=prizes[number % 2]) for number, target in enumerate(instance.targets)
@@ -219,7 +222,11 @@ def test_prizes_of_any_size(method, prizes):
     optimum, _, _ = brute_force(mission)
     result = prove(method, mission)
     assert optimum * (1.0 - 1e-12) <= result.upper_bound <= optimum + 1e-6 * max(1.0, optimum)
-    assert result.status == "optimal"
+    if method.__name__ == "mip" and max(prizes) > 1e6 * mission.prize_step:
+        assert result.status == "feasible"
+        assert any("within its tolerances" in note for note in result.notes)
+    else:
+        assert (result.status, result.objective) == ("optimal", pytest.approx(optimum, rel=1e-15))
 
 
 @exact_methods

@@ -76,7 +76,7 @@ EDGES: dict[str, Callable[[], Instance]] = {
     "no prizes": lambda: varied(0, prizes=(0.0,)),
     "no targets, J2": lambda: drifting_field(np.random.default_rng(2), 60 * DAY_S, 0),
     "no time, J2": lambda: varied(0, days=0.0).replace(dynamics="j2"),
-    "limits": lambda: varied(0, prizes=(1e12, 1e-12, 3e11), delta_v_m_s=1e9, targets=4),
+    "limits": lambda: varied(0, prizes=(1e12, 1.0, 3e11), delta_v_m_s=1e9, targets=4),
 }
 INSTANCES = {**SMALL, **EDGES, "nominal": lambda: adr_opt.generate("nominal", 0)}
 

@@ -10,11 +10,11 @@ from brute_force import brute_force
 from calling import call
 from test_registry import varied
 
-from adr_opt.errors import MissingExtra
+from adr_opt.errors import InputError, MissingExtra
 from adr_opt.mission import Mission
 from adr_opt.planner import get, takes_jobs
 from adr_opt.stop import MaxRuntime
-from adr_opt.tolerance import common_step, meets, rounded_down, rounded_up
+from adr_opt.tolerance import check_prizes, common_step, meets, rounded_down, rounded_up
 
 SCALES = (1e-7, 1.0, 1e7)
 
@@ -39,11 +39,12 @@ def test_scaled_prizes_change_nothing(method: str, prizes: tuple[float, ...]) ->
             assert best * (1.0 - 1e-9) <= result.upper_bound <= best * (1.0 + 1e-6)
 
 
-def test_an_incumbent_meets_a_bound_relative_to_it() -> None:
-    """A millionth of the bound is the tolerance, for any bound; none meets one that is not."""
+def test_an_incumbent_meets_a_bound_but_for_rounding() -> None:
+    """Where prizes are not known rounding alone is forgiven, for any bound; none meets infinity."""
     for scale in (1e-12, 1.0, 1e12):
-        assert meets(3.0 * scale, 3.000001 * scale)
-        assert not meets(3.0 * scale, 3.00001 * scale)
+        assert meets(0.1 * scale + 0.2 * scale, 0.3 * scale)
+        assert meets(0.3 * scale, 0.1 * scale + 0.2 * scale)
+        assert not meets(3.0 * scale, 3.00000000000003 * scale)
     assert meets(0.0, 0.0)
     assert not meets(-math.inf, 0.0)
     assert not meets(1.0, math.inf)
@@ -58,13 +59,50 @@ def test_steps_are_those_of_all_prizes() -> None:
             ([1.5, 1.0], 0.5),
             ([0.7, 2.3, 1.1], 0.1),
             ([0.491, 2.823, 2.633], 0.001),
-            ([1.0, 1e7], 0.0),
+            ([1.0, 1e7], 1.0),
             ([math.pi, 1.0], 0.0),
             ([0.0], 0.0),
             ([], 0.0),
         ):
             found = common_step([scale * prize for prize in prizes])
             assert found == pytest.approx(scale * step, rel=1e-12, abs=0.0), prizes
+
+
+def test_steps_of_prizes_as_they_are_written() -> None:
+    """Whole numbers and decimals have a step however far apart they are, up to 2⁴⁶ of them."""
+    for prizes, step in (
+        ([1e12, 1.0], 1.0),
+        ([1e12, 0.25], 0.25),
+        ([7654321.3, 0.1], 0.1),
+        ([1e-12, 3e-12], 1e-12),
+        ([1e9, 1e-3], 1e-3),
+        ([1e12, 1e-6], 0.0),
+        ([math.pi * 1e9, math.e], 0.0),
+    ):
+        assert common_step(prizes) == step, prizes
+    assert common_step([1e12, 0.25], required=100) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("prizes", "required", "said"),
+    [
+        ((1e12, 1e-12, 3e11), 0, "prizes are multiples of 1e-12 and sum to 1.3e\\+12"),
+        ((1e12, 0.25), 100, "and 100 required targets count as many each"),
+        ((math.pi * 1e12, 1.0 / 3.0), 0, "a prize of 0.333333 is lost in the sum of all"),
+    ],
+)
+def test_prizes_that_cannot_be_told_apart_are_refused(prizes, required: int, said: str) -> None:
+    """Where no margin can be guaranteed one sentence says so; fewer targets are never refused."""
+    with pytest.raises(ValueError, match=said):
+        check_prizes(prizes, required)
+    for scale in (1e-6, 1.0, 1e6):
+        check_prizes([scale * prize for prize in (math.pi, math.e, 1.5, 2.25)], 2)
+
+
+def test_an_instance_with_such_prizes_is_refused() -> None:
+    """In files and in Python, in one sentence, and not only when somebody plans."""
+    with pytest.raises(InputError, match="no more than 7e\\+13 can be told apart: round prizes"):
+        varied(0, prizes=(1e12, 1e-12, 3e11), targets=4)
 
 
 def test_bounds_are_rounded_to_steps_and_never_below_an_objective() -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from ..instance import Instance
 from ..kernels.constants import DAY_S
 from ..plan import FORMER_MODEL, Leg, Plan
 from .campaign import expense, launch_times
+from .prizes import difference_of, is_met
 from .violation import (
     DELTA_V_TOLERANCE_M_S,
     EXPENSE_TOLERANCE,
@@ -21,8 +23,9 @@ def check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
     """Objective, certificate and the list of unvisited targets."""
     prize = {target.name: target.prize for target in instance.targets}
     visited = {leg.destination for leg in plan.legs} & set(prize)
-    objective = sum(prize[name] for name in sorted(visited))
-    if abs(plan.objective - objective) > OBJECTIVE_TOLERANCE * objective:
+    difference = difference_of(instance)
+    objective = math.fsum(prize[name] for name in visited)
+    if abs(plan.objective - objective) > _off(objective, difference):
         yield Violation(
             None,
             "objective",
@@ -34,24 +37,32 @@ def check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
         if all(target.removal == "kit" for target in instance.targets):
             limits.add(chaser.kits)
         together += min(limit for limit in limits if limit is not None)
-    least = sum(sorted(prize.values(), reverse=True)[:together])
+    least = math.fsum(sorted(prize.values(), reverse=True)[:together])
     if plan.upper_bound is not None:
         least = min(least, plan.upper_bound)
-        if plan.objective > plan.upper_bound + OBJECTIVE_TOLERANCE * abs(plan.upper_bound):
+        if plan.objective > plan.upper_bound + _off(plan.upper_bound, difference):
             yield Violation(
                 None, "bound", f"objective {plan.objective!r} exceeds bound {plan.upper_bound!r}"
             )
         gap = 0.0
         if plan.upper_bound > 0.0:
             gap = (plan.upper_bound - plan.objective) / plan.upper_bound
-        if plan.gap is None or abs(plan.gap - gap) > OBJECTIVE_TOLERANCE:
+        slack = OBJECTIVE_TOLERANCE
+        if plan.upper_bound > 0.0:
+            slack = _off(plan.upper_bound, difference) / plan.upper_bound
+        if plan.gap is None or abs(plan.gap - gap) > slack:
             yield Violation(None, "gap", f"gap = {plan.gap!r}, but it is {gap!r}")
     elif plan.gap is not None:
         yield Violation(None, "gap", "a gap is stated without an upper bound")
     # Nothing can be worth more than all prizes, whether a bound is stated or not.
-    met = plan.objective >= least - OBJECTIVE_TOLERANCE * abs(least)
+    met = is_met(plan.objective, least, difference)
     if plan.status == "optimal" and not met:
-        yield Violation(None, "status", f"optimal is stated, but the bound is {least!r}, not met")
+        yield Violation(
+            None,
+            "status",
+            f"optimal is stated, but the bound is {least!r}, not met: objectives differ by "
+            f"{difference:g}",
+        )
     elif plan.status == "feasible" and met:
         yield Violation(
             None, "status", f"feasible is stated, but the bound of {least!r} is met: it is optimal"
@@ -67,6 +78,11 @@ def check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
         yield Violation(None, "unvisited", f"{name!r} is listed, but the plan visits it")
     for name in sorted(set(stated) - set(prize)):
         yield Violation(None, "unvisited", f"{name!r} is not a target of the instance")
+
+
+def _off(figure: float, difference: float) -> float:
+    """What a figure may be off by: never so much that it is another objective."""
+    return min(OBJECTIVE_TOLERANCE * abs(figure), 0.25 * difference)
 
 
 def check_cost(instance: Instance, plan: Plan) -> Iterator[Violation]:

@@ -13,7 +13,8 @@ DRIFT_TOLERANCE_M_S = 1e-3
 """The same for ΔV of drift legs, whose optimum is found by iteration."""
 
 OBJECTIVE_TOLERANCE = 1e-6
-"""The same for objective and bound, relative; for the gap, which is a share, as it is."""
+"""The same for objective and bound, relative, but no more than a quarter of the difference of
+objectives, and of costs; for the gap, which is a share, as it is."""
 
 EXPENSE_TOLERANCE = 1e-9
 """The same for expenses, relative."""

@@ -93,16 +93,19 @@ def save_certificate(
         Nothing was proven, or it cannot be written.
     """
     from ..certificate import certificate_of
+    from ..prizes import Prizes
 
     certificate = certificate_of(instance, result if plan else replace(result, plan=None))
     certificate.save(path)
     if quiet:
         return
     bound = certificate.upper_bound
-    shown = "there is no plan" if bound is None else f"upper bound {bound:.9g}"
+    shown = "there is no plan" if bound is None else f"upper bound {bound:.15g}"
     say(f"wrote {path}: {shown}")
-    if bound is not None and bound > result.upper_bound * (1.0 + 1e-6):
+    prizes = Prizes(instance)
+    proven = prizes.rounded_down(result.upper_bound)
+    if bound is not None and not prizes.meets(proven, bound):
         say(
             f"note: the certificate is that of the bound before the last step of the proof, which "
-            f"packs routes and proves {result.upper_bound:.9g}"
+            f"packs routes and proves {result.upper_bound:.15g}"
         )

@@ -74,7 +74,7 @@ def command(
     if verdict.upper_bound == -math.inf:
         proven = "no plan keeps to all rules"
     elif math.isfinite(verdict.upper_bound):
-        proven = f"no plan collects more than {verdict.upper_bound:.9g}"
+        proven = f"no plan collects more than {verdict.upper_bound:.15g}"
     else:
         proven = "nothing was shown"
     for reason in verdict.reasons:
@@ -88,7 +88,7 @@ def command(
         )
     if verdict.verified and plan is not None:
         if verdict.gap is not None:
-            emit(f"  the plan collects {plan.objective:.9g}: {_judged(verdict.gap)}")
+            emit(f"  the plan collects {plan.objective:.15g}: {_judged(verdict.gap)}")
         if plan.cost_bound is not None:
             emit("  what is said of the least cost is in no certificate, and was not looked at")
     return 0 if verdict.verified else 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 from ..campaign import Problem
@@ -14,7 +13,7 @@ from ..flight.tanks import legs_by_tank, tanks_of
 from ..instance import Instance
 from ..plan import Leg, Plan, Route, Unvisited
 from ..pricing import tow_flown
-from ..result import status_of
+from ..result import proven_of
 from ..routes import Flown, routes_of, weighed
 from ..tow import tow_by_name
 from .bodies import Gravity, TrueBodies
@@ -89,8 +88,8 @@ def beginning(
         for flown, held in routes
     )
     shorter = plan.replace(
-        objective=objective, status=status_of(problem, objective, math.inf),
-        upper_bound=None, gap=None, cost_bound=None, cost_gap=None, cost_status=None,
+        objective=objective, **proven_of(problem, objective)._asdict(),
+        cost_bound=None, cost_gap=None, cost_status=None,
         cost=cost_of_routes(instance, shown),
         routes=shown,
         unvisited=(*plan.unvisited, *dropped),

@@ -13,6 +13,9 @@ from .floors import worth_of_floors
 WHOLE = Fraction(1, 10**12)
 """A prize is a multiple of the step if it misses one by no more than this share of it."""
 
+SHARE = 1e-11
+"""Where prizes have no common step, objectives are the same that differ by no more of their sum."""
+
 
 def check_names(instance: Instance, certificate: Certificate) -> None:
     """See that a certificate speaks of the bodies and chasers of an instance, each chaser once.
@@ -56,6 +59,11 @@ def check_names(instance: Instance, certificate: Certificate) -> None:
     if certificate.walks and stated != sorted(chaser.name for chaser in instance.chasers):
         raise InputError("field walks: must name every chaser of the instance once")
     step = certificate.prize_step
+    if step is not None and 4 * missed_by(instance, Fraction(step)) > Fraction(step):
+        raise InputError(
+            f"field prize_step = {step!r}: all prizes together miss multiples of it by more than a "
+            "quarter of it"
+        )
     for target in instance.targets:
         if step is not None and not _is_multiple(Fraction(target.prize), Fraction(step)):
             raise InputError(
@@ -134,5 +142,23 @@ def _shown(instance: Instance, certificate: Certificate, below: Fraction, trivia
         return min(trivial, math.nextafter(float(below), math.inf))
     step = Fraction(certificate.prize_step)
     # The largest whole number of steps that is less, however prizes miss their multiples.
-    steps = math.ceil(below / (step * (1 - WHOLE))) - 1
+    steps = math.ceil((below + missed_by(instance, step)) / step) - 1
     return min(trivial, float(steps * step))
+
+
+def missed_by(instance: Instance, step: Fraction) -> Fraction:
+    """By how much prizes together miss multiples of a step, at most."""
+    prizes = [Fraction(target.prize) for target in instance.targets]
+    return sum((abs(prize - step * round(prize / step)) for prize in prizes), Fraction(0))
+
+
+def difference_of(instance: Instance, certificate: Certificate) -> float:
+    """Objectives that differ by no more are the same.
+
+    Half a step of what the certificate shows that all prizes are multiples of; without one, a share
+    of the sum of all prizes.
+    """
+    total = math.fsum(target.prize for target in instance.targets)
+    if certificate.prize_step is None:
+        return SHARE * total
+    return 0.5 * certificate.prize_step

@@ -21,7 +21,7 @@ from ..kernels.constants import SLACK_S
 from .ahead import still
 from .cargo import after_service, is_unused
 
-FINE = 16
+FINE = 30
 """What labels have collected is counted in units finer by so many bits than those of values."""
 
 WORD = 63

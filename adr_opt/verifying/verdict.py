@@ -13,12 +13,12 @@ from fractions import Fraction
 import numpy as np
 
 from ..certificate import Certificate, ProvenWalks, sha256_of
-from ..checking import OBJECTIVE_TOLERANCE, check
+from ..checking import check
 from ..connections import Connecting
 from ..errors import InputError
 from ..instance import AnyInstance, Instance, instance_of
 from ..plan import MODEL, Plan
-from .claim import bound_of, check_names, gains
+from .claim import bound_of, check_names, difference_of, gains
 from .legs import legs_of
 from .rules import kept_apart, refuse_unknown
 from .sampling import Sampled, sample_connections
@@ -52,6 +52,9 @@ class Verdict:
         Connections flown again, and departures at which all sequences were.
     legs : int
         How many legs were gone through where walks are counted in steps of time.
+    difference : float
+        Objectives that differ by no more are the same: less than the step that prizes have in
+        common.
     """
 
     reasons: tuple[str, ...]
@@ -61,6 +64,7 @@ class Verdict:
     connections: int
     departures: int
     legs: int = 0
+    difference: float = 0.0
 
     @property
     def gap(self) -> float | None:
@@ -68,7 +72,7 @@ class Verdict:
         if self.objective is None or not math.isfinite(self.upper_bound):
             return None
         lacking = max(0.0, self.upper_bound - self.objective)
-        return lacking / self.upper_bound if lacking > _off(self.upper_bound) else 0.0
+        return lacking / self.upper_bound if lacking > self.difference else 0.0
 
     @property
     def verified(self) -> bool:
@@ -125,12 +129,14 @@ def verify(
             reasons.append(reached)
             refuted = True
     bound = math.inf if refuted else bound_of(instance, certificate)
+    difference = difference_of(instance, certificate)
     if not refuted:
-        reasons += _compare(plan, certificate, bound)
+        reasons += _compare(plan, certificate, bound, difference)
     objective = None if plan is None else plan.objective
     return Verdict(
-        tuple(reasons), bound, objective, labels, sampled.connections, sampled.departures, legs
-    )
+        tuple(reasons), bound, objective, labels, sampled.connections, sampled.departures, legs,
+        difference,
+    )  # fmt: skip
 
 
 def _of_former_model(instance: Instance, certificate: Certificate) -> list[str]:
@@ -186,33 +192,31 @@ def _asked(
     return made, gone, None
 
 
-def _compare(plan: Plan | None, certificate: Certificate, bound: float) -> list[str]:
+def _compare(
+    plan: Plan | None, certificate: Certificate, bound: float, difference: float
+) -> list[str]:
     """What is claimed beyond what follows."""
     reasons = []
-    said = "no plan exists" if bound == -math.inf else f"no plan collects more than {bound:.9g}"
-    if _is_less(certificate.upper_bound, bound):
+    said = "no plan exists" if bound == -math.inf else f"no plan collects more than {bound:.15g}"
+    if _is_less(certificate.upper_bound, bound, difference):
         claim = certificate.upper_bound
-        stated = "that there is no plan" if claim is None else f"{claim:.9g}"
+        stated = "that there is no plan" if claim is None else f"{claim:.15g}"
         reasons.append(f"the certificate states {stated}; what follows is that {said}")
     if plan is None:
         return reasons
-    if plan.upper_bound is not None and _is_less(plan.upper_bound, bound):
+    if plan.upper_bound is not None and _is_less(plan.upper_bound, bound, difference):
         reasons.append(
-            f"the plan states the bound {plan.upper_bound:.9g}; what follows is that {said}"
+            f"the plan states the bound {plan.upper_bound:.15g}; what follows is that {said}"
         )
-    if plan.status in ("optimal", "feasible") and bound < plan.objective - _off(plan.objective):
-        reasons.append(f"the plan collects {plan.objective:.9g}, but {said}: one of both is wrong")
-    elif plan.status == "optimal" and plan.objective < bound - _off(bound):
+    if plan.status in ("optimal", "feasible") and bound < plan.objective - difference:
+        reasons.append(f"the plan collects {plan.objective:.15g}, but {said}: one of both is wrong")
+    elif plan.status == "optimal" and plan.objective < bound - difference:
         reasons.append(f"the plan is said to be optimal; what follows is that {said}")
     return reasons
 
 
-def _is_less(claim: float | None, bound: float) -> bool:
-    """Whether a claim says more than what follows, up to the tolerance of `check`."""
+def _is_less(claim: float | None, bound: float, difference: float) -> bool:
+    """Whether a claim says more than what follows."""
     if bound == -math.inf:
         return False
-    return claim is None or claim < bound - _off(bound)
-
-
-def _off(bound: float) -> float:
-    return OBJECTIVE_TOLERANCE * abs(bound)
+    return claim is None or claim < bound - difference

@@ -67,7 +67,7 @@ def walks_reach(
     ahead = look_ahead(legs, gains, slot_m_s)
     # Exact sums: what is worth something is worth no less in units, and what is asked for no more.
     unit = Fraction(ahead.unit) / (1 << FINE)
-    worth = [max(math.ceil(gain / unit), -(2**44)) for gain in gains]
+    worth = [max(math.ceil(gain / unit), -(2**58)) for gain in gains]
     need = min(max(math.floor(most / unit), -(2**60)), 2**60)
     words = (len(gains) - 1) // WORD + 1
     remembered = np.zeros((len(gains), words), dtype=np.int64)

@@ -9,6 +9,7 @@ from the cheapest routes of all sets, and where there can be none there is none.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
@@ -18,10 +19,11 @@ from adr_opt.campaign import Campaign
 from adr_opt.stop import Stop
 
 from .cheapest import cheapest_routes
-from .finish import PACKING_OFF, SCALE
+from .digits import has_large
+from .finish import PACKING_OFF, SCALE, worth_a_goal
 from .incumbent import CampaignCertificate
 from .packing import cheapest_of, packing
-from .pool import Pool, dealt
+from .pool import Column, Pool, dealt
 
 MOST_TARGETS = 6
 """Sets double with each target, and orders of them more than that."""
@@ -76,8 +78,31 @@ def settle(campaign: Campaign, certificate: CampaignCertificate, pool: Pool, sto
         if proves and found.solved:
             most = (PACKING_OFF - found.least) / scale
             certificate.lower(most if worths.any() else 0.0)
+            if has_large(campaign):
+                _compare_exactly(campaign, certificate, columns, constraints, stop)
     none = found.taken is None and found.solved and proves and lacks_plan(campaign, certificate)
     return _none(campaign, certificate) if none else False
+
+
+def _compare_exactly(
+    campaign: Campaign,
+    certificate: CampaignCertificate,
+    columns: Sequence[Column],
+    constraints: Sequence[LinearConstraint],
+    stop: Stop,
+) -> None:
+    """Ask for a better plan until there is none, where prizes are too large to be summed."""
+    worths = [column.worth for column in columns]
+    while not certificate.proven and stop.remaining_s() > 0.0:
+        goal = certificate.next_goal
+        found = worth_a_goal(campaign, worths, goal, constraints, stop.remaining_s())
+        if found.taken is None:
+            if found.solved:
+                certificate.lower(certificate.below(goal))
+            return
+        taken = [columns[at] for at in found.taken]
+        if not certificate.offer(dealt(campaign, [(each.kind, each.route) for each in taken])):
+            return
 
 
 def _none(campaign: Campaign, certificate: CampaignCertificate) -> bool:

@@ -18,7 +18,7 @@ import numpy as np
 from adr_opt.campaign import Campaign
 from adr_opt.evidence import Evidence
 
-from ..relaxation.facts import evidence_of, less_than
+from ..relaxation.facts import evidence_of
 from ..relaxation.walks import WalkBound
 
 Walks = TypeVar("Walks", bound=WalkBound)
@@ -78,6 +78,7 @@ class CampaignBound(Generic[Walks]):
         for walks in bounds:
             walks.is_paid = walks.is_target | walks.network.is_station
         self.of_kind = tuple(places[kind] for kind in range(len(campaign.kinds)))
+        self._guard = campaign.bound_guard / len(campaign.missions)
         self._counts = [len(kind.chasers) for kind in campaign.kinds]
         self._chasers = [kind.chasers for kind in campaign.kinds]
         self._least = math.inf
@@ -104,7 +105,7 @@ class CampaignBound(Generic[Walks]):
         if found < self._least:
             self._least = found
             self.evidence = evidence_of(
-                point, self._chasers, [less_than(value, point) for value in values], None,
+                point, self._chasers, [float(value) + self._guard for value in values], None,
                 self.walks[0].slot,
             )  # fmt: skip
         return found, point, slope

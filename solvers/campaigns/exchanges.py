@@ -17,7 +17,7 @@ import numpy as np
 from adr_opt.campaign import Campaign, Routes
 from adr_opt.station_limits import Use
 from adr_opt.stop import Stop
-from adr_opt.tolerance import tolerance
+from adr_opt.tolerance import COST_RELATIVE
 
 from .incumbent import CampaignCertificate
 from .orders import targets_of
@@ -128,12 +128,12 @@ class Exchanges:
                 continue
             found = self._total(trial)
             worth = self._campaign.collected(targets_of(self._campaign, trial))
-            if worth > asked + tolerance(asked) and found < math.inf:
+            if worth > asked + self._campaign.prize_resolution and found < math.inf:
                 asked, now, present, best = worth, trial, found, found
                 found_any = self._offer(trial) or found_any
             elif found < present - heat * math.log(1.0 - self._rng.random()):
                 now, present = trial, found
-                if found < best - tolerance(best):
+                if found < best - COST_RELATIVE * abs(best):
                     best = found
                     found_any = self._offer(trial) or found_any
         return found_any
@@ -201,7 +201,8 @@ class Exchanges:
         with_stations, more = rng.random() < WITH_STATIONS, rng.random() < ONE_MORE
         have = self._campaign.collected(targets_of(self._campaign, routes))
         costs = [self._time(chaser, route).cost for chaser, route in enumerate(routes)]
-        while bag and (more or have < asked - tolerance(asked)):
+        asked -= self._campaign.prize_resolution
+        while bag and (more or have < asked):
             drawn = bag if rng.random() < CHOSEN else bag[:1]
             place = self._place(routes, costs, drawn, with_stations)
             if place is None:
@@ -211,7 +212,7 @@ class Exchanges:
             costs[place.chaser] = self._time(place.chaser, place.route).cost
             bag.remove(place.body)
             have += worths[place.body]
-        return tuple(routes) if have >= asked - tolerance(asked) else None
+        return tuple(routes) if have >= asked else None
 
     def _drawn(self, now: Routes) -> set[int]:
         """Targets that are to leave their routes."""

@@ -21,7 +21,8 @@ from adr_opt.station_limits import Use
 
 from ..relaxation.routes import Routes as Search
 from ..relaxation.walks import WalkBound
-from .packing import cheapest_of, packing
+from .digits import beside, has_large, in_units, reaching
+from .packing import Packed, cheapest_of, packing
 from .pool import dealt
 
 MOST_ROUTES = 100_000
@@ -32,6 +33,35 @@ SCALE, PACKING_OFF = 1e4, 1e-4
 
 LEAST_OFF = 1e-6
 """Routes are asked for from so much below, as a share of the largest prize; for rounding."""
+
+
+def worth_a_goal(
+    campaign: Campaign,
+    worths: Sequence[float],
+    goal: float,
+    constraints: Sequence[LinearConstraint],
+    time_limit_s: float,
+) -> Packed:
+    """The columns worth most that keep to some constraints, if they are worth a goal.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    worths : sequence of float
+        Of the columns.
+    goal : float
+    constraints : sequence of LinearConstraint
+    time_limit_s : float
+    """
+    scale = SCALE / (float(campaign.worths.max(initial=0.0)) or 1.0)
+    scaled = scale * np.array(worths)
+    if goal <= 0.0 or not has_large(campaign):
+        row = LinearConstraint(scaled[None, :], scale * goal - PACKING_OFF, np.inf)
+        return cheapest_of(-scaled, [*constraints, row], time_limit_s)
+    row, carries = reaching(*in_units(campaign, worths, goal))
+    costs = np.append(-scaled, np.zeros(carries))
+    wider = [beside(each, carries) for each in constraints]
+    return cheapest_of(costs, [*wider, row], time_limit_s, carries=carries)
 
 
 class Answer(Enum):
@@ -133,16 +163,9 @@ class Finish:
         campaign, first = self._campaign, self._campaign.instance.first_target
         sets = [(kind, frozenset(j for j in route if j >= first)) for kind, route in routes]
         uses = [self._use(*each) for each in routes] if limited else None
-        scale = SCALE / self._largest
-        worths = scale * np.array([campaign.collected(targets) for _, targets in sets])
-        found = cheapest_of(
-            -worths,
-            [
-                packing(campaign, sets, uses, all_flown=True),
-                LinearConstraint(worths[None, :], scale * goal - PACKING_OFF, np.inf),
-            ],
-            time_limit_s,
-        )
+        worths = [campaign.collected(targets) for _, targets in sets]
+        packed = packing(campaign, sets, uses, all_flown=True)
+        found = worth_a_goal(campaign, worths, goal, [packed], time_limit_s)
         if found.taken is None:
             return Answer.NONE if found.solved else Answer.UNKNOWN, None
         taken = [routes[at] for at in found.taken]

@@ -8,7 +8,6 @@ from collections.abc import Iterable
 from adr_opt.campaign import Campaign, Routes
 from adr_opt.planner import Progress
 from adr_opt.schedule import Schedule
-from adr_opt.tolerance import tolerance
 
 from ..certificate import CertificateOf
 
@@ -69,12 +68,3 @@ class CampaignCertificate(CertificateOf[Routes]):
 
     def __init__(self, campaign: Campaign, progress: Progress) -> None:
         super().__init__(campaign, progress, CampaignIncumbent(campaign))
-
-    @property
-    def _tolerance(self) -> float:
-        """What an incumbent may lack of the bound: a share of prizes, of which proofs are told.
-
-        What is required is worth more to a planner than all of them.
-        """
-        shown = self._mission.shown(self.bound)
-        return tolerance(shown if math.isfinite(shown) else self.bound)

@@ -106,7 +106,7 @@ class CampaignCost(CostRounds):
         self._options, self._stop = options, stop
         self._worths = np.array(campaign.worths)
         self._over = lambda: stop.remaining_s() <= 0.0
-        self._asked = asked(certificate.incumbent)
+        self._asked = asked(campaign, certificate.incumbent)
         self._bounds = CampaignBound(
             campaign, COARSER * options.delta_v_slot_m_s, jobs=options.cores,
             over=self._over,

@@ -22,6 +22,9 @@ without, and does not look at the clock meanwhile."""
 LEAST_S = 0.1
 """It is given as much time at least."""
 
+LEAST_CARRY, MOST_CARRY = -2.0, 1e4
+"""What is carried from a digit to the next: as many columns are taken as there are chasers."""
+
 SOLVED, INFEASIBLE = 0, 2
 """How :func:`scipy.optimize.milp` says what became of it."""
 
@@ -50,6 +53,7 @@ def cheapest_of(
     constraints: Sequence[LinearConstraint],
     time_limit_s: float,
     gap: float | None = None,
+    carries: int = 0,
 ) -> Packed:
     """The columns that keep to some constraints and cost least together.
 
@@ -61,14 +65,19 @@ def cheapest_of(
     time_limit_s : float
     gap : float, optional
         Relative gap at which it may end; that of HiGHS by default.
+    carries : int
+        The last so many variables are no columns: see :mod:`.digits`.
     """
+    columns = costs.size - carries
+    least_each = np.append(np.zeros(columns), np.full(carries, LEAST_CARRY))
+    most_each = np.append(np.ones(columns), np.full(carries, MOST_CARRY))
     options = {"time_limit": max(time_limit_s, LEAST_S), "presolve": costs.size <= PRESOLVED}
     if gap is not None:
         options["mip_rel_gap"] = gap
     found = milp(
         costs,
         integrality=np.ones(costs.size),
-        bounds=Bounds(0.0, 1.0),
+        bounds=Bounds(least_each, most_each),
         constraints=constraints,
         options=options,
     )
@@ -76,7 +85,7 @@ def cheapest_of(
         none = found.status == INFEASIBLE
         return Packed(None, math.inf if none else -math.inf, none)
     least = -math.inf if found.mip_dual_bound is None else float(found.mip_dual_bound)
-    taken = np.flatnonzero(found.x > 0.5).tolist()
+    taken = np.flatnonzero(found.x[:columns] > 0.5).tolist()
     return Packed(taken, least, found.status == SOLVED)
 
 

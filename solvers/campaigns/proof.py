@@ -26,7 +26,7 @@ from adr_opt.campaign import Campaign
 from adr_opt.evidence import Evidence
 from adr_opt.stop import Stop
 
-from ..relaxation.facts import evidence_of, less_than
+from ..relaxation.facts import evidence_of
 from ..relaxation.multipliers import Descent
 from ..relaxation.proof import COARSER, FIRST_LABELS, GROWTH, ProofOptions
 from ..relaxation.walks import TimeIsOver, WalkBound
@@ -99,6 +99,7 @@ class CampaignProof:
         self._fine: CampaignBound[WalkBound] | None = None
         self._master = Master(campaign)
         self._mixed: set[Key] = set()
+        self._guard = campaign.bound_guard / len(campaign.missions)
         self._counts = [len(kind.chasers) for kind in campaign.kinds]
         self._centre = np.zeros(len(campaign.names))
         self._centred = CENTRED
@@ -176,7 +177,7 @@ class CampaignProof:
         return evidence_of(
             multipliers,
             [kind.chasers for kind in self._campaign.kinds],
-            [less_than(pricing.most_worth, multipliers) for pricing in self._pricing],
+            [pricing.most_worth + self._guard for pricing in self._pricing],
             [pricing.remembered for pricing in self._pricing],
             self._options.delta_v_slot_m_s,
         )
@@ -189,15 +190,13 @@ class CampaignProof:
         multipliers, most_worth, _ = self._priced
         finish = Finish(self._campaign, self._fine.of_kind)
         while not certificate.proven and not enough():
-            goal = certificate.goal
-            if not self._campaign.prize_step:  # what is asked for has to be within the tolerance
-                goal = 0.5 * (certificate.incumbent + goal)
+            goal = certificate.next_goal
             answer, routes = finish.ask(
                 goal, multipliers, most_worth, self._options.most_labels, enough,
                 self._stop.remaining_s,
             )  # fmt: skip
             if answer is Answer.NONE:
-                certificate.lower(certificate.incumbent if self._campaign.prize_step else goal)
+                certificate.lower(certificate.below(goal))
             if routes is None or not certificate.offer(routes):
                 break
         self._finishing_labels += finish.labels_made

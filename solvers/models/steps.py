@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from adr_opt.tolerance import are_multiples
+from adr_opt.tolerance import MOST_STEPS, are_multiples
 
-MOST_STEPS = 2**40
+PARTS = 2**40
 """Sum of all prizes in steps, about, where they are no multiples of the unit."""
 
 
@@ -27,6 +27,6 @@ def in_steps(prize: np.ndarray, unit: float) -> tuple[np.ndarray, float]:
     """
     if are_multiples(prize.tolist(), unit) and prize.sum() / unit <= MOST_STEPS:
         return np.rint(prize / unit).astype(np.int64), unit
-    step = float(prize.sum()) / MOST_STEPS
+    step = float(prize.sum()) / PARTS
     # A quotient may be rounded down across an integer; one step more covers that.
     return np.where(prize > 0.0, np.floor(prize / step) + 1.0, 0.0).astype(np.int64), step

@@ -189,7 +189,7 @@ class CostProof(CostRounds):
         self._walks = PricedBound(
             mission, COARSER * delta_v_slot_m_s, jobs, over, self._reach.network
         )
-        self._worth = asked(least_worth)
+        self._worth = asked(mission, least_worth)
         # Walks pay for what the tank lacked before the start, and plans do not.
         self._spent = mission.connecting.spent_m_s(mission.rules.start)
         self._proving, self._finding = Routes(self._walks), Routes(self._walks)

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from contextlib import closing
 from typing import Protocol
 
-RELATIVE = 1e-6
-"""A cost is the least if it exceeds the bound by no more than this share of it."""
+from adr_opt.prizes import Prizes
+from adr_opt.tolerance import COST_RELATIVE
 
-SLACK_WORTH = 1e-9
-"""A little less is asked for, so that no rounding of a sum of prizes counts."""
+RELATIVE = COST_RELATIVE
+"""A cost is the least if it exceeds the bound by no more than this share of it."""
 
 
 class CostRounds(Protocol):
@@ -38,14 +38,18 @@ class CostRounds(Protocol):
         """End the threads."""
 
 
-def asked(least_worth: float) -> float:
-    """What a plan has to be worth at least, of which a proof asks for the cost."""
-    return least_worth - SLACK_WORTH * max(1.0, abs(least_worth))
+def asked(problem: Prizes, least_worth: float) -> float:
+    """What a plan has to be worth at least, of which a proof asks for the cost.
+
+    A little less, so that no rounding of a sum of prizes counts, but by far more than a plan that
+    collects less.
+    """
+    return least_worth - 0.5 * problem.prize_resolution
 
 
 def is_least(cost: float, bound: float) -> bool:
     """Whether a cost is the least, for all that a bound lets it exceed the least by."""
-    return cost <= bound * (1.0 + RELATIVE) + RELATIVE
+    return cost <= bound * (1.0 + RELATIVE)
 
 
 def settled(proof: CostRounds, over: Callable[[], bool]) -> tuple[float, dict[str, float]]:

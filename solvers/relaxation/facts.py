@@ -11,16 +11,6 @@ from adr_opt.evidence import Evidence, Walks
 
 from .waiting import WORD
 
-ABOVE = 1e-9
-"""What collects no more than a number collects less than so much above it (relative)."""
-
-
-def less_than(value: float, multipliers: np.ndarray) -> float:
-    """A number that walks do not reach that collect no more than a value; −inf for no walks."""
-    if value == -math.inf:
-        return value
-    return value + ABOVE * (1.0 + abs(value) + math.fsum(multipliers))
-
 
 def evidence_of(
     multipliers: np.ndarray,

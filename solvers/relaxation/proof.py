@@ -24,12 +24,11 @@ from adr_opt.options import MOST_JOBS, Options, option
 from adr_opt.planner import Progress
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
-from adr_opt.tolerance import rounded_down
 
 from ..certificate import Certificate
 from .cost import CostProof
 from .cost_rounds import settled
-from .facts import evidence_of, less_than
+from .facts import evidence_of
 from .floors import floor_evidence
 from .large import LargeProof
 from .latest import Latest, latest_of
@@ -133,7 +132,7 @@ class Proof:
 
     def _lower_by_walks(self, value: float, multipliers: np.ndarray, bound: WalkBound) -> None:
         """A bound that walks without memory prove."""
-        most = less_than(value - math.fsum(multipliers), multipliers)
+        most = value - math.fsum(multipliers) + self._mission.bound_guard
         evidence = evidence_of(multipliers, [(0,)], [most], None, bound.slot)
         self._certificate.lower(value, evidence)
 
@@ -197,7 +196,8 @@ class Proof:
             return done
         step = self._mission.prize_step
         self._plain = bool(step) and (
-            rounded_down(self._first, step) <= rounded_down(self._descent.value, step)
+            self._mission.rounded_down(self._first)
+            <= self._mission.rounded_down(self._descent.value)
         )
         if not self._plain:
             done, *given = self._ask(self._descent.multipliers, enough)
@@ -225,9 +225,9 @@ class Proof:
             if plan is not None:
                 certificate.offer(plan)
             # Every plan left out of the search is worth less than the threshold.
-            most = threshold - routes.total
+            most = threshold - routes.total + self._mission.threshold_guard
             if value >= threshold:
-                most = less_than(value - routes.total, used)
+                most = value - routes.total + self._mission.bound_guard
             evidence = evidence_of(used, [(0,)], [most], [remembered], fine.slot)
             certificate.lower(max(value, threshold), evidence)
             if certificate.proven or enough():

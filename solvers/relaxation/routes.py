@@ -15,6 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from adr_opt.kernels.loads import KITS_BIT
+from adr_opt.tolerance import ROUNDED
 
 from .labels import CROWDED, EXHAUSTED, FULL, MOST_PAID, PILED, Search, Table, extend
 from .learning import learn, most_of, path_of, plans_of
@@ -31,8 +32,11 @@ FIRST_WAITING = 256
 FIRST_BLOCKS = 4096
 """Blocks of labels on their way before there has to be more room."""
 
-NOTHING = -(2.0**60)
+NOTHING = -(2.0**62)
 """Value of a walk that cannot be begun [fine units]."""
+
+LEAST_GAIN, LEAST_NEED = -(2.0**57), -(2**61)
+"""What a service takes off at most, and how little may be asked for [fine units]."""
 
 ANY_WORTH = -1e300
 """Less than anything is worth."""
@@ -113,8 +117,10 @@ class Routes:
         if not bound.holds(kept):
             bound.evaluate(kept, keep=True)
         value, _ = bound.best_from(self._start)
-        self._gain = np.ceil((bound.prize - kept) / self._unit).astype(np.int64)
-        self.multipliers, self.total = kept, float(kept.sum())
+        # A service that takes more off a walk than any walk has may as well take no more.
+        gain = np.maximum(np.ceil((bound.prize - kept) / self._unit), LEAST_GAIN)
+        self._gain = gain.astype(np.int64)
+        self.multipliers, self.total = kept, math.fsum(kept)
         return value + self.total
 
     def pay(self, values: Table, prices: np.ndarray, reach: WalkBound, least_worth: float) -> None:
@@ -247,8 +253,11 @@ class Routes:
             Memories added.
         """
         bound = self._bound
-        # A little lower, so that no rounding of the sum of multipliers counts.
-        need = math.ceil((threshold - self.total) / self._unit - 1e-3)
+        # A little lower, so that no rounding of sums and of what services are worth counts.
+        rounding = ROUNDED * (abs(threshold) + 2.0 * self.total)
+        need = math.ceil((threshold - self.total - rounding) / self._unit - 1e-3)
+        if need < LEAST_NEED:  # multipliers far beyond all prizes prove nothing
+            return False, math.inf, None, 0
         self._begin()
         extend_labels = self._extension(need)
         cursor = np.array([0, self._roots, 0], dtype=np.int64)

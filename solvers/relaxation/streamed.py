@@ -16,7 +16,7 @@ import numpy as np
 from adr_opt.evidence import Evidence
 from adr_opt.mission import Mission
 
-from .facts import evidence_of, less_than
+from .facts import evidence_of
 from .stream import Stream, units_of
 from .walks import TimeIsOver, bonuses
 
@@ -60,7 +60,7 @@ class StreamBound:
     ) -> None:
         rules = mission.rules
         self._stream, self._jobs, self._over = stream, jobs, over
-        self.worth = np.array(rules.prize)
+        self.worth, self._guard = np.array(rules.prize), mission.bound_guard
         self._bonuses = bonuses(mission)
         bodies = self.worth.size
         self._is_target = np.arange(bodies) >= rules.first_target
@@ -140,7 +140,7 @@ class StreamBound:
     def evidence(self, value: float, multipliers: np.ndarray) -> Evidence:
         """What a bound rests on, at a point where it was evaluated."""
         of_bodies = multipliers[: self.worth.size]
-        most = less_than(value - math.fsum(of_bodies), of_bodies)
+        most = value - math.fsum(of_bodies) + self._guard
         slot = self._stream.unit if math.isfinite(self._stream.unit) else USUAL_SLOT_M_S
         walks = evidence_of(of_bodies, [(0,)], [most], None, slot)
         (of_one,) = walks.walks

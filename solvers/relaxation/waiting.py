@@ -19,7 +19,7 @@ from . import simd
 WORD = 63
 """Targets remembered in one integer."""
 
-FINE = 16
+FINE = 30
 """Labels count in units finer than those of the completion values by so many bits."""
 
 NOBODY = -1

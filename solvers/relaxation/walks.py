@@ -325,7 +325,7 @@ class WalkBound:
         self._sweep_all(code)
         self._kept = rounded if keep else None
         value, self.walk = self.best_from(0)
-        return value + float(rounded.sum()), rounded
+        return value + math.fsum(rounded), rounded
 
     def _sweep_all(self, code: np.ndarray) -> None:
         """The values of all states; ``code`` holds what each service is worth, packed."""

@@ -235,6 +235,8 @@ def run_point(
     upper_bound = result.upper_bound
     if result.status == "infeasible":
         upper_bound = -math.inf
+    elif result.status == "optimal":
+        upper_bound = result.objective  # to what can be told apart
     return Point(
         *known.limits,
         prize=result.objective,
