@@ -35,7 +35,7 @@ def drawn_removal(seed: int) -> Instance:
     family = str(rng.choice(SHORT if short else LONG))
     field = adr_opt.generate(family, int(rng.integers(1000)), targets=None if short else 60)
     dynamics = str(rng.choice(["two-body", "j2"])) if short else "j2"
-    duration_s = DAY_S * float(rng.uniform(1.0, 4.0) if short else rng.uniform(20.0, 60.0))
+    duration_s = DAY_S * float(rng.uniform(1.0, 4.0) if short else rng.uniform(18.0, 45.0))
     kinds = KINDS[seed % len(KINDS)]
     targets = [
         target.replace(

@@ -130,7 +130,7 @@ def _by_chaser(refined: RefinedPlan) -> Iterator[str]:
 def _tables(refined: RefinedPlan, width: int | None) -> list[Table]:
     from .tables import Row, leg_tables
 
-    towed = any(leg.tow is not None for leg in refined.legs)
+    towed = any(leg.towing_m_s for leg in refined.legs)
     tow = ["tow\nm/s"] if towed else []
     headings = ["kind", "planned\nm/s", "own burns\nm/s", "flown\nm/s", *tow, "burns", "lowest\nkm"]
     rows = [

@@ -33,7 +33,8 @@ class RefinedLegFlight:
     tow_miss_m : float or None
         How far the object is released from where that is stated; None if it is not towed [m].
     towing_m_s : float
-        What towing it takes; 0 if it is not [m/s].
+        What towing it takes, and after a launch what towing the origin took; 0 if neither is
+        towed [m/s].
     """
 
     leg: int
@@ -62,7 +63,9 @@ class RefinedLegFlight:
         """As plain data; of a tow where there is one."""
         content = asdict(self) | {"arrives": self.arrives}
         if self.tow_miss_m is None:
-            del content["tow_miss_m"], content["towing_m_s"]
+            del content["tow_miss_m"]
+        if not self.towing_m_s:
+            del content["towing_m_s"]
         return content
 
 

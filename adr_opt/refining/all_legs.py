@@ -104,6 +104,7 @@ def refine(
     refuse_broken_chain(instance, plan)
     began = time.monotonic()
     legs = [(n, leg) for n, leg in enumerate(plan.legs, start=1) if leg.kind != "launch"]
+    after_launch = {n + 1 for n, leg in enumerate(plan.legs, start=1) if leg.kind == "launch"}
     whose, tows = owners(instance, plan), plan.tows_before
     names = dict.fromkeys(name for _, leg in legs for name in (leg.origin, leg.destination))
     bodies = TrueBodies(instance, gravity, names)
@@ -113,10 +114,11 @@ def refine(
     with closing(_calls(jobs, cluster)) as calls:
         running: dict[Future[RefinedLeg], int] = {
             calls.submit(
-                refine_leg, instance, bodies, number, leg, freedom, tows.get(number)
+                refine_leg, instance, bodies, number, leg, freedom, tows.get(number),
+                number in after_launch,
             ): number
             for number, leg in legs
-        }
+        }  # fmt: skip
         left = set(running)
         while left:
             ended, left = wait(left, POLL_S, FIRST_COMPLETED)

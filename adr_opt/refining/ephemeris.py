@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import InputError
 from ..trajectory.sampling import FEWEST_INTERVALS, MOST_SAMPLES, SHORTEST_ARC_S, STEP_S, Arc
 from .bodies import Gravity, moved
-from .plan import RefinedLeg, RefinedPlan
+from .plan import RefinedLeg, RefinedPlan, RefinedTow
 from .short_periods import Array
 from .states import state_of
 
@@ -88,6 +88,8 @@ def _of_leg(
     if leg.tow_before is None:
         waiting = moved(states[leg.origin], leg.ready_s, refined.gravity)
         parts.append(("wait", leg.ready_s, waiting, departure))
+    elif leg.after_launch:
+        parts += _towing(refined, states, leg.origin, leg.tow_before)
     state = state_of(leg.states[0])
     now, phase = departure, "transfer"
     for burn in leg.burns:
@@ -98,16 +100,23 @@ def _of_leg(
     target = moved(states[leg.destination], leg.arrival_s, refined.gravity)
     parts.append(("service", leg.arrival_s, target, leg.end_s))
     if leg.tow is not None:
-        first, second = leg.tow.burns
         waiting = moved(states[leg.destination], leg.end_s, refined.gravity)
-        parts.append(("wait", leg.end_s, waiting, first.time_s))
-        towing = moved(states[leg.destination], first.time_s, refined.gravity)
-        towing[3:] += first.delta_v_m_s
-        parts.append(("tow", first.time_s, towing, second.time_s))
+        parts.append(("wait", leg.end_s, waiting, leg.tow.burns[0].time_s))
+        parts += _towing(refined, states, leg.destination, leg.tow)
     for phase, begin, begins, end in parts:
         arc = _arc(phase, begin, begins, end, step, refined.gravity)
         if arc is not None:
             yield Track(f"{name}: {phase}", arc)
+
+
+def _towing(
+    refined: RefinedPlan, states: dict[str, Array], name: str, tow: RefinedTow
+) -> Iterator[tuple[str, float, Array, float]]:
+    """The arc of a tow: its phase, when and in what state it begins, and when it ends."""
+    first, second = tow.burns
+    state = moved(states[name], first.time_s, refined.gravity)
+    state[3:] += first.delta_v_m_s
+    yield "tow", first.time_s, state, second.time_s
 
 
 def _arc(

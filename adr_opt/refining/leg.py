@@ -150,10 +150,18 @@ def residual(course: Course, flown: Flown) -> tuple[float, float]:
     return math.hypot(*apart[:3]), math.hypot(*apart[3:])
 
 
-def close(course: Course, times: Array, impulses: Array, most: int = MOST_NEWTON) -> Flown:
+def close(
+    course: Course,
+    times: Array,
+    impulses: Array,
+    most: int = MOST_NEWTON,
+    *,
+    evenly: bool = False,
+) -> Flown:
     """Change impulses as little as it takes to meet the goal.
 
-    Newton's steps of least weighted square: large impulses take more of the change.
+    Newton's steps of least weighted square: large impulses take more of the change, unless all are
+    to take of it evenly.
 
     Raises
     ------
@@ -167,7 +175,7 @@ def close(course: Course, times: Array, impulses: Array, most: int = MOST_NEWTON
         if position < POSITION_M and speed < SPEED_M_S:
             return flown
         weights = np.sqrt(np.sum(flown.impulses**2, axis=1))
-        weights = weights + 0.02 * weights.max() + 1e-3
+        weights = np.ones(weights.size) if evenly else weights + 0.02 * weights.max() + 1e-3
         step = _least_square(flown.effects, -flown.miss, weights)
         for _ in range(8):
             try:

@@ -22,6 +22,9 @@ from .towing import towed
 HELPERS = 24
 """Times at which impulses may help where the plan's own burns cannot be closed."""
 
+LAST_REVOLUTIONS = 2
+"""Where that does not do either, they stand in so many revolutions before the stand-off."""
+
 
 def refine_leg(
     instance: Instance,
@@ -30,6 +33,7 @@ def refine_leg(
     leg: Leg,
     freedom: Freedom,
     tow_before: Tow | None = None,
+    after_launch: bool = False,
 ) -> RefinedLeg:
     """Lead one leg to its stand-off, and from there to its target.
 
@@ -47,6 +51,8 @@ def refine_leg(
         the plan's burns keep their times and are kept near what they were (:mod:`.own_burns`).
     tow_before : Tow, optional
         That of the origin, with whose end the leg begins.
+    after_launch : bool
+        Whether the chaser was launched onto the origin.
 
     Raises
     ------
@@ -59,7 +65,7 @@ def refine_leg(
     length = instance.transfer.standoff_m
     transfer, to_target = planned_angles(instance, leg, tow_before)
     rule = instance.transfer
-    led = None if tow_before is None else towed(bodies, leg.origin, tow_before)
+    led = None if tow_before is None else towed(bodies, leg.origin, tow_before, start_s)
     if led is None:
         start = bodies.state(leg.origin, start_s)
     else:
@@ -109,6 +115,7 @@ def refine_leg(
         burns=tuple(burns),
         states=tuple(_states(course, flown, docking)),
         tow_before=led,
+        after_launch=True if after_launch and led is not None else None,
         tow=None if leg.tow is None else towed(bodies, leg.destination, leg.tow),
     )
 
@@ -142,18 +149,30 @@ def planned_angles(
 
 
 def _retargeted(course: Course, burns: tuple[Burn, ...]) -> Flown:
-    """The plan's burns, kept near what they were; with a few more where they cannot be closed."""
+    """The plan's burns, kept near what they were; with a few more where they cannot be closed.
+
+    Weeks before its end a leg is far from linear in what a burn changes. What the plan is off by in
+    eccentricity, above all, can be made up for at the end, by whichever impulses do it.
+    """
     times = np.array([burn.time_s for burn in burns])
     planned = np.array([burn.delta_v_m_s for burn in burns])
-    try:
-        closed = close(course, times, planned)
-    except NoWay:
-        helping = np.linspace(course.start_s, course.end_s, HELPERS)
-        times = np.r_[times, helping]
-        order = np.argsort(times, kind="stable")
-        planned = np.vstack([planned, np.zeros((HELPERS, 3))])[order]
-        closed = close(course, times[order], planned)
-    return settle(course, closed, planned)
+    last_s = LAST_REVOLUTIONS * math.tau * math.sqrt(math.hypot(*course.goal[:3]) ** 3 / MU_M3_S2)
+    from_s = max(course.start_s, course.end_s - last_s)
+    for helping, evenly in (
+        (np.empty(0), False),
+        (np.linspace(course.start_s, course.end_s, HELPERS), False),
+        (np.linspace(from_s, course.end_s, HELPERS), True),
+    ):
+        every = np.r_[times, helping]
+        order = np.argsort(every, kind="stable")
+        wanted = np.vstack([planned, np.zeros((helping.size, 3))])[order]
+        try:
+            closed = close(course, every[order], wanted, evenly=evenly)
+        except NoWay as error:
+            no_way = error
+        else:
+            return settle(course, closed, wanted)
+    raise no_way
 
 
 def _with_a_middle(burns: tuple[Burn, ...], angle: float) -> tuple[Array, Array]:

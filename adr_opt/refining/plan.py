@@ -122,7 +122,9 @@ class RefinedLeg(Record):
     ``flown_delta_v_m_s`` the sum of ``burns``. ``chaser`` is who flies it, where there are several;
     where there is one, files say nothing of it. ``tow`` is that of the destination after its
     service, ``tow_before`` that of the origin, from whose end the leg begins; their burns count
-    in neither sum. Where there are none, files say nothing of them.
+    in neither sum. Where there are none, files say nothing of them. ``after_launch`` says that the
+    chaser was launched onto the origin and towed it: a launch is no refined leg, so that this one
+    counts what ``tow_before`` takes.
     """
 
     leg: Annotated[int, Field(ge=1)]
@@ -143,16 +145,18 @@ class RefinedLeg(Record):
     burns: Annotated[tuple[RefinedBurn, ...], Field(strict=False, min_length=1)]
     states: Annotated[tuple[RefinedState, ...], Field(strict=False, min_length=1)]
     tow_before: RefinedTow | None = None
+    after_launch: Literal[True] | None = None
     tow: RefinedTow | None = None
 
     @property
     def towing_m_s(self) -> float:
-        """ΔV of the tow of the destination; 0 without one [m/s]."""
-        return 0.0 if self.tow is None else self.tow.delta_v_m_s
+        """ΔV of the tow of the destination, and after a launch of that before it [m/s]."""
+        before = self.tow_before if self.after_launch else None
+        return math.fsum(tow.delta_v_m_s for tow in (before, self.tow) if tow is not None)
 
     @property
     def towing_s(self) -> float:
-        """How long that takes [s]."""
+        """How long the tow of the destination takes [s]."""
         return 0.0 if self.tow is None else self.tow.released.time_s - self.tow.burns[0].time_s
 
     @property
@@ -163,7 +167,7 @@ class RefinedLeg(Record):
     @model_serializer(mode="wrap")
     def _without_none(self, plainly: SerializerFunctionWrapHandler) -> dict[str, Any]:
         content: dict[str, Any] = plainly(self)
-        for name in ("chaser", "tow_before", "tow"):
+        for name in ("chaser", "tow_before", "after_launch", "tow"):
             if getattr(self, name) is None:
                 content.pop(name, None)
         return content

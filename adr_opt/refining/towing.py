@@ -8,6 +8,8 @@ leg begins wherever the tow has led.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ..plan import Tow
@@ -16,7 +18,7 @@ from .plan import RefinedBurn, RefinedTow
 from .states import recorded
 
 
-def towed(bodies: TrueBodies, name: str, tow: Tow) -> RefinedTow:
+def towed(bodies: TrueBodies, name: str, tow: Tow, leaves_s: float = math.inf) -> RefinedTow:
     """Tow an object in true dynamics.
 
     Parameters
@@ -27,6 +29,8 @@ def towed(bodies: TrueBodies, name: str, tow: Tow) -> RefinedTow:
         Of the object.
     tow : Tow
         Of the plan, with two burns.
+    leaves_s : float
+        When the next leg leaves, which is the end of the tow up to rounding: no later [s].
 
     Raises
     ------
@@ -36,9 +40,10 @@ def towed(bodies: TrueBodies, name: str, tow: Tow) -> RefinedTow:
     now = tow.burns[0].time_s
     state, burns = bodies.state(name, now), []
     for burn in tow.burns:
-        state, now = moved(state, burn.time_s - now, bodies.gravity), burn.time_s
+        time_s = min(burn.time_s, leaves_s)
+        state, now = moved(state, time_s - now, bodies.gravity), time_s
         impulse = -burn.size_m_s * state[3:] / np.linalg.norm(state[3:])
         state[3:] += impulse
         made = tuple(impulse.tolist())
-        burns.append(RefinedBurn(time_s=burn.time_s, delta_v_m_s=made, phase="tow"))
+        burns.append(RefinedBurn(time_s=time_s, delta_v_m_s=made, phase="tow"))
     return RefinedTow(burns=tuple(burns), released=recorded("release", now, state))
