@@ -29,6 +29,9 @@ from adr_opt.trajectory.write import FORMATS
 DRIFTING = 12
 """A mission whose plan has a drift that leaves a disposal orbit hours after its departure_s."""
 
+ECCENTRIC = 10
+"""A mission whose last leg drifts from e = 0.004 to e = 0.033."""
+
 GATE = (5, 9, DRIFTING)
 """Tows before short legs, kits before drifts, tows before drifts."""
 
@@ -46,8 +49,12 @@ def planned(seed: int) -> tuple[Instance, Plan]:
     return instance, plan
 
 
-def hold(instance: Instance, plan: Plan, out: Path) -> None:
-    """A plan is flown, refined, flown with and without errors, and exported in every format."""
+def hold(instance: Instance, plan: Plan, out: Path) -> bool:
+    """A plan is flown, refined, flown with and without errors, and exported in every format.
+
+    Returns whether it could be flown with errors: after weeks they may lead laps away, from where
+    the feedback of flights finds no way back, which is refused in a sentence.
+    """
     assert fly(instance, plan).worst_miss_m < 1.0
     refined = refine(instance, plan)
     assert refined.missing == ()
@@ -61,14 +68,20 @@ def hold(instance: Instance, plan: Plan, out: Path) -> None:
     assert math.fsum(tank.flown_delta_v_m_s or 0.0 for tank in flight.tanks) == pytest.approx(
         refined.flown_delta_v_m_s
     )
-    dispersed = sample_flights(instance, refined, flights=4)
-    assert dispersed.refined_delta_v_m_s == pytest.approx(refined.flown_delta_v_m_s)
+    try:
+        dispersed = sample_flights(instance, refined, flights=4)
+    except InputError as error:
+        assert "take smaller errors" in str(error)  # noqa: PT017
+        sampled = False
+    else:
+        sampled = True
+        assert dispersed.refined_delta_v_m_s == pytest.approx(refined.flown_delta_v_m_s)
     for suffix in FORMATS:
         path = out / f"plan.{suffix}"
         write_plan(instance, plan, path)
         assert path.stat().st_size > 0
     write_refined(instance, refined, out / "refined.oem")
-    # Between circles of eccentric orbits, which have other rates, approaches end tens of metres off.
+    # Eccentric orbits have other rates than their circles: approaches end tens of metres off.
     for arcs, most_m in (
         ([arc for _, arc in sample(instance, plan).arcs()], 100.0),
         ([track.arc for track in tracks(refined)], 10.0),
@@ -78,6 +91,7 @@ def hold(instance: Instance, plan: Plan, out: Path) -> None:
         for first, second in pairwise(arcs):
             assert second.times_s[0] == pytest.approx(first.times_s[-1], abs=1e-3)
             assert np.linalg.norm(second.positions_m[0] - first.positions_m[-1]) < most_m
+    return sampled
 
 
 def test_a_drift_may_leave_a_disposal_orbit_after_its_departure():
@@ -113,7 +127,31 @@ def test_plans_with_tows_and_kits_are_refined_flown_and_exported(seed, tmp_path)
     assert len(plan.legs) >= 2
     removals = {target.name: target.removal for target in instance.targets}
     assert {removals[leg.destination] for leg in plan.legs} & {"tow", "kit"}
-    hold(instance, plan, tmp_path)
+    assert hold(instance, plan, tmp_path)
+
+
+def test_a_tow_does_not_end_after_its_leg_begins_by_rounding():
+    """The end of a tow is a sum of times: a bit more than the first burn is no reason to refuse."""
+    instance, plan = planned(DRIFTING)
+    towed = next(leg for leg in plan.legs if leg.tow is not None)
+    begin, end = towed.tow.burns
+    late_s = math.nextafter(end.time_s, math.inf)
+    tow = towed.tow.replace(end_s=late_s, burns=(begin, end.replace(time_s=late_s)))
+    legs = tuple(leg.replace(tow=tow) if leg is towed else leg for leg in plan.legs)
+    refined = refine(instance, plan.replace(routes=(plan.routes[0].replace(legs=legs),)))
+    assert refined.missing == ()
+    following = refined.legs[0]
+    assert following.tow_before.released.time_s == following.burns[0].time_s
+
+
+@pytest.mark.slow
+def test_a_leg_makes_up_for_eccentricity_at_its_end():
+    """Five weeks to an orbit ten times as eccentric: such legs are refined, and for a plan's ΔV."""
+    instance, plan = planned(ECCENTRIC)
+    refined = refine(instance, plan)
+    assert refined.missing == ()
+    flown = refined.legs[-1]
+    assert flown.flown_delta_v_m_s == pytest.approx(flown.planned_delta_v_m_s, rel=0.1)
 
 
 def test_a_tow_after_a_launch_is_counted_with_the_leg_that_follows():
@@ -146,11 +184,13 @@ def test_a_drifting_plan_with_tows_is_planned_until_it_holds():
 @pytest.mark.parametrize("part", range(PARTS))
 def test_drawn_plans_with_tows_and_kits_hold(part, tmp_path):
     """A hundred plans with tows, over families, spans and masses, and those with kits between."""
-    towing = 0
+    towing = held = sampled = 0
     for seed in range(part, DRAWN, PARTS):
         instance, plan = planned(seed)
         if all(leg.kind == "launch" for leg in plan.legs):
             continue  # nothing else can be reached
-        hold(instance, plan, tmp_path)
+        sampled += hold(instance, plan, tmp_path)
+        held += 1
         towing += any(leg.tow is not None for leg in plan.legs)
     assert towing >= TOWS / PARTS
+    assert sampled >= 0.9 * held

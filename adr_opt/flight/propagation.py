@@ -14,10 +14,13 @@ Equations I (1993), with SciPy's coefficients and equal steps. Sums are compensa
 import math
 
 import numpy as np
+import numpy.typing as npt
 from scipy.integrate import DOP853
 
 from ..kernels.compile import kernel
 from ..kernels.constants import EARTH_RADIUS_M, MU_M3_S2
+
+Array = npt.NDArray[np.float64]
 
 STAGES = DOP853.n_stages
 BEFORE = np.ascontiguousarray(DOP853.A[:STAGES, :STAGES])
@@ -28,7 +31,7 @@ for _array in (BEFORE, WEIGHTS):
 
 
 @kernel
-def _rates(elements, zonals, rates):
+def _rates(elements: Array, zonals: Array, rates: Array) -> None:
     """How fast the elements change."""
     p, f, g, h, k, longitude = (
         elements[0], elements[1], elements[2], elements[3], elements[4], elements[5],
@@ -71,7 +74,7 @@ def _rates(elements, zonals, rates):
 
 
 @kernel
-def advance(elements, duration, steps, zonals):
+def advance(elements: Array, duration: float, steps: int, zonals: Array) -> None:
     """Let elements change for a time, in place, in a number of equal steps.
 
     Parameters
@@ -110,7 +113,7 @@ def advance(elements, duration, steps, zonals):
 
 
 @kernel
-def elements_of(state):
+def elements_of(state: Array) -> Array:
     """Elements of a state on a closed orbit that is not retrograde, shape (6,)."""
     x, y, z, u, v, w = state[0], state[1], state[2], state[3], state[4], state[5]
     r = math.sqrt(x * x + y * y + z * z)
@@ -137,7 +140,7 @@ def elements_of(state):
 
 
 @kernel
-def state_of(elements):
+def state_of(elements: Array) -> Array:
     """The state of elements, shape (6,) [m, m/s]."""
     p, f, g, h, k = elements[0], elements[1], elements[2], elements[3], elements[4]
     c, s = math.cos(elements[5]), math.sin(elements[5])
