@@ -13,6 +13,10 @@ RELATIVE = COST_RELATIVE
 """A cost is the least if it exceeds the bound by no more than this share of it."""
 
 
+SLACK_WORTH = 1e-9
+"""So much less is asked for at most, as a share: the bound on the cost comes down by as much."""
+
+
 class CostRounds(Protocol):
     """A proof of the least ΔV of plans that are worth enough, round by round.
 
@@ -41,10 +45,10 @@ class CostRounds(Protocol):
 def asked(problem: Prizes, least_worth: float) -> float:
     """What a plan has to be worth at least, of which a proof asks for the cost.
 
-    A little less, so that no rounding of a sum of prizes counts, but by far more than a plan that
+    A little less, so that no rounding of a sum of prizes counts, but far more than any plan has that
     collects less.
     """
-    return least_worth - 0.5 * problem.prize_resolution
+    return least_worth - min(SLACK_WORTH * abs(least_worth), 0.5 * problem.prize_resolution)
 
 
 def is_least(cost: float, bound: float) -> bool:
