@@ -155,6 +155,8 @@ def test_damaged_matrices(tmp_path: Path, numbers: range) -> None:
     for package in ("xarray", "h5netcdf"):
         pytest.importorskip(package)
     found, (instance, _), path = Found("damaged", tmp_path), solved(), tmp_path / "t.nc"
+    path.write_bytes(given_tables.whole_netcdf())
+    assert read(path, instance) == "taken"  # what the libraries look up once is no part of a case
 
     for number in numbers[: len(numbers) // 4]:
         rng = drawn("damaged", number)
@@ -171,6 +173,7 @@ def in_a_process(judge: Callable[[], str]) -> str:
     read_end, write_end = os.pipe()
     child = os.fork()
     if child == 0:
+        gc.freeze()  # what was there before is not looked through, and so not copied
         signal.signal(signal.SIGALRM, signal.SIG_DFL)
         signal.alarm(STUCK_S)
         heard: list[str] = []
@@ -260,7 +263,8 @@ def missions() -> Iterator[tuple[str, adr_opt.Instance, str]]:
 VERBS: tuple[tuple[str, ...], ...] = (
     ("fly",), ("export", "--out", "x.czml"), ("export", "--out", "x.oem"),
     ("replan", "--at", "0.2", "--time-limit", "0.2", "--method", "greedy-guarded"),
-    ("report", "--out", "x.html"), ("solve", "--method", "beam", "--time-limit", "1", "--start"),
+    ("report", "--out", "x.html"),
+    ("solve", "--method", "local-search", "--time-limit", "0.5", "--start"),
 )  # fmt: skip
 """Verbs that read plans, besides `check`."""
 
