@@ -23,6 +23,7 @@ import pytest
 from conftest import Cli
 from hand_made import hand_made
 from mutations import (
+    changed_bytes,
     drawn,
     spoilt,
     spoilt_bytes,
@@ -160,7 +161,8 @@ def test_damaged_matrices(tmp_path: Path, numbers: range) -> None:
 
     for number in numbers[: len(numbers) // 4]:
         rng = drawn("damaged", number)
-        data = spoilt_bytes(given_tables.netcdf(rng), rng)
+        whole = given_tables.netcdf(rng) if rng.random() < 0.5 else given_tables.whole_netcdf()
+        data = rng.choice((spoilt_bytes, changed_bytes, changed_bytes))(whole, rng)
         path.write_bytes(data)
         found.case(number, data, lambda: in_a_process(lambda: read(path, instance)))
     stuck = found.counts["stuck"] + found.counts["killed"]
