@@ -116,19 +116,33 @@ def _other_values(array: Any, rng: random.Random) -> Any:
         return array
 
 
-def netcdf(rng: random.Random) -> bytes:
-    """A NetCDF file of the roads with other variables, dimensions, types, values or units."""
-    import xarray
+Variables = dict[str, tuple[list[str], Any, dict[str, Any]]]
 
+
+def _roads() -> Variables:
     duration, cost = (np.array(values) for values in matrices())
     cube = ["departure", "origin", "destination"]
-    made: dict[str, tuple[list[str], Any, dict[str, Any]]] = {
+    return {
         "duration": (list(cube), duration, {"units": "s"}),
         "delta_v": (list(cube), cost, {"units": "m s-1"}),
         "departure": (["departure"], np.array(DEPARTURES), {"units": "s"}),
         "origin": (["origin"], np.array(NAMES), {}),
         "destination": (["destination"], np.array(NAMES), {}),
     }
+
+
+def whole_netcdf() -> bytes:
+    """A NetCDF file of the roads as they are."""
+    import xarray
+
+    return bytes(xarray.Dataset(_roads()).to_netcdf(engine="h5netcdf"))
+
+
+def netcdf(rng: random.Random) -> bytes:
+    """A NetCDF file of the roads with other variables, dimensions, types, values or units."""
+    import xarray
+
+    made = _roads()
     for _ in range(rng.choice([1, 1, 2, 4])):
         name = rng.choice(list(made))
         dimensions, values, stated = made[name]

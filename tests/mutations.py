@@ -63,6 +63,14 @@ def spoilt_bytes(data: bytes, rng: random.Random) -> bytes:
     return data
 
 
+def changed_bytes(data: bytes, rng: random.Random) -> bytes:
+    """The file with other bytes here and there, and as long as before."""
+    changed = bytearray(data)
+    for _ in range(rng.choice([1, 1, 2, 5, 20])):
+        changed[rng.randrange(len(data))] = rng.choice([0, 255, rng.randrange(256)])
+    return bytes(changed)
+
+
 def spoilt_numbers(data: bytes, rng: random.Random) -> bytes:
     """The text with other numbers in it."""
     for _ in several(rng):
