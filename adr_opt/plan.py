@@ -314,7 +314,7 @@ def cost_of(objective: Objective, legs: Iterable[Leg]) -> float:
     """What legs cost as an instance counts it: total ΔV [m/s], or when the last one ends [s].
 
     Tows count.
-    What chasers take is for :func:`.expense.cost_of_routes` to say.
+    What chasers take, and their days cost, is for :func:`.expense.cost_of_routes` to say.
     """
     if objective.cost == "duration":
         return max((leg.done_s for leg in legs), default=0.0)

@@ -115,7 +115,8 @@ def test_the_model_given_back_is_the_same_problem(dynamics: str, spacing_s: floa
     """An instance's own connections as given ones: the same plans, bounds and proofs."""
     instance = adr_opt.generate("tiny", 3)
     instance = instance.replace(
-        dynamics=dynamics, transfer=instance.transfer.replace(departure_spacing_s=spacing_s),
+        dynamics=dynamics,
+        transfer=instance.transfer.replace(departure_spacing_s=spacing_s),
         # Stated, since over given connections, whose unit is not known, it is nothing by default.
         objective={"time_m_s_per_day": 0.1},
     ).with_time_value(75.0)
