@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 
 import pytest
 from conftest import Cli, refused
@@ -85,7 +86,9 @@ def test_solve_tells_each_chaser_and_what_is_left_out(cli: Cli) -> None:
     for left in plan.unvisited:
         assert any(line.startswith(f"left out, {left.reason} (") and left.target in line
                    for line in lines)  # fmt: skip
-    assert lines[-1].startswith("2 chasers, visits 6 of 8, ")
+    assert lines[-2].startswith("2 chasers, visits 6 of 8, ")
+    assert lines[-1].startswith("flown in two-body motion: 7 short legs planned with ")
+    assert re.search(r"left in each tank: \w+ [\d.]+; \w+ [\d.]+, [\d.]+ m/s$", lines[-1])
     json_outcome = cli("solve", "my.json", "--method", "exact", "--json", "--quiet")
     assert [route["chaser"] for route in json.loads(json_outcome.out)["routes"]] == [HOME, OWN]
 

@@ -130,7 +130,7 @@ def test_a_refined_plan_says_so(cli: Cli) -> None:
     assert plan.own_flight is not None
     assert plan.own_flight.how == "refined"
     text = cli("check", "my.json", "plan.json").out
-    assert "refined in the field j2" in text
+    assert "as it says of itself, refined in the field j2" in text
     assert "not refined" not in text
     # The refined plan names this very plan.
     assert cli("fly", "my.json", "refined.json").status == 0

@@ -322,3 +322,28 @@ def test_derivatives_are_good_for_years(elements: tuple[float, ...]) -> None:
     carried = mean_motion.derivative(start, span, OBLATENESS_M2) @ rate(start)
     off = carried - rate(end)
     assert np.linalg.norm(off[:3]) < 0.02 * np.linalg.norm(end[3:])
+
+
+@pytest.mark.parametrize("which", ["two-body", "j2"])
+def test_burns_of_no_sense_are_said_and_nothing_breaks(which: str) -> None:
+    """With a burn away from the Earth, or an approach alone, a leg is said not to arrive."""
+    instance, plan = uneven(which)
+    leg = plan.legs[0]
+    away = leg.burns[0].replace(delta_v_m_s=(2e4, 2e4, 2e4))
+    approach = tuple(burn for burn in leg.burns if burn.phase == "approach")
+    for burns in ((away, *leg.burns[1:]), approach):
+        found = fly_mean(instance, with_legs(plan, (leg.replace(burns=burns), *plan.legs[1:])))
+        assert found is not None
+        assert found.flown[1] is None
+        assert found.problems[1]
+        assert found.flown[2] is not None
+        assert not found.holds
+
+
+def test_a_plan_without_legs_uses_no_tank() -> None:
+    """Nothing is flown, and that is said."""
+    instance, plan = drifting_instance(), drifting_plan()
+    found = fly_mean(instance, with_legs(plan, ()))
+    assert found is not None
+    assert found.holds
+    assert str(found) == "flown in mean motion under J2: no legs; no tank is used"

@@ -64,7 +64,7 @@ def command(instance_path: str, plan_path: str, no_fly: bool, as_json: bool) -> 
         legs = counted(len(plan.legs), "leg")
         emit(f"{plan_path}: no violations, objective {plan.objective:g}, {legs}")
         if refined is not None:
-            emit(f"{plan_path}: {refined}")
+            emit(f"{plan_path}: as it says of itself, {refined}")
         elif not isinstance(flight, str):
             emit(f"{plan_path}: {flight_line(flight)}; it was not refined")
         else:

@@ -100,8 +100,13 @@ class Aim:
         The orbits of its bodies by name.
     leg : Leg
         With burns in time order, the last of them those of the approach.
-    tow_before : Tow, optional
+    tow_before : Tow or None
         That of the origin, with whose end the leg begins.
+
+    Raises
+    ------
+    ArithmeticError, ValueError
+        Its burns lead away from the Earth, or there are none.
     """
 
     def __init__(
@@ -109,6 +114,8 @@ class Aim:
     ) -> None:
         first = next(at for at, burn in enumerate(leg.burns) if burn.phase == "approach")
         self._burns, self._approach = leg.burns[:first], leg.burns[first:]
+        if not self._burns:
+            raise NoWay("no burn comes before the approach")
         self._origin, self._target = orbit_of[leg.origin], orbit_of[leg.destination]
         self._instance, self._tow = instance, tow_before
         self._angles = planned_angles(instance, leg, tow_before)

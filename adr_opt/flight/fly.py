@@ -65,7 +65,7 @@ def fly(instance: Instance, plan: Plan) -> Flight:
         if not is_between_circles(orbits, leg):
             one = replace(
                 one, on_true_orbits=True,
-                true_delta_v_m_s=_true_m_s(Aim(instance, orbits, leg, tows.get(number))),
+                true_delta_v_m_s=_true_m_s(instance, orbits, leg, tows.get(number)),
             )  # fmt: skip
         flown.append(one)
     taken = {
@@ -76,11 +76,13 @@ def fly(instance: Instance, plan: Plan) -> Flight:
     return Flight(worst, tuple(flown), plan_tanks(instance, plan, taken), instance.dynamics)
 
 
-def _true_m_s(aimed: Aim) -> float | None:
+def _true_m_s(
+    instance: Instance, orbits: dict[str, Orbit], leg: Leg, tow: Tow | None
+) -> float | None:
     """What a leg takes on the true orbits; None where it does not arrive [m/s]."""
     try:
-        return aimed.delta_v_m_s()
-    except ArithmeticError:
+        return Aim(instance, orbits, leg, tow).delta_v_m_s()
+    except (ArithmeticError, ValueError):
         return None
 
 

@@ -103,7 +103,7 @@ def fly_mean(
             return None
         try:
             flown[number] = true_delta_v_m_s(instance, orbits, leg, tows.get(number))
-        except ArithmeticError as error:
+        except (ArithmeticError, ValueError) as error:  # burns of no sense lead to no numbers
             flown[number], problems[number] = None, str(error)
     return MeanFlight(plan, instance.dynamics, flown, problems, plan_tanks(instance, plan, flown))
 
