@@ -45,8 +45,8 @@ class CostRounds(Protocol):
 def asked(problem: Prizes, least_worth: float) -> float:
     """What a plan has to be worth at least, of which a proof asks for the cost.
 
-    A little less, so that no rounding of a sum of prizes counts, but far more than any plan has that
-    collects less.
+    A little less, so that no rounding of a sum of prizes counts, but far more than any plan has
+    that collects less.
     """
     return least_worth - min(SLACK_WORTH * abs(least_worth), 0.5 * problem.prize_resolution)
 
