@@ -49,7 +49,11 @@ def plan_content_of(instance: Instance, plan: Plan) -> Content:
     (route,) = stated.pop("routes")
     digest = hashlib.sha256(to_text(content_of(instance)).encode()).hexdigest()
     return {
-        **{name: value for name, value in stated.items() if not name.startswith("cost")},
+        **{
+            name: value
+            for name, value in stated.items()
+            if not name.startswith("cost") and name not in ("model", "flown")
+        },
         "format": "adr-opt-plan/1",
         "instance": {"name": instance.name, "sha256": digest},
         "legs": [
