@@ -15,11 +15,13 @@ from ..settings import MissionSettings
 KNOWN: dict[type[Record], frozenset[str]] = {
     Instance: frozenset({
         "format", "name", "epoch", "dynamics", "stations", "targets", "chasers", "mission",
-        "transfer", "objective", "keep_out_zones",
+        "transfer", "objective", "keep_out_zones", "frame",
     }),
-    Station: frozenset({"name", "orbit", "max_refuellings", "max_propellant_kg"}),
+    Station: frozenset({
+        "name", "orbit", "max_refuellings", "max_propellant_kg", "object_id",
+    }),
     Target: frozenset({
-        "name", "orbit", "prize", "required", "window_s", "mass_kg", "removal",
+        "name", "orbit", "prize", "required", "window_s", "mass_kg", "removal", "object_id",
     }),
     Chaser: frozenset({
         "name", "start", "available_s", "end", "max_targets", "tank", "kits", "kit_mass_kg",
@@ -32,7 +34,7 @@ KNOWN: dict[type[Record], frozenset[str]] = {
 }  # fmt: skip
 """Fields whose meaning the verifier knows. What is in ``transfer`` makes connections, and what is
 in ``objective`` decides between plans that collect as much. How much propellant a station has is
-ignored: walks may take any amount."""
+ignored: walks may take any amount. A frame and designators of objects change nothing."""
 
 REMOVALS = frozenset({"visit", "kit", "tow"})
 """Ways to service a target that the verifier knows."""
