@@ -55,7 +55,7 @@ def command(
     from ..refining.plan import is_refined
     from .fly_refined import fly_and_tell
 
-    check_out(out, instance_path, plan_path)
+    check_out(out, instance_path)  # the plan itself may be written again, with a note more
     sampling = Sampling(**asked)
     sampling.refuse_stray()
     if is_refined(plan_path):
