@@ -58,9 +58,9 @@ def steps(page: str) -> Iterator[tuple[str, str]]:
 
 
 def allowed(outcome: Outcome, line: str) -> bool:
-    """Done, or a flight that says that a tank breaks."""
-    broken = " fly " in line and outcome.status == 1 and "is over by" in outcome.out
-    return outcome.status == 0 or broken
+    """Done, or a flight, or a page that shows one, that says that a tank breaks."""
+    told = outcome.out if " fly " in line else outcome.err if " report " in line else ""
+    return outcome.status == 0 or (outcome.status == 1 and "is over by" in told)
 
 
 def masked(text: str) -> str:
