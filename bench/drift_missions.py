@@ -98,8 +98,9 @@ def mission(seed: int, days: int, removal: str = "visit") -> adr_opt.Instance:
     for target in targets:
         if removal != "visit":
             target |= {"removal": removal, "mass_kg": MASS_KG}
-        if removal == "tow":
-            target |= {"disposal_altitude_m": DISPOSAL_M}
+    asked = {"duration_s": days * DAY_S, "service_s": 0.25 * DAY_S}
+    if removal == "tow":
+        asked["disposal_altitude_m"] = DISPOSAL_M
     made = {
         "format": "adr-opt-instance/2",
         "name": f"drawn-{days}-{seed}-{removal}",
@@ -108,7 +109,7 @@ def mission(seed: int, days: int, removal: str = "visit") -> adr_opt.Instance:
         "stations": [],
         "targets": targets,
         "chasers": chasers,
-        "mission": {"duration_s": days * DAY_S, "service_s": 0.25 * DAY_S},
+        "mission": asked,
     }
     instance = adr_opt.Instance.model_validate(made)
     orbits = [*instance.body_orbits]
