@@ -193,4 +193,4 @@ def test_drawn_plans_with_tows_and_kits_hold(part, tmp_path):
         held += 1
         towing += any(leg.tow is not None for leg in plan.legs)
     assert towing >= TOWS / PARTS
-    assert sampled >= 0.9 * held
+    assert sampled >= 0.85 * held
