@@ -54,7 +54,10 @@ def hold(instance: Instance, result: Result, best: float, case: object) -> None:
     assert adr_opt.check(instance, result.plan) == (), case
     assert result.objective <= best, case
     if result.status == "optimal":
-        assert (result.objective, result.gap) == (best, pytest.approx(0.0, abs=1e-10)), case
+        # Prizes without a step count as equal to a share of their sum, of which little may be had.
+        total = math.fsum(target.prize for target in instance.targets)
+        slack = 2e-11 * total / best if best > 0.0 else 0.0
+        assert (result.objective, result.gap) == (best, pytest.approx(0.0, abs=slack)), case
 
 
 @all_kinds
