@@ -98,7 +98,9 @@ def test_campaigns_equal_enumeration(kind: str, seeds: range) -> None:
         except InputError:  # the last step of the proof went through all sets of targets
             continue
         assert verify(instance, None, certificate, connections=5).reasons == (), seed
-        assert certificate.upper_bound is None or certificate.upper_bound >= best, seed
+        # Enumeration adds prizes one by one, and so may be a last digit above their sum.
+        least = best - 2.0**-48 * abs(best)
+        assert certificate.upper_bound is None or certificate.upper_bound >= least, seed
 
 
 @all_kinds
