@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from random_rules import weeks_mission
 from rows import HIGHEST_M, LOWEST_M, FloatArray, oblate_rule, row
 
 from adr_opt.checking.drift import drift_cost
@@ -69,6 +70,43 @@ def test_the_judge_finds_the_same_optimum():
         assert added == pytest.approx(shape, abs=1e-3), case
         compared += 1
     assert compared > 0.4 * CASES
+
+
+def test_the_judge_agrees_about_tips():
+    """Where a burn changes next to nothing its size has a tip, about which searches agree, too."""
+    rng = np.random.default_rng(5)
+    for _ in range(CASES):
+        inclination, raan = 1.24, rng.uniform(0.0, 6.0)
+        first, second = (
+            row(
+                EARTH_RADIUS_M + rng.uniform(780e3, 800e3), inclination + rng.normal(0.0, 0.003),
+                raan + rng.normal(0.0, 0.03), rng.uniform(0.0, 7.0), oblateness=OBLATENESS_M2,
+                eccentricity=float(rng.choice([0.0, rng.uniform(0.0, 0.001)])),
+                perigee=rng.uniform(0.0, 6.0),
+            )
+            for _ in range(2)
+        )  # fmt: skip
+        arrival = 10 ** rng.uniform(0.0, 1.0) * DAY_S
+        pair = drift.prepare(first, second, RULE)
+        found = float(drift.delta_v(pair, 0.0, arrival))
+        left = np.append(first, orbits.coasting_node_rate(first))
+        wanted, _ = drift_cost(left, second, RULE, 0.0, arrival)
+        if wanted < DEAREST_M_S:
+            assert found == pytest.approx(wanted, abs=ACCURATE_M_S), (first, second, arrival)
+
+
+def test_steps_do_not_go_to_and_fro_about_a_tip():
+    """A leg whose first burn changes hardly more than the node costs what searches find."""
+    instance = weeks_mission(74)
+    rule = instance.transfer_rule()
+    ends = [instance.names.index(name) for name in ("station", "debris-001")]
+    first, second = (np.array(instance.body_orbits[at].row(OBLATENESS_M2)) for at in ends)
+    departure, arrival = 14.0 * DAY_S, 18.0 * DAY_S
+    split = drift.best_split(drift.prepare(first, second, rule), departure, arrival)
+    assert abs(split.climb) < 1.0
+    left = np.append(first, orbits.coasting_node_rate(first))
+    wanted, _ = drift_cost(left, second, rule, departure, arrival)
+    assert split.delta_v == pytest.approx(wanted, abs=ACCURATE_M_S)
 
 
 def test_the_target_is_met_after_whole_laps():

@@ -300,7 +300,9 @@ def _tilt_at(pair, task, arcs, radius, tilt):
     """The best z with a given drift orbit, near one that is given, and the split that it makes.
 
     Minimises (X² + (N₁ + N₂)²) / 2, which is convex but for the curvature of a cosine: Newton
-    steps, halved between the points where the slope is known to change its sign.
+    steps. Between points where the slope is known to change its sign the interval is halved instead
+    where a step leaves it, or is not half of the step before: about a tip, where the slope jumps,
+    steps may go to and fro for ever.
     """
     linear = pair.linear
     per_speed = 1.0 / linear.speed
@@ -318,7 +320,7 @@ def _tilt_at(pair, task, arcs, radius, tilt):
     p2 = -0.5 * arcs.node_drift * c - 0.125 * (arcs.node_out * c + arcs.node_back * pair.cosine)
     p3 = arcs.node_drift * s / 6.0 + (arcs.node_out * s + arcs.node_back * linear.sine) / 48.0
     p4, p5 = arcs.node_drift * c / 24.0, -arcs.node_drift * s / 120.0
-    low, high = -math.inf, math.inf
+    low, high, before = -math.inf, math.inf, math.inf
     node = first = second = 0.0
     for _ in range(MOST_STEPS):
         more = tilt * per_speed
@@ -344,10 +346,12 @@ def _tilt_at(pair, task, arcs, radius, tilt):
             -gradient / hessian if hessian > 0.0 else -math.copysign(0.1 * linear.speed, gradient)
         )
         step = min(max(step, -0.1 * linear.speed), 0.1 * linear.speed)
-        if not low < tilt + step < high:
+        to_and_fro = abs(step) > 0.5 * before and high - low < math.inf
+        if to_and_fro or not low < tilt + step < high:
             step = 0.5 * (low + high) - tilt
         if not abs(step) >= CLOSE_M_S:
             break
+        before = abs(step)
         tilt += step
     along = node * first / turn if turn > 0.0 else 0.0
     return Split(math.sqrt(node * node + turn * turn), climb, tilt, along)
