@@ -118,12 +118,14 @@ def test_a_beam_is_as_wide_as_the_time_allows(
         widths.append(settings.width)
         return beam_search(mission, settings, **more)
 
+    # With these options it practises once, which is no part of the time limit.
+    adr_opt.solve(large, "beam", time_limit=0.1, width=1_000_000)
     monkeypatch.setattr(timely_beams, "beam_search", spied)
     began = time.perf_counter()
     result = adr_opt.solve(large, "beam", time_limit=1.0, width=1_000_000)
     assert time.perf_counter() - began < 3.0
     assert widths[0] == timely_beams.PILOT_WIDTH
-    assert 1 <= widths[1] < 1_000_000  # how much less depends on the machine
+    assert 1 <= widths[1] < 100_000
     assert result.objective > adr_opt.solve(large, "greedy-guarded").objective
     assert not any("ran out of time" in note for note in result.notes)
 
