@@ -156,16 +156,17 @@ def told(transfer: TransferSettings) -> str:
     spacing = transfer.departure_spacing_s
     departures = "every departure"
     if spacing > 0.0:
-        departures = f"departures of a pair at least {_days(spacing)} apart"
+        departures = f"departures of a pair at least {in_days(spacing)} apart"
     drifts = "no long transfers"
     if transfer.max_drift_s > 0.0:
         drifts = (
-            f"long transfers of up to {_days(transfer.max_drift_s)} in steps of "
-            f"{_days(transfer.drift_step_s)}"
+            f"long transfers of up to {in_days(transfer.max_drift_s)} in steps of "
+            f"{in_days(transfer.drift_step_s)}"
         )
     return f"{drifts}, {departures}, ΔV to {transfer.delta_v_resolution_m_s:g} m/s"
 
 
-def _days(seconds: float) -> str:
+def in_days(seconds: float) -> str:
+    """A length of time in days, for people."""
     days = round(seconds / DAY_S, 3)
     return f"{days:g} day{'' if days == 1.0 else 's'}"

@@ -272,7 +272,7 @@ def main() -> None:
     if arguments.gtoc9 is not None:
         print_legs(read_legs(arguments.gtoc9))
     print_burns(arguments.drifts)
-    print_later(arguments.drifts)
+    print_later(len(SPREADS_DEG) * arguments.drifts)
     print_long(9)
     print_fields(arguments.runs)
 

@@ -14,11 +14,11 @@ from typing import NamedTuple
 
 from ..campaign import Problem
 from ..connections import Connecting
-from ..kernels.constants import DAY_S
 from ..kernels.rules import Rules
 from ..mission import Mission
 from ..plan import Plan
 from ..schedule import Scheduler
+from ..sizes import in_days
 
 FINER, COARSER = 0.5, 2.0
 """Steps tried, as multiples of that of the instance."""
@@ -99,8 +99,9 @@ def grid_advice(problem: Problem, plan: Plan) -> str | None:
         finer = on_grid(problem, plan, FINER * step)
         if finer.delta_v_m_s <= (1.0 - WORTH_FINER) * planned:
             return (
-                f"a finer grid pays: with drift_step_s = {finer.step_s:g} ({_days(finer.step_s)}) "
-                f"the same orders take {finer.delta_v_m_s:.0f} m/s, not {planned:.0f}"
+                f"a finer grid pays: with drift_step_s = {finer.step_s:g} "
+                f"({in_days(finer.step_s)}) the same orders take {finer.delta_v_m_s:.0f} m/s, "
+                f"not {planned:.0f}"
             )
     if plan.status == "optimal":
         return None
@@ -108,12 +109,7 @@ def grid_advice(problem: Problem, plan: Plan) -> str | None:
     if coarser.delta_v_m_s <= (1.0 + WORTH_COARSER) * planned:
         return (
             f"a coarser grid is enough: with drift_step_s = {coarser.step_s:g} "
-            f"({_days(coarser.step_s)}) the same orders take {coarser.delta_v_m_s:.0f} m/s, not "
+            f"({in_days(coarser.step_s)}) the same orders take {coarser.delta_v_m_s:.0f} m/s, not "
             f"{planned:.0f}, and there is far less to search"
         )
     return None
-
-
-def _days(seconds: float) -> str:
-    days = round(seconds / DAY_S, 3)
-    return f"{days:g} day{'' if days == 1.0 else 's'}"

@@ -204,6 +204,28 @@ def coast(state, duration, zonals, matrix):
 
 
 @kernel
+def chain(arcs):
+    """Derivatives of the end of all arcs by where each begins, in place of those of its own end.
+
+    Parameters
+    ----------
+    arcs : (arcs, 6, 6) float64
+        Written to.
+    """
+    product = np.empty((6, 6))
+    for b in range(arcs.shape[0] - 2, -1, -1):
+        for i in range(6):
+            for j in range(6):
+                total = 0.0
+                for k in range(6):
+                    total += arcs[b + 1, i, k] * arcs[b, k, j]
+                product[i, j] = total
+        for i in range(6):
+            for j in range(6):
+                arcs[b, i, j] = product[i, j]
+
+
+@kernel
 def fly(start, times, impulses, end, zonals, with_matrices):
     """Fly from burn to burn.
 
@@ -250,15 +272,5 @@ def fly(start, times, impulses, end, zonals, with_matrices):
     for axis in range(6):
         states[count, axis] = now[axis]
     if with_matrices:
-        product = np.empty((6, 6))
-        for b in range(count - 2, -1, -1):
-            for i in range(6):
-                for j in range(6):
-                    total = 0.0
-                    for k in range(6):
-                        total += arcs[b + 1, i, k] * arcs[b, k, j]
-                    product[i, j] = total
-            for i in range(6):
-                for j in range(6):
-                    arcs[b, i, j] = product[i, j]
+        chain(arcs)
     return states, arcs, angle

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from .coast import chain
 from .compile import kernel
 from .constants import MU_M3_S2
 
@@ -287,15 +288,5 @@ def fly(start, times, impulses, end, oblateness):
         angle += coast(now, span, oblateness)
     for axis in range(6):
         states[count, axis] = now[axis]
-    product = np.empty((6, 6))
-    for b in range(count - 2, -1, -1):
-        for i in range(6):
-            for j in range(6):
-                total = 0.0
-                for k in range(6):
-                    total += arcs[b + 1, i, k] * arcs[b, k, j]
-                product[i, j] = total
-        for i in range(6):
-            for j in range(6):
-                arcs[b, i, j] = product[i, j]
+    chain(arcs)
     return states, arcs, angle
