@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .errors import InputError
-from .kernels import drift, orbits
+from .kernels import drift, drift_arcs, drift_pair, orbits
 from .kernels.burns import (
     APPROACH,
     CO_ELLIPTIC,
@@ -32,6 +32,7 @@ from .kernels.burns import (
     half_ellipse_speeds,
 )
 from .kernels.constants import DAY_S, MU_M3_S2
+from .kernels.drift_laps import Split
 from .kernels.transfer import TransferRule
 from .planes import Arcs, Plane, Turn, ahead, between, outward, turn_between, turned
 
@@ -106,7 +107,7 @@ def shape_m_s(
     orbit_i: FloatArray, orbit_j: FloatArray, rule: TransferRule, departure: float, arrival: float
 ) -> float:
     """What the eccentricity vectors add to the ΔV of a transfer that drifts [m/s]."""
-    pair = drift.prepare(orbit_i, orbit_j, rule)
+    pair = drift_pair.prepare(orbit_i, orbit_j, rule)
     return float(drift.shape_share(pair, departure, arrival))
 
 
@@ -119,14 +120,14 @@ class Way(NamedTuple):
         First burn, and arrival at the stand-off [s].
     parity, other : int
         Whether the chaser, and the target, cross the line of nodes upwards (0) or downwards (1).
-    split : drift.Split
+    split : Split
     """
 
     start: float
     met: float
     parity: int
     other: int
-    split: drift.Split
+    split: Split
 
 
 class Drifting:
@@ -164,7 +165,7 @@ class Drifting:
         circles = orbit_i.copy(), orbit_j.copy()
         for circle in circles:
             circle[orbits.ECCENTRICITY] = 0.0
-        self._pair = drift.prepare(*circles, rule)
+        self._pair = drift_pair.prepare(*circles, rule)
         self._rj = float(orbit_j[orbits.RADIUS])
         self._rate_j = float(orbit_j[orbits.LATITUDE_RATE])
         self._approach = rule.approach_revolutions * TURN / self._rate_j
@@ -197,7 +198,13 @@ class Drifting:
             np.array([met + self._approach for met, _ in mets]),
         )
         ways = [
-            Way(start, met, parity, other, drift.Split(*(float(value) for value in found[s, m])))
+            Way(
+                start,
+                met,
+                parity,
+                other,
+                Split(*(float(value) for value in found[s, m])),
+            )
             for s, (start, parity) in enumerate(starts)
             for m, (met, other) in enumerate(mets)
             if math.isfinite(found[s, m, 0]) and self._allowed(self._radius(found[s, m, 1]))
@@ -208,16 +215,16 @@ class Drifting:
     def _allowed(self, radius: float) -> bool:
         """Whether the drift orbit may have a radius: where there are zones, one that was judged."""
         if self._held:
-            margin = drift.margin(self._planned - float(self._i[orbits.RADIUS]))
+            margin = drift_pair.margin(self._planned - float(self._i[orbits.RADIUS]))
             if abs(radius - self._planned) > margin:
                 return False
         return bool(self._rule.min_radius <= radius <= self._rule.max_radius)
 
     def _radius(self, climb: float) -> float:
         """Radius of the drift orbit that a change b_y leads to [m]."""
-        return float(drift.radius_of(self._pair, climb))
+        return float(drift_pair.radius_of(self._pair, climb))
 
-    def _leaving(self, split: drift.Split) -> tuple[Plane, Turn]:
+    def _leaving(self, split: Split) -> tuple[Plane, Turn]:
         """Plane of the drift orbit, its node counted from that of the origin, and the way there."""
         linear = self._pair.linear
         inclination = float(self._i[orbits.INCLINATION])
@@ -236,7 +243,7 @@ class Drifting:
     def _half_turns(self, way: Way, drifting: Plane, begun: float, last: Turn) -> int:
         """Half turns from the line of nodes where the drift begins to that where it ends."""
         radius, span = self._radius(way.split.climb), way.met + self._approach - way.start
-        coasting = float(drift.coast(self._pair, span, radius).drift)
+        coasting = float(drift_arcs.coast(self._pair, span, radius).drift)
         gained = self._arcs.latitude_rate(radius, drifting.inclination) * coasting
         pairs = 0.5 * ((begun + gained - last.before) / math.pi - way.other)
         return 2 * round(pairs) + way.other

@@ -10,7 +10,15 @@ from random_rules import weeks_mission
 from rows import HIGHEST_M, LOWEST_M, FloatArray, oblate_rule, row
 
 from adr_opt.checking.drift import drift_cost
-from adr_opt.kernels import drift, drift_grid, orbits
+from adr_opt.kernels import (
+    drift,
+    drift_arcs,
+    drift_free,
+    drift_grid,
+    drift_laps,
+    drift_pair,
+    orbits,
+)
 from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
 
 CASES = 1500
@@ -59,7 +67,7 @@ def test_the_judge_finds_the_same_optimum():
     for _ in range(CASES):
         first, second = drawn(rng)
         departure, span = rng.uniform(0.0, 700.0) * DAY_S, 10 ** rng.uniform(-0.7, 2.8) * DAY_S
-        pair = drift.prepare(first, second, RULE)
+        pair = drift_pair.prepare(first, second, RULE)
         found = drift.delta_v(pair, departure, departure + span)
         expected, shape = judged(first, second, departure, departure + span)
         if min(found, expected) > DEAREST_M_S:
@@ -87,7 +95,7 @@ def test_the_judge_agrees_about_tips():
             for _ in range(2)
         )  # fmt: skip
         arrival = 10 ** rng.uniform(0.0, 1.0) * DAY_S
-        pair = drift.prepare(first, second, RULE)
+        pair = drift_pair.prepare(first, second, RULE)
         found = float(drift.delta_v(pair, 0.0, arrival))
         left = np.append(first, orbits.coasting_node_rate(first))
         wanted, _ = drift_cost(left, second, RULE, 0.0, arrival)
@@ -102,7 +110,7 @@ def test_steps_do_not_go_to_and_fro_about_a_tip():
     ends = [instance.names.index(name) for name in ("station", "debris-001")]
     first, second = (np.array(instance.body_orbits[at].row(OBLATENESS_M2)) for at in ends)
     departure, arrival = 14.0 * DAY_S, 18.0 * DAY_S
-    split = drift.best_split(drift.prepare(first, second, rule), departure, arrival)
+    split = drift.best_split(drift_pair.prepare(first, second, rule), departure, arrival)
     assert abs(split.climb) < 1.0
     left = np.append(first, orbits.coasting_node_rate(first))
     wanted, _ = drift_cost(left, second, rule, departure, arrival)
@@ -115,14 +123,14 @@ def test_the_target_is_met_after_whole_laps():
     for _ in range(CASES):
         first, second = drawn(rng)
         departure, span = rng.uniform(0.0, 700.0) * DAY_S, 10 ** rng.uniform(-0.3, 2.8) * DAY_S
-        pair = drift.prepare(first, second, RULE)
+        pair = drift_pair.prepare(first, second, RULE)
         split = drift.best_split(pair, departure, departure + span)
         if not math.isfinite(split.delta_v):
             continue
-        radius = drift.radius_of(pair, split.climb)
+        radius = drift_pair.radius_of(pair, split.climb)
         assert LOWEST_M - 1e-3 <= radius <= HIGHEST_M + 1e-3
-        arcs = drift.coast(pair, span, radius)
-        laps = (arcs.phase - drift.task(pair, departure, departure + span).ahead) / math.tau
+        arcs = drift_arcs.coast(pair, span, radius)
+        laps = (arcs.phase - drift_pair.task(pair, departure, departure + span).ahead) / math.tau
         missed_m = (laps - round(laps)) * math.tau / arcs.phase_slope
         assert abs(missed_m) < 1.0, (first, second, departure, span)
 
@@ -133,12 +141,12 @@ def test_free_phase_costs_no_more_than_whole_laps():
     for _ in range(CASES):
         first, second = drawn(rng)
         departure, span = rng.uniform(0.0, 700.0) * DAY_S, 10 ** rng.uniform(-0.7, 2.8) * DAY_S
-        pair = drift.prepare(first, second, RULE)
-        leg = drift.task(pair, departure, departure + span)
-        climb, tilt, least = drift.free_phase(pair, leg, *drift.first_guess(pair, leg))
-        found = drift.split(pair, leg, climb, tilt).delta_v
+        pair = drift_pair.prepare(first, second, RULE)
+        leg = drift_pair.task(pair, departure, departure + span)
+        free = drift_free.free_phase(pair, leg, *drift_free.first_guess(pair, leg))
+        found = drift_laps.split(pair, leg, free).delta_v
         if found < DEAREST_M_S:
-            assert least - drift_grid.SLACK_M_S <= found, (first, second, departure, span)
+            assert free.least - drift_grid.SLACK_M_S <= found, (first, second, departure, span)
 
 
 def test_nothing_costs_less_than_radius_and_inclination():
@@ -147,13 +155,13 @@ def test_nothing_costs_less_than_radius_and_inclination():
     for _ in range(CASES):
         first, second = drawn(rng)
         span, arrival = 10 ** rng.uniform(-1.0, 3.0) * DAY_S, rng.uniform(0.0, 1e8)
-        pair = drift.prepare(first, second, RULE)
-        leg = drift.task(pair, arrival - span, arrival)
+        pair = drift_pair.prepare(first, second, RULE)
+        leg = drift_pair.task(pair, arrival - span, arrival)
         least = math.hypot(math.hypot(pair.climb, pair.linear.tilt), 2.0 * leg.shape)
         assert drift.delta_v(pair, arrival - span, arrival) >= least - 1e-9
 
 
-def grid_of(pair: drift.DriftPair, step: float, longest: float, duration: float) -> FloatArray:
+def grid_of(pair: drift_pair.DriftPair, step: float, longest: float, duration: float) -> FloatArray:
     """All transfers of a grid, one after another: departure, arrival, ΔV."""
     times = math.floor(duration / step) + 1
     return np.array(
@@ -183,7 +191,7 @@ def test_what_is_listed_is_what_nothing_else_dominates():
     for _ in range(150):
         first, second = drawn(rng)
         second[orbits.RAAN] = first[orbits.RAAN] + rng.normal() * 0.1
-        pair = drift.prepare(first, second, RULE)
+        pair = drift_pair.prepare(first, second, RULE)
         step, duration = rng.uniform(0.5, 4.0) * DAY_S, rng.uniform(20.0, 90.0) * DAY_S
         longest, resolution = rng.uniform(0.2, 1.2) * duration, float(rng.choice([0.0, 0.1, 5.0]))
         every = grid_of(pair, step, longest, duration)
@@ -233,7 +241,7 @@ def test_zones_that_are_closed_anywhere_near_forbid_a_drift():
     none = np.empty(0)
     for _ in range(60):
         first, second = drawn(rng)
-        pair = drift.prepare(first, second, RULE)
+        pair = drift_pair.prepare(first, second, RULE)
         low = EARTH_RADIUS_M + rng.uniform(300e3, 1900e3)
         opens = rng.uniform(0.0, 40.0) * DAY_S
         zones = np.array([[low, low + 20e3, opens, opens + rng.uniform(0.0, 10.0) * DAY_S]])
@@ -244,7 +252,7 @@ def test_zones_that_are_closed_anywhere_near_forbid_a_drift():
         for begin, end in zip(begins * DAY_S, ends * DAY_S, strict=True):
             touches = zones[0, 2] <= end and begin <= zones[0, 3]
             climb = drift.best_split(pair, begin, end).climb
-            radius = drift.radius_of(pair, climb)
+            radius = drift_pair.radius_of(pair, climb)
             radii = (pair.linear.radius_i, pair.linear.radius_j, radius)
             crosses = min(radii) <= zones[0, 1] and max(radii) >= zones[0, 0]
             assert not (touches and crosses), (first, second, zones, begin, end)

@@ -16,7 +16,7 @@ from adr_opt.campaign import Campaign
 from adr_opt.drift_burns import Flight, flown
 from adr_opt.errors import InputError
 from adr_opt.flight.mean import MeanDynamics
-from adr_opt.kernels import drift, orbits
+from adr_opt.kernels import drift, drift_pair, orbits
 from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, OBLATENESS_M2
 from adr_opt.trajectory.kepler import drift as coast
 
@@ -81,7 +81,7 @@ def drifts(
         circles = [orbit.copy() for orbit in (pair.i, pair.j)]
         for circle in circles:
             circle[orbits.ECCENTRICITY] = 0.0
-        planned = float(drift.delta_v(drift.prepare(*circles, law), departure, arrival))
+        planned = float(drift.delta_v(drift_pair.prepare(*circles, law), departure, arrival))
         met = fly(truth, pair, flight.times, flight.vectors, law.standoff)
         found.append(Drifted(pair, departure, arrival, planned, flight, met))
     return found, none

@@ -1,6 +1,6 @@
 """Drift legs on a grid of times: of all departures and arrivals those that no other dominates.
 
-A leg is priced with its phase (:func:`.drift.split`) only where the optimum of free phase is cheap
+A leg is priced with its phase (:mod:`.drift_laps`) only where the optimum of free phase is cheap
 enough to be listed. From one arrival to the next that optimum changes by no more than the node
 moves on any drift orbit that could be paid for, so arrivals that are too dear are skipped.
 """
@@ -9,13 +9,16 @@ import math
 
 import numpy as np
 
-from . import drift, drift_linear, orbits
+from . import drift_linear, orbits
 from .compile import kernel
+from .drift_free import first_guess, free_phase
+from .drift_laps import split
+from .drift_pair import margin, radius_of, task_of
 from .lists import chosen, wider
 
 SLACK_M_S = 0.3
-"""ΔV with phase may be so much less than :func:`.drift.free_phase` says: its tips are rounded off,
-and arcs beside the drift orbit are taken as halfway to it."""
+"""ΔV with phase may be that much less than :mod:`.drift_free` says: its tips are rounded off, and
+arcs beside the drift orbit are taken as halfway to it."""
 
 
 @kernel
@@ -36,8 +39,8 @@ def is_blocked(pair, zones, departure, arrival, climb):
         b_y of its split [m/s].
     """
     linear = pair.linear
-    drifting = drift.radius_of(pair, climb)
-    off = drift.margin(drifting - linear.radius_i)
+    drifting = radius_of(pair, climb)
+    off = margin(drifting - linear.radius_i)
     low = min(min(linear.radius_i, linear.radius_j), drifting - off)
     high = max(max(linear.radius_i, linear.radius_j), drifting + off)
     for z in range(zones.shape[0]):
@@ -63,7 +66,7 @@ def _change(pair, step, budget):
     fastest = 0.0
     for up in (-1.0, 1.0):
         climb = min(max(up * most, pair.least_climb), pair.most_climb)
-        radius = drift.radius_of(pair, climb)
+        radius = radius_of(pair, climb)
         for tilted in (-1.0, 1.0):
             inclination = pair.inclination_i + tilted * most / linear.speed
             rate = orbits.node_rate(radius, min(max(inclination, 0.0), math.pi), pair.oblateness)
@@ -131,7 +134,8 @@ def of_pair(
         last = min(begin + furthest, times - 1)
         cheapest = most + resolution
         looked, lag = begin + 1, math.inf
-        climb = tilt = 0.0
+        climb = tilt = before_climb = before_tilt = 0.0
+        last_t, before_t = begin, -1
         for t in range(begin + 1, last + 1):
             cheapest = min(cheapest, stair[t])
             if t < looked:
@@ -139,17 +143,28 @@ def of_pair(
             below = cheapest - resolution
             if below <= floor:
                 break
-            leg = drift.task_of(pair, begin * step, t * step, shape[t])
+            leg = task_of(pair, begin * step, t * step, shape[t])
             if not abs(leg.lag - lag) < 0.1:
-                climb, tilt = drift.first_guess(pair, leg)
-            climb, tilt, least = drift.free_phase(pair, leg, climb, tilt)
-            lag = leg.lag
+                start_climb, start_tilt = first_guess(pair, leg)
+                before_t = -1
+            elif before_t < 0:
+                start_climb, start_tilt, before_t = climb, tilt, last_t
+            else:
+                # The optimum goes on as it went.
+                more = (t - last_t) / (last_t - before_t)
+                start_climb = climb + more * (climb - before_climb)
+                start_tilt = tilt + more * (tilt - before_tilt)
+                before_t = last_t
+            before_climb, before_tilt = climb, tilt
+            free = free_phase(pair, leg, start_climb, start_tilt)
+            climb, tilt, least = free.climb, free.tilt, free.least
+            lag, last_t = leg.lag, t
             if least - SLACK_M_S >= below:
                 if below < 0.7 * budget or below > budget:
                     budget, change = below, _change(pair, step, below)
                 looked = t + max(1, math.floor((least - SLACK_M_S - below) / change))
                 continue
-            way = drift.split(pair, leg, climb, tilt)
+            way = split(pair, leg, free)
             if way.delta_v < below:
                 if zones.shape[0] > 0 and is_blocked(
                     pair, zones, begin * step, t * step, way.climb

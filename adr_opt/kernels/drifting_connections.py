@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import drift, drift_grid, transfer
+from . import drift_grid, drift_pair, transfer
 from .compile import kernel
 from .connections import Found
 from .lists import chosen, ranks, rising
@@ -127,7 +127,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolution):
     cost, laps = chosen(found.delta_v, order, shorts), chosen(found.revolutions, order, shorts)
     if times.longest < times.step:
         return Found(departure, arrival, cost, laps, ranks(arrival))
-    drifts = drift.prepare(orbit_i, orbit_j, rule)
+    drifts = drift_pair.prepare(orbit_i, orbit_j, rule)
     kept = np.empty(shorts, np.bool_)
     leaves, lands, long_cost = drift_grid.of_pair(
         drifts, rule.zones, times.step, times.longest, duration, times.most, resolution,

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import minimize
 
-from adr_opt.kernels import drift, drift_linear
+from adr_opt.kernels import drift, drift_linear, drift_pair
 from adr_opt.kernels.constants import DAY_S, OBLATENESS_M2
 from adr_opt.kernels.transfer import TransferRule
 
@@ -37,7 +37,7 @@ class Leg(NamedTuple):
     """
 
     pair: drift_linear.LinearPair
-    phased: drift.DriftPair
+    phased: drift_pair.DriftPair
     departure: float
     arrival: float
     flown: float
@@ -92,5 +92,5 @@ def read_legs(folder: Path) -> list[Leg]:
             ends = rows[one.debris], rows[other.debris]
             pair = drift_linear.prepare(*ends, *LIMITS_M, OBLATENESS_M2)
             times = one.departure_d * DAY_S, other.arrival_d * DAY_S
-            legs.append(Leg(pair, drift.prepare(*ends, RULE), *times, flown))
+            legs.append(Leg(pair, drift_pair.prepare(*ends, RULE), *times, flown))
     return legs
