@@ -16,6 +16,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from .version import __version__
+
 if TYPE_CHECKING:
     from .analysis.departures import plan_of
     from .certificate import Certificate, load_certificate
@@ -90,8 +92,6 @@ __all__ = [
     "solve_refined",
     "verify",
 ]
-
-__version__ = "0.1.0"
 
 
 def __getattr__(name: str) -> Any:

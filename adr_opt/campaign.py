@@ -16,7 +16,7 @@ from .instance import AnyInstance, Instance, instance_of
 from .kernels.timetable_making import Pairs
 from .mission import Mission
 from .prizes import Prizes
-from .showing import Card, Shown
+from .showing.card import Card, Shown
 from .station_limits import StationLimits, Use
 from .timetable import Timetable
 

@@ -21,7 +21,7 @@ from .kernels import drifting_connections, given_connections
 from .kernels import timetable as tables
 from .kernels import timetable_making as making
 from .kernels.constants import HOUR_S, SLACK_M_S, SLACK_S
-from .showing import Card, Shown
+from .showing.card import Card, Shown
 from .tow import leaving_eccentricity_delta_v, leaving_orbits
 
 FloatArray = npt.NDArray[np.float64]

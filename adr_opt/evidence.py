@@ -7,6 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+WORD = 63
+"""Targets remembered in one integer of a neighbourhood."""
+
 
 @dataclass(frozen=True, eq=False)
 class Walks:

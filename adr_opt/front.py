@@ -15,17 +15,9 @@ from .drift import drift_warning
 from .errors import InputError
 from .instance import AnyInstance, Instance
 from .least_time import too_short
-from .planner import (
-    BOUNDS,
-    PLANNERS,
-    Progress,
-    knows_all_pairs,
-    needs_no_table,
-    silent,
-    takes_jobs,
-    takes_start,
-)
+from .planner import BOUNDS, PLANNERS, knows_all_pairs, needs_no_table, takes_jobs, takes_start
 from .prepared import form_for, method_of, prepare, warm_up
+from .progress import Progress, silent
 from .result import Result, noted, proven_of
 from .start import Start, start_destinations
 from .stop import AnyOf, MaxIterations, MaxRuntime, Stop

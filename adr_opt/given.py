@@ -20,7 +20,7 @@ import numpy.typing as npt
 from .errors import InputError
 from .kernels.given_connections import sifted
 from .records import LARGEST_DELTA_V_M_S, LARGEST_TIME_S
-from .showing import Card, Shown
+from .showing.card import Card, Shown
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]

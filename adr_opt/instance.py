@@ -31,7 +31,7 @@ from .numbering import Numbering
 from .orbit import Orbit
 from .records import Window
 from .settings import GivenFile
-from .showing import Card, Shown
+from .showing.card import Card, Shown
 from .time_value import TIME_VALUE_M_S_PER_H, check_time_value, hurry_of
 
 

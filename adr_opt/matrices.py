@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .kernels.constants import SLACK_M_S, SLACK_S
-from .showing import Card, Shown
+from .showing.card import Card, Shown
 
 FloatArray = npt.NDArray[np.float64]
 

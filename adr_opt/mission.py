@@ -24,7 +24,7 @@ from .kernels.transfer import TransferRule
 from .pairs import Neighbours
 from .prizes import Prizes
 from .schedule import Schedule, Scheduler
-from .showing import Card, Shown
+from .showing.card import Card, Shown
 from .timetable import Timetable
 
 Sequence = npt.NDArray[np.int64]

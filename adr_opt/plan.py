@@ -15,7 +15,7 @@ from .files import read_model, to_text, write_text
 from .plan_flight import PlanFlight
 from .records import DeltaV, Name, Record, Time, without
 from .settings import Objective
-from .showing import Card, Shown
+from .showing.card import Card, Shown
 
 FORMAT: Literal["adr-opt-plan/2"] = "adr-opt-plan/2"
 

@@ -12,6 +12,7 @@ from typing import Any, Protocol, TypeVar
 
 from .errors import InputError
 from .options import MOST_JOBS, Options, option
+from .progress import Progress
 from .result import Result
 from .stop import Stop
 
@@ -23,14 +24,6 @@ Method = TypeVar("Method", bound=Callable[..., object])
 
 FIXED = frozenset({"seed", "stop", "progress", "start"})
 """Parameters of methods that are no options."""
-
-
-class Progress(Protocol):
-    """Hears of every new incumbent or bound: −inf and +inf stand for none yet."""
-
-    def __call__(self, incumbent: float, bound: float) -> None:
-        """Hear of it; called from the thread that found it."""
-        ...
 
 
 class Planner(Protocol):
@@ -48,10 +41,6 @@ class Planner(Protocol):
     ) -> Result:
         """Plan (or bound) a mission until it is enough."""
         ...
-
-
-def silent(incumbent: float, bound: float) -> None:
-    """A progress that hears and says nothing."""
 
 
 def _found(group: str) -> dict[str, EntryPoint]:

@@ -20,18 +20,17 @@ from .planner import (
     LIMITS,
     PLANNERS,
     Planner,
-    Progress,
     campaign_form,
     get,
     known_rules,
     names,
     options_of,
-    silent,
     takes_jobs,
     takes_start,
 )
 from .practice import Practice, asking_mission, habits, practice_campaign, practice_mission
 from .pricing import APPROXIMATE
+from .progress import Progress, silent
 from .result import Result, certify_routes, noted
 from .start import legal_beginning
 from .stop import Stop

@@ -19,7 +19,7 @@ from .mission import Mission
 from .plan import MODEL, InstanceReference, Plan, Route, Status, relative_gap
 from .pricing import APPROXIMATE, legs, unvisited
 from .prizes import Prizes
-from .showing import Card, Shown
+from .showing.card import Card, Shown
 from .tolerance import COST_RELATIVE
 
 PACKAGES = ("adr-opt", "numpy", "numba", "ortools")

@@ -36,7 +36,7 @@ from .kernels.timetable_making import Pairs
 from .limits import limits_of
 from .matrices import FloatArray, Matrices
 from .pairs import Neighbours, all_pairs, begun
-from .showing import Card, Shown
+from .showing.card import Card, Shown
 from .timetable_size import estimate, too_large
 
 SLICE_ENTRIES = 20_000

@@ -9,8 +9,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from .campaign import Problem
-from .planner import Progress
 from .pricing import APPROXIMATE
+from .progress import Progress
 from .result import Result, certify_routes
 from .stop import Proven, Stop
 

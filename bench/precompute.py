@@ -25,7 +25,8 @@ from reference_leg import reference_leg
 import adr_opt
 from adr_opt.kernels import connections
 from adr_opt.kernels.compile import kernel
-from adr_opt.planner import get, silent
+from adr_opt.planner import get
+from adr_opt.progress import silent
 from adr_opt.stop import MaxIterations
 from solvers.certificate import Certificate
 from solvers.relaxation import network

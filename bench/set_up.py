@@ -20,7 +20,7 @@ import time
 from machine import heading
 
 import adr_opt
-from adr_opt.planner import silent
+from adr_opt.progress import silent
 from adr_opt.stop import MaxIterations
 from solvers.certificate import Certificate
 from solvers.relaxation.proof import Proof, ProofOptions

@@ -21,7 +21,8 @@ from typing import TypeVar
 from machine import heading
 
 import adr_opt
-from adr_opt.certificate import Certificate, certificate_of
+from adr_opt.certificate import Certificate
+from adr_opt.certify import certificate_of
 from adr_opt.errors import InputError
 from adr_opt.library import Entry, load_library
 from adr_opt.result import Result

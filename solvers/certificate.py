@@ -9,8 +9,8 @@ from typing import Any, Generic, Protocol, TypeVar
 
 from adr_opt.evidence import Evidence
 from adr_opt.mission import Mission
-from adr_opt.planner import Progress
 from adr_opt.prizes import Prizes
+from adr_opt.progress import Progress
 from adr_opt.tolerance import rounded_up
 
 from .incumbent import Incumbent

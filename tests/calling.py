@@ -7,7 +7,8 @@ from typing import Any
 
 from adr_opt.mission import Mission
 from adr_opt.options import read
-from adr_opt.planner import Planner, options_of, silent
+from adr_opt.planner import Planner, options_of
+from adr_opt.progress import silent
 from adr_opt.result import Result
 from adr_opt.stop import MaxRuntime
 

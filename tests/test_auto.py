@@ -14,8 +14,9 @@ from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 
 import adr_opt
 from adr_opt.mission import Mission
-from adr_opt.planner import PLANNERS, silent
+from adr_opt.planner import PLANNERS
 from adr_opt.prepared import warm_up
+from adr_opt.progress import silent
 from adr_opt.result import Result
 from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
 from solvers.planners import auto as auto_module

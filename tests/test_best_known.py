@@ -28,6 +28,7 @@ from adr_opt.kernels.schedule import follow
 from adr_opt.library import Entry, Library
 from adr_opt.limits import limits_of
 from adr_opt.mission import Mission
+from adr_opt.progress import Progress
 from adr_opt.result import Result, certify, certify_routes
 from adr_opt.stop import Stop
 
@@ -395,7 +396,7 @@ def test_wrong_calls_are_one_sentence(
         script.main(["--folder", str(folder), "--plan", "tiny-002"])
 
 
-def trivial(mission: Mission, *, seed: int, stop: Stop, progress: planner.Progress) -> Result:
+def trivial(mission: Mission, *, seed: int, stop: Stop, progress: Progress) -> Result:
     """The sum of all prizes."""
     return certify(
         mission, "trivial", None, seed=seed, runtime_s=0.0, upper_bound=mission.total_prize

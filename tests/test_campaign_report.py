@@ -17,9 +17,8 @@ from adr_opt import plot
 from adr_opt.chasers import AtStation
 from adr_opt.instance import Instance
 from adr_opt.plan import Plan
-from adr_opt.plot.axes import chaser_colours
 from adr_opt.plot.budget import budgets
-from adr_opt.plot.palette import CHASERS, COLOURS
+from adr_opt.plot.palette import CHASERS, COLOURS, chaser_colours
 from adr_opt.plot.segments import segments
 from adr_opt.plot.tracks import tracks
 from adr_opt.plot.traffic import also_there, stays

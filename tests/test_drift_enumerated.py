@@ -9,7 +9,7 @@ from brute_force import brute_force
 from random_rules import weeks_mission
 
 import adr_opt
-from adr_opt.certificate import certificate_of
+from adr_opt.certify import certificate_of
 from adr_opt.kernels.constants import DAY_S
 from adr_opt.mission import Mission
 

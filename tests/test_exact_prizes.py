@@ -14,7 +14,7 @@ from test_registry import varied
 
 import adr_opt
 from adr_opt.campaign import Campaign
-from adr_opt.certificate import certificate_of
+from adr_opt.certify import certificate_of
 from adr_opt.errors import InputError, MissingExtra
 from adr_opt.instance import Instance
 from adr_opt.mission import Mission

@@ -8,7 +8,8 @@ from drifting_plans import drifting_instance, drifting_plan
 from hand_made import hand_made
 
 import adr_opt
-from adr_opt.certificate import Certificate, certificate_of, sha256_of
+from adr_opt.certificate import Certificate, sha256_of
+from adr_opt.certify import certificate_of
 from adr_opt.plan import MODEL, Plan
 from adr_opt.verifying import verify
 

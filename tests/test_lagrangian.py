@@ -6,7 +6,7 @@ from brute_force import brute_force
 from calling import call
 
 import adr_opt
-from adr_opt.certificate import certificate_of
+from adr_opt.certify import certificate_of
 from adr_opt.kernels.compile import kernel
 from adr_opt.mission import Mission
 from adr_opt.stop import MaxIterations, MaxRuntime

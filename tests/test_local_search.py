@@ -17,7 +17,8 @@ from on_a_layer import replayed
 import adr_opt
 from adr_opt.kernels.constants import STATION
 from adr_opt.mission import Mission
-from adr_opt.planner import get, silent
+from adr_opt.planner import get
+from adr_opt.progress import silent
 from adr_opt.result import Result
 from adr_opt.stop import Interrupted, MaxIterations
 from solvers.planners.local_search import local_search

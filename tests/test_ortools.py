@@ -14,7 +14,8 @@ from adr_opt.errors import InputError
 from adr_opt.kernels.constants import EARTH_RADIUS_M
 from adr_opt.kernels.rules import State, replay
 from adr_opt.mission import Mission
-from adr_opt.planner import get, silent
+from adr_opt.planner import get
+from adr_opt.progress import silent
 from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
 from solvers.planners.ortools_windows import ortools
 from solvers.planners.ortools_windows.fill import best_insertion

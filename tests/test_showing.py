@@ -16,7 +16,7 @@ from two_chasers import campaign, planned
 import adr_opt
 from adr_opt.analysis import Axis, compare, price, replan, tradeoff
 from adr_opt.campaign import Campaign
-from adr_opt.certificate import certificate_of
+from adr_opt.certify import certificate_of
 from adr_opt.showing.card import MOST_NAMES, MOST_ROWS, Table, order_words
 
 NASTY = "<script>alert('x')</script> & co"

@@ -18,6 +18,7 @@ from conftest import Cli
 import adr_opt
 from adr_opt import front, planner
 from adr_opt.mission import Mission
+from adr_opt.progress import Progress, silent
 from adr_opt.result import Result, certify
 from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime, Stop
 from adr_opt.together import InvalidBound, Meeting, Seat, together
@@ -31,7 +32,7 @@ NEVER = MaxRuntime(math.inf)
 def planning(sequence: tuple[int, ...] | None, *, waits: bool = True, fails: bool = False) -> Any:
     """A planner that has a plan from the beginning and asks until it is told to stop."""
 
-    def method(mission: Mission, stop: Stop, progress: planner.Progress) -> Result:
+    def method(mission: Mission, stop: Stop, progress: Progress) -> Result:
         value = -math.inf if sequence is None else mission.time(sequence).objective
         progress(value, math.inf)
         asked = 0
@@ -53,7 +54,7 @@ def proving(
 ) -> Any:
     """A bound that proves one value after the other, then asks until it is told to stop."""
 
-    def method(mission: Mission, stop: Stop, progress: planner.Progress) -> Result:
+    def method(mission: Mission, stop: Stop, progress: Progress) -> Result:
         best, asked = math.inf, 0
         for bound in bounds:
             best = min(best, bound)
@@ -82,7 +83,7 @@ def fake_planner(
     *,
     seed: int,
     stop: Stop,
-    progress: planner.Progress,
+    progress: Progress,
     start: tuple[int, ...] | None = None,
     jobs: int = 1,
 ) -> Result:
@@ -99,7 +100,7 @@ def fake_bound(
     *,
     seed: int,
     stop: Stop,
-    progress: planner.Progress,
+    progress: Progress,
     start: tuple[int, ...] | None = None,
     jobs: int = 0,
 ) -> Result:
@@ -138,9 +139,7 @@ def mission() -> Mission:
 def test_both_stop_when_they_meet(mission: Mission) -> None:
     """Incumbent 1 and bound 1 end both at once: optimal, gap 0, and `check` accepts the plan."""
     began = time.monotonic()
-    result = together(
-        mission, planning((1,)), proving(5.0, 1.0), MaxRuntime(LONG_S), planner.silent
-    )
+    result = together(mission, planning((1,)), proving(5.0, 1.0), MaxRuntime(LONG_S), silent)
     assert time.monotonic() - began < LONG_S / 2
     assert result.plan is not None
     assert (result.status, result.objective, result.upper_bound, result.gap) == (
@@ -153,7 +152,7 @@ def test_both_stop_when_they_meet(mission: Mission) -> None:
 def test_the_result_joins_both(mission: Mission) -> None:
     """Plan of the planner, bound of the bound, counters with prefixes, notes, runtime."""
     stop = MaxRuntime(0.2)
-    result = together(mission, planning((1,)), proving(4.0), stop, planner.silent)
+    result = together(mission, planning((1,)), proving(4.0), stop, silent)
     assert result.plan is not None
     assert result.method == result.plan.method == "plans"
     assert (result.status, result.upper_bound, result.gap) == ("feasible", 4.0, 0.75)
@@ -200,7 +199,7 @@ def test_a_planner_that_ends_leaves_the_bound_running(mission: Mission) -> None:
     """After a quick planner the bound goes on to its limit, and its last bound counts."""
     limits = (MaxIterations(3), MaxIterations(50))
     method = proving(*(7.0 - 0.1 * step for step in range(30)))
-    result = together(mission, planning((1,), waits=False), method, NEVER, planner.silent, limits)
+    result = together(mission, planning((1,), waits=False), method, NEVER, silent, limits)
     assert result.upper_bound == min(4.1, mission.total_prize)
     assert result.counters == {"planner.asked": 0, "bound.asked": 51}
 
@@ -208,9 +207,7 @@ def test_a_planner_that_ends_leaves_the_bound_running(mission: Mission) -> None:
 def test_a_bound_that_ends_leaves_the_planner_running(mission: Mission) -> None:
     """After a quick bound the planner goes on to its limit."""
     limits = (MaxIterations(50), MaxIterations(3))
-    result = together(
-        mission, planning((1,)), proving(4.0, waits=False), NEVER, planner.silent, limits
-    )
+    result = together(mission, planning((1,)), proving(4.0, waits=False), NEVER, silent, limits)
     assert result.counters == {"planner.asked": 51, "bound.asked": 1}
     assert result.upper_bound == 4.0
 
@@ -230,7 +227,7 @@ def test_a_failure_ends_both_and_is_raised(
     """A failure of one side stops the other and reaches the caller; no thread stays behind."""
     before, began = threading.active_count(), time.monotonic()
     with pytest.raises(expected):
-        together(mission, plans, proves, MaxRuntime(LONG_S), planner.silent)
+        together(mission, plans, proves, MaxRuntime(LONG_S), silent)
     assert time.monotonic() - began < LONG_S / 2
     assert threading.active_count() == before
 
@@ -241,7 +238,7 @@ def test_an_interrupt_stops_both(mission: Mission) -> None:
     timer = threading.Timer(0.2, stop.interrupt)
     timer.start()
     result = together(
-        mission, planning((1,)), proving(4.0), AnyOf(MaxRuntime(LONG_S), stop), planner.silent
+        mission, planning((1,)), proving(4.0), AnyOf(MaxRuntime(LONG_S), stop), silent
     )
     timer.join()
     assert result.runtime_s < LONG_S / 2
@@ -251,12 +248,12 @@ def test_an_interrupt_stops_both(mission: Mission) -> None:
 def test_a_keyboard_interrupt_of_the_caller_stops_the_bound(mission: Mission) -> None:
     """KeyboardInterrupt, as in a notebook, leaves no thread behind."""
 
-    def pressed(mission: Mission, stop: Stop, progress: planner.Progress) -> Result:
+    def pressed(mission: Mission, stop: Stop, progress: Progress) -> Result:
         raise KeyboardInterrupt
 
     before = threading.active_count()
     with pytest.raises(KeyboardInterrupt):
-        together(mission, pressed, proving(4.0), MaxRuntime(LONG_S), planner.silent)
+        together(mission, pressed, proving(4.0), MaxRuntime(LONG_S), silent)
     assert threading.active_count() == before
 
 
@@ -266,7 +263,7 @@ def test_a_better_plan_of_the_bound_is_kept(mission: Mission) -> None:
     assert guarded is not None
     assert len(guarded) > 1
     method = proving(mission.total_prize, plan=guarded, waits=False)
-    result = together(mission, planning((1,), waits=False), method, NEVER, planner.silent)
+    result = together(mission, planning((1,), waits=False), method, NEVER, silent)
     assert result.sequence == guarded
     assert result.method == "proves"
     assert "proves found a better plan than plans" in result.notes
@@ -275,7 +272,7 @@ def test_a_better_plan_of_the_bound_is_kept(mission: Mission) -> None:
 def test_without_a_plan_the_bound_is_kept(mission: Mission) -> None:
     """A planner that finds nothing does not lose what the bound proved."""
     result = together(
-        mission, planning(None, waits=False), proving(4.0, waits=False), NEVER, planner.silent
+        mission, planning(None, waits=False), proving(4.0, waits=False), NEVER, silent
     )
     assert result.plan is None
     assert (result.upper_bound, result.status) == (4.0, "unknown")
@@ -284,19 +281,19 @@ def test_without_a_plan_the_bound_is_kept(mission: Mission) -> None:
 def test_a_bound_below_a_legal_plan_is_an_alarm(mission: Mission) -> None:
     """A plan that is worth more than a claimed bound is never returned as proven."""
     with pytest.raises(InvalidBound, match=r"objective 1\.0 exceeds the bound 0\.5 .*'proves'"):
-        together(mission, planning((1,)), proving(0.5), MaxRuntime(LONG_S), planner.silent)
+        together(mission, planning((1,)), proving(0.5), MaxRuntime(LONG_S), silent)
 
 
 def test_rounding_makes_no_negative_gap(mission: Mission) -> None:
     """A bound below the objective by rounding only meets it exactly."""
     method = proving(1.0 - 1e-9)
-    result = together(mission, planning((1,)), method, MaxRuntime(LONG_S), planner.silent)
+    result = together(mission, planning((1,)), method, MaxRuntime(LONG_S), silent)
     assert (result.upper_bound, result.gap, result.status) == (1.0, 0.0, "optimal")
 
 
 def test_remaining_time_is_that_of_the_nearest_limit() -> None:
     """Parts that cannot ask get the shared limit, their own, and nothing once it is enough."""
-    meeting = Meeting(MaxRuntime(100.0), planner.silent)
+    meeting = Meeting(MaxRuntime(100.0), silent)
     seat = Seat(meeting, MaxRuntime(10.0))
     assert 5.0 < seat.remaining_s() < 10.0
     assert 50.0 < Seat(meeting).remaining_s() < 100.0
@@ -308,7 +305,7 @@ def test_remaining_time_is_that_of_the_nearest_limit() -> None:
 
 def test_an_own_limit_ends_nobody_else() -> None:
     """Iterations are counted for each side by itself."""
-    meeting = Meeting(NEVER, planner.silent)
+    meeting = Meeting(NEVER, silent)
     one, other = Seat(meeting, MaxIterations(1)), Seat(meeting, MaxIterations(3))
     assert [one(0.0, 9.0), one(0.0, 9.0)] == [False, True]
     assert [other(0.0, 9.0) for _ in range(4)] == [False, False, False, True]

@@ -31,7 +31,8 @@ from verify_fields import (
 
 import adr_opt
 from adr_opt.bodies import Station, Target
-from adr_opt.certificate import Certificate, certificate_of, load_certificate
+from adr_opt.certificate import Certificate, load_certificate
+from adr_opt.certify import certificate_of
 from adr_opt.chasers import Chaser
 from adr_opt.errors import InputError
 from adr_opt.instance import Instance

@@ -24,7 +24,7 @@ from verify_fields import (
 
 import adr_opt
 from adr_opt.campaign import Campaign
-from adr_opt.certificate import certificate_of
+from adr_opt.certify import certificate_of
 from adr_opt.chasers import TankByMass
 from adr_opt.checking.tank import Tank
 from adr_opt.errors import InputError

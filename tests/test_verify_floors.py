@@ -13,7 +13,8 @@ from test_exact import variant
 
 import adr_opt
 from adr_opt import candidates
-from adr_opt.certificate import Certificate, ProvenFloors, certificate_of
+from adr_opt.certificate import Certificate, ProvenFloors
+from adr_opt.certify import certificate_of
 from adr_opt.errors import InputError
 from adr_opt.evidence import Evidence
 from adr_opt.instance import Instance

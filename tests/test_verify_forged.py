@@ -14,7 +14,8 @@ from brute_force import brute_force
 from test_exact import variant
 
 import adr_opt
-from adr_opt.certificate import Certificate, certificate_of, sha256_of
+from adr_opt.certificate import Certificate, sha256_of
+from adr_opt.certify import certificate_of
 from adr_opt.errors import InputError
 from adr_opt.files import parse_model
 from adr_opt.instance import Instance

@@ -22,7 +22,8 @@ from verify_fields import (
 )
 
 import adr_opt
-from adr_opt.certificate import Certificate, certificate_of
+from adr_opt.certificate import Certificate
+from adr_opt.certify import certificate_of
 from adr_opt.connections import Connecting
 from adr_opt.errors import InputError
 from adr_opt.instance import Instance

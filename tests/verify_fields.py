@@ -21,7 +21,8 @@ from random_rules import (
 
 import adr_opt
 from adr_opt.campaign import Campaign, problem_of
-from adr_opt.certificate import Certificate, certificate_of
+from adr_opt.certificate import Certificate
+from adr_opt.certify import certificate_of
 from adr_opt.chasers import AtStation, TankByMass
 from adr_opt.connections import Connecting, Connections
 from adr_opt.errors import InputError

@@ -12,7 +12,7 @@ from ..errors import InputError
 from ..instance import Instance
 from ..plan import Leg, Plan
 from ..routes import Flown, routes_of
-from ..showing import Card, Shown
+from ..showing.card import Card, Shown
 
 SAME_S, SAME_M_S = 1.0, 0.01
 """Legs that differ by no more in all times and in ΔV are told to be the same."""

@@ -16,7 +16,7 @@ from ..mission import Mission
 from ..plan import Leg, Plan
 from ..pricing import legs
 from ..result import certify_routes
-from ..showing import Card, Shown
+from ..showing.card import Card, Shown
 from ..start import why_illegal
 from ..wording import counted
 from .mending import Mending, Missing, mendings, missing

@@ -10,7 +10,7 @@ from typing import Any
 from ..instance import Instance
 from ..plan import Plan, Route
 from ..result import Result
-from ..showing import Card, Shown
+from ..showing.card import Card, Shown
 from .deviations import Deviations
 from .state import State
 

@@ -92,7 +92,7 @@ def save_certificate(
     InputError
         Nothing was proven, or it cannot be written.
     """
-    from ..certificate import certificate_of
+    from ..certify import certificate_of
     from ..prizes import Prizes
 
     certificate = certificate_of(instance, result if plan else replace(result, plan=None))

@@ -7,8 +7,8 @@ from keyword import iskeyword
 
 import click
 
-from .. import __version__
 from ..errors import InputError
+from ..version import __version__
 
 VERBS = (
     "generate", "import", "solve", "bound", "check", "verify", "price", "compare", "tradeoff",

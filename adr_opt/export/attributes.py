@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from .. import __version__
 from ..instance import Instance
 from ..kernels.constants import EARTH_RADIUS_M, MU_M3_S2
+from ..version import __version__
 
 
 def attributes(instance: Instance) -> dict[str, Any]:

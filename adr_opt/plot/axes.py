@@ -6,8 +6,6 @@ from datetime import UTC
 from typing import Any
 
 from ..instance import Instance
-from ..routes import several
-from .palette import CHASERS, COLOURS
 
 KM_M = 1000.0
 
@@ -15,13 +13,6 @@ KM_M = 1000.0
 def since(instance: Instance) -> str:
     """The label of a time axis in days."""
     return f"days since {instance.epoch.astimezone(UTC):%Y-%m-%d %H:%M} UTC"
-
-
-def chaser_colours(instance: Instance) -> dict[str, str]:
-    """The colour of each chaser; of the only one that of phasing."""
-    if not several(instance):
-        return {instance.chasers[0].name: COLOURS["phasing"]}
-    return {chaser.name: CHASERS[at % len(CHASERS)] for at, chaser in enumerate(instance.chasers)}
 
 
 def plain(name: str) -> str:

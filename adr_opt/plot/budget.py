@@ -10,8 +10,8 @@ from ..instance import Instance
 from ..kernels.constants import DAY_S
 from ..plan import Plan
 from ..routes import Flown, routes_of, several
-from .axes import chaser_colours, label, plain
-from .palette import STATION
+from .axes import label, plain
+from .palette import STATION, chaser_colours
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from ..kernels.constants import HOUR_S
 from ..matrices import Matrices
 from ..plan import Plan
 from ..routes import routes_of, several
-from .axes import chaser_colours, label, plain
-from .palette import STATION, UNVISITED, VISITED
+from .axes import label, plain
+from .palette import STATION, UNVISITED, VISITED, chaser_colours
 
 
 def raan_deg(instance: Instance) -> np.ndarray[Any, np.dtype[np.float64]]:

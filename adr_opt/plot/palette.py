@@ -4,6 +4,11 @@ The colours are middle tones: each has at least three to one of contrast to whit
 background of the report.
 """
 
+from __future__ import annotations
+
+from ..instance import Instance
+from ..routes import several
+
 PHASES = (
     "wait", "hohmann-1", "drift", "phasing", "co-elliptic", "terminal", "approach", "transfer",
     "service", "refuelling", "tow",
@@ -60,3 +65,10 @@ REASONS = {
     "not-considered": "nobody looked for a way: the time or the memory did not allow it",
 }
 """What the reasons of a plan's unvisited targets mean."""
+
+
+def chaser_colours(instance: Instance) -> dict[str, str]:
+    """The colour of each chaser; of the only one that of phasing."""
+    if not several(instance):
+        return {instance.chasers[0].name: COLOURS["phasing"]}
+    return {chaser.name: CHASERS[at % len(CHASERS)] for at, chaser in enumerate(instance.chasers)}

@@ -18,10 +18,11 @@ from ..flight.tanks import tanks_of
 from ..front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, method_of, run
 from ..instance import AnyInstance
 from ..plan import Plan
-from ..planner import BOUNDS, PLANNERS, Progress, silent, takes_jobs
+from ..planner import BOUNDS, PLANNERS, takes_jobs
+from ..progress import Progress, silent
 from ..result import Result
 from ..routes import routes_of
-from ..showing import Card, Shown
+from ..showing.card import Card, Shown
 from ..stop import Stop
 from .all_legs import refine
 from .holding import beginning, troubles

@@ -18,7 +18,7 @@ from pydantic import (
 from ..files import read_model, read_text, to_text, write_text
 from ..plan import InstanceReference, Plan, Vector
 from ..records import DeltaV, Name, NonNegative, Record, Time
-from ..showing import Card, Shown
+from ..showing.card import Card, Shown
 
 FORMAT: Literal["adr-opt-refined/1"] = "adr-opt-refined/1"
 

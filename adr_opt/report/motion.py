@@ -12,8 +12,7 @@ from ..instance import Instance
 from ..kernels import orbits
 from ..kernels.constants import EARTH_RADIUS_M, MU_M3_S2
 from ..plan import Leg, Plan
-from ..plot.axes import chaser_colours
-from ..plot.palette import COLOURS, LABELS, PHASES, STATION, UNVISITED, VISITED
+from ..plot.palette import COLOURS, LABELS, PHASES, STATION, UNVISITED, VISITED, chaser_colours
 from ..plot.tracks import Track
 from ..routes import Flown, routes_of, several
 from .figures.orbits import MOST_RINGS

@@ -8,7 +8,6 @@ from datetime import UTC
 from string import Template
 from typing import Any, NamedTuple
 
-from .. import __version__
 from ..checking import Violation, check
 from ..errors import InputError
 from ..files import check_writable, write_text
@@ -22,6 +21,7 @@ from ..plot.segments import segments
 from ..plot.tracks import Track, tracks
 from ..refining.plan import RefinedPlan, reference
 from ..routes import several
+from ..version import __version__
 from ..wording import counted, status_words
 from . import burns, controls, figures, flights, sections, space, standing, tables
 from .assets import asset, chart_library, page_script, policy

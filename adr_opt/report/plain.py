@@ -6,9 +6,9 @@ import os
 from collections.abc import Iterable
 from importlib import resources
 
-from .. import __version__
 from ..errors import InputError
 from ..files import check_writable, write_text
+from ..version import __version__
 from .text import escape
 
 MORE = """

@@ -10,8 +10,7 @@ from ..expense import carried_kg, expense_of
 from ..instance import Instance
 from ..kernels.constants import DAY_S, EARTH_RADIUS_M
 from ..plan import Leg, Plan
-from ..plot.axes import chaser_colours
-from ..plot.palette import REASONS
+from ..plot.palette import REASONS, chaser_colours
 from ..plot.traffic import also_there, stays
 from ..refining.plan import RefinedPlan
 from ..routes import by_tank, owners, routes_of

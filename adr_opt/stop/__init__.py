@@ -8,6 +8,7 @@ from .max_iterations import MaxIterations
 from .max_runtime import MaxRuntime
 from .no_improvement import NoImprovement
 from .proven import Proven
+from .time_is_over import TimeIsOver
 
 __all__ = [
     "AnyOf",
@@ -18,4 +19,5 @@ __all__ = [
     "NoImprovement",
     "Proven",
     "Stop",
+    "TimeIsOver",
 ]

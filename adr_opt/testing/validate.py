@@ -10,18 +10,10 @@ from ..campaign import Campaign, Problem
 from ..checking import check
 from ..errors import InputError
 from ..options import read
-from ..planner import (
-    Planner,
-    adapted,
-    campaign_form,
-    get,
-    needs_no_table,
-    options_of,
-    silent,
-    takes_start,
-)
+from ..planner import Planner, adapted, campaign_form, get, needs_no_table, options_of, takes_start
 from ..practice import Practice, habits
 from ..prepared import FALLBACK, Prepared
+from ..progress import silent
 from ..result import Result
 from ..stop import MaxIterations, MaxRuntime, Stop
 from .cases import BEGINNING, CASES, OVER, REPEATED, Case

@@ -195,7 +195,7 @@ class _Chaser(NamedTuple):
 
 def _crew(trajectory: Trajectory) -> list[_Chaser]:
     """The chasers whose legs these are."""
-    from ..plot.axes import chaser_colours
+    from ..plot.palette import chaser_colours
 
     instance = trajectory.instance
     if not several(instance):

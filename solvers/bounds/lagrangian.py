@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from adr_opt.mission import Mission
-from adr_opt.planner import Progress, bounds_all_pairs, shows_evidence
+from adr_opt.planner import bounds_all_pairs, shows_evidence
 from adr_opt.practice import practises
+from adr_opt.progress import Progress
 from adr_opt.result import Result
 from adr_opt.stop import Stop
 

@@ -14,7 +14,7 @@ from adr_opt.kernels import transfer
 from adr_opt.kernels.compile import kernel
 from adr_opt.kernels.rules import Rules
 from adr_opt.mission import Mission
-from adr_opt.planner import Progress
+from adr_opt.progress import Progress
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 

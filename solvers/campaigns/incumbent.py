@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 
 from adr_opt.campaign import Campaign, Routes
-from adr_opt.planner import Progress
+from adr_opt.progress import Progress
 from adr_opt.schedule import Schedule
 
 from ..certificate import CertificateOf

@@ -25,14 +25,13 @@ import numpy as np
 from scipy.optimize import LinearConstraint
 
 from adr_opt.campaign import Campaign
-from adr_opt.stop import Stop
+from adr_opt.stop import Stop, TimeIsOver
 
 from ..relaxation.cost import COARSER, PricedBound
 from ..relaxation.cost_rounds import CostRounds, asked, is_least, settled
 from ..relaxation.proof import FIRST_LABELS, GROWTH, ProofOptions
 from ..relaxation.routes import Routes as Search
 from ..relaxation.tariffs import Tariff, most_expense, tariffs_of
-from ..relaxation.walks import TimeIsOver
 from .bound import CampaignBound
 from .cost_finish import CostFinish
 from .cost_master import CostMaster, Prices

@@ -11,7 +11,7 @@ from contextlib import closing, nullcontext
 import numpy as np
 
 from adr_opt.campaign import Campaign, Routes
-from adr_opt.planner import Progress, silent
+from adr_opt.progress import Progress, silent
 from adr_opt.result import Result, certify_routes
 from adr_opt.stop import Stop
 

@@ -24,12 +24,12 @@ import numpy as np
 
 from adr_opt.campaign import Campaign
 from adr_opt.evidence import Evidence
-from adr_opt.stop import Stop
+from adr_opt.stop import Stop, TimeIsOver
 
 from ..relaxation.facts import evidence_of
 from ..relaxation.multipliers import Descent
 from ..relaxation.proof import COARSER, FIRST_LABELS, GROWTH, ProofOptions
-from ..relaxation.walks import TimeIsOver, WalkBound
+from ..relaxation.walks import WalkBound
 from .bound import CampaignBound
 from .finish import Answer, Finish
 from .incumbent import CampaignCertificate

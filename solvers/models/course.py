@@ -15,15 +15,15 @@ import numpy as np
 from adr_opt.kernels.rules import Rules
 from adr_opt.mission import Mission
 from adr_opt.options import MOST_JOBS, Options, option
-from adr_opt.planner import Progress
+from adr_opt.progress import Progress
 from adr_opt.result import Result, certify
-from adr_opt.stop import Stop
+from adr_opt.stop import Stop, TimeIsOver
 
 from ..certificate import Certificate
 from ..relaxation.multipliers import Descent
 from ..relaxation.needs import bound_notes, set_up_s
 from ..relaxation.network import Network as Rows
-from ..relaxation.walks import TimeIsOver, WalkBound
+from ..relaxation.walks import WalkBound
 from ..search.greedy_order import greedy_sequence
 from .answer import Answer, Hear
 from .network import Network, bodies_along, keep, of_rows, path_of

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 
 from adr_opt.mission import Mission
 from adr_opt.options import Options, option
-from adr_opt.planner import Progress, plans_on_demand
+from adr_opt.planner import plans_on_demand
+from adr_opt.progress import Progress
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 

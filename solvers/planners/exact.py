@@ -19,15 +19,9 @@ import numpy as np
 from adr_opt.campaign import Campaign
 from adr_opt.mission import Mission
 from adr_opt.options import option
-from adr_opt.planner import (
-    Progress,
-    bounds_all_pairs,
-    for_campaigns,
-    plans_on_demand,
-    shows_evidence,
-    silent,
-)
+from adr_opt.planner import bounds_all_pairs, for_campaigns, plans_on_demand, shows_evidence
 from adr_opt.practice import practises
+from adr_opt.progress import Progress, silent
 from adr_opt.result import Result, certify
 from adr_opt.stop import Clock, Stop
 

@@ -13,7 +13,8 @@ import numpy.typing as npt
 from adr_opt.campaign import Campaign, Problem
 from adr_opt.mission import Mission
 from adr_opt.options import Options, option
-from adr_opt.planner import Progress, for_campaigns, plans_on_demand
+from adr_opt.planner import for_campaigns, plans_on_demand
+from adr_opt.progress import Progress
 from adr_opt.result import Result, certify_routes
 from adr_opt.stop import Stop
 

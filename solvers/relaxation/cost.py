@@ -30,6 +30,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.mission import Mission
+from adr_opt.stop import TimeIsOver
 
 from .cost_rounds import RELATIVE, CostRounds, asked, is_least
 from .labels import Table
@@ -37,7 +38,7 @@ from .network import Network
 from .routes import Routes
 from .sweeps import NEVER
 from .tariffs import Tariff
-from .walks import LARGEST, TimeIsOver, WalkBound
+from .walks import LARGEST, WalkBound
 
 GREATEST_TANKS = 2.0
 """Most that a service is worth to a walk [tanks]."""

@@ -7,9 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from adr_opt.evidence import Evidence, Walks
-
-from .waiting import WORD
+from adr_opt.evidence import WORD, Evidence, Walks
 
 
 def evidence_of(

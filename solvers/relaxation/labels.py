@@ -23,6 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from adr_opt.evidence import WORD
 from adr_opt.kernels.compile import inlined, kernel
 from adr_opt.kernels.loads import (
     Loads,
@@ -37,7 +38,7 @@ from adr_opt.kernels.memory import borrowed
 
 from .buckets import SLACK
 from .pending import is_preceded, next_of, send, take
-from .waiting import FINE, WORD, arrive, is_dominated, keep
+from .waiting import FINE, arrive, is_dominated, keep
 
 MOST_PAID = 2.0**60
 """Walks pay no more than this for time: enough to be of no use [fine units]."""

@@ -20,7 +20,7 @@ import numpy as np
 
 from adr_opt.available_memory import available_bytes
 from adr_opt.mission import Mission
-from adr_opt.stop import Stop
+from adr_opt.stop import Stop, TimeIsOver
 
 from ..certificate import Certificate
 from .floors import floor_evidence
@@ -28,7 +28,6 @@ from .multipliers import Descent
 from .pooled import PooledBound
 from .stream import MOST, NoRoom, Source, Stream
 from .tanks import BYTES, TankBound, width_of
-from .walks import TimeIsOver
 
 LEG_BYTES = 8
 """Memory that a leg takes."""

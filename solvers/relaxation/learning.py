@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from adr_opt.evidence import WORD
 from adr_opt.kernels.compile import inlined, kernel
 from adr_opt.kernels.memory import borrowed
-
-from .waiting import WORD
 
 SHORT = 4
 """Cycles that at most so many more memories forbid are forbidden, and one of any length."""

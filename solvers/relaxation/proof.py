@@ -21,9 +21,9 @@ import numpy as np
 
 from adr_opt.mission import Mission
 from adr_opt.options import MOST_JOBS, Options, option
-from adr_opt.planner import Progress
+from adr_opt.progress import Progress
 from adr_opt.result import Result, certify
-from adr_opt.stop import Stop
+from adr_opt.stop import Stop, TimeIsOver
 
 from ..certificate import Certificate
 from .cost import CostProof
@@ -36,7 +36,7 @@ from .multipliers import Descent
 from .needs import fits_memory, proof_notes, set_up_s
 from .routes import Routes
 from .waiting import bytes_each
-from .walks import TimeIsOver, WalkBound
+from .walks import WalkBound
 
 COARSER = 2.5
 """Slots of ΔV are so many times as wide while multipliers are looked for as they are for labels."""

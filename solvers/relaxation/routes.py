@@ -14,13 +14,14 @@ from collections.abc import Callable
 
 import numpy as np
 
+from adr_opt.evidence import WORD
 from adr_opt.kernels.loads import KITS_BIT
 from adr_opt.tolerance import ROUNDED
 
 from .labels import CROWDED, EXHAUSTED, FULL, MOST_PAID, PILED, Search, Table, extend
 from .learning import learn, most_of, path_of, plans_of
 from .pending import more_room, pending_room, send
-from .waiting import FINE, WORD, Labels, labels_room, larger, room
+from .waiting import FINE, Labels, labels_room, larger, room
 from .walks import WalkBound
 
 EFFORT = 200_000

@@ -28,9 +28,9 @@ from adr_opt.kernels.compile import inlined, kernel
 from adr_opt.kernels.events import earliest_taken
 from adr_opt.kernels.lists import wider
 from adr_opt.mission import Mission
+from adr_opt.stop import TimeIsOver
 
 from .network import found_of, listed_of, reachable
-from .walks import TimeIsOver
 
 DEPARTURE, DESTINATION, AHEAD = 48, 32, 16
 FIELD = 0xFFFF

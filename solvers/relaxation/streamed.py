@@ -15,10 +15,11 @@ import numpy as np
 
 from adr_opt.evidence import Evidence
 from adr_opt.mission import Mission
+from adr_opt.stop import TimeIsOver
 
 from .facts import evidence_of
 from .stream import Stream, units_of
-from .walks import TimeIsOver, bonuses
+from .walks import bonuses
 
 USUAL_SLOT_M_S = 20.0
 """What certificates have for a slot where ΔV is not looked at."""

@@ -16,9 +16,6 @@ from adr_opt.kernels.loads import may_serve_for
 
 from . import simd
 
-WORD = 63
-"""Targets remembered in one integer."""
-
 FINE = 30
 """Labels count in units finer than those of the completion values by so many bits."""
 

@@ -32,6 +32,7 @@ import numpy as np
 
 from adr_opt.kernels.events import earliest_taken
 from adr_opt.mission import Mission
+from adr_opt.stop import TimeIsOver
 
 from . import simd
 from .buckets import SLACK, Buckets, assign
@@ -92,10 +93,6 @@ def _stages(buckets: Buckets) -> list[float]:
         end = min(int(np.searchsorted(opens, opens[end - 1] - length)), end - 1)
         begins.append(float(opens[end]))
     return [*begins, -math.inf]
-
-
-class TimeIsOver(Exception):
-    """An evaluation was broken off."""
 
 
 def bonuses(mission: Mission) -> np.ndarray:

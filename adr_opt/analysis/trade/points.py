@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from ...instance import Instance
-from ...showing import Card, Shown
+from ...showing.card import Card, Shown
 from ...tolerance import meets, tolerance
 from .axes import Axis, Limits
 

@@ -6,9 +6,8 @@ from typing import Any
 
 from ...instance import Instance
 from ...plan import Plan
-from ...plot.axes import chaser_colours
 from ...plot.budget import Budget, budgets
-from ...plot.palette import STATION
+from ...plot.palette import STATION, chaser_colours
 from ...routes import several
 from ..text import clock, in_chart
 from .parts import Figure, column, days, leg_title, named, time_axis

@@ -6,8 +6,7 @@ from typing import Any
 
 from ...instance import Instance
 from ...plan import Plan
-from ...plot.axes import chaser_colours
-from ...plot.palette import COLOURS, LABELS, PHASES
+from ...plot.palette import COLOURS, LABELS, PHASES, chaser_colours
 from ...plot.segments import Segment, segments
 from ...plot.traffic import Stay, stays
 from ...routes import owners, routes_of, several

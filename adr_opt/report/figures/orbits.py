@@ -9,8 +9,8 @@ import numpy as np
 from ...instance import Instance
 from ...kernels.constants import EARTH_RADIUS_M
 from ...plan import Plan
-from ...plot.axes import KM_M, chaser_colours
-from ...plot.palette import COLOURS, LABELS, STATION, UNVISITED, VISITED
+from ...plot.axes import KM_M
+from ...plot.palette import COLOURS, LABELS, STATION, UNVISITED, VISITED, chaser_colours
 from ...plot.tracks import POINTS_OF_A_RING, Track, joined, ring
 from ...routes import owners
 from ...trajectory.sampling import SHORTEST_ARC_S

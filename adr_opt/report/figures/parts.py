@@ -11,8 +11,8 @@ import numpy.typing as npt
 from ...instance import Instance
 from ...kernels.constants import DAY_S
 from ...plan import Plan
-from ...plot.axes import chaser_colours, since
-from ...plot.palette import COLOURS, LABELS, PHASES
+from ...plot.axes import since
+from ...plot.palette import COLOURS, LABELS, PHASES, chaser_colours
 from ...plot.tracks import Track
 from ...routes import owners, several
 from ..text import clock, in_chart

@@ -10,9 +10,9 @@ import numpy as np
 from ...instance import Instance
 from ...kernels.constants import EARTH_RADIUS_M
 from ...plan import Plan
-from ...plot.axes import KM_M, chaser_colours
+from ...plot.axes import KM_M
 from ...plot.fields import raan_deg
-from ...plot.palette import REASONS, STATION, UNVISITED, VISITED
+from ...plot.palette import REASONS, STATION, UNVISITED, VISITED, chaser_colours
 from ...routes import Flown, routes_of, several
 from ...trajectory.kepler import Array
 from ..text import in_chart

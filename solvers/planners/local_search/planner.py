@@ -11,7 +11,7 @@ import numpy as np
 
 from adr_opt.mission import Mission
 from adr_opt.options import Options, option
-from adr_opt.planner import Progress
+from adr_opt.progress import Progress
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 

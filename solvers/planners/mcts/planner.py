@@ -12,7 +12,7 @@ import numpy.typing as npt
 from adr_opt.kernels import rules as rule_kernels
 from adr_opt.kernels.constants import HOUR_S
 from adr_opt.mission import Mission
-from adr_opt.planner import Progress
+from adr_opt.progress import Progress
 from adr_opt.result import Result, certify
 from adr_opt.stop import Stop
 

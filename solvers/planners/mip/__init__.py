@@ -10,8 +10,8 @@ from ortools.sat.python import cp_model  # noqa: F401 — loaded before highspy,
 
 from adr_opt.errors import InputError, MissingExtra
 from adr_opt.mission import Mission
-from adr_opt.planner import Progress
 from adr_opt.practice import practises
+from adr_opt.progress import Progress
 from adr_opt.result import Result
 from adr_opt.stop import Stop
 

@@ -17,7 +17,8 @@ from adr_opt.kernels.constants import HOUR_S
 from adr_opt.mission import Mission
 from adr_opt.options import MOST_JOBS, Options, option
 from adr_opt.plan import Plan
-from adr_opt.planner import Progress, for_campaigns
+from adr_opt.planner import for_campaigns
+from adr_opt.progress import Progress
 from adr_opt.result import Result, certify_routes
 from adr_opt.start import Start, legal_beginning, start_destinations
 from adr_opt.stop import Stop
