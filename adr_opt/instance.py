@@ -50,14 +50,6 @@ class Instance(Shown, InstanceFile):
 
         return of_instance(self)
 
-    @classmethod
-    def from_json(cls, text: str) -> Instance:
-        """The instance that a JSON text holds, in this format or in a former one."""
-        from . import formats_1
-
-        former = formats_1.instance_of(text)
-        return super().from_json(text) if former is None else former
-
     def replace(self, **changes: Any) -> Self:
         """A validated copy with some fields changed.
 

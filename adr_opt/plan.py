@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from .files import read_model, to_text, write_text
+from .instance import Instance
 from .plan_flight import PlanFlight
 from .records import DeltaV, Name, Record, Time, without
 from .settings import Objective
@@ -38,6 +39,10 @@ class InstanceReference(Record):
 
     name: Name
     sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+
+    def is_of(self, instance: Instance) -> bool:
+        """Whether an instance has this name and its file this SHA-256."""
+        return (self.name, self.sha256) == (instance.name, instance.sha256)
 
 
 class Burn(Record):
@@ -220,14 +225,6 @@ class Plan(Shown, Record):
     def has_former_drifts(self) -> bool:
         """Whether legs drift that were planned as if phase cost nothing."""
         return self.model < MODEL and any(leg.kind == "drift" for leg in self.legs)
-
-    @classmethod
-    def from_json(cls, text: str) -> Plan:
-        """The plan that a JSON text holds, in this format or in a former one."""
-        from . import formats_1
-
-        former = formats_1.plan_of(text)
-        return super().from_json(text) if former is None else former
 
     @property
     def legs(self) -> tuple[Leg, ...]:

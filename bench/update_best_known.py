@@ -41,7 +41,6 @@ from adr_opt import Instance, Plan, front
 from adr_opt.campaign import Routes, problem_of
 from adr_opt.errors import InputError
 from adr_opt.files import check_writable, parse_model, read_text, write_text
-from adr_opt.formats_1 import is_of
 from adr_opt.library import Library, load_library
 from adr_opt.plan import InstanceReference, relative_gap
 from adr_opt.planner import PLANNERS
@@ -329,7 +328,7 @@ def committed(folder: Path, name: str, sha256: str) -> Instance:
         There is none, or its content is another.
     """
     instance = known_instance(folder, name)
-    if not is_of(InstanceReference(name=name, sha256=sha256), instance):
+    if not InstanceReference(name=name, sha256=sha256).is_of(instance):
         where = file_of(folder, name) or "the library"
         raise InputError(
             f"instance {name!r}: sha256 {sha256[:12]}… is not that of {where} "

@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from former import plan_content_of
 from plans import with_legs
 
 import adr_opt
@@ -211,22 +210,6 @@ def test_only_a_lower_bound_replaces_a_bound(
     row = consistent(script, folder)[NAME]
     assert (row.upper_bound, row.bound_method, row.planner_method) == (1.0, "exact", "hand")
     assert adr_opt.load_plan(folder / row.plan).status == "optimal"
-
-
-def test_plans_of_the_former_format_are_taken(
-    script: ModuleType, folder: Path, mission: Mission
-) -> None:
-    """A plan of format 1 counts for its instance, and is kept in the format of today."""
-    path = folder / "former.json"
-    content = plan_content_of(mission.instance, certified(mission, (1,)))
-    path.write_text(json.dumps(content), encoding="utf-8")
-    assert script.main(["--folder", str(folder), str(path)]) == 0
-    row = consistent(script, folder)[NAME]
-    assert (row.objective, row.sha256) == (1.0, mission.instance.sha256)
-    assert json.loads((folder / row.plan).read_text())["format"] == "adr-opt-plan/2"
-    content["instance"]["sha256"] = "0" * 64
-    path.write_text(json.dumps(content), encoding="utf-8")
-    assert script.main(["--folder", str(folder), str(path)]) == 2
 
 
 def test_an_illegal_plan_is_refused(

@@ -16,7 +16,6 @@ and what is accepted here is what is proven about.
 from __future__ import annotations
 
 from ..errors import InputError
-from ..formats_1 import is_of
 from ..instance import AnyInstance, instance_of
 from ..plan import Plan
 from .mission import check_legs, check_routes
@@ -57,7 +56,7 @@ def check(instance: AnyInstance, plan: Plan) -> tuple[Violation, ...]:
             "adr_opt.analysis.price tells, which makes a plan of it"
         )
     instance = instance_of(instance)
-    if not is_of(plan.instance, instance):
+    if not plan.instance.is_of(instance):
         raise InputError(
             f"the plan belongs to the instance {plan.instance.name!r} "
             f"(sha256 {plan.instance.sha256[:12]}…), not to {instance.name!r} "

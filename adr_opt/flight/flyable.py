@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from ..formats_1 import is_of
 from ..instance import Instance
 from ..plan import Leg, Plan
 from ..routes import Flown, routes_of, several
@@ -51,7 +50,7 @@ def refuse_given(instance: Instance) -> None:
 
 def refuse_foreign(instance: Instance, plan: Plan | RefinedPlan) -> None:
     """Raise :class:`InputError` for a plan, or a refined one, of another instance."""
-    if not is_of(plan.instance, instance):
+    if not plan.instance.is_of(instance):
         raise InputError(
             f"the plan belongs to the instance {plan.instance.name!r} "
             f"(sha256 {plan.instance.sha256[:12]}…), not to {instance.name!r} "
