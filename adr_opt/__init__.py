@@ -16,52 +16,52 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from .version import __version__
+from .common.version import __version__
 
 if TYPE_CHECKING:
     from .analysis.departures import plan_of
-    from .certificate import Certificate, load_certificate
-    from .checking import Violation, check
-    from .errors import InputError, MissingExtra
-    from .front import bound, solve
-    from .generator import generate
-    from .instance import Instance, load
-    from .matrices import Matrices
-    from .mission import Mission
-    from .plan import Plan, load_plan
-    from .refining import RefinedPlan, load_refined, refine
-    from .refining.loop import RefinedResult, solve_refined
-    from .result import Result
-    from .timetable import Timetable
-    from .verifying import Verdict, verify
+    from .common.errors import InputError, MissingExtra
+    from .fly.refine import RefinedPlan, load_refined, refine
+    from .fly.refine.loop import RefinedResult, solve_refined
+    from .judge.check.verdict import Violation, check
+    from .judge.verify import Verdict, verify
+    from .legs.matrices import Matrices
+    from .legs.timetable import Timetable
+    from .mission.problem import Mission
+    from .mission.result import Result
+    from .plan.certificate import Certificate, load_certificate
+    from .plan.plan import Plan, load_plan
+    from .problem.instance import Instance, load
+    from .run.front import bound, solve
+    from .sources.generator import generate
 
 # Importing the package must cost next to nothing, so names are imported when first used.
 _HOME = {
     "plan_of": "analysis.departures",
-    "Certificate": "certificate",
-    "load_certificate": "certificate",
-    "Verdict": "verifying",
-    "verify": "verifying",
-    "Violation": "checking",
-    "check": "checking",
-    "InputError": "errors",
-    "MissingExtra": "errors",
-    "bound": "front",
-    "solve": "front",
-    "generate": "generator",
-    "Instance": "instance",
-    "load": "instance",
-    "Mission": "mission",
-    "Plan": "plan",
-    "load_plan": "plan",
-    "RefinedPlan": "refining",
-    "load_refined": "refining",
-    "refine": "refining",
-    "RefinedResult": "refining.loop",
-    "solve_refined": "refining.loop",
-    "Result": "result",
-    "Matrices": "matrices",
-    "Timetable": "timetable",
+    "Certificate": "plan.certificate",
+    "load_certificate": "plan.certificate",
+    "Verdict": "judge.verify",
+    "verify": "judge.verify",
+    "Violation": "judge.check.verdict",
+    "check": "judge.check.verdict",
+    "InputError": "common.errors",
+    "MissingExtra": "common.errors",
+    "bound": "run.front",
+    "solve": "run.front",
+    "generate": "sources.generator",
+    "Instance": "problem.instance",
+    "load": "problem.instance",
+    "Mission": "mission.problem",
+    "Plan": "plan.plan",
+    "load_plan": "plan.plan",
+    "RefinedPlan": "fly.refine",
+    "load_refined": "fly.refine",
+    "refine": "fly.refine",
+    "RefinedResult": "fly.refine.loop",
+    "solve_refined": "fly.refine.loop",
+    "Result": "mission.result",
+    "Matrices": "legs.matrices",
+    "Timetable": "legs.timetable",
 }
 
 __all__ = [

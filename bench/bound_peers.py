@@ -32,9 +32,9 @@ import peers
 from machine import heading
 
 import adr_opt
-from adr_opt.errors import InputError
-from adr_opt.tolerance import rounded_down
-from solvers.relaxation.network import build
+from adr_opt.common.errors import InputError
+from adr_opt.common.tolerance import rounded_down
+from solvers.networks.network import build
 
 SOLVERS = ("ipm", "simplex", "pdlp")
 

@@ -14,9 +14,9 @@ import time
 from machine import heading
 
 import adr_opt
-from adr_opt.candidates import looked_at
-from adr_opt.mission import Mission
-from adr_opt.pairs import nearest_pairs
+from adr_opt.legs.nearest_pairs import nearest_pairs
+from adr_opt.mission.problem import Mission
+from adr_opt.run.table_budget import looked_at
 
 
 def main() -> None:

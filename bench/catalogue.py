@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 from catalogue_files import SPELLINGS, field
 
-from adr_opt import catalogue
+from adr_opt.sources import catalogue
 
 MAX_TARGETS = 100
 

@@ -16,8 +16,8 @@ from dataclasses import replace
 from machine import heading
 
 import adr_opt
-from adr_opt.dispersion import Dispersion, FlightErrors, sample_flights
-from adr_opt.refining.plan import Freedom, RefinedPlan
+from adr_opt.fly.dispersion import Dispersion, FlightErrors, sample_flights
+from adr_opt.plan.refined_plan import Freedom, RefinedPlan
 
 FREEDOMS: tuple[Freedom, ...] = "planned", "free"
 CORRECTIONS = 0, 1, 2, 3

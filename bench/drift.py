@@ -26,12 +26,12 @@ from machine import heading
 from outside.gtoc9.legs import Leg, read_legs
 
 import adr_opt
-from adr_opt.drift_burns import flown
-from adr_opt.errors import InputError
-from adr_opt.kernels import drift, drift_pair
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
-from adr_opt.orbit import Orbit
+from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
+from adr_opt.common.errors import InputError
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.legs import drift, drift_pair
+from adr_opt.legs.families.drift_burns import flown
+from adr_opt.problem.orbit import Orbit
 
 DRIFTED_D = (1.0, 90.0)
 """Shortest and longest of random drifts."""

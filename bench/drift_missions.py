@@ -28,9 +28,9 @@ import numpy as np
 from machine import heading
 
 import adr_opt
-from adr_opt.flight import TankFlight, fly, fly_refined
-from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M
-from adr_opt.sizes import transfers_for
+from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M
+from adr_opt.fly.flight import TankFlight, fly, fly_refined
+from adr_opt.problem.transfer_sizes import transfers_for
 
 INCLINATIONS_DEG = (71.0, 86.4, 98.0)
 

@@ -23,9 +23,10 @@ from machine import heading
 from relative_optimum import Case, at_burns, flown, free
 
 import adr_opt
-from adr_opt.catalogue import read, to_instance
-from adr_opt.kernels import orbits, precession, transfer
-from adr_opt.kernels.constants import DAY_S, MU_M3_S2
+from adr_opt.common.constants import DAY_S, MU_M3_S2
+from adr_opt.kernels.legs import co_elliptic, precession
+from adr_opt.kernels.orbits import ephemeris
+from adr_opt.sources.catalogue import read, to_instance
 
 RADIUS_M, CLIMB_M, ECCENTRICITY, TURN_DEG = 7.15e6, 100e3, 0.02, 3.0
 """Random legs: mean radius; largest difference of radii, eccentricity and angle of planes."""
@@ -90,23 +91,23 @@ def case_of(
     """A short connection of an instance as a leg, with the elements as they are on departure."""
     rows, rule = instance.orbits(), instance.transfer_rule()
     first, second = rows[ends[0]], rows[ends[1]]
-    pair = transfer.prepare(first, second, 0.0, rule)
+    pair = co_elliptic.prepare(first, second, 0.0, rule)
     stand_off = arrival - rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
     if instance.dynamics == "j2":
         departure = precession.leaving(pair, rule, laps, departure, stand_off)
-    radius = transfer.phasing_radius(pair, rule, laps, stand_off - departure)
-    alpha_i, alpha_j, theta = orbits.relative_node(
-        first[orbits.INCLINATION], orbits.node_at(first, departure),
-        second[orbits.INCLINATION], orbits.node_at(second, departure),
+    radius = co_elliptic.phasing_radius(pair, rule, laps, stand_off - departure)
+    alpha_i, alpha_j, theta = ephemeris.relative_node(
+        first[ephemeris.INCLINATION], ephemeris.node_at(first, departure),
+        second[ephemeris.INCLINATION], ephemeris.node_at(second, departure),
     )  # fmt: skip
     vectors = [
         cmath.rect(
-            row[orbits.ECCENTRICITY],
-            row[orbits.PERIGEE] + row[orbits.PERIGEE_RATE] * departure - alpha,
+            row[ephemeris.ECCENTRICITY],
+            row[ephemeris.PERIGEE] + row[ephemeris.PERIGEE_RATE] * departure - alpha,
         )
         for row, alpha in ((first, alpha_i), (second, alpha_j))
     ]
-    behind = math.cos(orbits.latitude_at(first, departure) - alpha_i) < 0.0
+    behind = math.cos(ephemeris.latitude_at(first, departure) - alpha_i) < 0.0
     mean = 0.5 * (pair.radius_i + pair.radius_j)
     return Case(
         (pair.radius_j - pair.radius_i) / mean,

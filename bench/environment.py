@@ -20,10 +20,10 @@ import numpy.typing as npt
 from machine import heading
 
 import adr_opt
-from adr_opt.env import OBSERVATIONS, MissionEnv, MissionVecEnv
-from adr_opt.episodes import Board
-from adr_opt.kernels.episodes import Episodes, Pool
-from adr_opt.kernels.observation import MOVE_FIELDS
+from adr_opt.kernels.episodes.episodes import Episodes, Pool
+from adr_opt.kernels.episodes.observation import MOVE_FIELDS
+from adr_opt.learning.environment import OBSERVATIONS, MissionEnv, MissionVecEnv
+from adr_opt.learning.episodes import Board
 
 COST = MOVE_FIELDS.index("hours + ΔV / (450 m/s) [10 h]")
 SAFE = MOVE_FIELDS.index("the station stays reachable")

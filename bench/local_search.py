@@ -17,9 +17,9 @@ import numpy as np
 from machine import heading
 
 import adr_opt
-from adr_opt.kernels.constants import STATION
-from solvers.search.beams import BeamSettings, beam_search
-from solvers.search.orders import make_labels, time_order, with_refuelling
+from adr_opt.common.constants import STATION
+from solvers.beams.beams import BeamSettings, beam_search
+from solvers.orders.timed_order import make_labels, time_order, with_refuelling
 
 
 class State:

@@ -7,7 +7,7 @@ import platform
 import sys
 from datetime import UTC, datetime
 
-from adr_opt.result import versions
+from adr_opt.mission.result import versions
 
 
 def processor() -> str:

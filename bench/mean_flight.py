@@ -18,9 +18,9 @@ from collections.abc import Iterator
 import numpy as np
 
 import adr_opt
-from adr_opt.flight.mean_flight import fly_mean
-from adr_opt.instance import Instance
-from adr_opt.refining import refine
+from adr_opt.fly.flight.mean_flight import fly_mean
+from adr_opt.fly.refine import refine
+from adr_opt.problem.instance import Instance
 
 
 def eccentric(instance: Instance, most: float, seed: int) -> Instance:

@@ -48,10 +48,10 @@ from contest.table import (
 from machine import heading
 
 import adr_opt
-from adr_opt.campaign import problem_of
-from adr_opt.errors import InputError
-from adr_opt.mending import as_it_is, mended
-from adr_opt.planner import campaign_form, get
+from adr_opt.common.errors import InputError
+from adr_opt.mission.campaign import problem_of
+from adr_opt.mission.order_repair import as_it_is, mended
+from adr_opt.run.methods import campaign_form, get
 
 __all__ = [
     "Promise", "Row", "as_it_is", "best_bounds", "checked", "didppy_promise", "legal",

@@ -24,11 +24,12 @@ from typing import Any
 from machine import heading
 
 import adr_opt
-from adr_opt import Instance, Plan, planner
-from adr_opt.campaign import Problem, problem_of
-from adr_opt.flight import fly
-from adr_opt.options import parsed
-from adr_opt.plan import InstanceReference
+from adr_opt import Instance, Plan
+from adr_opt.common.options import parsed
+from adr_opt.fly.flight import fly
+from adr_opt.mission.campaign import Problem, problem_of
+from adr_opt.plan.plan import InstanceReference
+from adr_opt.run import methods as planner
 
 
 def parse(spec: str) -> tuple[str, dict[str, str], str | None, float]:

@@ -26,7 +26,7 @@ from planners import options_of, parse
 from scipy.stats import t
 
 import adr_opt
-from adr_opt.generator import FAMILIES
+from adr_opt.sources.generator import FAMILIES
 
 BEST_KNOWN = Path(__file__).resolve().parents[1] / "instances" / "best-known.csv"
 METHODS = ("ppo", "ppo:decode=sample@1", "ppo:decode=beam@1")

@@ -23,15 +23,15 @@ from machine import heading
 from reference_leg import reference_leg
 
 import adr_opt
-from adr_opt.kernels import connections
-from adr_opt.kernels.compile import kernel
-from adr_opt.planner import get
-from adr_opt.progress import silent
-from adr_opt.stop import MaxIterations
-from solvers.certificate import Certificate
-from solvers.relaxation import network
-from solvers.relaxation.proof import COARSER, Proof, ProofOptions
-from solvers.relaxation.walks import WalkBound
+from adr_opt.common.progress import silent
+from adr_opt.common.stop import MaxIterations
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.legs import connections
+from adr_opt.run.methods import get
+from solvers.networks import network
+from solvers.progress.gap import Certificate
+from solvers.proof.proof import COARSER, Proof, ProofOptions
+from solvers.walks.walks import WalkBound
 
 
 def median_s(function: Callable[[], object], runs: int) -> tuple[float, float, float]:

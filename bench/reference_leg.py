@@ -17,10 +17,10 @@ from boinor.maneuver import Maneuver
 from boinor.twobody import Orbit
 from scipy.optimize import brentq
 
-from adr_opt.errors import InputError
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import EARTH_RADIUS_M
-from adr_opt.orbit import Orbit as Elements
+from adr_opt.common.constants import EARTH_RADIUS_M
+from adr_opt.common.errors import InputError
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.orbit import Orbit as Elements
 
 MU = Earth.k.to_value(u.m**3 / u.s**2)
 COPLANAR_RAD = 1e-9

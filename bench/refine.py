@@ -17,13 +17,13 @@ import numpy as np
 from machine import heading
 
 import adr_opt
-from adr_opt.flight import fly_refined
-from adr_opt.flight.refined import _World
-from adr_opt.kernels import equinoctial
-from adr_opt.kernels.constants import DAY_S
-from adr_opt.kernels.gravity import FIELDS
-from adr_opt.refining.bodies import mean_at, moved, state_at_epoch
-from adr_opt.refining.short_periods import osculating
+from adr_opt.common.constants import DAY_S
+from adr_opt.fly.flight import fly_refined
+from adr_opt.fly.flight.refined import _World
+from adr_opt.fly.refine.bodies import mean_at, moved, state_at_epoch
+from adr_opt.fly.refine.short_periods import osculating
+from adr_opt.kernels.orbits import equinoctial
+from adr_opt.kernels.orbits.gravity import FIELDS
 
 SAMPLES = 200
 """Times at which a body is compared with its mean model."""

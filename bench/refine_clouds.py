@@ -26,12 +26,12 @@ import numpy as np
 from machine import heading
 
 import adr_opt
-from adr_opt.catalogue import read, to_instance
-from adr_opt.flight import fly_refined
-from adr_opt.flight.refined_result import RefinedFlight
-from adr_opt.refining import one_leg
-from adr_opt.refining.own_burns import settle
-from adr_opt.refining.plan import Freedom, RefinedPlan
+from adr_opt.fly.flight import fly_refined
+from adr_opt.fly.flight.refined_result import RefinedFlight
+from adr_opt.fly.refine import one_leg
+from adr_opt.fly.refine.own_burns import settle
+from adr_opt.plan.refined_plan import Freedom, RefinedPlan
+from adr_opt.sources.catalogue import read, to_instance
 
 ECCENTRICITY = 0.02
 """Of the nominal fields that are made eccentric, at most."""

@@ -21,11 +21,11 @@ from machine import heading
 from refine_loop import instances
 
 import adr_opt
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import DAY_S
-from adr_opt.kernels.eccentricity import matchings
-from adr_opt.refining.plan import RefinedLeg
-from adr_opt.trajectory.bodies import body_states
+from adr_opt.common.constants import DAY_S
+from adr_opt.fly.trajectory.bodies import body_states
+from adr_opt.kernels.orbits.eccentricity import matchings
+from adr_opt.plan.refined_plan import RefinedLeg
+from adr_opt.problem.instance import Instance
 
 FOLDS = 4
 

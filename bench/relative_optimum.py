@@ -21,8 +21,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.kernels.constants import MU_M3_S2
-from adr_opt.trajectory.kepler import propagate
+from adr_opt.common.constants import MU_M3_S2
+from adr_opt.fly.trajectory.kepler import propagate
 
 Array = npt.NDArray[np.float64]
 

@@ -20,8 +20,8 @@ from machine import heading
 
 import adr_opt
 from adr_opt.analysis import replan
-from adr_opt.kernels.constants import DAY_S
-from adr_opt.settings import KeepOutZone
+from adr_opt.common.constants import DAY_S
+from adr_opt.problem.settings import KeepOutZone
 
 BEST_KNOWN = Path(__file__).parents[1] / "instances" / "best-known"
 

@@ -30,7 +30,7 @@ from harness.runner import Runner, Summary
 from harness.store import Store
 from harness.work import PARTS
 
-from adr_opt.errors import InputError
+from adr_opt.common.errors import InputError
 
 DONE, FAILED, WRONG, INTERRUPTED = 0, 1, 2, 130
 

@@ -5,7 +5,7 @@
 Each field in a process of its own, after a warm-up on a tiny one. The time is that of the part that
 cannot be broken off, with one thread, median of several runs; the memory is the peak of the process
 over what it took with a ready timetable, after a first search that ended at its first labels.
-`solvers.relaxation.needs` holds the greatest figures, rounded up.
+`solvers.progress.proof_size` holds the greatest figures, rounded up.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ import time
 from machine import heading
 
 import adr_opt
-from adr_opt.progress import silent
-from adr_opt.stop import MaxIterations
-from solvers.certificate import Certificate
-from solvers.relaxation.proof import Proof, ProofOptions
+from adr_opt.common.progress import silent
+from adr_opt.common.stop import MaxIterations
+from solvers.progress.gap import Certificate
+from solvers.proof.proof import Proof, ProofOptions
 
 FIELDS = (
     ("nominal", 50, 0),

@@ -37,16 +37,17 @@ from pathlib import Path
 from typing import Any
 
 import adr_opt
-from adr_opt import Instance, Plan, front
-from adr_opt.campaign import Routes, problem_of
-from adr_opt.errors import InputError
-from adr_opt.files import check_writable, parse_model, read_text, write_text
-from adr_opt.library import Library, load_library
-from adr_opt.plan import InstanceReference, relative_gap
-from adr_opt.planner import PLANNERS
-from adr_opt.result import certify_routes, versions
-from adr_opt.together import BOUND_NOTE, InvalidBound
-from adr_opt.tolerance import COST_RELATIVE, meets, tolerance
+from adr_opt import Instance, Plan
+from adr_opt.common.errors import InputError
+from adr_opt.common.files import check_writable, parse_model, read_text, write_text
+from adr_opt.common.tolerance import COST_RELATIVE, meets, tolerance
+from adr_opt.mission.campaign import Routes, problem_of
+from adr_opt.mission.result import certify_routes, versions
+from adr_opt.plan.plan import InstanceReference, relative_gap
+from adr_opt.run import front
+from adr_opt.run.methods import PLANNERS
+from adr_opt.run.side_by_side import BOUND_NOTE, InvalidBound
+from adr_opt.sources.library import Library, load_library
 
 FOLDER = Path(__file__).resolve().parents[1] / "instances"
 WHO = "the adr-opt developers"

@@ -21,12 +21,12 @@ from typing import TypeVar
 from machine import heading
 
 import adr_opt
-from adr_opt.certificate import Certificate
-from adr_opt.certify import certificate_of
-from adr_opt.errors import InputError
-from adr_opt.library import Entry, load_library
-from adr_opt.result import Result
-from adr_opt.verifying import verify
+from adr_opt.common.errors import InputError
+from adr_opt.judge.verify import verify
+from adr_opt.mission.certify import certificate_of
+from adr_opt.mission.result import Result
+from adr_opt.plan.certificate import Certificate
+from adr_opt.sources.library import Entry, load_library
 
 LIBRARY = Path(__file__).parents[1] / "instances" / "library.json"
 

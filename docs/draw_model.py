@@ -19,13 +19,15 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import adr_opt
-from adr_opt import plot
-from adr_opt.kernels import drift_linear as drifts
-from adr_opt.kernels import orbits, sequences, transfer
-from adr_opt.kernels import timetable as kernels
-from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
-from adr_opt.result import certify
-from adr_opt.settings import KeepOutZone
+from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
+from adr_opt.kernels.legs import co_elliptic as transfer
+from adr_opt.kernels.legs import drift_linear as drifts
+from adr_opt.kernels.legs import sequences
+from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.tables import timetable as kernels
+from adr_opt.mission.result import certify
+from adr_opt.problem.settings import KeepOutZone
+from adr_opt.ui import plot
 
 FOLDER = Path(__file__).with_name("pictures")
 WIDTH_IN = 6.2
@@ -131,7 +133,7 @@ def _leg(instance: adr_opt.Instance, target: int) -> tuple[adr_opt.Instance, adr
 
 def _heights(instance: adr_opt.Instance, plan: adr_opt.Plan) -> Iterator[tuple[str, Any, Any]]:
     """Phase, hours and altitude [km] of the arcs of a plan."""
-    from adr_opt.trajectory import sample
+    from adr_opt.fly.trajectory import sample
 
     for _, arc in sample(instance, plan, 60.0).arcs():
         altitudes = np.linalg.norm(arc.positions_m, axis=1) - EARTH_RADIUS_M
@@ -306,8 +308,8 @@ def drift() -> Any:
         (840e3, 71.0, "terminal"),
     ):
         radius, angle = EARTH_RADIUS_M + altitude, math.radians(inclination)
-        node_rate = orbits.node_rate(radius, angle, OBLATENESS_M2)
-        rate = orbits.latitude_rate(radius, angle, OBLATENESS_M2)
+        node_rate = ephemeris.node_rate(radius, angle, OBLATENESS_M2)
+        rate = ephemeris.latitude_rate(radius, angle, OBLATENESS_M2)
         here, there = (
             np.array([radius, angle, node, 0.0, node_rate, rate, 0.0, 0.0, 0.0])
             for node in (0.0, asked)

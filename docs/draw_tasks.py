@@ -22,10 +22,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import adr_opt
-from adr_opt import plot
-from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M
-from adr_opt.settings import KeepOutZone
-from adr_opt.trajectory import sample
+from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M
+from adr_opt.fly.trajectory import sample
+from adr_opt.problem.settings import KeepOutZone
+from adr_opt.ui import plot
 
 DOCS = Path(__file__).parent
 MODEL = runpy.run_path(str(DOCS / "draw_model.py"))

@@ -6,8 +6,8 @@ import json
 import tomllib
 from pathlib import Path
 
-from adr_opt.options import listed
-from adr_opt.planner import BOUNDS, PLANNERS, get, options_of
+from adr_opt.common.options import listed
+from adr_opt.run.methods import BOUNDS, PLANNERS, get, options_of
 
 DOCS = Path(__file__).parent
 

@@ -17,10 +17,10 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from adr_opt.errors import InputError
-from adr_opt.files import write_text
-from adr_opt.generator import family, generate
-from adr_opt.library import Entry, Library, load_library
+from adr_opt.common.errors import InputError
+from adr_opt.common.files import write_text
+from adr_opt.sources.generator import family, generate
+from adr_opt.sources.library import Entry, Library, load_library
 
 LIBRARY = Path(__file__).with_name("library.json")
 SIZES = {

@@ -4,10 +4,11 @@
    another one.
 2. :mod:`.training`: how policies come about.
 3. :mod:`.models`: the mission as a network for solvers of integer programs.
-4. :mod:`.learned`: trained policies at work.
-5. :mod:`.search`: beams, orders of targets, ruin and recreate.
-6. :mod:`.relaxation`: the network with waiting arcs, its walks and labels, and proofs by them.
-7. :mod:`.certificate`, :mod:`.incumbent`: the best plan and the bound, compared in one place.
+4. :mod:`.policies`: trained policies at work.
+5. :mod:`.beams`: beams, orders of targets, ruin and recreate.
+6. :mod:`.walks`: the network with waiting arcs, its walks and labels, and proofs by them.
+7. :mod:`.progress.gap`, :mod:`.progress.incumbent`: the best plan and the bound, compared in one
+   place.
 
 Each imports only from further down.
 """

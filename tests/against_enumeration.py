@@ -8,8 +8,8 @@ import pytest
 from brute_force import brute_force_campaign
 
 import adr_opt
-from adr_opt.campaign import Campaign
-from adr_opt.result import Result
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.result import Result
 
 
 def compared(campaign: Campaign, result: Result, case: int) -> bool:

@@ -14,8 +14,8 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.orbit import Orbit
-from adr_opt.settings import KeepOutZone
+from adr_opt.problem.orbit import Orbit
+from adr_opt.problem.settings import KeepOutZone
 
 MU = 3.986004418e14
 EARTH_RADIUS_M = 6378137.0

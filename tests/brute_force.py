@@ -10,15 +10,15 @@ import math
 
 import numpy as np
 
-from adr_opt.bodies import Target
-from adr_opt.campaign import Campaign
-from adr_opt.chasers import Chaser, Expense, TankByMass
-from adr_opt.connections import Connections
-from adr_opt.instance import Instance
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import SLACK_M_S, SLACK_S
-from adr_opt.mission import Mission
-from adr_opt.orbit import Orbit
+from adr_opt.common.constants import SLACK_M_S, SLACK_S
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.legs.connections import Connections
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Mission
+from adr_opt.problem.bodies import Target
+from adr_opt.problem.chasers import Chaser, Expense, TankByMass
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.orbit import Orbit
 
 
 @kernel

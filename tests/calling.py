@@ -5,12 +5,12 @@ from __future__ import annotations
 import inspect
 from typing import Any
 
-from adr_opt.mission import Mission
-from adr_opt.options import read
-from adr_opt.planner import Planner, options_of
-from adr_opt.progress import silent
-from adr_opt.result import Result
-from adr_opt.stop import MaxRuntime
+from adr_opt.common.options import read
+from adr_opt.common.progress import silent
+from adr_opt.common.stop import MaxRuntime
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result
+from adr_opt.run.methods import Planner, options_of
 
 
 def call(method: Planner, mission: Mission, **arguments: Any) -> Result:

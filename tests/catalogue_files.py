@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from adr_opt.catalogue import Record
-from adr_opt.catalogue.reading import read_bytes
+from adr_opt.sources.catalogue import Record
+from adr_opt.sources.catalogue.reading import read_bytes
 
 sgp4_alpha5 = pytest.importorskip("sgp4.alpha5")
 sgp4_io = pytest.importorskip("sgp4.io")

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 import adr_opt
-from adr_opt.bodies import Target
-from adr_opt.chasers import Chaser, InOrbit, TankByMass
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M
-from adr_opt.settings import TransferSettings
-from adr_opt.sizes import transfers_for
+from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M
+from adr_opt.problem.bodies import Target
+from adr_opt.problem.chasers import Chaser, InOrbit, TankByMass
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.settings import TransferSettings
+from adr_opt.problem.transfer_sizes import transfers_for
 
 LONG = ("rocket-bodies", "sso", "removal", "fragment-cloud")
 """Families whose missions last weeks here: legs drift, beside short ones."""

@@ -8,13 +8,13 @@ from functools import cache
 from plans import with_legs
 
 import adr_opt
-from adr_opt.bodies import Target
-from adr_opt.chasers import Chaser, InOrbit, Tank
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import EARTH_RADIUS_M
-from adr_opt.orbit import Orbit
-from adr_opt.plan import Plan
-from adr_opt.settings import MissionSettings, TransferSettings
+from adr_opt.common.constants import EARTH_RADIUS_M
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.bodies import Target
+from adr_opt.problem.chasers import Chaser, InOrbit, Tank
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.orbit import Orbit
+from adr_opt.problem.settings import MissionSettings, TransferSettings
 
 DAY_S = 86400.0
 

@@ -6,8 +6,9 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from adr_opt.instance import Instance
-from adr_opt.kernels import keep_out, orbits, transfer
+from adr_opt.kernels.legs import co_elliptic, zones
+from adr_opt.kernels.orbits import ephemeris
+from adr_opt.problem.instance import Instance
 
 
 class Flown(NamedTuple):
@@ -21,7 +22,7 @@ class Flown(NamedTuple):
 
 
 def sequences(
-    pair: transfer.Pair, rule: transfer.TransferRule, departure: float, lead: float
+    pair: co_elliptic.Pair, rule: co_elliptic.TransferRule, departure: float, lead: float
 ) -> Iterator[Flown]:
     """All sequences between the altitude limits that no zone forbids."""
     lap = 2.0 * math.pi / pair.rate_j
@@ -31,9 +32,9 @@ def sequences(
         time = (3.0 * math.pi - lead + rule.standoff / pair.radius_j) / pair.rate_j
         time += math.ceil((low - time) / lap) * lap
         while time <= high:
-            radius = transfer.phasing_radius(pair, rule, k, time)
-            if not keep_out.is_blocked(pair, rule, k, radius, departure):
-                delta_v = transfer.sequence_delta_v(pair, rule, k, radius)
+            radius = co_elliptic.phasing_radius(pair, rule, k, time)
+            if not zones.is_blocked(pair, rule, k, radius, departure):
+                delta_v = co_elliptic.sequence_delta_v(pair, rule, k, radius)
                 arrival = departure + time + rule.approach_revolutions * lap
                 yield Flown(departure, arrival, delta_v, k, radius)
             time += lap
@@ -43,8 +44,8 @@ def of_pair(instance: Instance, i: int, j: int, since: float, until: float) -> l
     """The sequences of each departure event of a pair between two times, in order of departure."""
     elements, rule = instance.orbits(), instance.transfer_rule()
     extra = float(instance.eccentricity_delta_v()[i, j])
-    pair = transfer.prepare(elements[i], elements[j], extra, rule)
-    half_period = 0.5 * orbits.period(elements[i, orbits.RADIUS])
+    pair = co_elliptic.prepare(elements[i], elements[j], extra, rule)
+    half_period = 0.5 * ephemeris.period(elements[i, ephemeris.RADIUS])
     half_turns = math.ceil((pair.phase_i + pair.rate_i * since) / math.pi)
     found = []
     while (departure := (half_turns * math.pi - pair.phase_i) / pair.rate_i) <= until:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, J2, MU_M3_S2
+from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, J2, MU_M3_S2
 
 BENCH = Path(__file__).parents[1] / "bench"
 DATA = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", "../shared/data"))

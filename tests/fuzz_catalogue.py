@@ -17,8 +17,8 @@ from pathlib import Path
 
 import atheris
 
-with atheris.instrument_imports(include=["adr_opt.catalogue"]):
-    from adr_opt.catalogue import reading, to_instance
+with atheris.instrument_imports(include=["adr_opt.sources.catalogue"]):
+    from adr_opt.sources.catalogue import reading, to_instance
 
 from catalogue_files import field
 from test_catalogue_fuzz import PIECES, SEEDS, outcome, with_checksums

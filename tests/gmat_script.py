@@ -8,9 +8,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from adr_opt.kernels import orbits
-from adr_opt.kernels.constants import MU_M3_S2
-from adr_opt.trajectory import propagate
+from adr_opt.common.constants import MU_M3_S2
+from adr_opt.fly.trajectory import propagate
+from adr_opt.kernels.orbits import ephemeris
 
 Array = np.ndarray
 AXES = ("X", "Y", "Z", "VX", "VY", "VZ")
@@ -19,7 +19,7 @@ BROUWER = ("SMA", "ECC", "INC", "RAAN", "AOP", "MA")
 
 def on_circle(axis_m: float, inclination: float, node: float, latitude: float) -> Array:
     """Position [m] and velocity [m/s] on a circle, angles in rad: a mean state."""
-    towards, ahead, _ = orbits.frame(inclination, node)
+    towards, ahead, _ = ephemeris.frame(inclination, node)
     u, speed = latitude, math.sqrt(MU_M3_S2 / axis_m)
     return np.concatenate(
         [

@@ -35,13 +35,13 @@ from __future__ import annotations
 
 import math
 
-from adr_opt.bodies import Station, Target
-from adr_opt.chasers import AtStation, Chaser, Tank
-from adr_opt.generator import EPOCH
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
-from adr_opt.orbit import Orbit
-from adr_opt.settings import MissionSettings
+from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
+from adr_opt.problem.bodies import Station, Target
+from adr_opt.problem.chasers import AtStation, Chaser, Tank
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.orbit import Orbit
+from adr_opt.problem.settings import MissionSettings
+from adr_opt.sources.generator import EPOCH
 
 RADIUS_M = EARTH_RADIUS_M + 700e3
 PERIOD_S = 2.0 * math.pi * math.sqrt(RADIUS_M**3 / MU_M3_S2)

@@ -19,9 +19,10 @@ import numpy as np
 from every_sequence import Flown
 
 import adr_opt
-from adr_opt.instance import Instance
-from adr_opt.kernels import burns, orbits
-from adr_opt.plan import Burn, InstanceReference, Leg, Plan, Route, Unvisited
+from adr_opt.kernels.legs import burns
+from adr_opt.kernels.orbits import ephemeris
+from adr_opt.plan.plan import Burn, InstanceReference, Leg, Plan, Route, Unvisited
+from adr_opt.problem.instance import Instance
 
 NEAR_S, NEAR_M_S = 2e-3, 1e-3
 """What a rule is met, or missed, by less than this is for `check` to say."""
@@ -120,7 +121,7 @@ def _legs(instance: Instance, i: int, j: int) -> list[Flown]:
 def _service_s(instance: Instance, j: int) -> float:
     """How long a chaser stays at a body."""
     revolutions = instance.mission.service_revolutions if j else instance.mission.refuel_revolutions
-    return float((revolutions or 0.0) * orbits.period(instance.orbits()[j, orbits.RADIUS]))
+    return float((revolutions or 0.0) * ephemeris.period(instance.orbits()[j, ephemeris.RADIUS]))
 
 
 def plan_of(instance: Instance, way: Sequence[tuple[int, int, Flown]], favour: float = 0.0) -> Plan:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from functools import cache
 
 import adr_opt
-from adr_opt.chasers import TankByMass
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import DAY_S
-from adr_opt.plan import Plan
-from adr_opt.sizes import transfers_for
+from adr_opt.common.constants import DAY_S
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.chasers import TankByMass
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.transfer_sizes import transfers_for
 
 DURATION_S = 60.0 * DAY_S
 DRY_KG, PROPELLANT_KG, KIT_KG = 200.0, 80.0, 20.0

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from adr_opt.instance import Instance
+from adr_opt.problem.instance import Instance
 
 Draw = Callable[[np.random.Generator, int], list[float]]
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from adr_opt.kernels import rules as rule_kernels
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.rules import State
-from adr_opt.mission import Mission
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.rules import rules as rule_kernels
+from adr_opt.kernels.rules.rules import State
+from adr_opt.mission.problem import Mission
 
 
 @kernel

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from adr_opt.kernels.constants import EARTH_RADIUS_M, J2, MU_M3_S2
+from adr_opt.common.constants import EARTH_RADIUS_M, J2, MU_M3_S2
 
 Array = np.ndarray
 

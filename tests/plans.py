@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from typing import Any
 
 import adr_opt
-from adr_opt.instance import Instance
-from adr_opt.plan import Leg, Plan, Route
+from adr_opt.plan.plan import Leg, Plan, Route
+from adr_opt.problem.instance import Instance
 
 
 def with_legs(plan: Plan, legs: Iterable[Leg], **changes: Any) -> Plan:

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 import adr_opt
-from adr_opt.bodies import Station, Target
-from adr_opt.chasers import AnyTank, AtStation, Chaser, InOrbit, Tank, TankByMass
-from adr_opt.given import among, of_rows
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import EARTH_RADIUS_M
-from adr_opt.numbering import Numbering
-from adr_opt.orbit import Orbit
-from adr_opt.settings import KeepOutZone, MissionSettings, Objective, TransferSettings
+from adr_opt.common.constants import EARTH_RADIUS_M
+from adr_opt.problem.bodies import Station, Target
+from adr_opt.problem.chasers import AnyTank, AtStation, Chaser, InOrbit, Tank, TankByMass
+from adr_opt.problem.given import among, of_rows
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.numbering import Numbering
+from adr_opt.problem.orbit import Orbit
+from adr_opt.problem.settings import KeepOutZone, MissionSettings, Objective, TransferSettings
 
 DAY_S = 86400.0
 

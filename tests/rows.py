@@ -8,8 +8,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.kernels import orbits, transfer
-from adr_opt.kernels.constants import EARTH_RADIUS_M, OBLATENESS_M2
+from adr_opt.common.constants import EARTH_RADIUS_M, OBLATENESS_M2
+from adr_opt.kernels.legs import co_elliptic
+from adr_opt.kernels.orbits import ephemeris
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -28,7 +29,7 @@ def row(
     perigee: float = 0.0,
 ) -> FloatArray:
     """A body: metres and radians, with the rates that it has at an oblateness J2 R² [m²]."""
-    node, turning, anomaly = orbits.secular_rates(radius, eccentricity, inclination, oblateness)
+    node, turning, anomaly = ephemeris.secular_rates(radius, eccentricity, inclination, oblateness)
     return np.array(
         [radius, inclination, raan, latitude, node, turning + anomaly, eccentricity, perigee,
          turning]
@@ -46,13 +47,13 @@ def changed(
 ) -> FloatArray:
     """A body beside another one, by so much; the inclination stays between 0 and π."""
     return row(
-        orbit[orbits.RADIUS] + radius,
-        min(math.pi, max(0.0, orbit[orbits.INCLINATION] + inclination)),
-        orbit[orbits.RAAN] + raan,
-        orbit[orbits.ARGUMENT_OF_LATITUDE] + latitude,
+        orbit[ephemeris.RADIUS] + radius,
+        min(math.pi, max(0.0, orbit[ephemeris.INCLINATION] + inclination)),
+        orbit[ephemeris.RAAN] + raan,
+        orbit[ephemeris.ARGUMENT_OF_LATITUDE] + latitude,
         oblateness=oblateness,
-        eccentricity=orbit[orbits.ECCENTRICITY],
-        perigee=orbit[orbits.PERIGEE],
+        eccentricity=orbit[ephemeris.ECCENTRICITY],
+        perigee=orbit[ephemeris.PERIGEE],
     )
 
 
@@ -66,9 +67,9 @@ def rule(
     fraction: float = 0.75,
     standoff: float = 1000.0,
     limits: tuple[float, float] = (LOWEST_M, HIGHEST_M),
-) -> transfer.TransferRule:
+) -> co_elliptic.TransferRule:
     """The usual rule of transfers but for what is stated."""
-    return transfer.TransferRule(
+    return co_elliptic.TransferRule(
         fraction,
         standoff,
         laps,
@@ -80,6 +81,6 @@ def rule(
     )
 
 
-def oblate_rule(**stated: float) -> transfer.TransferRule:
+def oblate_rule(**stated: float) -> co_elliptic.TransferRule:
     """That of the Earth as it is."""
     return rule(oblateness=OBLATENESS_M2, **stated)  # type: ignore[arg-type]

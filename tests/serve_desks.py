@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from adr_opt.serve import work
-from adr_opt.serve.desk import Desk
+from adr_opt.ui.serve import work
+from adr_opt.ui.serve.desk import Desk
 
 
 def of(*names: str, **changes: Any) -> dict[str, Any]:

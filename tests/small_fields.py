@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import adr_opt
-from adr_opt.env import Fields, Limits
-from adr_opt.instance import Instance
+from adr_opt.learning.environment import Fields, Limits
+from adr_opt.problem.instance import Instance
 
 HOUR_S = 3600.0
 SMALL = Fields(

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 
 import adr_opt
-from adr_opt.bodies import Station
-from adr_opt.chasers import AtStation, Chaser, InOrbit
-from adr_opt.mission import Mission
+from adr_opt.mission.problem import Mission
+from adr_opt.problem.bodies import Station
+from adr_opt.problem.chasers import AtStation, Chaser, InOrbit
 from solvers.models.network import of_rows
-from solvers.relaxation.network import build
+from solvers.networks.network import build
 
 INSTANCES = Path(__file__).parents[1] / "instances" / "tiny"
 TINY = sorted(INSTANCES.glob("tiny-[0-9][0-9][0-9].json"))

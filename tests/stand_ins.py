@@ -15,7 +15,7 @@ import math
 import time
 from pathlib import Path
 
-from adr_opt.result import Result, certify
+from adr_opt.mission.result import Result, certify
 
 
 def starter(mission, *, seed, stop, progress, start=None):

@@ -15,12 +15,12 @@ from brute_force import brute_force
 from random_rules import drifting_mission, given_mission, random_mission, towing_mission
 
 import adr_opt
-from adr_opt.mission import Mission
-from adr_opt.result import certify
-from adr_opt.settings import Objective
-from solvers.relaxation.cost import CostProof
-from solvers.relaxation.routes import Routes
-from solvers.relaxation.walks import WalkBound
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import certify
+from adr_opt.problem.settings import Objective
+from solvers.labels.label_search import Routes
+from solvers.proof.cost import CostProof
+from solvers.walks.walks import WalkBound
 
 MISSIONS = 150
 DRIFTING = 90

@@ -11,13 +11,13 @@ from test_expense import drawn
 from two_chasers import campaign as two_chasers
 
 import adr_opt
-from adr_opt.campaign import Campaign, is_campaign
-from adr_opt.chasers import AtStation
-from adr_opt.errors import InputError
-from adr_opt.instance import Instance
-from adr_opt.mission import Mission
-from adr_opt.station_limits import StationLimits
-from solvers.campaigns.cheapest import cheapest_routes
+from adr_opt.common.errors import InputError
+from adr_opt.mission.campaign import Campaign, is_campaign
+from adr_opt.mission.problem import Mission
+from adr_opt.plan.station_limits import StationLimits
+from adr_opt.problem.chasers import AtStation
+from adr_opt.problem.instance import Instance
+from solvers.columns.cheapest_routes import cheapest_routes
 
 
 @pytest.mark.parametrize("method", ["auto", "exact"])

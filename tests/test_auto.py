@@ -13,17 +13,17 @@ from calling import call
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 
 import adr_opt
-from adr_opt.mission import Mission
-from adr_opt.planner import PLANNERS
-from adr_opt.prepared import warm_up
-from adr_opt.progress import silent
-from adr_opt.result import Result
-from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
+from adr_opt.common.progress import silent
+from adr_opt.common.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result
+from adr_opt.run.method_call import warm_up
+from adr_opt.run.methods import PLANNERS
+from solvers.beams import timely_beams
+from solvers.beams.beams import TIME_VALUE_M_S_PER_H
 from solvers.planners import auto as auto_module
 from solvers.planners.auto import auto
 from solvers.planners.beam import beam
-from solvers.search import timely_beams
-from solvers.search.beams import TIME_VALUE_M_S_PER_H
 
 TINY = sorted((Path(__file__).parents[1] / "instances" / "tiny").glob("*.json"))
 

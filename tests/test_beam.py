@@ -16,16 +16,16 @@ from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 from on_a_layer import best_on_layer
 
 import adr_opt
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import STATION
-from adr_opt.mission import Mission
-from adr_opt.result import Result
-from adr_opt.stop import Interrupted, MaxIterations, MaxRuntime
+from adr_opt.common.constants import STATION
+from adr_opt.common.stop import Interrupted, MaxIterations, MaxRuntime
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result
+from adr_opt.problem.instance import Instance
+from solvers.beams import timely_beams
+from solvers.beams.beams import TIME_VALUE_M_S_PER_H, BeamSettings, beam_search, usual_settings
 from solvers.planners.beam import beam
-from solvers.relaxation.latest import latest_of
-from solvers.relaxation.walks import WalkBound
-from solvers.search import timely_beams
-from solvers.search.beams import TIME_VALUE_M_S_PER_H, BeamSettings, beam_search, usual_settings
+from solvers.walks.completion_times import latest_of
+from solvers.walks.walks import WalkBound
 
 TINY = sorted((Path(__file__).parents[1] / "instances" / "tiny").glob("*.json"))
 

@@ -17,19 +17,19 @@ import pytest
 from plans import with_legs
 
 import adr_opt
-from adr_opt import planner
-from adr_opt.campaign import Campaign, Routes
-from adr_opt.cargo import loads_of
-from adr_opt.connections import Connecting
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import SLACK_M_S
-from adr_opt.kernels.schedule import follow
-from adr_opt.library import Entry, Library
-from adr_opt.limits import limits_of
-from adr_opt.mission import Mission
-from adr_opt.progress import Progress
-from adr_opt.result import Result, certify, certify_routes
-from adr_opt.stop import Stop
+from adr_opt.common.constants import SLACK_M_S
+from adr_opt.common.progress import Progress
+from adr_opt.common.stop import Stop
+from adr_opt.kernels.rules.schedule import follow
+from adr_opt.legs.connections import Connecting
+from adr_opt.legs.service_limits import limits_of
+from adr_opt.mission.campaign import Campaign, Routes
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result, certify, certify_routes
+from adr_opt.plan.cargo import loads_of
+from adr_opt.problem.instance import Instance
+from adr_opt.run import methods
+from adr_opt.sources.library import Entry, Library
 
 ROOT = Path(__file__).parents[1]
 NAME = "tiny-001"
@@ -391,11 +391,11 @@ def test_instances_are_solved(
 ) -> None:
     """An instance file is solved with planner and bound, and its row gets both."""
     groups = {
-        planner.PLANNERS: [("greedy-guarded", "solvers.planners.greedy:greedy_guarded")],
-        planner.BOUNDS: [("trivial", f"{__name__}:trivial")],
+        methods.PLANNERS: [("greedy-guarded", "solvers.planners.greedy:greedy_guarded")],
+        methods.BOUNDS: [("trivial", f"{__name__}:trivial")],
     }
     monkeypatch.setattr(
-        planner, "entry_points", lambda group: [EntryPoint(*pair, group) for pair in groups[group]]
+        methods, "entry_points", lambda group: [EntryPoint(*pair, group) for pair in groups[group]]
     )
     path = folder / "tiny" / f"{NAME}.json"
     arguments = ["--folder", str(folder), "--method", "greedy-guarded", "--bound", "trivial"]

@@ -12,8 +12,8 @@ import pytest
 
 import adr_opt
 from adr_opt.analysis import price
-from adr_opt.chasers import Chaser, Tank, TankByMass
-from adr_opt.errors import InputError
+from adr_opt.common.errors import InputError
+from adr_opt.problem.chasers import Chaser, Tank, TankByMass
 
 
 def test_an_instance_is_taken_by_its_file_and_by_its_content(tmp_path: Path) -> None:

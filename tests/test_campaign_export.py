@@ -13,7 +13,8 @@ from conftest import Cli, refused
 from two_chasers import HOME, OWN, campaign, planned
 
 import adr_opt
-from adr_opt.trajectory import sample, write_plan
+from adr_opt.export.flights import write_plan
+from adr_opt.fly.trajectory import sample
 
 NAMED = "name one (--chaser): 'tender', 'kicker'"
 EPOCH = "2026-01-01T00:00:00"
@@ -126,7 +127,7 @@ def test_czml_holds_all_chasers(files: Cli) -> None:
 
 def test_long_campaigns_show_bodies_while_legs_meet_them(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where bodies are shown during legs only, spans of different chasers are put together."""
-    from adr_opt.trajectory import czml
+    from adr_opt.export.flights import czml
 
     monkeypatch.setattr(czml, "MOST_BODY_STATES", 1)
     instance, plan = campaign(), planned()

@@ -13,20 +13,20 @@ from conftest import Cli
 from two_chasers import HOME, OWN, campaign, planned
 
 import adr_opt
-from adr_opt import plot
-from adr_opt.chasers import AtStation
-from adr_opt.instance import Instance
-from adr_opt.plan import Plan
-from adr_opt.plot.budget import budgets
-from adr_opt.plot.palette import CHASERS, COLOURS, chaser_colours
-from adr_opt.plot.segments import segments
-from adr_opt.plot.tracks import tracks
-from adr_opt.plot.traffic import also_there, stays
+from adr_opt.plan.palette import CHASERS, COLOURS, chaser_colours
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.chasers import AtStation
+from adr_opt.problem.instance import Instance
+from adr_opt.ui import plot
+from adr_opt.ui.plot.budget import budgets
+from adr_opt.ui.plot.segments import segments
+from adr_opt.ui.plot.tracks import tracks
+from adr_opt.ui.plot.traffic import also_there, stays
 
 pytest.importorskip("plotly.graph_objects")
 
-from adr_opt.report import figures, page
-from adr_opt.report.facts import facts
+from adr_opt.ui.report import figures, page
+from adr_opt.ui.report.facts import facts
 
 DAY_S = 86400.0
 
@@ -169,7 +169,7 @@ def test_report_of_a_campaign_from_the_command_line(cli: Cli) -> None:
 
 
 def test_pictures_have_a_line_for_each_chaser(mission: tuple[Instance, Plan]) -> None:
-    """`adr_opt.plot` draws budgets and planes with a line, and the timeline with a name, each."""
+    """Budgets and planes are drawn with a line for each, the timeline with a name."""
     pyplot = pytest.importorskip("matplotlib.pyplot")
     instance, plan = mission
     for draw in (plot.delta_v_left, plot.planes):

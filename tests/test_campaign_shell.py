@@ -11,13 +11,13 @@ from conftest import Cli, refused
 from two_chasers import HOME, OWN, campaign, planned
 
 import adr_opt
-from adr_opt.dispersion import sample_flights
-from adr_opt.flight import fly, fly_refined
-from adr_opt.instance import Instance
-from adr_opt.plan import Plan
-from adr_opt.refining.holding import beginning
-from adr_opt.refining.plan import RefinedPlan
-from adr_opt.routes import routes_of
+from adr_opt.fly.dispersion import sample_flights
+from adr_opt.fly.flight import fly, fly_refined
+from adr_opt.fly.refine.holding import beginning
+from adr_opt.plan.plan import Plan
+from adr_opt.plan.refined_plan import RefinedPlan
+from adr_opt.plan.routes import routes_of
+from adr_opt.problem.instance import Instance
 
 
 @pytest.fixture(scope="module", params=["two-body", "j2"])
@@ -185,7 +185,7 @@ def test_each_chaser_keeps_the_beginning_that_holds(
 ) -> None:
     """Where a chaser's tank breaks only its own route is cut, and what is left passes `check`."""
     instance, plan = mission
-    from adr_opt.campaign import Campaign
+    from adr_opt.mission.campaign import Campaign
 
     last = refined.legs[2]
     burn = last.burns[0]
@@ -270,6 +270,6 @@ def test_what_is_for_one_chaser_says_so(cli: Cli, call: tuple[object, ...]) -> N
 
 def test_the_environment_is_for_one_chaser() -> None:
     """A campaign cannot be played; the sentence says why."""
-    env = pytest.importorskip("adr_opt.env")
+    env = pytest.importorskip("adr_opt.learning.environment")
     with pytest.raises(adr_opt.InputError, match="2 chasers, and this works with one"):
         env.MissionEnv(campaign()).reset(seed=0)

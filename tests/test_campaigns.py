@@ -22,10 +22,10 @@ from random_rules import (
 from test_proofs_hold import RARE, resonant
 
 import adr_opt
-from adr_opt.campaign import Campaign
-from adr_opt.mission import Mission
-from solvers.relaxation.routes import Routes
-from solvers.relaxation.walks import WalkBound
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Mission
+from solvers.labels.label_search import Routes
+from solvers.walks.walks import WalkBound
 
 PROVING = ("auto", "exact")
 CAMPAIGNS = 100

@@ -8,12 +8,12 @@ import pytest
 from conftest import Cli, refused
 
 import adr_opt
-from adr_opt import planner
-from adr_opt.campaign import Campaign
-from adr_opt.chasers import AtStation, InOrbit
-from adr_opt.instance import Instance
-from adr_opt.plan import Plan
-from adr_opt.result import certify_routes
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.result import certify_routes
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.chasers import AtStation, InOrbit
+from adr_opt.problem.instance import Instance
+from adr_opt.run import methods
 
 DAY_S = 86400.0
 ABLE = {"auto", "exact", "greedy", "greedy-guarded", "ortools"}
@@ -37,8 +37,8 @@ def plan(instance: Instance) -> Plan:
 
 def test_methods_for_one_chaser_say_so(instance: Instance) -> None:
     """Each planner and bound plans a campaign or refuses it in a sentence that names others."""
-    for group, call in ((planner.PLANNERS, adr_opt.solve), (planner.BOUNDS, adr_opt.bound)):
-        for name in planner.names(group):
+    for group, call in ((methods.PLANNERS, adr_opt.solve), (methods.BOUNDS, adr_opt.bound)):
+        for name in methods.names(group):
             if name in ABLE:
                 assert call(instance, name, iterations=2).status in ("optimal", "feasible")
                 continue

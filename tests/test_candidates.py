@@ -12,18 +12,20 @@ import pytest
 from hand_made import hand_made
 
 import adr_opt
-from adr_opt import available_memory, candidates, front, timetable, timetable_size
-from adr_opt.errors import InputError
-from adr_opt.instance import Instance
-from adr_opt.kernels import timetable as tables
-from adr_opt.kernels import timetable_making as making
-from adr_opt.kernels.constants import MU_M3_S2
-from adr_opt.kernels.timetable_making import Pairs
-from adr_opt.mission import Mission
-from adr_opt.pairs import all_pairs, nearest_pairs
-from adr_opt.planner import BOUNDS, PLANNERS
-from adr_opt.result import Result
-from adr_opt.stop import Interrupted
+from adr_opt.common import memory
+from adr_opt.common.constants import MU_M3_S2
+from adr_opt.common.errors import InputError
+from adr_opt.common.stop import Interrupted
+from adr_opt.kernels.tables import timetable as tables
+from adr_opt.kernels.tables import timetable_making as making
+from adr_opt.kernels.tables.timetable_making import Pairs
+from adr_opt.legs import timetable, timetable_size
+from adr_opt.legs.nearest_pairs import all_pairs, nearest_pairs
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result
+from adr_opt.problem.instance import Instance
+from adr_opt.run import front, table_budget
+from adr_opt.run.methods import BOUNDS, PLANNERS
 
 LATE_S = 3.0
 """How late an answer may be on a busy machine."""
@@ -32,7 +34,7 @@ LATE_S = 3.0
 @pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Builds are broken off even if they are nearly done."""
-    monkeypatch.setattr(candidates, "MOMENT_S", -math.inf)
+    monkeypatch.setattr(table_budget, "MOMENT_S", -math.inf)
 
 
 @pytest.fixture
@@ -355,8 +357,8 @@ def test_control_groups_limit_the_memory(tmp_path: Path):
     (old / "memory.stat").write_text("inactive_file 0\n")
     membership = tmp_path / "cgroup"
     membership.write_text("0::/outer/inner\n")
-    assert available_memory._of_the_group(tmp_path / "sys", membership) == 350.0
+    assert memory._of_the_group(tmp_path / "sys", membership) == 350.0
     membership.write_text("4:memory:/not/seen/from/here\n0::/outer/inner\n")
-    assert available_memory._of_the_group(tmp_path / "sys", membership) == 200.0
-    assert available_memory._of_the_group(tmp_path, tmp_path / "none") == math.inf
-    assert available_memory.available_bytes() > 0.0
+    assert memory._of_the_group(tmp_path / "sys", membership) == 200.0
+    assert memory._of_the_group(tmp_path, tmp_path / "none") == math.inf
+    assert memory.available_bytes() > 0.0

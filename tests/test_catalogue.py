@@ -22,12 +22,12 @@ from catalogue_files import (
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from adr_opt.catalogue import Catalogue, Record, to_instance
-from adr_opt.catalogue.propagation import mean_elements, satellite_of, state, true_anomaly
-from adr_opt.catalogue.reading import read_bytes
-from adr_opt.catalogue.tle import catalogue_number, checksum
-from adr_opt.errors import InputError
-from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
+from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
+from adr_opt.common.errors import InputError
+from adr_opt.sources.catalogue import Catalogue, Record, to_instance
+from adr_opt.sources.catalogue.propagation import mean_elements, satellite_of, state, true_anomaly
+from adr_opt.sources.catalogue.reading import read_bytes
+from adr_opt.sources.catalogue.tle import catalogue_number, checksum
 
 sgp4_api = pytest.importorskip("sgp4.api")
 sgp4_alpha5 = pytest.importorskip("sgp4.alpha5")

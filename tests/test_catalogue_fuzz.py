@@ -10,11 +10,11 @@ from catalogue_files import SPELLINGS, as_space_track_json, field
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from adr_opt.catalogue import Imported, to_instance
-from adr_opt.catalogue.reading import read_bytes
-from adr_opt.catalogue.records import Catalogue
-from adr_opt.catalogue.tle import LENGTH, checksum
-from adr_opt.errors import InputError
+from adr_opt.common.errors import InputError
+from adr_opt.sources.catalogue import Imported, to_instance
+from adr_opt.sources.catalogue.reading import read_bytes
+from adr_opt.sources.catalogue.records import Catalogue
+from adr_opt.sources.catalogue.tle import LENGTH, checksum
 
 pytest.importorskip("sgp4")
 

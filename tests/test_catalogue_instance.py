@@ -20,10 +20,10 @@ from catalogue_files import (
 )
 
 import adr_opt
-from adr_opt.catalogue import Filters, read, to_instance
-from adr_opt.catalogue.reading import read_bytes
-from adr_opt.catalogue.station import densest, normals, plane_angles
-from adr_opt.kernels.constants import EARTH_RADIUS_M
+from adr_opt.common.constants import EARTH_RADIUS_M
+from adr_opt.sources.catalogue import Filters, read, to_instance
+from adr_opt.sources.catalogue.reading import read_bytes
+from adr_opt.sources.catalogue.station import densest, normals, plane_angles
 
 pytest.importorskip("sgp4.api")
 
@@ -37,7 +37,7 @@ def test_filters_keep_what_is_inside() -> None:
     )
     made = to_instance(records, filters=filters)
 
-    def inside(target: adr_opt.instance.Target) -> bool:
+    def inside(target: adr_opt.problem.instance.Target) -> bool:
         orbit = target.orbit
         return (
             700e3 <= orbit.semi_major_axis_m - EARTH_RADIUS_M <= 900e3
@@ -104,11 +104,11 @@ def test_max_targets_are_the_nearest_planes() -> None:
     everything = to_instance(records, station="750,86.4,120").instance
     home = everything.stations[0].orbit
     assert (home.inclination_deg, home.raan_deg, home.true_anomaly_deg) == (86.4, 120.0, 0.0)
-    station = adr_opt.kernels.orbits.frame(*np.radians([86.4, 120.0]))[2]
+    station = adr_opt.kernels.orbits.ephemeris.frame(*np.radians([86.4, 120.0]))[2]
 
-    def angle(target: adr_opt.instance.Target) -> float:
+    def angle(target: adr_opt.problem.instance.Target) -> float:
         _, i, o, _ = target.orbit.circular_elements()
-        return math.acos(station @ adr_opt.kernels.orbits.frame(i, o)[2])
+        return math.acos(station @ adr_opt.kernels.orbits.ephemeris.frame(i, o)[2])
 
     nearest = sorted(everything.targets, key=angle)[:10]
     kept = made.instance.targets

@@ -9,10 +9,10 @@ from hand_made import OPTIMAL_PLAN, PERIOD_S, hand_made
 from plans import with_legs
 
 import adr_opt
-from adr_opt.expense import cost_of_routes
-from adr_opt.plan import Plan, Unvisited
-from adr_opt.result import certify
-from adr_opt.settings import KeepOutZone
+from adr_opt.mission.result import certify
+from adr_opt.plan.expense import cost_of_routes
+from adr_opt.plan.plan import Plan, Unvisited
+from adr_opt.problem.settings import KeepOutZone
 
 
 @pytest.fixture(scope="module")

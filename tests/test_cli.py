@@ -17,9 +17,10 @@ from conftest import Cli, refused
 from plans import with_legs
 
 import adr_opt
-from adr_opt import generator, planner
-from adr_opt.cli.verbs import VERBS
-from adr_opt.plan import load_plan
+from adr_opt.plan.plan import load_plan
+from adr_opt.run import methods
+from adr_opt.sources import generator
+from adr_opt.ui.cli.verbs import VERBS
 
 PYTHON = [sys.executable, "-m", "adr_opt"]
 
@@ -84,7 +85,8 @@ def test_verb_imports_only_its_own_module() -> None:
     """Calling one verb leaves the modules of the others unimported."""
     code = (
         "import sys; from adr_opt.__main__ import main; main(['schema', 'plan']); "
-        "sys.exit('adr_opt.cli.solve' in sys.modules or 'adr_opt.cli.schema' not in sys.modules)"
+        "cli = 'adr_opt.ui.cli'; "
+        "sys.exit(f'{cli}.solve' in sys.modules or f'{cli}.schema' not in sys.modules)"
     )
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
     assert ran.returncode == 0, ran.stderr
@@ -273,7 +275,7 @@ def test_schema_describes_the_files(cli: Cli, tiny_file: Path, which: str) -> No
 def test_methods_lists_planners_and_options(cli: Cli) -> None:
     """Every installed planner is listed with its summary and the defaults of its options."""
     found = {entry["name"]: entry for entry in json.loads(cli("methods", "--json").out)["planners"]}
-    assert set(found) == set(planner.names())
+    assert set(found) == set(methods.names())
     assert found["greedy"]["summary"].startswith("The published greedy")
     assert found["greedy"]["options"][0] == {
         "name": "alpha", "type": "float", "default": 1.0, "unit": "per m/s",

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from conftest import Cli, refused
 
-from adr_opt.plan import load_plan
+from adr_opt.plan.plan import load_plan
 
 Content = dict[str, Any]
 Change = Callable[[Content], None]

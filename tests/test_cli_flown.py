@@ -15,10 +15,10 @@ from plans import with_legs
 from toy_roads import as_rows, roads
 
 import adr_opt
-from adr_opt.flight import mean_flight
-from adr_opt.flight.mean_flight import fly_mean
-from adr_opt.instance import Instance, load
-from adr_opt.plan import Plan, load_plan
+from adr_opt.fly.flight import mean_flight
+from adr_opt.fly.flight.mean_flight import fly_mean
+from adr_opt.plan.plan import Plan, load_plan
+from adr_opt.problem.instance import Instance, load
 
 LEFT = re.compile(r"left in (?:the tank|each tank): (-?[\d.]+)")
 
@@ -134,7 +134,7 @@ def test_a_refined_plan_says_so(cli: Cli) -> None:
     assert "not refined" not in text
     # The refined plan names this very plan.
     assert cli("fly", "my.json", "refined.json").status == 0
-    from adr_opt.refining.plan import load_refined, reference
+    from adr_opt.plan.refined_plan import load_refined, reference
 
     assert load_refined("refined.json").plan == reference(plan)
 

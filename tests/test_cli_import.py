@@ -24,8 +24,8 @@ from catalogue_files import (
 from conftest import Cli
 
 import adr_opt
-from adr_opt.catalogue import reading
-from adr_opt.cli import import_
+from adr_opt.sources.catalogue import reading
+from adr_opt.ui.cli import import_
 
 sgp4_io = pytest.importorskip("sgp4.io")
 

@@ -15,8 +15,8 @@ from typing import Any
 import pytest
 
 import adr_opt
-from adr_opt.cli.live import describe
-from adr_opt.plan import load_plan
+from adr_opt.plan.plan import load_plan
+from adr_opt.ui.cli.live import describe
 
 
 @pytest.mark.parametrize(

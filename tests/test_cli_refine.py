@@ -19,13 +19,13 @@ from conftest import Cli, refused
 from plans import solved
 
 import adr_opt
-from adr_opt.cli.fly_refined import FLOWN
-from adr_opt.cli.refine import FREEDOMS, GRAVITIES
-from adr_opt.cli.refine import command as refine_command
-from adr_opt.instance import Instance
-from adr_opt.kernels.gravity import FIELDS
-from adr_opt.refining import all_legs
-from adr_opt.refining.ephemeris import tracks
+from adr_opt.fly.refine import all_legs
+from adr_opt.fly.refine.ephemeris import tracks
+from adr_opt.kernels.orbits.gravity import FIELDS
+from adr_opt.problem.instance import Instance
+from adr_opt.ui.cli.fly_refined import FLOWN
+from adr_opt.ui.cli.refine import FREEDOMS, GRAVITIES
+from adr_opt.ui.cli.refine import command as refine_command
 
 
 @pytest.fixture
@@ -192,7 +192,7 @@ def test_tracks_are_joined_by_the_burns(cli: Cli, mission: Instance) -> None:
 
 CHILD = (
     "import signal, sys, time; signal.signal(signal.SIGINT, signal.default_int_handler); "
-    "from adr_opt.refining import all_legs; inner = all_legs.refine_leg\n"
+    "from adr_opt.fly.refine import all_legs; inner = all_legs.refine_leg\n"
     "def slow(*a):\n    time.sleep(0.4); print('leg', file=sys.stderr, flush=True); "
     "return inner(*a)\n"
     "all_legs.refine_leg = slow\n"

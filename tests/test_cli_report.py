@@ -11,10 +11,10 @@ from conftest import Cli, refused
 from plans import solved
 
 import adr_opt
-import adr_opt.flight
-from adr_opt.flight.tanks import tanks_of
-from adr_opt.refining.plan import Missing
-from adr_opt.report.text import fixed
+import adr_opt.fly.flight
+from adr_opt.fly.flight.tanks import tanks_of
+from adr_opt.plan.refined_plan import Missing
+from adr_opt.ui.report.text import fixed
 
 pytest.importorskip("plotly.graph_objects")
 
@@ -122,8 +122,8 @@ def test_flights_are_told_where_they_are_asked_for(cli: Cli, tiny_file: Path) ->
     assert json.loads(told.out)["refined"] == []
     text = Path("m.html").read_text(encoding="utf-8")
     flight, again = (
-        adr_opt.flight.fly(instance, plan),
-        adr_opt.flight.fly_refined(instance, refined),
+        adr_opt.fly.flight.fly(instance, plan),
+        adr_opt.fly.flight.fly_refined(instance, refined),
     )
     part = text.partition("<h2>Refined and flown</h2>")[2].partition("</section>")[0]
     first, _, second = part.partition("<h3>The plan, refined</h3>")

@@ -10,11 +10,11 @@ import pytest
 from conftest import Cli
 
 import adr_opt
-from adr_opt import front
-from adr_opt.cli.timeline import clock, span
-from adr_opt.instance import Instance
-from adr_opt.plan import Plan, load_plan
-from adr_opt.wording import shortened
+from adr_opt.common.wording import shortened
+from adr_opt.plan.plan import Plan, load_plan
+from adr_opt.problem.instance import Instance
+from adr_opt.run import front
+from adr_opt.ui.cli.timeline import clock, span
 
 
 def test_json_is_the_plan_file_and_nothing_else(cli: Cli, tiny_file: Path) -> None:

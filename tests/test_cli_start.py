@@ -9,9 +9,9 @@ from conftest import Cli
 from plans import with_legs
 
 import adr_opt
-from adr_opt import front
-from adr_opt.mission import Mission
-from adr_opt.plan import load_plan
+from adr_opt.mission.problem import Mission
+from adr_opt.plan.plan import load_plan
+from adr_opt.run import front
 
 
 @pytest.mark.usefixtures("methods")

@@ -15,7 +15,7 @@ import pytest
 from conftest import Cli, refused
 
 import adr_opt
-from adr_opt.plan import load_plan
+from adr_opt.plan.plan import load_plan
 
 
 def test_places_that_cannot_be_written(
@@ -26,9 +26,9 @@ def test_places_that_cannot_be_written(
     def never(*_: Any, **__: Any) -> None:
         raise AssertionError("the planner was started")
 
-    monkeypatch.setattr("adr_opt.front.run", never)
-    monkeypatch.setattr("adr_opt.generator.generate", never)
-    monkeypatch.setattr("adr_opt.catalogue.read", never)
+    monkeypatch.setattr("adr_opt.run.front.run", never)
+    monkeypatch.setattr("adr_opt.sources.generator.generate", never)
+    monkeypatch.setattr("adr_opt.sources.catalogue.read", never)
     cloud = Path(__file__).parents[1] / "examples/catalogue/cloud.tle"
     calls = (["solve", tiny_file, "--method", "greedy"], ["generate", "tiny"], ["import", cloud])
     for call in calls:
@@ -108,7 +108,7 @@ def test_a_plan_that_cannot_be_written_is_printed(
     assert "p.json: cannot be written" in outcome.err
     assert "the plan is on standard output" in outcome.err
     assert outcome.err.count("\n") == 1
-    plan = adr_opt.plan.Plan.model_validate_json(outcome.out[outcome.out.index("{") :])
+    plan = adr_opt.plan.plan.Plan.model_validate_json(outcome.out[outcome.out.index("{") :])
     assert adr_opt.check(adr_opt.load(tiny_file), plan) == ()
     assert not list(tmp_path.glob("*p*.json"))
 
@@ -121,7 +121,7 @@ def test_a_certificate_that_cannot_be_written_says_where_the_plan_is(
     def full(path: str, content: bytes) -> None:
         raise adr_opt.InputError(f"{path}: cannot be written (No space left on device)")
 
-    monkeypatch.setattr("adr_opt.certificate.write_bytes", full)
+    monkeypatch.setattr("adr_opt.plan.certificate.write_bytes", full)
     call = ("solve", tiny_file, "--method", "exact", "--certificate", "c.json", "--quiet")
     kept = cli(*call, "--out", "p.json")
     assert kept.status == 2

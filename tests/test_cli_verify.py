@@ -10,11 +10,11 @@ from conftest import Cli, refused
 from drifting_plans import drifting_instance
 
 import adr_opt
-from adr_opt.certificate import load_certificate
-from adr_opt.cli import verify as verify_verb
-from adr_opt.errors import InputError
-from adr_opt.instance import Instance
-from adr_opt.verifying.verdict import MOST_CONNECTIONS
+from adr_opt.common.errors import InputError
+from adr_opt.judge.verify.verdict import MOST_CONNECTIONS
+from adr_opt.plan.certificate import load_certificate
+from adr_opt.problem.instance import Instance
+from adr_opt.ui.cli import verify as verify_verb
 
 
 @pytest.fixture

@@ -8,11 +8,11 @@ import pytest
 from conftest import Cli, refused
 
 import adr_opt
-from adr_opt import cluster
 from adr_opt.analysis import Axis, tradeoff
-from adr_opt.errors import InputError
-from adr_opt.refining import refine
-from adr_opt.stop import MaxIterations
+from adr_opt.common import cluster
+from adr_opt.common.errors import InputError
+from adr_opt.common.stop import MaxIterations
+from adr_opt.fly.refine import refine
 
 distributed = pytest.importorskip("distributed")
 

@@ -13,8 +13,8 @@ from two_chasers import campaign, planned
 
 import adr_opt
 from adr_opt.analysis import compare, price
-from adr_opt.report.charts import ticks
-from adr_opt.report.compared import compared_page
+from adr_opt.ui.report.charts import ticks
+from adr_opt.ui.report.compared import compared_page
 
 
 def by_hand(*names, instance=None):

@@ -17,16 +17,16 @@ import numpy as np
 import pytest
 
 import adr_opt
-from adr_opt.cli.entry import main
-from adr_opt.kernels import cache as kernel_cache
-from adr_opt.kernels.compile import compiling_s, kernel
-from adr_opt.planner import BOUNDS, PLANNERS, names
+from adr_opt.kernels.core import cache as kernel_cache
+from adr_opt.kernels.core.compile import compiling_s, kernel
+from adr_opt.run.methods import BOUNDS, PLANNERS, names
+from adr_opt.ui.cli.entry import main
 
 ROOT = Path(__file__).parents[1]
 NOMINAL = ROOT / "instances" / "nominal" / "nominal-000.json"
 
 LOW = """
-from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.core.compile import kernel
 FACTOR = {factor}
 OTHER = {other}
 @kernel
@@ -35,7 +35,7 @@ def scaled(x):
     return FACTOR * x
 """
 HIGH = """
-from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.core.compile import kernel
 import {low} as low
 @kernel
 def shifted(x):
@@ -45,7 +45,7 @@ RUN = """
 import sys
 sys.path.insert(0, {folder!r})
 import {high} as high
-from adr_opt.kernels.compile import compiling_s
+from adr_opt.kernels.core.compile import compiling_s
 print(high.shifted(2.0), compiling_s() > 0.0)
 """
 
@@ -147,19 +147,21 @@ def test_kernels_of_the_rules_follow_the_orbits() -> None:
 
     What only reads a timetable is not.
     """
-    from adr_opt.kernels import orbits, rules, timetable, timetable_making
+    from adr_opt.kernels.orbits import ephemeris
+    from adr_opt.kernels.rules import rules
+    from adr_opt.kernels.tables import timetable, timetable_making
 
     def digests() -> list[str]:
         kernels = timetable_making.fill, rules.replay, timetable.transfer_exists
         return [kernel_cache.sources(each) for each in kernels]
 
     before = digests()
-    given = orbits.COPLANAR_RAD
-    orbits.COPLANAR_RAD = 2.0 * given
+    given = ephemeris.COPLANAR_RAD
+    ephemeris.COPLANAR_RAD = 2.0 * given
     try:
         after = digests()
     finally:
-        orbits.COPLANAR_RAD = given
+        ephemeris.COPLANAR_RAD = given
     assert after[0] != before[0]
     assert after[1] != before[1]
     assert after[2] == before[2]
@@ -282,7 +284,7 @@ PRACTISED = """
 import json, sys
 import adr_opt
 from adr_opt import front
-from adr_opt.kernels.compile import compiling_s
+from adr_opt.kernels.core.compile import compiling_s
 from numba.core import event
 group, method, path, limit = sys.argv[1:]
 problem = front.warm_up(group, method)

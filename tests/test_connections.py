@@ -10,24 +10,25 @@ import pytest
 from rows import changed
 
 import adr_opt
-from adr_opt.errors import InputError
-from adr_opt.kernels import connections, keep_out, transfer
-from adr_opt.kernels.constants import EARTH_RADIUS_M
-from adr_opt.kernels.transfer import TWO_PI
-from adr_opt.timetable import Timetable
+from adr_opt.common.constants import EARTH_RADIUS_M
+from adr_opt.common.errors import InputError
+from adr_opt.kernels.legs import co_elliptic, connections
+from adr_opt.kernels.legs import zones as keep_out
+from adr_opt.kernels.legs.co_elliptic import TWO_PI
+from adr_opt.legs.timetable import Timetable
 
 DAY_S = 86400.0
 
 
 def every_sequence(origin, destination, extra, rule, duration):
     """All sequences (k, m) of all departure events as rows (departure, arrival, ΔV, k)."""
-    pair = transfer.prepare(origin, destination, extra, rule)
+    pair = co_elliptic.prepare(origin, destination, extra, rule)
     approach = rule.approach_revolutions * TWO_PI / pair.rate_j
-    first, half_turns = transfer.first_departure(pair)
+    first, half_turns = co_elliptic.first_departure(pair)
     found = []
     number = 0
     while (departure := first + number * math.pi / pair.rate_i) <= duration:
-        lead = transfer.target_lead(pair, departure, half_turns + number)
+        lead = co_elliptic.target_lead(pair, departure, half_turns + number)
         phase = 3.0 * math.pi - lead + rule.standoff / pair.radius_j
         longest = pair.longest + rule.max_phasing_revolutions * pair.longest_lap
         s = math.ceil((pair.shortest * pair.rate_j - phase) / TWO_PI)
@@ -39,9 +40,9 @@ def every_sequence(origin, destination, extra, rule, duration):
                 high = pair.longest + k * pair.longest_lap
                 if not low <= time <= high or arrival > duration:
                     continue
-                r = transfer.phasing_radius(pair, rule, k, time)
+                r = co_elliptic.phasing_radius(pair, rule, k, time)
                 if not keep_out.is_blocked(pair, rule, k, r, departure):
-                    cost = transfer.sequence_delta_v(pair, rule, k, r)
+                    cost = co_elliptic.sequence_delta_v(pair, rule, k, r)
                     found.append((departure, arrival, cost, k))
         number += 1
     return np.array(found).reshape(-1, 4)
@@ -103,7 +104,7 @@ def test_those_of_a_crossing_arrive_together():
     """Connections of a pair have one crossing if and only if they arrive at one time."""
     for origin, destination, rule, resolution in random_cases(30):
         found = connections.of_pair(origin, destination, 3.0, rule, 0.7 * DAY_S, resolution)
-        half_turn = math.pi / transfer.prepare(origin, destination, 3.0, rule).rate_j
+        half_turn = math.pi / co_elliptic.prepare(origin, destination, 3.0, rule).rate_j
         if found.departure.size:
             after = (found.arrival - found.arrival[0]) / half_turn
             crossings = found.crossing - found.crossing[0]

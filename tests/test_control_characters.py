@@ -34,7 +34,7 @@ def test_names_are_said_with_escapes(cli: Cli, odd_file: Path) -> None:
     """Tables, messages and errors show control characters as escapes."""
     solved = cli("solve", odd_file, "--method", "greedy-guarded", "--out", "plan.json")
     assert solved.status == 0
-    visited = [leg.destination for leg in adr_opt.plan.load_plan("plan.json").legs]
+    visited = [leg.destination for leg in adr_opt.plan.plan.load_plan("plan.json").legs]
     assert set(visited) & set(NAMES)
     for call in (
         ("solve", odd_file, "--method", "greedy-guarded"),

@@ -15,11 +15,11 @@ from drifting_plans import drifting_instance, drifting_plan
 from plans import solved
 
 import adr_opt
-from adr_opt.dispersion import Dispersion, FlightErrors, Quantile, sample_flights
-from adr_opt.dispersion.exact import fly_exactly
-from adr_opt.dispersion.feedback import Part, fly, parts_of
-from adr_opt.instance import Instance
-from adr_opt.refining.plan import RefinedPlan
+from adr_opt.fly.dispersion import Dispersion, FlightErrors, Quantile, sample_flights
+from adr_opt.fly.dispersion.exact import fly_exactly
+from adr_opt.fly.dispersion.feedback import Part, fly, parts_of
+from adr_opt.plan.refined_plan import RefinedPlan
+from adr_opt.problem.instance import Instance
 
 NONE = FlightErrors(0.0, 0.0, 0.0, 0.0)
 

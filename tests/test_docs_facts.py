@@ -9,18 +9,19 @@ import tomllib
 from pages import ROOT, read, tables
 
 import adr_opt
-from adr_opt import checking, keep_out, planner
-from adr_opt.generator import FAMILIES, generate
-from adr_opt.kernels import constants
-from adr_opt.library import load_library
+from adr_opt.common import constants
+from adr_opt.judge.check import verdict, zone_crossings
+from adr_opt.run import methods as planner
+from adr_opt.sources.generator import FAMILIES, generate
+from adr_opt.sources.library import load_library
 
 
 def test_tolerances_are_those_of_the_code() -> None:
     """docs/files.md states the tolerances of the check and of its keep-out zones."""
-    assert (keep_out.MARGIN_M, keep_out.MARGIN_S) == (1.0, 1e-2)
-    assert checking.TIME_TOLERANCE_S == 1e-3
-    assert checking.DELTA_V_TOLERANCE_M_S == 1e-4
-    assert checking.OBJECTIVE_TOLERANCE == 1e-6
+    assert (zone_crossings.MARGIN_M, zone_crossings.MARGIN_S) == (1.0, 1e-2)
+    assert verdict.TIME_TOLERANCE_S == 1e-3
+    assert verdict.DELTA_V_TOLERANCE_M_S == 1e-4
+    assert verdict.OBJECTIVE_TOLERANCE == 1e-6
     section = read("docs/files.md").partition("## What `check` tolerates")[2]
     assert "1 ms" in section
     assert "0.1 mm/s" in section

@@ -10,10 +10,11 @@ import pytest
 from conftest import Cli
 from pages import ROOT, read, tables
 
-from adr_opt import bodies, certificate, chasers, instance, orbit, plan, settings
-from adr_opt.kernels.burns import PHASES
-from adr_opt.library import Library
-from adr_opt.refining import plan as refined
+from adr_opt.kernels.legs.burns import PHASES
+from adr_opt.plan import certificate, plan
+from adr_opt.plan import refined_plan as refined
+from adr_opt.problem import bodies, chasers, instance, orbit, settings
+from adr_opt.sources.library import Library
 
 
 def described(caption: str) -> dict[str, str]:
@@ -42,10 +43,10 @@ def described(caption: str) -> dict[str, str]:
         ("**`transfer`**", settings.TransferSettings),
         ("**`objective`**", settings.Objective),
         ("**`keep_out_zones[]`**", settings.KeepOutZone),
-        ("Defined in `adr_opt/plan.py`", plan.Plan),
+        ("Defined in `adr_opt/plan/plan.py`", plan.Plan),
         ("**`legs[]`**", plan.Leg),
         ("**`burns[]`**", plan.Burn),
-        ("Defined in `adr_opt/refining/plan.py`", refined.RefinedPlan),
+        ("Defined in `adr_opt/plan/refined_plan.py`", refined.RefinedPlan),
         ("**A refined leg**", refined.RefinedLeg),
         ("is packed by gzip", certificate.Certificate),
         ("**`walks[]`**", certificate.ProvenWalks),
@@ -64,7 +65,7 @@ def test_the_tables_of_the_formats_are_the_schemas(caption: str, model: Any) -> 
         elif isinstance(known, int | float):
             assert float(default or known) == known, name
             # Tables of what programs write have no column of defaults.
-            assert default or caption in ("**`legs[]`**", "Defined in `adr_opt/plan.py`"), name
+            assert default or caption in ("**`legs[]`**", "Defined in `adr_opt/plan/plan.py`"), name
         elif name in schema.get("required", ()):
             assert default == "", name
 
@@ -104,7 +105,7 @@ def test_the_schemas_that_are_printed_are_those_of_the_tables(cli: Cli) -> None:
 def test_the_metadata_of_a_policy_are_described() -> None:
     """docs/files.md lists exactly the metadata that a policy of the package has."""
     onnxruntime = pytest.importorskip("onnxruntime")
-    files = sorted(ROOT.glob("solvers/learned/weights/*.onnx"))
+    files = sorted(ROOT.glob("solvers/policies/weights/*.onnx"))
     assert files
     for file in files:
         session = onnxruntime.InferenceSession(str(file), providers=["CPUExecutionProvider"])
@@ -121,7 +122,7 @@ def test_phases_and_reasons_are_described() -> None:
 
 def test_formats_are_in_the_changelog_and_on_their_page() -> None:
     """Every file format with a number is named where readers look for it."""
-    from solvers.learned.policy import FORMAT as POLICY
+    from solvers.policies.policy import FORMAT as POLICY
 
     formats = (instance.FORMAT, plan.FORMAT, certificate.FORMAT, "adr-opt-library/1", POLICY)
     for page in ("CHANGELOG.md", "docs/files.md"):

@@ -12,7 +12,9 @@ import pytest
 from conftest import Cli
 from pages import ROOT, in_a_small_world, read, tables
 
-from adr_opt import instance, plan, planner
+from adr_opt.plan import plan
+from adr_opt.problem import instance
+from adr_opt.run import methods
 
 
 def test_the_first_example_of_each_page_runs(
@@ -63,7 +65,7 @@ def test_the_page_on_campaigns_runs(cli: Cli, capsys: pytest.CaptureFixture[str]
     assert last.endswith(" optimal ()")
     listed = {cell.strip("`") for row in next(tables(page))[1][2:] for cell in row[:1]}
     able = {
-        name for name in planner.names() if planner.campaign_form(planner.get(name)) is not None
+        name for name in methods.names() if methods.campaign_form(methods.get(name)) is not None
     }
     assert listed == able
 

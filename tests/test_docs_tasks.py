@@ -34,7 +34,7 @@ SHORTER = {
     "own-policy": {
         "generate nominal": "generate tiny",
         "--time-limit 10": "--time-limit 1",
-        "runs/mine/best.onnx": str(ROOT / "solvers/learned/weights/set-transfer.onnx"),
+        "runs/mine/best.onnx": str(ROOT / "solvers/policies/weights/set-transfer.onnx"),
     },
 }  # fmt: skip
 """What is put in the place of what in the commands of a page, so that they take seconds."""

@@ -13,10 +13,10 @@ from hand_made import PERIOD_S, RADIUS_M, hand_made
 from plans import with_legs
 
 import adr_opt
-from adr_opt import catalogue
-from adr_opt.drift import drift_warning, node_rates
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import EARTH_RADIUS_M
+from adr_opt.common.constants import EARTH_RADIUS_M
+from adr_opt.plan.plane_drift import drift_warning, node_rates
+from adr_opt.problem.instance import Instance
+from adr_opt.sources import catalogue
 
 CLOUD = Path(__file__).parents[1] / "examples/catalogue/cloud.tle"
 

@@ -9,17 +9,10 @@ import pytest
 from random_rules import weeks_mission
 from rows import HIGHEST_M, LOWEST_M, FloatArray, oblate_rule, row
 
-from adr_opt.checking.drift import drift_cost
-from adr_opt.kernels import (
-    drift,
-    drift_arcs,
-    drift_free,
-    drift_grid,
-    drift_laps,
-    drift_pair,
-    orbits,
-)
-from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
+from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
+from adr_opt.judge.check.drift import drift_cost
+from adr_opt.kernels.legs import drift, drift_arcs, drift_free, drift_grid, drift_laps, drift_pair
+from adr_opt.kernels.orbits import ephemeris
 
 CASES = 1500
 NO_ZONES = np.empty((0, 4))
@@ -56,7 +49,7 @@ def judged(
     first: FloatArray, second: FloatArray, departure: float, arrival: float
 ) -> tuple[float, float]:
     """What the judge finds: ΔV, and how much of it eccentricity adds [m/s]."""
-    left = np.append(first, first[orbits.RAAN_RATE])
+    left = np.append(first, first[ephemeris.RAAN_RATE])
     return drift_cost(left, second, RULE, departure, arrival)
 
 
@@ -97,7 +90,7 @@ def test_the_judge_agrees_about_tips():
         arrival = 10 ** rng.uniform(0.0, 1.0) * DAY_S
         pair = drift_pair.prepare(first, second, RULE)
         found = float(drift.delta_v(pair, 0.0, arrival))
-        left = np.append(first, orbits.coasting_node_rate(first))
+        left = np.append(first, ephemeris.coasting_node_rate(first))
         wanted, _ = drift_cost(left, second, RULE, 0.0, arrival)
         if wanted < DEAREST_M_S:
             assert found == pytest.approx(wanted, abs=ACCURATE_M_S), (first, second, arrival)
@@ -112,7 +105,7 @@ def test_steps_do_not_go_to_and_fro_about_a_tip():
     departure, arrival = 14.0 * DAY_S, 18.0 * DAY_S
     split = drift.best_split(drift_pair.prepare(first, second, rule), departure, arrival)
     assert abs(split.climb) < 1.0
-    left = np.append(first, orbits.coasting_node_rate(first))
+    left = np.append(first, ephemeris.coasting_node_rate(first))
     wanted, _ = drift_cost(left, second, rule, departure, arrival)
     assert split.delta_v == pytest.approx(wanted, abs=ACCURATE_M_S)
 
@@ -190,7 +183,7 @@ def test_what_is_listed_is_what_nothing_else_dominates():
     kept_short = left_short = kept_long = 0
     for _ in range(150):
         first, second = drawn(rng)
-        second[orbits.RAAN] = first[orbits.RAAN] + rng.normal() * 0.1
+        second[ephemeris.RAAN] = first[ephemeris.RAAN] + rng.normal() * 0.1
         pair = drift_pair.prepare(first, second, RULE)
         step, duration = rng.uniform(0.5, 4.0) * DAY_S, rng.uniform(20.0, 90.0) * DAY_S
         longest, resolution = rng.uniform(0.2, 1.2) * duration, float(rng.choice([0.0, 0.1, 5.0]))

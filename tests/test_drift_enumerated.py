@@ -9,9 +9,9 @@ from brute_force import brute_force
 from random_rules import weeks_mission
 
 import adr_opt
-from adr_opt.certify import certificate_of
-from adr_opt.kernels.constants import DAY_S
-from adr_opt.mission import Mission
+from adr_opt.common.constants import DAY_S
+from adr_opt.mission.certify import certificate_of
+from adr_opt.mission.problem import Mission
 
 SEEDS = [range(4), *(range(first, first + 12) for first in range(4, 100, 12))]
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from rows import HIGHEST_M, LOWEST_M, FloatArray, row
 
-from adr_opt.kernels import drift_linear as drift
-from adr_opt.kernels import orbits
-from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, OBLATENESS_M2
+from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, OBLATENESS_M2
+from adr_opt.kernels.legs import drift_linear as drift
+from adr_opt.kernels.orbits import ephemeris
 
 CASES = 4000
 
@@ -47,18 +47,21 @@ def by_matrices(
     The least squares over b_x and b_z alone where b_y is at a limit.
     """
     span = arrival - departure
-    ri, rj = first[orbits.RADIUS], second[orbits.RADIUS]
+    ri, rj = first[ephemeris.RADIUS], second[ephemeris.RADIUS]
     radius = 0.5 * (ri + rj)
-    tilt = second[orbits.INCLINATION] - first[orbits.INCLINATION]
-    inclination = first[orbits.INCLINATION] + 0.5 * tilt
+    tilt = second[ephemeris.INCLINATION] - first[ephemeris.INCLINATION]
+    inclination = first[ephemeris.INCLINATION] + 0.5 * tilt
     speed = math.sqrt(MU_M3_S2 / radius)
     nodes, perigees = (
         [b[at] + b[rate] * arrival for b in (first, second)]
-        for at, rate in ((orbits.RAAN, orbits.RAAN_RATE), (orbits.PERIGEE, orbits.PERIGEE_RATE))
+        for at, rate in (
+            (ephemeris.RAAN, ephemeris.RAAN_RATE),
+            (ephemeris.PERIGEE, ephemeris.PERIGEE_RATE),
+        )
     )
     lag = math.remainder(nodes[1] - nodes[0], 2.0 * math.pi)
     v = speed * np.array([lag * math.sin(inclination), (rj - ri) / (2.0 * radius), tilt])
-    rate = 0.5 * (first[orbits.RAAN_RATE] + second[orbits.RAAN_RATE])
+    rate = 0.5 * (first[ephemeris.RAAN_RATE] + second[ephemeris.RAAN_RATE])
     m = 7.0 * rate * math.sin(inclination) * span
     per_cosine = -1.5 * OBLATENESS_M2 / radius**2 * math.sqrt(MU_M3_S2 / radius**3)
     if abs(math.cos(inclination)) > 1e-3:
@@ -73,8 +76,8 @@ def by_matrices(
         wanted -= every[:, 1] * b1[1]
         b1[[0, 2]] = np.linalg.lstsq(every[:, [0, 2]], wanted, rcond=None)[0]
     chord = abs(
-        second[orbits.ECCENTRICITY] * np.exp(1j * perigees[1])
-        - first[orbits.ECCENTRICITY] * np.exp(1j * perigees[0])
+        second[ephemeris.ECCENTRICITY] * np.exp(1j * perigees[1])
+        - first[ephemeris.ECCENTRICITY] * np.exp(1j * perigees[0])
     )
     return v, matrix, b1, 0.25 * speed * float(chord)
 
@@ -187,7 +190,10 @@ def test_a_retrograde_drift_is_the_mirror_image_of_a_prograde_one():
         first, second = drawn(rng)
         mirrored = []
         for orbit in (first, second):
-            shape = {"eccentricity": orbit[orbits.ECCENTRICITY], "perigee": orbit[orbits.PERIGEE]}
+            shape = {
+                "eccentricity": orbit[ephemeris.ECCENTRICITY],
+                "perigee": orbit[ephemeris.PERIGEE],
+            }
             mirrored.append(
                 row(orbit[0], math.pi - orbit[1], -orbit[2], 0.0, oblateness=OBLATENESS_M2, **shape)
             )

@@ -10,12 +10,12 @@ import pytest
 from conftest import Cli, refused
 
 import adr_opt
-from adr_opt import timetable_size
-from adr_opt.errors import InputError
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import DAY_S
-from adr_opt.mission import Mission
-from adr_opt.sizes import transfers_for
+from adr_opt.common.constants import DAY_S
+from adr_opt.common.errors import InputError
+from adr_opt.legs import timetable_size
+from adr_opt.mission.problem import Mission
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.transfer_sizes import transfers_for
 
 
 def rocket_bodies(days: float = 200.0, targets: int = 6) -> Instance:

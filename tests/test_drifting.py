@@ -12,13 +12,14 @@ from drift_cases import Met, Pair, drawn, fly, pair_of
 from rows import FloatArray, oblate_rule
 
 import adr_opt
-from adr_opt.campaign import Campaign
-from adr_opt.drift_burns import Flight, flown
-from adr_opt.errors import InputError
-from adr_opt.flight.mean import MeanDynamics
-from adr_opt.kernels import drift, drift_pair, orbits
-from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, OBLATENESS_M2
-from adr_opt.trajectory.kepler import drift as coast
+from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, OBLATENESS_M2
+from adr_opt.common.errors import InputError
+from adr_opt.fly.flight.mean import MeanDynamics
+from adr_opt.fly.trajectory.kepler import drift as coast
+from adr_opt.kernels.legs import drift, drift_pair
+from adr_opt.kernels.orbits import ephemeris
+from adr_opt.legs.families.drift_burns import Flight, flown
+from adr_opt.mission.campaign import Campaign
 
 LIMITS = EARTH_RADIUS_M + 400e3, EARTH_RADIUS_M + 1300e3
 INCLINATIONS_DEG = (71.0, 98.0, 45.0, 110.0, 89.5)
@@ -69,7 +70,7 @@ def drifts(
             )
         )  # fmt: skip
         # Planes drift apart until the departure; most drifts that are flown are cheap ones.
-        ahead = (pair.i[orbits.RAAN_RATE] - pair.j[orbits.RAAN_RATE]) * (departure + span)
+        ahead = (pair.i[ephemeris.RAAN_RATE] - pair.j[ephemeris.RAAN_RATE]) * (departure + span)
         raan = pair.orbit_j.raan_deg + math.degrees(ahead)
         pair = pair_of(pair.orbit_i, pair.orbit_j.replace(raan_deg=raan))
         arrival = departure + span
@@ -80,7 +81,7 @@ def drifts(
             continue
         circles = [orbit.copy() for orbit in (pair.i, pair.j)]
         for circle in circles:
-            circle[orbits.ECCENTRICITY] = 0.0
+            circle[ephemeris.ECCENTRICITY] = 0.0
         planned = float(drift.delta_v(drift_pair.prepare(*circles, law), departure, arrival))
         met = fly(truth, pair, flight.times, flight.vectors, law.standoff)
         found.append(Drifted(pair, departure, arrival, planned, flight, met))
@@ -125,8 +126,8 @@ def test_nothing_flies_for_less_than_radius_and_inclination(truth):
     """Burns are worth at least the change of speed and the turn between the two orbits."""
     for case in drifts(truth, 2, 100, (2.0, 90.0))[0]:
         i, j = case.pair.i, case.pair.j
-        speeds = [math.sqrt(MU_M3_S2 / orbit[orbits.RADIUS]) for orbit in (i, j)]
-        tilt = j[orbits.INCLINATION] - i[orbits.INCLINATION]
+        speeds = [math.sqrt(MU_M3_S2 / orbit[ephemeris.RADIUS]) for orbit in (i, j)]
+        tilt = j[ephemeris.INCLINATION] - i[ephemeris.INCLINATION]
         least = math.sqrt(
             speeds[0] ** 2 + speeds[1] ** 2 - 2.0 * speeds[0] * speeds[1] * math.cos(tilt)
         )
@@ -152,7 +153,7 @@ def test_arcs_keep_energy_and_inclination(truth):
         velocity = velocity * rng.uniform(0.99, 1.01) + rng.normal(size=3)
         energy, cosine = energy_and_tilt(position, velocity)
         axis = -0.5 * MU_M3_S2 / energy
-        rate = orbits.node_rate(axis, math.acos(cosine), OBLATENESS_M2)
+        rate = ephemeris.node_rate(axis, math.acos(cosine), OBLATENESS_M2)
         times = np.sort(rng.uniform(0.0, 30.0 * DAY_S, 4))
         positions, velocities = coast(position, velocity, times, OBLATENESS_M2)
         momentum = np.cross(position, velocity)

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 import adr_opt
-from adr_opt.drift import node_rates
-from adr_opt.generator import FAMILIES, fragments, removal, rocket_bodies, sso
-from adr_opt.instance import json_schema
-from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M
-from adr_opt.orbit import Orbit
-from adr_opt.sizes import transfers_for
+from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M
+from adr_opt.plan.plane_drift import node_rates
+from adr_opt.problem.instance import json_schema
+from adr_opt.problem.orbit import Orbit
+from adr_opt.problem.transfer_sizes import transfers_for
+from adr_opt.sources.generator import FAMILIES, fragments, removal, rocket_bodies, sso
 
 INSTANCES = Path(__file__).parents[1] / "instances"
 DRIFTING = {"rocket-bodies": rocket_bodies, "sso": sso}

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import adr_opt
-from adr_opt.library import Entry, Library
+from adr_opt.sources.library import Entry, Library
 
 BENCH = Path(__file__).parents[1] / "bench"
 NAME = "rocket-bodies-002"

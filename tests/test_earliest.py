@@ -8,14 +8,8 @@ import math
 import numpy as np
 import pytest
 
-from solvers.search.earliest import (
-    Arrivals,
-    arrivals_of,
-    earliest_tour,
-    exceptions_needed,
-    near_of,
-)
-from solvers.search.earliest_live import wanted_by
+from solvers.tours.earliest import Arrivals, arrivals_of, earliest_tour, exceptions_needed, near_of
+from solvers.tours.earliest_arrivals import wanted_by
 
 STEP, TIMES = 0.5, 120
 

@@ -14,10 +14,11 @@ import pytest
 import rows
 
 import adr_opt
-from adr_opt.checking.eccentric import Sequence, matching_cost
-from adr_opt.kernels import eccentricity, orbits, precession, transfer
-from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
-from adr_opt.orbit import Orbit
+from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
+from adr_opt.judge.check.eccentric import Sequence, matching_cost
+from adr_opt.kernels.legs import co_elliptic, precession
+from adr_opt.kernels.orbits import eccentricity, ephemeris
+from adr_opt.problem.orbit import Orbit
 
 BENCH = Path(__file__).parents[1] / "bench"
 DATA = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", "../shared/data"))
@@ -46,10 +47,10 @@ def drawn(rng: np.random.Generator, most: float, spread: float = 2.0) -> Orbit:
     )
 
 
-def pair_of(first: Orbit, second: Orbit, oblateness: float = 0.0) -> transfer.Pair:
+def pair_of(first: Orbit, second: Orbit, oblateness: float = 0.0) -> co_elliptic.Pair:
     bodies = np.array([first.row(oblateness), second.row(oblateness)])
     law = rows.rule()._replace(oblateness=oblateness)
-    return transfer.prepare(bodies[0], bodies[1], eccentricity.matchings(bodies)[0, 1], law)
+    return co_elliptic.prepare(bodies[0], bodies[1], eccentricity.matchings(bodies)[0, 1], law)
 
 
 def test_a_leg_costs_no_less_than_its_sequence_and_than_its_ends_ask_for() -> None:
@@ -61,10 +62,10 @@ def test_a_leg_costs_no_less_than_its_sequence_and_than_its_ends_ask_for() -> No
         r, k = rng.uniform(law.min_radius, law.max_radius), int(rng.integers(0, 5))
         if rng.random() < 0.5:
             r = pair.radius_i + (pair.radius_j - pair.radius_i) * rng.random()
-        _, _, _, square = transfer.burn_parts(pair, law, k, r)
-        circles = transfer.turned_delta_v(pair, law, k, r, pair.turn, 0.0)
+        _, _, _, square = co_elliptic.burn_parts(pair, law, k, r)
+        circles = co_elliptic.turned_delta_v(pair, law, k, r, pair.turn, 0.0)
         least = math.hypot(pair.matching, math.sqrt(square * pair.turn)) + pair.fixed_delta_v
-        found = transfer.sequence_delta_v(pair, law, k, r)
+        found = co_elliptic.sequence_delta_v(pair, law, k, r)
         assert found == pytest.approx(max(circles, least), rel=1e-14)
         assert pair.floor_delta_v <= found * (1.0 + 1e-14)
         dearer += found > circles + 1.0
@@ -79,11 +80,11 @@ def test_circles_cost_what_they_did_to_the_last_digit() -> None:
         pair = pair_of(drawn(rng, 0.0), drawn(rng, 0.0))
         r, k = rng.uniform(law.min_radius, law.max_radius), int(rng.integers(0, 5))
         r = rng.choice([r, pair.radius_i, pair.radius_j])
-        climb, rest, chord, square = transfer.burn_parts(pair, law, k, r)
+        climb, rest, chord, square = co_elliptic.burn_parts(pair, law, k, r)
         turning = math.sqrt(chord * chord + square * pair.turn)
         expected = abs(climb) + abs(rest) + turning + pair.fixed_delta_v
-        assert transfer.sequence_delta_v(pair, law, k, r) == expected
-        assert transfer.eccentric_share(pair, law, k, r, pair.turn, pair.matching) == 0.0
+        assert co_elliptic.sequence_delta_v(pair, law, k, r) == expected
+        assert co_elliptic.eccentric_share(pair, law, k, r, pair.turn, pair.matching) == 0.0
 
 
 def test_the_share_grows_steadily_from_nothing() -> None:
@@ -95,7 +96,7 @@ def test_the_share_grows_steadily_from_nothing() -> None:
         r = 0.5 * (pair.radius_i + pair.radius_j)
         scales = np.linspace(0.0, 1.0, 201)
         shares = np.array([
-            transfer.eccentric_share(pair, law, 2, r, pair.turn, scale * pair.matching)
+            co_elliptic.eccentric_share(pair, law, 2, r, pair.turn, scale * pair.matching)
             for scale in scales
         ])  # fmt: skip
         assert shares[0] == 0.0
@@ -115,7 +116,8 @@ def test_matching_costs_the_same_there_and_back_and_from_any_node() -> None:
             costs = eccentricity.matchings(bodies)
             assert costs[0, 1] == costs[1, 0]
             normals = [
-                orbits.frame(body[orbits.INCLINATION], body[orbits.RAAN])[2] for body in bodies
+                ephemeris.frame(body[ephemeris.INCLINATION], body[ephemeris.RAAN])[2]
+                for body in bodies
             ]
             cross = np.cross(normals[1], normals[0])
             sine, cosine = float(np.linalg.norm(cross)), float(normals[0] @ normals[1])
@@ -128,8 +130,8 @@ def test_matching_costs_the_same_there_and_back_and_from_any_node() -> None:
                     + axis * (axis @ vector) * (1.0 - cosine)
                 )
             apart = np.linalg.norm(vector - ends[0].eccentricity_vector())
-            speed = math.sqrt(orbits.mean_motion(bodies[0, 0]) * bodies[0, 0])
-            speed *= math.sqrt(orbits.mean_motion(bodies[1, 0]) * bodies[1, 0])
+            speed = math.sqrt(ephemeris.mean_motion(bodies[0, 0]) * bodies[0, 0])
+            speed *= math.sqrt(ephemeris.mean_motion(bodies[1, 0]) * bodies[1, 0])
             assert costs[0, 1] == pytest.approx(0.5 * speed * apart, rel=1e-9, abs=1e-9)
 
 
@@ -147,7 +149,7 @@ def test_the_checker_states_the_same_on_its_own(oblateness: float) -> None:
         _, _, theta = precession.line(pair, pair.lag + pair.lag_rate * time)
         matching = eccentricity.matching(pair, time) if oblateness else pair.matching
         assert matching > 0.0
-        _, _, _, square = transfer.burn_parts(pair, law, k, r)
+        _, _, _, square = co_elliptic.burn_parts(pair, law, k, r)
         expected = math.hypot(matching, 2.0 * math.sqrt(square) * math.sin(0.5 * theta))
         found = matching_cost(*bodies, law, time, Sequence(time, time, k, r, theta))
         assert found == pytest.approx(expected + pair.fixed_delta_v, rel=1e-9)

@@ -20,15 +20,24 @@ from small_fields import SMALL, tiny
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 
 import adr_opt
-from adr_opt.env import ID, OBSERVATIONS, PUBLISHED, VARIED, Fields, Limits, MissionEnv, space
-from adr_opt.env.drawn import ready
-from adr_opt.env.fields import FIRST_SEED
-from adr_opt.errors import InputError
-from adr_opt.instance import Instance
-from adr_opt.kernels.lookahead import CHAIN_FIELDS, UNGUARDED_S
-from adr_opt.kernels.observation import LIMIT, MISSION_FIELDS, MOVE_FIELDS
-from adr_opt.kernels.published import PUBLISHED_ELEMENTS
-from adr_opt.result import certify
+from adr_opt.common.errors import InputError
+from adr_opt.kernels.episodes.lookahead import CHAIN_FIELDS, UNGUARDED_S
+from adr_opt.kernels.episodes.observation import LIMIT, MISSION_FIELDS, MOVE_FIELDS
+from adr_opt.kernels.episodes.published import PUBLISHED_ELEMENTS
+from adr_opt.learning.environment import (
+    ID,
+    OBSERVATIONS,
+    PUBLISHED,
+    VARIED,
+    Fields,
+    Limits,
+    MissionEnv,
+    space,
+)
+from adr_opt.learning.environment.drawn import ready
+from adr_opt.learning.environment.fields import FIRST_SEED
+from adr_opt.mission.result import certify
+from adr_opt.problem.instance import Instance
 
 
 def play(env: MissionEnv, rng: np.random.Generator) -> tuple[float, list[Any]]:
@@ -391,7 +400,7 @@ def test_the_examples_of_the_page_run(tmp_path: Path, monkeypatch: pytest.Monkey
     page = (Path(__file__).parents[1] / "docs/environment.md").read_text(encoding="utf-8")
     first, planned, second = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     names: dict[str, Any] = {"SMALL": SMALL}
-    exec(first.replace("adr_opt.env.VARIED", "SMALL"), names)
+    exec(first.replace("adr_opt.learning.environment.VARIED", "SMALL"), names)
     assert names["terminated"]
     exec(planned, names)
     plan = adr_opt.load_plan("episode.plan.json")
@@ -421,7 +430,7 @@ def test_fields_drawn_ahead_are_worked_out_once_and_shared(monkeypatch: pytest.M
         made.append(instance)
         return ready(instance)
 
-    monkeypatch.setattr("adr_opt.env.drawn.ready", counted)
+    monkeypatch.setattr("adr_opt.learning.environment.drawn.ready", counted)
     envs = [MissionEnv(fields=SMALL, pool=5, pool_seed=77) for _ in range(3)]
     assert made == []
     names = set()
@@ -489,14 +498,14 @@ def test_without_a_pool_every_reset_draws_another_field() -> None:
 def test_practice_compiles_all_that_an_environment_calls() -> None:
     """After ``episodes.practise`` neither environment asks for a kernel of other arguments."""
     code = """
-from adr_opt.episodes import practise
+from adr_opt.learning.episodes import practise
 from numba.core.dispatcher import Dispatcher
 import gc
 def known():
     return {(id(each), signature) for each in gc.get_objects() if isinstance(each, Dispatcher)
             for signature in each.overloads}
 practise()
-from adr_opt.env import *
+from adr_opt.learning.environment import *
 from small_fields import SMALL
 before = known()
 for name in OBSERVATIONS:

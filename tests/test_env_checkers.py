@@ -15,7 +15,7 @@ from gymnasium.utils.env_checker import check_env
 from small_fields import SMALL, tiny
 from stable_baselines3.common.env_checker import check_env as check_env_of_sb3
 
-from adr_opt.env import ID, OBSERVATIONS, MissionEnv
+from adr_opt.learning.environment import ID, OBSERVATIONS, MissionEnv
 
 
 @pytest.mark.parametrize("observation", OBSERVATIONS)

@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 
 import adr_opt
-from adr_opt.chasers import Chaser
-from adr_opt.env import MissionEnv
-from adr_opt.episodes import Board, FieldPool, in_mean_prizes, new_episodes, start
-from adr_opt.errors import InputError
-from adr_opt.instance import Instance
-from adr_opt.kernels import episodes as kernels
-from adr_opt.kernels import rules as rule_kernels
-from adr_opt.kernels.lookahead import CHAIN_FIELDS, CHAIN_PRIZE_FIELDS
-from adr_opt.kernels.observation import MOVE_FIELDS, PRIZE
-from adr_opt.kernels.rules import State
-from adr_opt.mission import Mission
-from adr_opt.result import certify
+from adr_opt.common.errors import InputError
+from adr_opt.kernels.episodes import episodes as kernels
+from adr_opt.kernels.episodes.lookahead import CHAIN_FIELDS, CHAIN_PRIZE_FIELDS
+from adr_opt.kernels.episodes.observation import MOVE_FIELDS, PRIZE
+from adr_opt.kernels.rules import rules as rule_kernels
+from adr_opt.kernels.rules.rules import State
+from adr_opt.learning.environment import MissionEnv
+from adr_opt.learning.episodes import Board, FieldPool, in_mean_prizes, new_episodes, start
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import certify
+from adr_opt.problem.chasers import Chaser
+from adr_opt.problem.instance import Instance
 
 
 def varied(seed: int) -> Instance:

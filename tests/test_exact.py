@@ -14,11 +14,11 @@ from calling import call
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 
 import adr_opt
-from adr_opt.instance import Instance
-from adr_opt.mission import Mission
-from adr_opt.planner import BOUNDS, PLANNERS, get
-from adr_opt.result import Result
-from adr_opt.stop import MaxIterations, MaxRuntime
+from adr_opt.common.stop import MaxIterations, MaxRuntime
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result
+from adr_opt.problem.instance import Instance
+from adr_opt.run.methods import BOUNDS, PLANNERS, get
 from solvers.planners.exact import exact
 
 TINY = sorted((Path(__file__).parents[1] / "instances" / "tiny").glob("*.json"))

@@ -13,15 +13,15 @@ from random_rules import random_campaign
 from test_registry import varied
 
 import adr_opt
-from adr_opt.campaign import Campaign
-from adr_opt.certify import certificate_of
-from adr_opt.errors import InputError, MissingExtra
-from adr_opt.instance import Instance
-from adr_opt.mission import Mission
-from adr_opt.planner import BOUNDS, PLANNERS, get, takes_jobs
-from adr_opt.result import Result, certify
-from adr_opt.stop import MaxRuntime
-from adr_opt.verifying import verify
+from adr_opt.common.errors import InputError, MissingExtra
+from adr_opt.common.stop import MaxRuntime
+from adr_opt.judge.verify import verify
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.certify import certificate_of
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result, certify
+from adr_opt.problem.instance import Instance
+from adr_opt.run.methods import BOUNDS, PLANNERS, get, takes_jobs
 
 LIMIT_S = 30.0
 

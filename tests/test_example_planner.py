@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import adr_opt
-from adr_opt import planner
-from adr_opt.stop import MaxIterations
+from adr_opt.common.stop import MaxIterations
+from adr_opt.run import methods
 
 ROOT = Path(__file__).parents[1]
 EXAMPLE = ROOT / "examples" / "random-walks"
@@ -36,8 +36,8 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("installed")
 def test_an_installed_planner_shows_up_with_its_options() -> None:
     """A planner is found, and its options are listed, because its package is installed."""
-    assert "random-walks" in planner.names()
-    kind = planner.options_of(planner.get("random-walks"))
+    assert "random-walks" in methods.names()
+    kind = methods.options_of(methods.get("random-walks"))
     assert [each.name for each in fields(kind)] == ["walks"]
 
 

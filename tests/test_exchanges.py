@@ -10,16 +10,16 @@ from brute_force import brute_force_campaign
 from random_rules import carrying, given_field, limited, mixed_campaign, priced, random_mission
 
 import adr_opt
-from adr_opt.campaign import Campaign
-from adr_opt.instance import Instance
-from adr_opt.settings import Objective
-from adr_opt.stop import Proven
-from solvers.campaigns.exchanges import Exchanges
-from solvers.campaigns.incumbent import CampaignCertificate
-from solvers.campaigns.orders import one_after_another
-from solvers.campaigns.pool import Pool
-from solvers.campaigns.search import RouteSearch
-from solvers.search.greedy_order import guarded_sequence
+from adr_opt.common.stop import Proven
+from adr_opt.mission.campaign import Campaign
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.settings import Objective
+from solvers.beams.greedy_order import guarded_sequence
+from solvers.progress.campaign_incumbent import CampaignCertificate
+from solvers.routes.one_chaser import one_after_another
+from solvers.routes.route_pool import Pool
+from solvers.routes.route_search import RouteSearch
+from solvers.routes.target_exchange import Exchanges
 
 
 def drawn(seed: int) -> Instance:

@@ -22,15 +22,15 @@ from random_rules import (
 from two_chasers import campaign as two_chasers
 
 import adr_opt
-from adr_opt.campaign import Campaign
-from adr_opt.chasers import Expense, TankByMass
-from adr_opt.errors import InputError
-from adr_opt.expense import carried_kg
-from adr_opt.instance import Instance
-from adr_opt.mission import Mission
-from adr_opt.plan import InstanceReference, Plan
-from adr_opt.settings import Objective
-from solvers.relaxation.tariffs import tariffs_of
+from adr_opt.common.errors import InputError
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Mission
+from adr_opt.plan.expense import carried_kg
+from adr_opt.plan.plan import InstanceReference, Plan
+from adr_opt.problem.chasers import Expense, TankByMass
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.settings import Objective
+from solvers.walks.tariffs import tariffs_of
 
 every_part = pytest.mark.parametrize(
     ("draw", "seeds"),

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 import adr_opt
-from adr_opt.export import write_matrix
-from adr_opt.export.weights import LARGEST, whole_weights
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
-from adr_opt.mission import Mission
+from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
+from adr_opt.export.tables import write_matrix
+from adr_opt.export.tables.weights import LARGEST, whole_weights
+from adr_opt.mission.problem import Mission
+from adr_opt.problem.instance import Instance
 
 DEPARTURES = [0.0, 3600.0, 50000.0]
 SUFFIXES = [".npz", ".nc", ".tsp", ".vrp", ".oplib"]
@@ -342,7 +342,7 @@ def test_a_failure_leaves_the_old_file(
     mission: Mission, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
 ) -> None:
     """Files are written whole or not at all: a failure on the way changes nothing."""
-    from adr_opt.export import netcdf, npz, oplib, tsp, vrp
+    from adr_opt.export.tables import netcdf, npz, oplib, tsp, vrp
 
     path = tmp_path / f"costs{suffix}"
     path.write_text("old")

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import adr_opt
-from adr_opt.export import write_matrix
-from adr_opt.export.oplib import scores
-from adr_opt.mission import Mission
+from adr_opt.export.tables import write_matrix
+from adr_opt.export.tables.oplib import scores
+from adr_opt.mission.problem import Mission
 
 EXTERNAL = Path(
     os.environ.get("ADR_OPT_EXTERNAL_DATA", Path(__file__).parents[2] / "shared" / "data")

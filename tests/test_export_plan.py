@@ -15,18 +15,11 @@ from gmat_script import fly_script
 from plans import with_legs
 
 import adr_opt
-from adr_opt.cli.export import command
-from adr_opt.instance import Instance
-from adr_opt.plan import Plan
-from adr_opt.trajectory import (
-    FORMATS,
-    FRAMES,
-    Trajectory,
-    body_states,
-    propagate,
-    sample,
-    write_plan,
-)
+from adr_opt.export.flights import FORMATS, FRAMES, write_plan
+from adr_opt.fly.trajectory import Trajectory, body_states, propagate, sample
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.instance import Instance
+from adr_opt.ui.cli.export import command
 
 ROOT = Path(__file__).parents[1]
 EXTERNAL = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", ROOT / "../shared/data")) / "ccsds"

@@ -19,17 +19,17 @@ from conftest import Cli
 from gmat_script import fly_script
 
 import adr_opt
-from adr_opt.bodies import Station, Target
-from adr_opt.chasers import TankByMass
-from adr_opt.frame import Frame
-from adr_opt.instance import Instance
-from adr_opt.plan import Plan
-from adr_opt.refining.bodies import moved
-from adr_opt.refining.oem import write_refined
-from adr_opt.refining.plan import RefinedPlan
-from adr_opt.refining.states import state_of
-from adr_opt.trajectory import write_plan
-from adr_opt.trajectory.axes import axes_of
+from adr_opt.export.flights import write_plan
+from adr_opt.export.flights.refined_oem import write_refined
+from adr_opt.fly.refine.bodies import moved
+from adr_opt.fly.refine.states import state_of
+from adr_opt.fly.trajectory.axes import axes_of
+from adr_opt.plan.plan import Plan
+from adr_opt.plan.refined_plan import RefinedPlan
+from adr_opt.problem.bodies import Station, Target
+from adr_opt.problem.chasers import TankByMass
+from adr_opt.problem.frame import Frame
+from adr_opt.problem.instance import Instance
 
 pytest.importorskip("astropy")
 

@@ -18,10 +18,10 @@ from conftest import Cli
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 
 import adr_opt
-from adr_opt.export import models, parquet, write_timetable
-from adr_opt.export.write import ONE_DEPARTURE, SAMPLED, whole_suffixes
-from adr_opt.kernels.constants import DAY_S
-from adr_opt.mission import Mission
+from adr_opt.common.constants import DAY_S
+from adr_opt.export.tables import models, parquet, write_timetable
+from adr_opt.export.tables.write import ONE_DEPARTURE, SAMPLED, whole_suffixes
+from adr_opt.mission.problem import Mission
 from solvers.planners.mip import files
 
 MODELS = pytest.mark.parametrize("suffix", [".lp", ".mps"])

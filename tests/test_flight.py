@@ -10,10 +10,10 @@ import pytest
 from plans import with_legs
 
 import adr_opt
-from adr_opt.flight import Flight, fly
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import MU_M3_S2
-from adr_opt.plan import Leg, Plan
+from adr_opt.common.constants import MU_M3_S2
+from adr_opt.fly.flight import Flight, fly
+from adr_opt.plan.plan import Leg, Plan
+from adr_opt.problem.instance import Instance
 
 boinor_bodies = pytest.importorskip("boinor.bodies")
 

@@ -11,19 +11,19 @@ import numpy as np
 import pytest
 
 import adr_opt
-from adr_opt.flight import fly
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import MU_M3_S2
-from adr_opt.mission import Mission
-from adr_opt.plan import Plan, load_plan
-from adr_opt.result import certify
-from adr_opt.trajectory import body_states, propagate
+from adr_opt.common.constants import MU_M3_S2
+from adr_opt.fly.flight import fly
+from adr_opt.fly.trajectory import body_states, propagate
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import certify
+from adr_opt.plan.plan import Plan, load_plan
+from adr_opt.problem.instance import Instance
 
 pytest.importorskip("boinor.bodies")
 
-from adr_opt.flight.aimed import Aim
-from adr_opt.flight.corrected import fly_eccentric
-from adr_opt.flight.two_body import TwoBody
+from adr_opt.fly.flight.aimed import Aim
+from adr_opt.fly.flight.corrected import fly_eccentric
+from adr_opt.fly.flight.two_body import TwoBody
 
 NEW_FIELDS = {
     "true_miss_m",

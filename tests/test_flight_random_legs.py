@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 import rows
 
-from adr_opt.kernels import burns as burn_kernels
-from adr_opt.kernels import sequences, transfer
-from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
-from adr_opt.kernels.orbits import COPLANAR_RAD
+from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
+from adr_opt.kernels.legs import burns as burn_kernels
+from adr_opt.kernels.legs import co_elliptic, sequences
+from adr_opt.kernels.orbits.ephemeris import COPLANAR_RAD
 
 propagation = pytest.importorskip("boinor.core.propagation")
 
@@ -35,7 +35,7 @@ class Flown:
 
     orbit_i: tuple[float, ...]
     orbit_j: tuple[float, ...]
-    rule: transfer.TransferRule
+    rule: co_elliptic.TransferRule
     ready: float
     theta: float
     revolutions: int
@@ -111,12 +111,12 @@ def draw(rng, opposite=False):
 
 def flown(orbit_i, orbit_j, rule, ready):
     """Choose the sequence of the first event after a time and fly it; None if there is none."""
-    pair = transfer.prepare(orbit_i, orbit_j, 0.0, rule)
-    first, half_turns = transfer.first_departure(pair)
+    pair = co_elliptic.prepare(orbit_i, orbit_j, 0.0, rule)
+    first, half_turns = co_elliptic.first_departure(pair)
     half_period = math.pi / pair.rate_i
     event = max(0, math.ceil((ready - first) / half_period))
     departure = first + event * half_period
-    lead = transfer.target_lead(pair, departure, half_turns + event)
+    lead = co_elliptic.target_lead(pair, departure, half_turns + event)
     chosen = sequences.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
     if not math.isfinite(chosen.delta_v):
         return None

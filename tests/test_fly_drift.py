@@ -11,10 +11,10 @@ from drifting_plans import drifting_instance, drifting_plan, with_a_tight_tank
 from plans import with_legs
 
 import adr_opt
-from adr_opt.cli.fly import FLOWN
-from adr_opt.flight import fly
-from adr_opt.instance import Instance
-from adr_opt.plan import Plan
+from adr_opt.fly.flight import fly
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.instance import Instance
+from adr_opt.ui.cli.fly import FLOWN
 
 pytest.importorskip("boinor.bodies")
 

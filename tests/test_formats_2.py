@@ -14,14 +14,14 @@ from hypothesis import strategies as st
 
 import adr_opt
 from adr_opt import Instance, Plan
-from adr_opt import instance as instance_module
-from adr_opt import plan as plan_module
-from adr_opt.bodies import Station
-from adr_opt.chasers import AtStation, Chaser, Expense, InOrbit, Tank, free_name
-from adr_opt.errors import InputError
-from adr_opt.kernels.orbits import ORBIT_COLUMNS
-from adr_opt.plan import cost_of
-from adr_opt.settings import MissionSettings, Objective, TransferSettings
+from adr_opt.common.errors import InputError
+from adr_opt.kernels.orbits.ephemeris import ORBIT_COLUMNS
+from adr_opt.plan import plan as plan_module
+from adr_opt.plan.plan import cost_of
+from adr_opt.problem import instance as instance_module
+from adr_opt.problem.bodies import Station
+from adr_opt.problem.chasers import AtStation, Chaser, Expense, InOrbit, Tank, free_name
+from adr_opt.problem.settings import MissionSettings, Objective, TransferSettings
 
 TIMES = st.floats(0.0, 1e8)
 

@@ -8,10 +8,10 @@ from drifting_plans import drifting_instance, drifting_plan
 from hand_made import hand_made
 
 import adr_opt
-from adr_opt.certificate import Certificate, sha256_of
-from adr_opt.certify import certificate_of
-from adr_opt.plan import MODEL, Plan
-from adr_opt.verifying import verify
+from adr_opt.judge.verify import verify
+from adr_opt.mission.certify import certificate_of
+from adr_opt.plan.certificate import Certificate, sha256_of
+from adr_opt.plan.plan import MODEL, Plan
 
 
 def without_model(text: str) -> str:

@@ -16,11 +16,12 @@ from conftest import Cli
 from gmat_script import fly_script
 
 import adr_opt
-from adr_opt.frame import FRAMES, Frame
-from adr_opt.instance import Instance, json_schema
-from adr_opt.plan import Plan
-from adr_opt.trajectory import body_states, sample, write_plan
-from adr_opt.trajectory.axes import axes_of, rotation
+from adr_opt.export.flights import write_plan
+from adr_opt.fly.trajectory import body_states, sample
+from adr_opt.fly.trajectory.axes import axes_of, rotation
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.frame import FRAMES, Frame
+from adr_opt.problem.instance import Instance, json_schema
 
 pytest.importorskip("astropy")
 
@@ -403,8 +404,8 @@ def test_planes_of_imported_objects_are_those_of_sgp4_in_gcrf() -> None:
     from astropy.coordinates import GCRS, TEME, CartesianRepresentation
     from astropy.time import Time
 
-    from adr_opt.catalogue import read, to_instance
-    from adr_opt.catalogue.propagation import state
+    from adr_opt.sources.catalogue import read, to_instance
+    from adr_opt.sources.catalogue.propagation import state
 
     found = read(ROOT / "examples" / "catalogue" / "cloud.tle")
     instance = to_instance(found, max_targets=6).instance
@@ -424,7 +425,7 @@ def test_planes_of_imported_objects_are_those_of_sgp4_in_gcrf() -> None:
 
 def test_labelled_matrices_name_the_frame(tiny: Instance) -> None:
     """The attributes of NetCDF and Parquet files have the frame, and those without one do not."""
-    from adr_opt.export.attributes import attributes
+    from adr_opt.export.tables.attributes import attributes
 
     found = attributes(tiny)
     assert found["frame_name"] == "TEME"

@@ -25,9 +25,9 @@ from toy_roads import (
 )
 
 import adr_opt
-from adr_opt.given import COLUMNS, among, of_rows
-from adr_opt.kernels.given_connections import sifted
-from adr_opt.settings import KeepOutZone, MissionSettings, TransferSettings
+from adr_opt.kernels.legs.given_connections import sifted
+from adr_opt.problem.given import COLUMNS, among, of_rows
+from adr_opt.problem.settings import KeepOutZone, MissionSettings, TransferSettings
 
 
 def test_rows_matrices_and_functions_give_the_same() -> None:

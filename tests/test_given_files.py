@@ -17,7 +17,7 @@ from toy_roads import (
 )
 
 import adr_opt
-from adr_opt.given import COLUMNS, of_rows
+from adr_opt.problem.given import COLUMNS, of_rows
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -150,7 +150,7 @@ def test_the_page_shows_what_there_is(cli: Cli, tmp_path: Path) -> None:
     with_orbits = adr_opt.generate("tiny", 0)
     back = with_orbits.with_given(of_rows({name: [] for name in COLUMNS}, with_orbits.names))
     nothing = adr_opt.solve(back, "greedy-guarded").plan
-    from adr_opt.report import page
+    from adr_opt.ui.report import page
 
     assert 'id="planes"' in page(back, nothing)
 
@@ -159,7 +159,7 @@ def test_the_page_shows_what_there_is(cli: Cli, tmp_path: Path) -> None:
 def test_the_page_works_without_orbits(tmp_path: Path) -> None:
     """All charts that there are get drawn, and nothing is complained about."""
     pytest.importorskip("plotly")
-    from adr_opt.report import write_report
+    from adr_opt.ui.report import write_report
 
     write_report(*solved(), tmp_path / "my.html")
     with browser.Browser(tmp_path / "profile") as tab:
@@ -172,7 +172,7 @@ def test_the_page_works_without_orbits(tmp_path: Path) -> None:
 def test_plots_of_time_are_drawn() -> None:
     """The plots that need no orbit show given legs; those that do say what is missing."""
     pyplot = pytest.importorskip("matplotlib.pyplot")
-    from adr_opt import plot
+    from adr_opt.ui import plot
 
     instance, plan = solved()
     _, ax = pyplot.subplots()

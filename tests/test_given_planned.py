@@ -21,10 +21,10 @@ from toy_roads import (
 )
 
 import adr_opt
-from adr_opt.chasers import Tank
-from adr_opt.given import COLUMNS, of_rows
-from adr_opt.plan import Plan
-from adr_opt.settings import MissionSettings
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.chasers import Tank
+from adr_opt.problem.given import COLUMNS, of_rows
+from adr_opt.problem.settings import MissionSettings
 
 
 def test_the_toy_is_planned_by_hand() -> None:

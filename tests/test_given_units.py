@@ -12,10 +12,10 @@ import pytest
 from toy_roads import DEPARTURES, NAMES, as_rows, matrices, road, roads
 
 import adr_opt
-from adr_opt.errors import InputError
-from adr_opt.given import Given, of_rows
-from adr_opt.given_files import read_given
-from adr_opt.given_units import cost_factor, time_factor
+from adr_opt.common.errors import InputError
+from adr_opt.problem.given import Given, of_rows
+from adr_opt.problem.given_files import read_given
+from adr_opt.problem.given_units import cost_factor, time_factor
 
 DURATION, COST = matrices()
 
@@ -215,7 +215,7 @@ def test_a_file_that_needs_more_memory_than_there_is_is_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Before anything is read of a file, its size is held against the memory."""
-    monkeypatch.setattr("adr_opt.given_files.available_bytes", lambda: 1000.0)
+    monkeypatch.setattr("adr_opt.problem.given_files.available_bytes", lambda: 1000.0)
     path = write_netcdf()
     with pytest.raises(InputError, match=r"t\.nc: holds .* numbers, for which memory is short"):
         read_given(path, NAMES)

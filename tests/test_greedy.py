@@ -13,11 +13,11 @@ from hand_made import BEYOND, NORTH, SOUTH, STATION, hand_made
 from random_rules import random_mission
 
 import adr_opt
-from adr_opt.errors import InputError
-from adr_opt.mission import Mission
-from adr_opt.planner import get
-from adr_opt.result import Result
-from adr_opt.stop import MaxIterations
+from adr_opt.common.errors import InputError
+from adr_opt.common.stop import MaxIterations
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result
+from adr_opt.run.methods import get
 
 
 def plan(mission: Mission, method: str, **options: Any) -> Result:

@@ -10,10 +10,10 @@ from catalogue_files import as_csv, field
 from conftest import Cli
 
 import adr_opt
-from adr_opt import catalogue
-from adr_opt.cargo import loads_of
-from adr_opt.chasers import Expense, Tank, TankByMass
-from adr_opt.kernels.constants import DAY_S
+from adr_opt.common.constants import DAY_S
+from adr_opt.plan.cargo import loads_of
+from adr_opt.problem.chasers import Expense, Tank, TankByMass
+from adr_opt.sources import catalogue
 
 pytest.importorskip("sgp4.io")
 

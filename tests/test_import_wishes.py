@@ -12,9 +12,9 @@ from catalogue_files import as_csv, as_kvn, as_space_track_json, as_xml, field
 from conftest import Cli
 
 import adr_opt
-from adr_opt import catalogue
-from adr_opt.catalogue.criticality import HIGHEST_M, SIZE_KG, lasting
-from adr_opt.kernels.constants import DAY_S
+from adr_opt.common.constants import DAY_S
+from adr_opt.sources import catalogue
+from adr_opt.sources.catalogue.criticality import HIGHEST_M, SIZE_KG, lasting
 
 pytest.importorskip("sgp4.io")
 
@@ -154,7 +154,7 @@ def test_a_wish_that_cannot_be_met_is_one_sentence(imported, options, said: str)
 
 def test_sizes_and_masses_are_read_in_every_spelling_that_has_them() -> None:
     """The class of the cross-section and the mass reach the records, whoever writes them."""
-    from adr_opt.catalogue.reading import read_bytes
+    from adr_opt.sources.catalogue.reading import read_bytes
 
     record = RECORDS[:1]
     kvn = as_kvn(record) + "MASS = 120 [kg]\nUSER_DEFINED_RCS_SIZE = LARGE\n"

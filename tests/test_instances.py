@@ -17,12 +17,12 @@ import pytest
 from hand_made import RADIUS_M, hand_made
 
 import adr_opt
-from adr_opt import instance as instance_module
-from adr_opt import plan as plan_module
-from adr_opt.generator import FAMILIES, by_name, cloud
-from adr_opt.generator.stream import at_percentile
-from adr_opt.kernels.constants import EARTH_RADIUS_M
-from adr_opt.library import Entry, Library, load_library
+from adr_opt.common.constants import EARTH_RADIUS_M
+from adr_opt.plan import plan as plan_module
+from adr_opt.problem import instance as instance_module
+from adr_opt.sources.generator import FAMILIES, by_name, cloud
+from adr_opt.sources.generator.stream import at_percentile
+from adr_opt.sources.library import Entry, Library, load_library
 
 ROOT = Path(__file__).parents[1]
 INSTANCES = ROOT / "instances"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from adr_opt.kept import Kept
-from adr_opt.kernels.connections import Found
+from adr_opt.kernels.legs.connections import Found
+from adr_opt.legs.connection_cache import Kept
 
 EACH_BYTES = 29 * 10
 

@@ -17,13 +17,13 @@ from random_rules import (
 )
 
 import adr_opt
-from adr_opt.campaign import Campaign, is_campaign
-from adr_opt.cargo import loads_of
-from adr_opt.checking.tank import Tank
-from adr_opt.flight import fly, fly_refined
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import SLACK_M_S
-from adr_opt.kernels.loads import after_service
+from adr_opt.common.constants import SLACK_M_S
+from adr_opt.fly.flight import fly, fly_refined
+from adr_opt.judge.check.tank import Tank
+from adr_opt.kernels.rules.loads import after_service
+from adr_opt.mission.campaign import Campaign, is_campaign
+from adr_opt.plan.cargo import loads_of
+from adr_opt.problem.instance import Instance
 
 CASES = 60
 

@@ -6,17 +6,17 @@ from brute_force import brute_force
 from calling import call
 
 import adr_opt
-from adr_opt.certify import certificate_of
-from adr_opt.kernels.compile import kernel
-from adr_opt.mission import Mission
-from adr_opt.stop import MaxIterations, MaxRuntime
+from adr_opt.common.stop import MaxIterations, MaxRuntime
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.mission.certify import certificate_of
+from adr_opt.mission.problem import Mission
+from solvers.beams.greedy_order import greedy_sequence
 from solvers.bounds.lagrangian import lagrangian
-from solvers.relaxation import simd
-from solvers.relaxation.latest import latest_of, latest_time
-from solvers.relaxation.multipliers import Descent
-from solvers.relaxation.routes import Routes
-from solvers.relaxation.walks import MOST_SLOTS, WalkBound
-from solvers.search.greedy_order import greedy_sequence
+from solvers.labels.label_search import Routes
+from solvers.networks import simd
+from solvers.walks.completion_times import latest_of, latest_time
+from solvers.walks.multipliers import Descent
+from solvers.walks.walks import MOST_SLOTS, WalkBound
 
 SLOTS_M_S = (7.0, 40.0, 150.0)
 SHARES = (0.0, 1.0 / 60.0, 0.2, 0.5)

@@ -22,17 +22,18 @@ from random_rules import (
 )
 
 import adr_opt
-from adr_opt import front
-from adr_opt.campaign import Campaign
-from adr_opt.mission import Mission
-from solvers.relaxation import large, needs, proof
-from solvers.relaxation.floors import Sack, floor_bound, floors, knapsack
-from solvers.relaxation.large import LargeProof, layouts
-from solvers.relaxation.multipliers import Descent
-from solvers.relaxation.pooled import PooledBound
-from solvers.relaxation.stream import AHEAD, FIELD, NoRoom, Source, Stream
-from solvers.relaxation.tanks import TankBound
-from solvers.relaxation.walks import WalkBound
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Mission
+from adr_opt.run import front
+from solvers.networks.packed_legs import AHEAD, FIELD, NoRoom, Source, Stream
+from solvers.progress import proof_size
+from solvers.proof import large_proof, proof
+from solvers.proof.large_proof import LargeProof, layouts
+from solvers.walks.floors import Sack, floor_bound, floors, knapsack
+from solvers.walks.multipliers import Descent
+from solvers.walks.priced_walks import PooledBound
+from solvers.walks.tank_walks import TankBound
+from solvers.walks.walks import WalkBound
 
 SEEDS = 60
 MOST = 10**6
@@ -295,7 +296,7 @@ def test_too_little_room_is_said():
 @pytest.fixture
 def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
     """No network of all connections fits into memory."""
-    monkeypatch.setattr(needs, "available_bytes", lambda: 0.0)
+    monkeypatch.setattr(proof_size, "available_bytes", lambda: 0.0)
 
 
 @pytest.mark.usefixtures("no_network")
@@ -315,8 +316,8 @@ def test_without_room_for_legs_the_floors_remain(monkeypatch):
     """With less and less memory the bound gets weaker, and there always is one."""
     mission = Mission(adr_opt.generate("nominal", 0, targets=45))
     bounds = []
-    for room in (large.ROOM_BYTES, 0.0):
-        monkeypatch.setattr(large, "ROOM_BYTES", room)
+    for room in (large_proof.ROOM_BYTES, 0.0):
+        monkeypatch.setattr(large_proof, "ROOM_BYTES", room)
         result = adr_opt.bound(mission, "lagrangian", time_limit=60.0, iterations=30)
         bounds.append(result.upper_bound)
         assert any("too much memory" in note for note in result.notes)
@@ -378,11 +379,11 @@ def test_the_proof_tells_what_it_did():
     mission = Mission(adr_opt.generate("tiny", 1))
     certificate = proof.Certificate(mission, lambda incumbent, bound: None)
     with closing(
-        LargeProof(mission, certificate, adr_opt.stop.MaxRuntime(60.0), jobs=1)
+        LargeProof(mission, certificate, adr_opt.common.stop.MaxRuntime(60.0), jobs=1)
     ) as proving:
         proving.begin()
         for _ in range(10):
             proving.advance(lambda: False)
         assert proving.done
         assert proving.counters["evaluations"] > 0
-        assert proving.counters["delta_v_unit_m_s"] == large.TANK_UNITS_M_S[0]
+        assert proving.counters["delta_v_unit_m_s"] == large_proof.TANK_UNITS_M_S[0]

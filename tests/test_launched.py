@@ -15,16 +15,16 @@ from launched import DRY_KG, KIT_KG, PROPELLANT_KG, campaign, planned
 from random_rules import carrying, random_mission
 
 import adr_opt
-from adr_opt.campaign import Campaign
-from adr_opt.cargo import followed
-from adr_opt.chasers import Tank
-from adr_opt.cli.timeline import by_chaser
-from adr_opt.instance import Instance
-from adr_opt.mission import Mission
-from adr_opt.plan import Plan
-from adr_opt.pricing import unvisited
-from adr_opt.refining.plan import load_refined
-from adr_opt.routes import routes_of
+from adr_opt.mission.build_legs import unvisited
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Mission
+from adr_opt.plan.cargo import followed
+from adr_opt.plan.plan import Plan
+from adr_opt.plan.refined_plan import load_refined
+from adr_opt.plan.routes import routes_of
+from adr_opt.problem.chasers import Tank
+from adr_opt.problem.instance import Instance
+from adr_opt.ui.cli.timeline import by_chaser
 
 DAY_S = 86400.0
 
@@ -177,7 +177,7 @@ def test_every_verb_takes_a_launch(files: tuple[Instance, Plan], cli: Cli) -> No
 def test_the_page_has_masses(files: tuple[Instance, Plan]) -> None:
     """The tables of chasers and legs state mass, kits and propellant, where there are any."""
     pytest.importorskip("plotly")
-    from adr_opt.report import tables
+    from adr_opt.ui.report import tables
 
     instance, plan = files
     loads = tables.loads(instance, plan)
@@ -201,7 +201,7 @@ def test_the_page_has_masses(files: tuple[Instance, Plan]) -> None:
 def test_the_page_of_one_chaser_says_what_it_carries() -> None:
     """One chaser has no lanes, but a table of what it carries."""
     pytest.importorskip("plotly")
-    from adr_opt.report import page
+    from adr_opt.ui.report import page
 
     text = page(campaign(chasers=1), planned(chasers=1))
     assert "What the chaser carries" in text
@@ -213,7 +213,7 @@ def test_the_page_of_one_chaser_says_what_it_carries() -> None:
 def test_the_page_looks_right_in_a_browser(tmp_path: Path, width: int) -> None:
     """It opens without complaints, is no wider than the window, and its tables scroll."""
     pytest.importorskip("plotly")
-    from adr_opt.report import write_report
+    from adr_opt.ui.report import write_report
 
     write_report(campaign(), planned(), tmp_path / "page.html")
     with browser.Browser(tmp_path / "profile", width=width) as tab:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from adr_opt.refining.least import fewest, least_impulses
+from adr_opt.fly.refine.least import fewest, least_impulses
 
 MOTION = 1e-3
 """Mean motion of a circular orbit [rad/s]."""

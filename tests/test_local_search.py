@@ -15,17 +15,17 @@ from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 from on_a_layer import replayed
 
 import adr_opt
-from adr_opt.kernels.constants import STATION
-from adr_opt.mission import Mission
-from adr_opt.planner import get
-from adr_opt.progress import silent
-from adr_opt.result import Result
-from adr_opt.stop import Interrupted, MaxIterations
+from adr_opt.common.constants import STATION
+from adr_opt.common.progress import silent
+from adr_opt.common.stop import Interrupted, MaxIterations
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result
+from adr_opt.run.methods import get
+from solvers.orders.timed_order import make_labels, time_order, with_refuelling
 from solvers.planners.local_search import local_search
 from solvers.planners.local_search.annealing import anneal
 from solvers.planners.local_search.moves import NAMES, apply_move
 from solvers.planners.local_search.planner import WEIGHTS, LocalSearch
-from solvers.search.orders import make_labels, time_order, with_refuelling
 
 TARGETS = 12
 

@@ -11,9 +11,9 @@ from calling import call
 from on_a_layer import best_on_layer
 
 import adr_opt
-from adr_opt.mission import Mission
-from adr_opt.result import Result
-from adr_opt.stop import Interrupted, MaxIterations
+from adr_opt.common.stop import Interrupted, MaxIterations
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result
 from solvers.planners.mcts import mcts, planner
 from solvers.planners.mcts import policy as policies
 from solvers.planners.mcts.settings import PUBLISHED

@@ -13,16 +13,16 @@ from plans import solved, with_legs
 from towed_fields import field
 
 import adr_opt
-from adr_opt.flight import fly
-from adr_opt.flight.aimed import true_state
-from adr_opt.flight.mean_flight import fly_mean
-from adr_opt.instance import Instance
-from adr_opt.kernels import mean_motion
-from adr_opt.kernels.constants import EARTH_RADIUS_M, J2, MU_M3_S2, OBLATENESS_M2
-from adr_opt.orbit import Orbit
-from adr_opt.plan import Plan
-from adr_opt.refining import refine
-from adr_opt.trajectory import body_states
+from adr_opt.common.constants import EARTH_RADIUS_M, J2, MU_M3_S2, OBLATENESS_M2
+from adr_opt.fly.flight import fly
+from adr_opt.fly.flight.aimed import true_state
+from adr_opt.fly.flight.mean_flight import fly_mean
+from adr_opt.fly.refine import refine
+from adr_opt.fly.trajectory import body_states
+from adr_opt.kernels.orbits import mean_motion
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.orbit import Orbit
 
 DAY_S = 86400.0
 

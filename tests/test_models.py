@@ -17,11 +17,11 @@ from small_missions import DAY_S, TINY, featured_mission, random_mission
 from test_proofs_hold import resonant
 
 import adr_opt
-from adr_opt.errors import MissingExtra
-from adr_opt.kernels.constants import SLACK_M_S
-from adr_opt.mission import Mission
-from adr_opt.result import certify
-from adr_opt.stop import Interrupted, MaxIterations, MaxRuntime
+from adr_opt.common.constants import SLACK_M_S
+from adr_opt.common.errors import MissingExtra
+from adr_opt.common.stop import Interrupted, MaxIterations, MaxRuntime
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import certify
 from solvers.bounds.routing_bound import routing_bound
 from solvers.models import course
 from solvers.models.steps import in_steps

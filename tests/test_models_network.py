@@ -9,12 +9,12 @@ import pytest
 from brute_force import brute_force
 from small_missions import DAY_S, featured_mission, network_of, random_mission
 
-from adr_opt.chasers import InOrbit
-from adr_opt.mission import Mission
+from adr_opt.mission.problem import Mission
+from adr_opt.problem.chasers import InOrbit
 from solvers.models import network
 from solvers.models.network import all_of, bodies_along, keep, path_of
 from solvers.models.reduction import best_through, can_reach
-from solvers.relaxation.network import build
+from solvers.networks.network import build
 
 
 def fits(found, legs, rules):

@@ -37,10 +37,10 @@ from two_chasers import campaign
 
 import adr_opt
 from adr_opt.analysis import Axis, tradeoff
-from adr_opt.chasers import TankByMass
-from adr_opt.errors import InputError
-from adr_opt.given_files import read_given
-from adr_opt.stop import MaxIterations
+from adr_opt.common.errors import InputError
+from adr_opt.common.stop import MaxIterations
+from adr_opt.problem.chasers import TankByMass
+from adr_opt.problem.given_files import read_given
 
 FEW, MANY = 100, 5600
 SLOWEST_S = 60.0

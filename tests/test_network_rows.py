@@ -7,10 +7,10 @@ import pytest
 from brute_force import brute_force
 
 import adr_opt
-from adr_opt.corrections import Corrections
-from adr_opt.instance import Instance
-from adr_opt.mission import Mission
-from solvers.relaxation.network import build
+from adr_opt.legs.corrections import Corrections
+from adr_opt.mission.problem import Mission
+from adr_opt.problem.instance import Instance
+from solvers.networks.network import build
 
 DAY_S = 86400.0
 

@@ -10,9 +10,8 @@ from brute_force import revolution_s
 from random_rules import drifting_field
 
 from adr_opt import Instance, Mission, generate
-from adr_opt.episodes import Board, FieldPool, move_fields, new_episodes, published_size, start
-from adr_opt.kernels import episodes as kernels
-from adr_opt.kernels.lookahead import (
+from adr_opt.kernels.episodes import episodes as kernels
+from adr_opt.kernels.episodes.lookahead import (
     CHAIN_FIELDS,
     CHAINS,
     FOLLOWED,
@@ -20,9 +19,17 @@ from adr_opt.kernels.lookahead import (
     SLACK_PER_S,
     UNGUARDED_S,
 )
-from adr_opt.kernels.observation import LIMIT, MISSION_FIELDS, MOVE_FIELDS
-from adr_opt.kernels.published import PUBLISHED_ELEMENTS
-from adr_opt.kernels.timetable import LEAST_STEPS
+from adr_opt.kernels.episodes.observation import LIMIT, MISSION_FIELDS, MOVE_FIELDS
+from adr_opt.kernels.episodes.published import PUBLISHED_ELEMENTS
+from adr_opt.kernels.tables.timetable import LEAST_STEPS
+from adr_opt.learning.episodes import (
+    Board,
+    FieldPool,
+    move_fields,
+    new_episodes,
+    published_size,
+    start,
+)
 
 MU = 398600.4418e9
 HOUR = 3600.0

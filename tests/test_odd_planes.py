@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 import adr_opt
-from adr_opt.bodies import Station, Target
-from adr_opt.chasers import AtStation, Chaser, Tank
-from adr_opt.flight import fly
-from adr_opt.generator import EPOCH
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import DAY_S
-from adr_opt.orbit import Orbit
-from adr_opt.settings import MissionSettings
-from adr_opt.sizes import transfers_for
+from adr_opt.common.constants import DAY_S
+from adr_opt.fly.flight import fly
+from adr_opt.problem.bodies import Station, Target
+from adr_opt.problem.chasers import AtStation, Chaser, Tank
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.orbit import Orbit
+from adr_opt.problem.settings import MissionSettings
+from adr_opt.problem.transfer_sizes import transfers_for
+from adr_opt.sources.generator import EPOCH
 
 PLANES = {
     "polar": (90.0, 90.0, 90.0, 90.0),

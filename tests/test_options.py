@@ -13,10 +13,18 @@ import numpy as np
 import pytest
 from conftest import Cli
 
-from adr_opt import planner
-from adr_opt.errors import InputError
-from adr_opt.options import LARGEST_WHOLE, MOST_JOBS, Options, default_of, option, read, rule_of
-from adr_opt.planner import BOUNDS, PLANNERS, get, names, options_of
+from adr_opt.common.errors import InputError
+from adr_opt.common.options import (
+    LARGEST_WHOLE,
+    MOST_JOBS,
+    Options,
+    default_of,
+    option,
+    read,
+    rule_of,
+)
+from adr_opt.run import methods
+from adr_opt.run.methods import BOUNDS, PLANNERS, get, names, options_of
 
 KINDS = {
     name: options_of(get(name, group)) for group in (BOUNDS, PLANNERS) for name in names(group)
@@ -156,12 +164,12 @@ def test_the_parameters_of_a_function_are_options_too() -> None:
         """Remember what it is given."""
         given.update(depth=depth, seen=seen, limit=limit, most=most, jobs=jobs, options=options)
 
-    method = planner._with_options("plain", plain)
+    method = methods._with_options("plain", plain)
     kind = options_of(method)
     expected = ["depth", "seen", "limit", "most", "what", "jobs", "options"]
     assert [each.name for each in fields(kind)] == expected
-    assert planner.takes_start(method)
-    assert planner.takes_jobs(method)
+    assert methods.takes_start(method)
+    assert methods.takes_jobs(method)
     assert method.__doc__ == plain.__doc__
     chosen = read(kind, {"depth": 7, "limit": math.nan, "jobs": 2})
     method(None, seed=0, stop=None, progress=None, options=chosen)

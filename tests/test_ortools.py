@@ -10,13 +10,13 @@ from calling import call
 from hand_made import OPTIMAL_PLAN, hand_made
 
 import adr_opt
-from adr_opt.errors import InputError
-from adr_opt.kernels.constants import EARTH_RADIUS_M
-from adr_opt.kernels.rules import State, replay
-from adr_opt.mission import Mission
-from adr_opt.planner import get
-from adr_opt.progress import silent
-from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
+from adr_opt.common.constants import EARTH_RADIUS_M
+from adr_opt.common.errors import InputError
+from adr_opt.common.progress import silent
+from adr_opt.common.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
+from adr_opt.kernels.rules.rules import State, replay
+from adr_opt.mission.problem import Mission
+from adr_opt.run.methods import get
 from solvers.planners.ortools_windows import ortools
 from solvers.planners.ortools_windows.fill import best_insertion
 from solvers.planners.ortools_windows.network import Worth, fly_rest

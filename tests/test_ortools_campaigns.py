@@ -13,22 +13,22 @@ from calling import call
 from random_rules import carrying, random_campaign
 
 import adr_opt
-from adr_opt.campaign import Campaign
-from adr_opt.errors import InputError
-from adr_opt.kernels import rules as rule_kernels
-from adr_opt.mission import Mission
-from adr_opt.planner import campaign_form
-from adr_opt.result import Result
-from adr_opt.stop import MaxIterations
-from solvers.campaigns.orders import one_after_another
+from adr_opt.common.errors import InputError
+from adr_opt.common.stop import MaxIterations
+from adr_opt.kernels.rules import rules as rule_kernels
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result
+from adr_opt.run.methods import campaign_form
+from solvers.beams.beams import hurried
+from solvers.beams.greedy_order import guarded_sequence
 from solvers.planners.ortools_windows import network, ortools
 from solvers.planners.ortools_windows.fleet import Fleet
 from solvers.planners.ortools_windows.joined import joined
 from solvers.planners.ortools_windows.model import best_paths
 from solvers.planners.ortools_windows.network import Limits, Window, Worth
 from solvers.planners.ortools_windows.prices import edge_worths
-from solvers.search.beams import hurried
-from solvers.search.greedy_order import guarded_sequence
+from solvers.routes.one_chaser import one_after_another
 
 LIMITS = Limits(20_000, 10, 0.02, 1.0)
 WORTH = Worth(1e-6, 1e-4)

@@ -21,7 +21,7 @@ from outside.gtoc9.legs import read_legs
 from outside.gtoc9.retiming import retimed
 from outside.gtoc9.scoring import score
 
-from adr_opt.errors import InputError
+from adr_opt.common.errors import InputError
 
 FOLDER = DATA / "gtoc9"
 DEBRIS, WINNER = FOLDER / "debris_data.txt", FOLDER / "jpl_solution.json"

@@ -22,10 +22,10 @@ from outside.gtoc9.ours import planned, write_campaign
 from outside.gtoc9.phases import latitude_of, phased_cost
 from outside.gtoc9.polishing import sensitive
 
-from adr_opt.errors import InputError
-from adr_opt.kernels import drift_linear as drift
-from adr_opt.kernels.constants import DAY_S, OBLATENESS_M2
-from adr_opt.refining.leg import Course
+from adr_opt.common.constants import DAY_S, OBLATENESS_M2
+from adr_opt.common.errors import InputError
+from adr_opt.fly.refine.leg import Course
+from adr_opt.kernels.legs import drift_linear as drift
 
 assert BENCH.is_dir()
 

@@ -12,8 +12,8 @@ from outside.kttsp import costs, kepler, lambert
 from outside.kttsp.reading import Problem, Tour, read_problem, read_tour, tour_of
 from outside.kttsp.scoring import score
 
-from adr_opt.errors import InputError
-from adr_opt.kernels.constants import DAY_S
+from adr_opt.common.constants import DAY_S
+from adr_opt.common.errors import InputError
 
 FOLDER = DATA / "kttsp"
 SMALL = FOLDER / "small.kttsp"

@@ -15,7 +15,7 @@ from outside.odrc.reading import read_debris, with_centroid
 from outside.odrc.scoring import LONGEST_S, Route, score
 from outside.odrc.subsets import cheapest
 
-from adr_opt.errors import InputError
+from adr_opt.common.errors import InputError
 
 FILE = DATA / "mcrdv" / "odrc.csv"
 

@@ -12,7 +12,7 @@ from outside.optw.ours import connections, first_points, instance_of, plan, refi
 from outside.optw.scoring import matrices, score, travel_ms
 from outside.optw.subsets import optimum
 
-from adr_opt.errors import InputError
+from adr_opt.common.errors import InputError
 
 FOLDER = DATA / "optw"
 FIRST, STATIC = FOLDER / "20.1.1.TXT", FOLDER / "titt20.TXT"

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import adr_opt
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import EARTH_RADIUS_M
-from adr_opt.plan import Plan
-from adr_opt.refining.bodies import TrueBodies
-from adr_opt.refining.leg import Course, Flown, close, residual
-from adr_opt.refining.one_leg import planned_angles
-from adr_opt.refining.own_burns import settle
+from adr_opt.common.constants import EARTH_RADIUS_M
+from adr_opt.fly.refine.bodies import TrueBodies
+from adr_opt.fly.refine.leg import Course, Flown, close, residual
+from adr_opt.fly.refine.one_leg import planned_angles
+from adr_opt.fly.refine.own_burns import settle
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.instance import Instance
 
 Case = tuple[Course, Flown, np.ndarray]
 

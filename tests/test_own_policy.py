@@ -18,9 +18,9 @@ for package in ("torch", "gymnasium", "sb3_contrib", "tensorboard", "safetensors
 from sb3_contrib import MaskablePPO  # noqa: E402
 from stable_baselines3.common.vec_env import VecNormalize  # noqa: E402
 
-from adr_opt.env import Fields, MissionVecEnv  # noqa: E402
-from adr_opt.errors import InputError  # noqa: E402
-from solvers.learned import load_policy  # noqa: E402
+from adr_opt.common.errors import InputError  # noqa: E402
+from adr_opt.learning.environment import Fields, MissionVecEnv  # noqa: E402
+from solvers.policies import load_policy  # noqa: E402
 from solvers.training import SetPolicy, write_policy  # noqa: E402
 
 FIELDS = Fields("tiny", targets=(6, 6))

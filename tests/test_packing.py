@@ -12,11 +12,11 @@ from random_rules import random_campaign
 from scipy.optimize import LinearConstraint
 from scipy.sparse import csc_array
 
-from adr_opt.campaign import Campaign
-from solvers.campaigns import finish
-from solvers.campaigns.finish import Answer, Finish
-from solvers.campaigns.packing import PRESOLVED, cheapest_of
-from solvers.relaxation.walks import WalkBound
+from adr_opt.mission.campaign import Campaign
+from solvers.columns import route_enumeration
+from solvers.columns.route_enumeration import Answer, Finish
+from solvers.routes.set_packing import PRESOLVED, cheapest_of
+from solvers.walks.walks import WalkBound
 
 
 def drawn(columns: int, rows: int, seed: int) -> LinearConstraint:
@@ -85,14 +85,14 @@ def test_the_end_of_a_proof_asks_for_the_time_when_it_packs(monkeypatch):
         left[0] = 2.0
         return False
 
-    original = finish.Search.search
+    original = route_enumeration.Search.search
 
     def searched(self, threshold, most_labels, is_enough):
         is_enough()
         return original(self, threshold, most_labels, is_enough)
 
-    monkeypatch.setattr(finish, "cheapest_of", recorded)
-    monkeypatch.setattr(finish.Search, "search", searched)
+    monkeypatch.setattr(route_enumeration, "cheapest_of", recorded)
+    monkeypatch.setattr(route_enumeration.Search, "search", searched)
     none = np.zeros(len(campaign.names))
     most = np.full(len(campaign.kinds), campaign.total_worth)
     answer, _ = Finish(campaign, bounds).ask(1e-3, none, most, 10**6, enough, lambda: left[0])

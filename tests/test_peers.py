@@ -18,8 +18,8 @@ from hand_made import BEYOND, FAR, NORTH, OPTIMAL_PLAN, SOUTH, STATION, hand_mad
 from random_rules import random_campaign
 
 import adr_opt
-from adr_opt.campaign import Campaign, Problem
-from adr_opt.mission import Mission
+from adr_opt.mission.campaign import Campaign, Problem
+from adr_opt.mission.problem import Mission
 
 BENCH = Path(__file__).parents[1] / "bench"
 SLOT_S = 240.0
@@ -285,5 +285,5 @@ def test_mending_refuels_and_leaves_out(peers):
 
 def test_missing_package_is_one_sentence(peers):
     """A peer that is not installed is named with the extra that brings it."""
-    with pytest.raises(adr_opt.errors.MissingExtra, match=r"\[peers\]"):
+    with pytest.raises(adr_opt.common.errors.MissingExtra, match=r"\[peers\]"):
         peers.need("no_such_package")

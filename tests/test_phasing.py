@@ -9,8 +9,8 @@ import pytest
 from rows import row
 
 import adr_opt
-from adr_opt.kernels import phasing, transfer
-from adr_opt.kernels.constants import EARTH_RADIUS_M
+from adr_opt.common.constants import EARTH_RADIUS_M
+from adr_opt.kernels.legs import co_elliptic, phasing
 
 
 def random_pairs(highest_m: float, count: int):
@@ -36,7 +36,7 @@ def random_pairs(highest_m: float, count: int):
         if number % 5 == 0:
             beside = node
         orbits = row(radius, inclination, node, latitude), row(other, inclination, beside, ahead)
-        yield transfer.prepare(orbits[0], orbits[1], 2.0, rule), rule, rng
+        yield co_elliptic.prepare(orbits[0], orbits[1], 2.0, rule), rule, rng
 
 
 @pytest.mark.parametrize(
@@ -57,8 +57,8 @@ def test_interpolation_costs_what_a_solved_sequence_costs(highest_m, tolerance):
             for t, time in enumerate(times):
                 low = pair.shortest + k * pair.shortest_lap
                 if low <= time <= pair.longest + k * pair.longest_lap:
-                    radius = transfer.phasing_radius(pair, rule, k, time)
-                    delta_v = transfer.sequence_delta_v(pair, rule, k, radius)
+                    radius = co_elliptic.phasing_radius(pair, rule, k, time)
+                    delta_v = co_elliptic.sequence_delta_v(pair, rule, k, radius)
                     if delta_v < expected[t]:
                         expected[t], fewest[t] = delta_v, k
         assert cost[49] == math.inf  # beyond the size

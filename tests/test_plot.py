@@ -11,14 +11,14 @@ import pytest
 from plans import with_legs
 
 import adr_opt
-from adr_opt import plot
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import EARTH_RADIUS_M
-from adr_opt.plan import Plan
-from adr_opt.plot.budget import budget
-from adr_opt.plot.fields import raan_deg
-from adr_opt.plot.tracks import tracks
-from adr_opt.settings import KeepOutZone
+from adr_opt.common.constants import EARTH_RADIUS_M
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.settings import KeepOutZone
+from adr_opt.ui import plot
+from adr_opt.ui.plot.budget import budget
+from adr_opt.ui.plot.fields import raan_deg
+from adr_opt.ui.plot.tracks import tracks
 
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("Agg")
@@ -48,7 +48,7 @@ def ax():
 
 def test_importing_does_not_import_matplotlib() -> None:
     """The functions use the axis that they are given, so the package needs no matplotlib."""
-    code = "import sys, adr_opt.plot; sys.exit('matplotlib' in sys.modules)"
+    code = "import sys, adr_opt.ui.plot; sys.exit('matplotlib' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 
 import adr_opt
-from adr_opt import front, planner, prepared
-from adr_opt.errors import InputError
-from adr_opt.planner import for_campaigns
-from adr_opt.result import certify, certify_routes
+from adr_opt.common.errors import InputError
+from adr_opt.mission.result import certify, certify_routes
+from adr_opt.run import front, method_call, methods
+from adr_opt.run.methods import for_campaigns
 from adr_opt.testing import CASES, PlannerFault, validate_planner
 
 ROOT = Path(__file__).parents[1]
@@ -22,9 +22,9 @@ ROOT = Path(__file__).parents[1]
 PLUGINS = '''
 """Planners that are wrong, and one that notes what it is called with."""
 
-from adr_opt.planner import for_campaigns
-from adr_opt.practice import practises
-from adr_opt.result import certify, certify_routes
+from adr_opt.run.methods import for_campaigns
+from adr_opt.run.warm_up import practises
+from adr_opt.mission.result import certify, certify_routes
 
 CALLS = []
 
@@ -78,7 +78,7 @@ def calls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[tuple]:
     (metadata / "entry_points.txt").write_text("\n".join(lines) + "\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     sys.modules.pop("plugins_of_others", None)
-    monkeypatch.setattr(prepared, "_warm", set())  # as in a process that is new
+    monkeypatch.setattr(method_call, "_warm", set())  # as in a process that is new
     import plugins_of_others
 
     found: list[tuple] = plugins_of_others.CALLS
@@ -117,7 +117,7 @@ def test_a_planner_that_is_none_does_not_stand_in_the_way_of_others(
     field: adr_opt.Instance, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The others are still listed and recommended; the shell says the sentence and exits with 2."""
-    from adr_opt.cli.entry import main
+    from adr_opt.ui.cli.entry import main
 
     with pytest.raises(InputError, match=r"takes no start plan; .* use one of: .*local-search"):
         adr_opt.solve(field, "greedy-guarded", start=[1])
@@ -282,5 +282,5 @@ def test_a_planner_of_several_chasers_is_tried_with_them() -> None:
 @pytest.mark.usefixtures("calls")
 def test_warm_up_says_of_a_planner_what_is_wrong() -> None:
     """Practising finds out that no result comes back, and returns the sentence."""
-    problem = front.warm_up(planner.PLANNERS, "forgets")
+    problem = front.warm_up(methods.PLANNERS, "forgets")
     assert "returned None in place of a Result" in str(problem)

@@ -14,24 +14,24 @@ import pytest
 from calling import call
 
 import adr_opt
-from adr_opt.errors import InputError
-from adr_opt.mission import Mission
-from adr_opt.stop import MaxIterations, MaxRuntime, Stop
+from adr_opt.common.errors import InputError
+from adr_opt.common.stop import MaxIterations, MaxRuntime, Stop
+from adr_opt.mission.problem import Mission
 
 pytest.importorskip("onnxruntime")
 onnx = pytest.importorskip("onnx")
 torch = pytest.importorskip("torch")
 
-import solvers.learned  # noqa: E402
-from adr_opt.env import Fields  # noqa: E402
-from adr_opt.env.vector import MissionVecEnv  # noqa: E402
-from adr_opt.episodes.board import MISSION, MOVES, move_fields  # noqa: E402
-from adr_opt.kernels import episodes as kernels  # noqa: E402
-from adr_opt.result import certify  # noqa: E402
-from solvers.learned import SHIPPED, Policy, load_policy  # noqa: E402
-from solvers.learned.decoding import Field, finish  # noqa: E402
-from solvers.learned.promises import follow_chains, promises  # noqa: E402
+import solvers.policies  # noqa: E402
+from adr_opt.kernels.episodes import episodes as kernels  # noqa: E402
+from adr_opt.learning.environment import Fields  # noqa: E402
+from adr_opt.learning.environment.vector import MissionVecEnv  # noqa: E402
+from adr_opt.learning.episodes.board import MISSION, MOVES, move_fields  # noqa: E402
+from adr_opt.mission.result import certify  # noqa: E402
 from solvers.planners.ppo import ppo  # noqa: E402
+from solvers.policies import SHIPPED, Policy, load_policy  # noqa: E402
+from solvers.policies.decoding import Field, finish  # noqa: E402
+from solvers.policies.promises import follow_chains, promises  # noqa: E402
 from solvers.training import configs  # noqa: E402
 from solvers.training.export import write_onnx  # noqa: E402
 from solvers.training.network import SetNetwork  # noqa: E402
@@ -430,7 +430,7 @@ def test_metadata_that_claim_too_much_are_refused(
 
 def test_corrupted_policy_files(tmp_path: Path) -> None:
     """A file with some bytes changed, cut off or put in plans, or is refused in one sentence."""
-    whole = (Path(solvers.learned.__file__).parent / "weights" / "set.onnx").read_bytes()
+    whole = (Path(solvers.policies.__file__).parent / "weights" / "set.onnx").read_bytes()
     rng = np.random.default_rng(31)
     mission = Mission(adr_opt.generate("tiny", 0))
     path, planned = tmp_path / "corrupted.onnx", 0

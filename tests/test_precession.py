@@ -12,19 +12,19 @@ from drift_cases import FAMILIES_DEG, drawn, fly, pair_of, pairs
 from rows import FloatArray, oblate_rule, rule
 
 import adr_opt
-from adr_opt.connections import Connecting
-from adr_opt.flight.mean import MeanDynamics
-from adr_opt.kernels import burns as burn_kernels
-from adr_opt.kernels import (
+from adr_opt.common.constants import DAY_S, OBLATENESS_M2, SLACK_S
+from adr_opt.fly.flight.mean import MeanDynamics
+from adr_opt.kernels.legs import burns as burn_kernels
+from adr_opt.kernels.legs import (
+    co_elliptic,
     connections,
     drifting_connections,
-    orbits,
     precession,
     short_transfers,
-    transfer,
 )
-from adr_opt.kernels.constants import DAY_S, OBLATENESS_M2, SLACK_S
-from adr_opt.settings import TransferSettings
+from adr_opt.kernels.orbits import ephemeris as orbits
+from adr_opt.legs.connections import Connecting
+from adr_opt.problem.settings import TransferSettings
 
 WEEK_S = 7.0 * DAY_S
 NO_DRIFT = drifting_connections.Times(0.0, DAY_S, 0.0, 1e9)
@@ -82,7 +82,7 @@ def test_every_crossing_of_a_year_is_an_event(inclination_deg):
         # In line after half a year.
         ahead = math.degrees((rates[0] - rates[1]) * 0.5 * 365.0 * DAY_S)
         pair = pair_of(first, second.replace(raan_deg=40.0 + ahead))
-        made = transfer.prepare(pair.i, pair.j, 0.0, oblate_rule())
+        made = co_elliptic.prepare(pair.i, pair.j, 0.0, oblate_rule())
         half_turns, numbers = short_transfers.events_of(made, 365.0 * DAY_S, 0.0)
         expected = crossings(pair.i, pair.j, 365.0 * DAY_S)
         assert np.all(np.diff(half_turns) == 1)
@@ -98,7 +98,7 @@ def test_every_crossing_of_a_year_is_an_event(inclination_deg):
 def test_events_keep_their_spacing():
     """With a spacing, some of all events are left, none much closer and none much farther apart."""
     for pair in pairs(1, 24):
-        made = transfer.prepare(pair.i, pair.j, 0.0, oblate_rule())
+        made = co_elliptic.prepare(pair.i, pair.j, 0.0, oblate_rule())
         every = short_transfers.events_of(made, 60.0 * DAY_S, 0.0)[1][:, 0]
         for spacing in (1e4, DAY_S, 2.5 * DAY_S):
             some = short_transfers.events_of(made, 60.0 * DAY_S, spacing)[1][:, 0]
@@ -212,7 +212,7 @@ def test_no_sequence_is_missed():
     law = oblate_rule(k_max=6)
     duration, missed, all_ = 1.5 * DAY_S, 0, 0
     for pair in pairs(6, 18):
-        made = transfer.prepare(pair.i, pair.j, 0.0, law)
+        made = co_elliptic.prepare(pair.i, pair.j, 0.0, law)
         found = drifting_connections.of_pair(pair.i, pair.j, 0.0, law, NO_DRIFT, duration, 0.1)
         lap = 2.0 * math.pi / made.rate_j
         approach = law.approach_revolutions * lap
@@ -251,7 +251,7 @@ def test_oblateness_that_fades_leads_to_two_body_motion():
         for share in (0.0, 1e-3, 1.0):
             oblateness = share * OBLATENESS_M2
             pair = pair_of(whole.orbit_i, whole.orbit_j, oblateness)
-            prepared = transfer.prepare(pair.i, pair.j, 0.0, law._replace(oblateness=oblateness))
+            prepared = co_elliptic.prepare(pair.i, pair.j, 0.0, law._replace(oblateness=oblateness))
             event = precession.first_event(prepared)
             made.append((event.time, event.theta, prepared.flight, prepared.lap))
         plain, faint, full = (np.array(values) for values in made)
@@ -280,7 +280,7 @@ def test_departures_between_planes_that_nearly_coincide_are_found_again() -> Non
         leaving, orbits, extra, rule = connecting.inputs
         for i, j in ((1, 2), (2, 1)):
             found = connecting.find(i, j, 0.1)
-            pair = transfer.prepare(leaving[i], orbits[j], extra[i, j], rule)
+            pair = co_elliptic.prepare(leaving[i], orbits[j], extra[i, j], rule)
             approach = rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
             for c in range(found.departure.size):
                 departure = precession.leaving(

@@ -14,12 +14,12 @@ from two_chasers import HOME, OWN, campaign, planned
 import adr_opt
 from adr_opt.analysis import orders_of, price, read_orders
 from adr_opt.analysis.mending import PRECISION_M_S
-from adr_opt.chasers import InOrbit, TankByMass
-from adr_opt.cli.timeline import clock
-from adr_opt.errors import InputError
-from adr_opt.kernels.constants import DAY_S
-from adr_opt.mission import Mission
-from adr_opt.settings import MissionSettings
+from adr_opt.common.constants import DAY_S
+from adr_opt.common.errors import InputError
+from adr_opt.mission.problem import Mission
+from adr_opt.problem.chasers import InOrbit, TankByMass
+from adr_opt.problem.settings import MissionSettings
+from adr_opt.ui.cli.timeline import clock
 
 OPTIMAL = ("south", "station", "north", "beyond")
 

@@ -15,18 +15,18 @@ from calling import call
 from judge import accepted
 
 import adr_opt
-from adr_opt.bodies import Station, Target
-from adr_opt.chasers import AtStation, Chaser, Tank
-from adr_opt.errors import MissingExtra
-from adr_opt.generator import EPOCH
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
-from adr_opt.mission import Mission
-from adr_opt.orbit import Orbit
-from adr_opt.planner import BOUNDS, PLANNERS, get, names, takes_jobs
-from adr_opt.result import Result
-from adr_opt.settings import KeepOutZone, MissionSettings, TransferSettings
-from adr_opt.stop import MaxRuntime
+from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
+from adr_opt.common.errors import MissingExtra
+from adr_opt.common.stop import MaxRuntime
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result
+from adr_opt.problem.bodies import Station, Target
+from adr_opt.problem.chasers import AtStation, Chaser, Tank
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.orbit import Orbit
+from adr_opt.problem.settings import KeepOutZone, MissionSettings, TransferSettings
+from adr_opt.run.methods import BOUNDS, PLANNERS, get, names, takes_jobs
+from adr_opt.sources.generator import EPOCH
 
 PROVERS = ("auto", "exact", "mip", "cpsat")
 RARE = (63, 842, 883, 1005)

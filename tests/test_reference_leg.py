@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import adr_opt
-from adr_opt.instance import Instance
-from adr_opt.kernels import sequences, transfer
-from adr_opt.timetable import Timetable
+from adr_opt.kernels.legs import co_elliptic, sequences
+from adr_opt.legs.timetable import Timetable
+from adr_opt.problem.instance import Instance
 
 pytest.importorskip("boinor")
 
@@ -38,11 +38,11 @@ def next_leg(
     i, j = instance.names.index(origin), instance.names.index(destination)
     bodies, rule = instance.orbits(), instance.transfer_rule()
     extra = float(instance.eccentricity_delta_v()[i, j])
-    pair = transfer.prepare(bodies[i], bodies[j], extra, rule)
-    first, half_turns = transfer.first_departure(pair)
+    pair = co_elliptic.prepare(bodies[i], bodies[j], extra, rule)
+    first, half_turns = co_elliptic.first_departure(pair)
     event = max(0, math.ceil((ready_s - first) * pair.rate_i / math.pi))
     departure = first + event * math.pi / pair.rate_i
-    lead = transfer.target_lead(pair, departure, half_turns + event)
+    lead = co_elliptic.target_lead(pair, departure, half_turns + event)
     flown = sequences.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
     approach = rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
     return float(flown.delta_v), float(departure + flown.flight_time + approach)

@@ -15,15 +15,15 @@ from drifting_plans import drifting_instance, drifting_plan
 from plans import solved, with_legs
 
 import adr_opt
-from adr_opt.flight import fly_refined
-from adr_opt.instance import Instance
-from adr_opt.kernels import coast
-from adr_opt.kernels.gravity import FIELDS
-from adr_opt.plan import Plan
-from adr_opt.refining.bodies import TrueBodies
-from adr_opt.refining.leg import Course, close, fly
-from adr_opt.refining.one_leg import planned_angles
-from adr_opt.refining.plan import RefinedLeg, RefinedPlan
+from adr_opt.fly.flight import fly_refined
+from adr_opt.fly.refine.bodies import TrueBodies
+from adr_opt.fly.refine.leg import Course, close, fly
+from adr_opt.fly.refine.one_leg import planned_angles
+from adr_opt.kernels.orbits import coast
+from adr_opt.kernels.orbits.gravity import FIELDS
+from adr_opt.plan.plan import Plan
+from adr_opt.plan.refined_plan import RefinedLeg, RefinedPlan
+from adr_opt.problem.instance import Instance
 
 ROOT = Path(__file__).parents[1]
 DATA = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", ROOT / "../shared/data"))

@@ -11,7 +11,7 @@ from conftest import Cli
 from plans import solved
 
 import adr_opt
-from adr_opt.flight import fly_refined
+from adr_opt.fly.flight import fly_refined
 
 DATA = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", Path(__file__).parents[1] / "../shared/data"))
 CLOUDS = (

@@ -14,18 +14,18 @@ from conftest import Cli, refused
 from small_missions import random_mission
 
 import adr_opt
-from adr_opt.corrections import Corrections
-from adr_opt.flight import fly_refined
-from adr_opt.flight.tanks import tanks_of
-from adr_opt.instance import Instance
-from adr_opt.kernels.connections import Found
-from adr_opt.mission import Mission
-from adr_opt.plan import InstanceReference, Plan
-from adr_opt.refining import RefinedPlan
-from adr_opt.refining.lessons import Lessons
-from adr_opt.refining.loop import RefinedResult
-from adr_opt.refining.plan import reference
-from adr_opt.stop import Interrupted
+from adr_opt.common.stop import Interrupted
+from adr_opt.fly.flight import fly_refined
+from adr_opt.fly.flight.tanks import tanks_of
+from adr_opt.fly.refine import RefinedPlan
+from adr_opt.fly.refine.lessons import Lessons
+from adr_opt.fly.refine.loop import RefinedResult
+from adr_opt.kernels.legs.connections import Found
+from adr_opt.legs.corrections import Corrections
+from adr_opt.mission.problem import Mission
+from adr_opt.plan.plan import InstanceReference, Plan
+from adr_opt.plan.refined_plan import reference
+from adr_opt.problem.instance import Instance
 
 QUICK = "greedy-guarded"
 

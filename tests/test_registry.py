@@ -21,13 +21,13 @@ from hand_made import hand_made
 from random_rules import DAY_S, drifting_field
 
 import adr_opt
-from adr_opt import front
-from adr_opt.errors import MissingExtra
-from adr_opt.instance import Instance
-from adr_opt.mission import Mission
-from adr_opt.planner import BOUNDS, PLANNERS, get, names, takes_jobs, takes_start
-from adr_opt.result import Result
-from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime, Stop
+from adr_opt.common.errors import MissingExtra
+from adr_opt.common.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime, Stop
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result
+from adr_opt.problem.instance import Instance
+from adr_opt.run import front
+from adr_opt.run.methods import BOUNDS, PLANNERS, get, names, takes_jobs, takes_start
 
 ITERATIONS = 3
 SAFETY_S = 10.0

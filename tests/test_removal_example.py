@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 
 import adr_opt
-from adr_opt.catalogue import read
-from adr_opt.refining.plan import load_refined
+from adr_opt.plan.refined_plan import load_refined
+from adr_opt.sources.catalogue import read
 
 pytest.importorskip("sgp4.io")
 pytest.importorskip("plotly")

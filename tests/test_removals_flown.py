@@ -12,19 +12,20 @@ import pytest
 from drawn_removals import drawn_removal
 
 import adr_opt
-from adr_opt.cargo import followed
-from adr_opt.dispersion import sample_flights
-from adr_opt.errors import InputError
-from adr_opt.flight import fly, fly_refined
-from adr_opt.flight.flyable import refuse_broken_chain
-from adr_opt.instance import Instance
-from adr_opt.plan import Plan
-from adr_opt.refining import refine
-from adr_opt.refining.ephemeris import tracks
-from adr_opt.refining.oem import write_refined
-from adr_opt.refining.plan import RefinedPlan
-from adr_opt.trajectory import sample, write_plan
-from adr_opt.trajectory.write import FORMATS
+from adr_opt.common.errors import InputError
+from adr_opt.export.flights import write_plan
+from adr_opt.export.flights.refined_oem import write_refined
+from adr_opt.export.flights.write import FORMATS
+from adr_opt.fly.dispersion import sample_flights
+from adr_opt.fly.flight import fly, fly_refined
+from adr_opt.fly.flight.flyable import refuse_broken_chain
+from adr_opt.fly.refine import refine
+from adr_opt.fly.refine.ephemeris import tracks
+from adr_opt.fly.trajectory import sample
+from adr_opt.plan.cargo import followed
+from adr_opt.plan.plan import Plan
+from adr_opt.plan.refined_plan import RefinedPlan
+from adr_opt.problem.instance import Instance
 
 DRIFTING = 12
 """A mission whose plan has a drift that leaves a disposal orbit hours after its departure_s."""

@@ -17,13 +17,13 @@ from two_chasers import campaign, planned
 import adr_opt
 from adr_opt.analysis import price, replan
 from adr_opt.analysis.state import states_at
-from adr_opt.chasers import Expense, InOrbit, TankByMass
-from adr_opt.errors import InputError
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import DAY_S
-from adr_opt.plan import InstanceReference, Plan
-from adr_opt.routes import routes_of
-from adr_opt.settings import KeepOutZone
+from adr_opt.common.constants import DAY_S
+from adr_opt.common.errors import InputError
+from adr_opt.plan.plan import InstanceReference, Plan
+from adr_opt.plan.routes import routes_of
+from adr_opt.problem.chasers import Expense, InOrbit, TankByMass
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.settings import KeepOutZone
 
 ZONE = KeepOutZone(
     min_altitude_m=700e3, max_altitude_m=760e3, start_s=0.9 * DAY_S, end_s=1.3 * DAY_S

@@ -26,11 +26,11 @@ import adr_opt
 from adr_opt.analysis import Replanned, price, replan
 from adr_opt.analysis.deviations import Deviations
 from adr_opt.analysis.state import State, states_at
-from adr_opt.chasers import AtStation, InOrbit, TankByMass
-from adr_opt.errors import InputError
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import DAY_S
-from adr_opt.plan import Plan
+from adr_opt.common.constants import DAY_S
+from adr_opt.common.errors import InputError
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.chasers import AtStation, InOrbit, TankByMass
+from adr_opt.problem.instance import Instance
 
 TANK = TankByMass(dry_mass_kg=400.0, propellant_kg=72.0, isp_s=310.0)
 ORDER = ("south", "station", "north", "beyond")

@@ -21,10 +21,10 @@ from toy_roads import HOUR_S, solved
 import adr_opt
 from adr_opt.analysis import replan
 from adr_opt.analysis.state import states_at
-from adr_opt.chasers import InOrbit, Tank
-from adr_opt.instance import Instance
-from adr_opt.plan import Plan
-from adr_opt.settings import MissionSettings
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.chasers import InOrbit, Tank
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.settings import MissionSettings
 
 
 def drawn(seed: int) -> tuple[Instance, Plan | None]:

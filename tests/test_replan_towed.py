@@ -22,15 +22,15 @@ from towed_fields import TANK
 import adr_opt
 from adr_opt.analysis import Replanned, price, replan
 from adr_opt.analysis.state import states_at
-from adr_opt.cargo import followed
-from adr_opt.chasers import InOrbit
-from adr_opt.connections import Connecting
-from adr_opt.errors import InputError
-from adr_opt.flight import fly
-from adr_opt.instance import Instance
-from adr_opt.kernels import orbits
-from adr_opt.plan import Leg, Plan
-from adr_opt.tow import leaving_orbits
+from adr_opt.common.errors import InputError
+from adr_opt.fly.flight import fly
+from adr_opt.kernels.orbits import ephemeris
+from adr_opt.legs.connections import Connecting
+from adr_opt.plan.cargo import followed
+from adr_opt.plan.plan import Leg, Plan
+from adr_opt.plan.tows import leaving_orbits
+from adr_opt.problem.chasers import InOrbit
+from adr_opt.problem.instance import Instance
 
 
 def drawn(seed: int) -> tuple[Instance, Plan | None]:
@@ -123,7 +123,7 @@ def as_enumerated(instance: Instance) -> Field:
     }
     service = instance.mission.service_revolutions
     stays = {
-        target.name: service * orbits.revolution(instance.orbits()[number[target.name]])
+        target.name: service * ephemeris.revolution(instance.orbits()[number[target.name]])
         + tows.get(target.name, (0.0,))[0]
         for target in instance.targets
     }
@@ -226,10 +226,10 @@ def test_after_the_last_tow_a_chaser_is_on_the_disposal_orbit(dynamics: str) -> 
     body = made.instance.names.index(instance.chaser.name)
     row = made.instance.orbits()[body]
     left = leaving_orbits(instance)[instance.names.index(order[-1])]
-    for angle in (orbits.node_at, orbits.latitude_at):
+    for angle in (ephemeris.node_at, ephemeris.latitude_at):
         off = math.remainder(angle(row, end.end_s) - angle(left, end.end_s), 2.0 * math.pi)
         assert abs(off) < 1e-9
-    assert row[orbits.RADIUS] == left[orbits.RADIUS]
+    assert row[ephemeris.RADIUS] == left[ephemeris.RADIUS]
     assert adr_opt.check(made.instance, made.plan) == ()
     assert made.prize_after > 0.0
     assert "waits" in made.notes[0]

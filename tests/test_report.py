@@ -16,19 +16,19 @@ from conftest import Cli
 from plans import solved, with_legs
 
 import adr_opt
-from adr_opt import plot
-from adr_opt.flight import fly
-from adr_opt.instance import Instance
-from adr_opt.plan import Plan
-from adr_opt.plot.tracks import tracks
-from adr_opt.settings import KeepOutZone
+from adr_opt.fly.flight import fly
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.settings import KeepOutZone
+from adr_opt.ui import plot
+from adr_opt.ui.plot.tracks import tracks
 
 plotly_graph_objects = pytest.importorskip("plotly.graph_objects")
 
-from adr_opt.report import figures, page, write_report  # noqa: E402
-from adr_opt.report.controls import leg_options  # noqa: E402
-from adr_opt.report.facts import facts  # noqa: E402
-from adr_opt.report.figures.orbits import MOST_RINGS  # noqa: E402
+from adr_opt.ui.report import figures, page, write_report  # noqa: E402
+from adr_opt.ui.report.controls import leg_options  # noqa: E402
+from adr_opt.ui.report.facts import facts  # noqa: E402
+from adr_opt.ui.report.figures.orbits import MOST_RINGS  # noqa: E402
 
 ROOT = Path(__file__).parents[1]
 EVIL = (

@@ -16,11 +16,11 @@ from drifting_plans import drifting_instance, drifting_plan
 from two_chasers import campaign, planned
 
 import adr_opt
-from adr_opt.instance import Instance
-from adr_opt.plan import Plan
-from adr_opt.plot.tracks import tracks
-from adr_opt.report import burns
-from adr_opt.trajectory import body_states
+from adr_opt.fly.trajectory import body_states
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.instance import Instance
+from adr_opt.ui.plot.tracks import tracks
+from adr_opt.ui.report import burns
 
 pytest.importorskip("plotly")
 
@@ -83,7 +83,7 @@ def test_refined_burns_are_told_beside_the_planned_ones() -> None:
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
 def test_the_file_has_what_the_plan_has(tmp_path: Path) -> None:
     """Every burn in full precision with its times, and names as they are, whatever they hold."""
-    from adr_opt.report import write_report
+    from adr_opt.ui.report import write_report
 
     name = 'a "b", <i>&amp;</i>'
     instance = adr_opt.generate("tiny", 0)

@@ -19,20 +19,20 @@ from hypothesis import strategies as st
 from plans import with_legs
 
 import adr_opt
-from adr_opt import plot
-from adr_opt.flight.mean_flight import fly_mean
-from adr_opt.flight.tanks import tanks_of
-from adr_opt.kernels import orbits
-from adr_opt.plot.budget import budget
-from adr_opt.plot.nodes import Nodes, nodes_of, of_body, of_track
-from adr_opt.plot.tracks import tracks
-from adr_opt.refining import refine
-from adr_opt.refining.plan import Missing
+from adr_opt.fly.flight.mean_flight import fly_mean
+from adr_opt.fly.flight.tanks import tanks_of
+from adr_opt.fly.refine import refine
+from adr_opt.kernels.orbits import ephemeris
+from adr_opt.plan.refined_plan import Missing
+from adr_opt.ui import plot
+from adr_opt.ui.plot.budget import budget
+from adr_opt.ui.plot.nodes import Nodes, nodes_of, of_body, of_track
+from adr_opt.ui.plot.tracks import tracks
 
 plotly_graph_objects = pytest.importorskip("plotly.graph_objects")
 
-from adr_opt.report import figures, page, write_report  # noqa: E402
-from adr_opt.report.text import lasting  # noqa: E402
+from adr_opt.ui.report import figures, page, write_report  # noqa: E402
+from adr_opt.ui.report.text import lasting  # noqa: E402
 
 MISSION = (drifting_instance, drifting_plan)
 
@@ -90,7 +90,7 @@ def test_the_chaser_goes_from_node_to_node() -> None:
         at_origin = track.times_s[0] < leg.burns[0].time_s
         row = rows[instance.names.index(leg.origin if at_origin else leg.destination)]
         times, angles = of_track(shown, track)
-        bodies = np.degrees(row[orbits.RAAN] + row[orbits.RAAN_RATE] * times)
+        bodies = np.degrees(row[ephemeris.RAAN] + row[ephemeris.RAAN_RATE] * times)
         off = angles + shown.common_deg_s * times - bodies
         assert np.abs(np.remainder(off + 180.0, 360.0) - 180.0).max() < 1e-6
     (drift,) = (track for track in found if track.phase == "drift")
@@ -221,7 +221,7 @@ def test_a_refined_plan_is_judged_by_its_refined_flight(cli: Cli) -> None:
     Where the refined one breaks, or lacks a leg, that heads the page, and nothing else.
     """
     tight, of = with_a_tight_tank()
-    assert adr_opt.flight.fly(tight, of).broken_tanks
+    assert adr_opt.fly.flight.fly(tight, of).broken_tanks
     refined = adr_opt.refine(tight, of)
     assert all(tank.holds for tank in tanks_of(tight, refined))
     text = page(tight, of, refined)
@@ -231,7 +231,7 @@ def test_a_refined_plan_is_judged_by_its_refined_flight(cli: Cli) -> None:
     assert "every tank holds" in said
     assert "breaks" not in said
     assert "not flown" not in said
-    flown = words(page(tight, of, refined, flight=adr_opt.flight.fly(tight, of)))
+    flown = words(page(tight, of, refined, flight=adr_opt.fly.flight.fly(tight, of)))
     assert "The plan, flown" in flown
     assert "breaks" not in flown
     tight.save("my.json")

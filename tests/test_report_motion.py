@@ -17,14 +17,14 @@ from drifting_plans import drifting_instance, drifting_plan
 from two_chasers import OWN, campaign, planned
 
 from adr_opt import generate
-from adr_opt.frame import Frame
-from adr_opt.instance import Instance
-from adr_opt.plan import Plan
-from adr_opt.plot.tracks import tracks
-from adr_opt.report.greenwich import greenwich, sidereal_angle_rad, sidereal_rate_rad_s
-from adr_opt.report.motion import motion
-from adr_opt.trajectory import body_states, propagate, sample
-from adr_opt.trajectory.kepler import turned
+from adr_opt.fly.trajectory import body_states, propagate, sample
+from adr_opt.fly.trajectory.kepler import turned
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.frame import Frame
+from adr_opt.problem.instance import Instance
+from adr_opt.ui.plot.tracks import tracks
+from adr_opt.ui.report.greenwich import greenwich, sidereal_angle_rad, sidereal_rate_rad_s
+from adr_opt.ui.report.motion import motion
 
 DAY_S = 86400.0
 TURN = 2.0 * math.pi
@@ -158,7 +158,7 @@ def press(tab: browser.Browser, key: str) -> None:
 def test_the_slider_moves_the_mission(tmp_path: Path) -> None:
     """By keys: chasers are where the propagator has them; playing goes on, and stops again."""
     pytest.importorskip("plotly")
-    from adr_opt.report import write_report
+    from adr_opt.ui.report import write_report
 
     instance, plan, held = mission("two chasers")
     write_report(instance, plan, tmp_path / "mission.html")

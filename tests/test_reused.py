@@ -9,11 +9,11 @@ import pytest
 from hand_made import hand_made
 
 import adr_opt
-from adr_opt.campaign import Campaign, Problem
-from adr_opt.chasers import Tank
-from adr_opt.instance import Instance
-from adr_opt.mission import Mission
-from adr_opt.reused import Reused, serves
+from adr_opt.mission.campaign import Campaign, Problem
+from adr_opt.mission.problem import Mission
+from adr_opt.problem.chasers import Tank
+from adr_opt.problem.instance import Instance
+from adr_opt.run.reused_timetable import Reused, serves
 
 
 def tables_agree(reused: Problem, built: Problem) -> bool:

@@ -13,8 +13,8 @@ import pytest
 from catalogue_files import SPELLINGS, as_tle, field
 
 import adr_opt
-from adr_opt.catalogue import Record
-from adr_opt.sizes import transfers_for
+from adr_opt.problem.transfer_sizes import transfers_for
+from adr_opt.sources.catalogue import Record
 
 FOLDER = Path(__file__).parents[1] / "examples/rocket-bodies"
 DAYS = 120.0

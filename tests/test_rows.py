@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 import adr_opt
-from adr_opt import candidates
-from adr_opt.kernels import rows
-from adr_opt.kernels import timetable as tables
-from adr_opt.mission import Mission
-from adr_opt.pairs import neighbours
-from adr_opt.timetable import Timetable
-from solvers.search.beams import BeamSettings, beam_search, hurried
-from solvers.search.greedy_order import greedy_sequence
+from adr_opt.kernels.tables import on_demand
+from adr_opt.kernels.tables import timetable as tables
+from adr_opt.legs.nearest_pairs import neighbours
+from adr_opt.legs.timetable import Timetable
+from adr_opt.mission.problem import Mission
+from adr_opt.run import table_budget
+from solvers.beams.beams import BeamSettings, beam_search, hurried
+from solvers.beams.greedy_order import greedy_sequence
 
 LOOKED_UP = 4000
 
@@ -87,7 +87,7 @@ def test_where_planes_drift_what_is_asked_for_is_what_a_list_holds(seed):
         (cost, arrival), (own, own_arrival) = held.lookup(i, j, ready), asked.lookup(i, j, ready)
         if own == math.inf:
             after = held.connections(i, j, ready).departure
-            assert cost == math.inf or after.min() > ready + rows.PATIENCE_S - 60.0
+            assert cost == math.inf or after.min() > ready + on_demand.PATIENCE_S - 60.0
             continue
         found += 1
         off = own - cost + worth / 3600.0 * (own_arrival - arrival)
@@ -117,7 +117,7 @@ def test_no_sortie_is_shorter_than_said(seed):
     """The least time from a station to the end of a service is no more than a table's."""
     instance = drawn(seed)
     asked = asking(instance)
-    own = rows.shortest_sortie(asked.timetable.table.source, 1, instance.first_target)
+    own = on_demand.shortest_sortie(asked.timetable.table.source, 1, instance.first_target)
     assert 0.0 < own <= Mission(instance).rules.shortest_sortie
 
 
@@ -125,11 +125,11 @@ def test_no_sortie_is_shorter_than_said(seed):
 @pytest.mark.parametrize("method", ["auto", "exact", "beam", "greedy", "greedy-guarded"])
 def test_plans_without_a_table(monkeypatch, method, dynamics):
     """Where no table is built a plan is legal, its bound holds, and a note says what was done."""
-    monkeypatch.setattr(candidates, "LARGE_ENTRIES", 0)
-    monkeypatch.setattr(candidates, "LEAST_S", 0.0)
-    monkeypatch.setattr(candidates, "MOMENT_S", 0.0)
-    monkeypatch.setattr(candidates, "SHARE", 0.0)
-    monkeypatch.setattr(candidates, "RANKS", 10)
+    monkeypatch.setattr(table_budget, "LARGE_ENTRIES", 0)
+    monkeypatch.setattr(table_budget, "LEAST_S", 0.0)
+    monkeypatch.setattr(table_budget, "MOMENT_S", 0.0)
+    monkeypatch.setattr(table_budget, "SHARE", 0.0)
+    monkeypatch.setattr(table_budget, "RANKS", 10)
     instance = adr_opt.generate("nominal", 3, targets=30)
     required = instance.targets[7].replace(required=True)
     instance = instance.replace(
@@ -167,12 +167,12 @@ def test_a_required_target_is_looked_at_from_everywhere():
 
 def test_long_missions_have_tables(monkeypatch):
     """With thousands of departure events nothing is asked for, nor where one waits for planes."""
-    monkeypatch.setattr(candidates, "LARGE_ENTRIES", 0)
+    monkeypatch.setattr(table_budget, "LARGE_ENTRIES", 0)
     field = adr_opt.generate("nominal", 0, targets=5)
-    assert candidates.may_ask(Mission(field))
+    assert table_budget.may_ask(Mission(field))
     year = field.with_limits(duration_s=86400.0 * 365.0)
-    assert not candidates.may_ask(Mission(year))
+    assert not table_budget.may_ask(Mission(year))
     drifting = field.replace(dynamics="j2")
-    assert candidates.may_ask(Mission(drifting))
+    assert table_budget.may_ask(Mission(drifting))
     waiting = drifting.replace(transfer=drifting.transfer.replace(max_drift_s=86400.0))
-    assert not candidates.may_ask(Mission(waiting))
+    assert not table_budget.may_ask(Mission(waiting))

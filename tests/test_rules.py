@@ -8,8 +8,8 @@ from hand_made import BEYOND, FAR, NORTH, OPTIMAL_PLAN, OPTIMUM, PERIOD_S, SOUTH
 from random_rules import random_mission
 
 import adr_opt
-from adr_opt.chasers import AtStation, InOrbit
-from adr_opt.kernels import rules as kernels
+from adr_opt.kernels.rules import rules as kernels
+from adr_opt.problem.chasers import AtStation, InOrbit
 
 
 @pytest.fixture(scope="module")

@@ -17,11 +17,11 @@ from conftest import Cli
 from hand_made import OPTIMAL_PLAN, PERIOD_S, hand_made
 
 import adr_opt
-from adr_opt.expense import cost_of_routes
-from adr_opt.instance import Instance
-from adr_opt.mission import Mission
-from adr_opt.plan import Plan, load_plan
-from adr_opt.result import certify
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import certify
+from adr_opt.plan.expense import cost_of_routes
+from adr_opt.plan.plan import Plan, load_plan
+from adr_opt.problem.instance import Instance
 
 Content = dict[str, Any]
 Change = Callable[[Content], None]

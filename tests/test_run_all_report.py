@@ -243,7 +243,7 @@ def test_the_page_names_calibration_machine_and_published_numbers(
     assert "calibration" in page
     assert "MacBook Pro M1 Max" in page
     assert "25–29, mean 27.1" in page
-    assert f"numba {adr_opt.result.versions()['numba']}" in page
+    assert f"numba {adr_opt.mission.result.versions()['numba']}" in page
     figures = re.search(r'<script type="application/json" id="figures">(.*?)</script>', page)
     assert figures is not None
     assert set(json.loads(figures[1])) == {"figure-0", "figure-1", "figure-2"}

@@ -26,9 +26,9 @@ PATIENCE_S = 120.0
 # cannot hide behind rows that are kept once.
 PLANNERS = """
 import os, signal, time
-from adr_opt.planner import get
-from adr_opt.mission import Mission
-from adr_opt.result import certify
+from adr_opt.run.methods import get
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import certify
 
 def note(mission, name):
     if "-i" not in mission.instance.name:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from adr_opt.kernels.timetable import Table
-from adr_opt.kernels.timetables import Column
+from adr_opt.kernels.tables.stacked_timetables import Column
+from adr_opt.kernels.tables.timetable import Table
 
 ROOT = Path(__file__).parent.parent
 OWNERS = [
@@ -90,6 +90,6 @@ def test_kernels_import_numbers_and_each_other_only() -> None:
     known = own | {"numpy", "numba", "llvmlite"} | sys.stdlib_module_names
     for path in folder.glob("*.py"):
         assert set(imported(path.read_text())) <= known, path.name
-    strangers = "import adr_opt.limits\nfrom ..schedule import x\nfrom . import limits"
+    strangers = "import adr_opt.legs.service_limits\nfrom ..schedule import x\nfrom . import limits"
     assert set(imported(strangers)) == {"adr_opt", "..schedule", ".limits"}
     assert not known & {"adr_opt", "..schedule", ".limits"}

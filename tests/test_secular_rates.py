@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from rows import row
 
-from adr_opt.kernels import drift_linear as drift
-from adr_opt.kernels import orbits
-from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, J2, MU_M3_S2, OBLATENESS_M2
+from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, J2, MU_M3_S2, OBLATENESS_M2
+from adr_opt.kernels.legs import drift_linear as drift
+from adr_opt.kernels.orbits import ephemeris
 
 CASES = 3000
 INCLINATIONS_DEG = (0.0, 1e-7, 30.0, 63.4349488, 71.0, 90.0 - 1e-7, 90.0, 98.0, 116.6, 150.0, 180.0)
@@ -27,14 +27,14 @@ def test_rates_of_a_circle_are_those_of_an_orbit_without_eccentricity():
     rng = np.random.default_rng(0)
     for _ in range(CASES):
         radius, inclination = drawn(rng)
-        node, perigee, anomaly = orbits.secular_rates(radius, 0.0, inclination, OBLATENESS_M2)
+        node, perigee, anomaly = ephemeris.secular_rates(radius, 0.0, inclination, OBLATENESS_M2)
         n = math.sqrt(MU_M3_S2 / radius**3)
         strength = J2 * n * (EARTH_RADIUS_M / radius) ** 2
         cosine = math.cos(inclination)
         assert node == pytest.approx(-1.5 * strength * cosine, rel=1e-12)
-        assert node == orbits.node_rate(radius, inclination, OBLATENESS_M2)
+        assert node == ephemeris.node_rate(radius, inclination, OBLATENESS_M2)
         assert perigee == pytest.approx(0.75 * strength * (5.0 * cosine**2 - 1.0), abs=1e-18)
-        latitude = orbits.latitude_rate(radius, inclination, OBLATENESS_M2)
+        latitude = ephemeris.latitude_rate(radius, inclination, OBLATENESS_M2)
         assert perigee + anomaly == pytest.approx(latitude, rel=1e-13)
         assert latitude == pytest.approx(n + 1.5 * strength * (4.0 * cosine**2 - 1.0), rel=1e-13)
 
@@ -45,10 +45,10 @@ def test_without_oblateness_nothing_but_the_latitude_moves():
     for _ in range(CASES):
         radius, inclination = drawn(rng)
         eccentricity = rng.uniform(0.0, 0.3)
-        node, perigee, anomaly = orbits.secular_rates(radius, eccentricity, inclination, 0.0)
+        node, perigee, anomaly = ephemeris.secular_rates(radius, eccentricity, inclination, 0.0)
         assert (abs(node), abs(perigee)) == (0.0, 0.0)
-        assert anomaly == orbits.mean_motion(radius)
-        assert orbits.latitude_rate(radius, inclination, 0.0) == anomaly
+        assert anomaly == ephemeris.mean_motion(radius)
+        assert ephemeris.latitude_rate(radius, inclination, 0.0) == anomaly
 
 
 def test_what_a_change_drifts_to_is_the_derivative_of_the_drift():
@@ -63,10 +63,10 @@ def test_what_a_change_drifts_to_is_the_derivative_of_the_drift():
         pair = drift.prepare(orbit, orbit, radius - 1e5, radius + 1e5, OBLATENESS_M2)
         speed = math.sqrt(MU_M3_S2 / radius)
         dr, di = 10.0, 1e-5
-        by_radius = orbits.node_rate(radius + dr, inclination, OBLATENESS_M2)
-        by_radius -= orbits.node_rate(radius - dr, inclination, OBLATENESS_M2)
-        by_inclination = orbits.node_rate(radius, inclination + di, OBLATENESS_M2)
-        by_inclination -= orbits.node_rate(radius, inclination - di, OBLATENESS_M2)
+        by_radius = ephemeris.node_rate(radius + dr, inclination, OBLATENESS_M2)
+        by_radius -= ephemeris.node_rate(radius - dr, inclination, OBLATENESS_M2)
+        by_inclination = ephemeris.node_rate(radius, inclination + di, OBLATENESS_M2)
+        by_inclination -= ephemeris.node_rate(radius, inclination - di, OBLATENESS_M2)
         # A change of radius of 2 r b/V for b m/s, of the inclination b/V; a node is worth V sin i.
         sine = math.sin(inclination)
         expected_m = -sine * speed * by_radius / (2.0 * dr) * 2.0 * radius / speed
@@ -105,11 +105,11 @@ def integrated(radius, eccentricity, inclination, revolutions, samples):
     """States at equal times over whole revolutions, by Cowell's method with boinor's J2."""
     perturbations = pytest.importorskip("boinor.core.perturbations")
     integrate = pytest.importorskip("scipy.integrate")
-    _, perigee, anomaly = orbits.secular_rates(radius, eccentricity, inclination, OBLATENESS_M2)
+    _, perigee, anomaly = ephemeris.secular_rates(radius, eccentricity, inclination, OBLATENESS_M2)
     period = 2.0 * math.pi / (perigee + anomaly)
     distance = radius * (1.0 - eccentricity)
     speed = math.sqrt(MU_M3_S2 * (2.0 / distance - 1.0 / radius))
-    ascending, ahead, _ = orbits.frame(inclination, 0.3)
+    ascending, ahead, _ = ephemeris.frame(inclination, 0.3)
     start = np.concatenate([distance * ascending, speed * ahead])
 
     def pull(time, state):
@@ -143,10 +143,10 @@ def test_circles_drift_as_integrated_motion_does(inclination_deg):
         (angle[last - samples : last].mean() - angle[:samples].mean()) / span
         for angle in (node, latitude)
     )
-    expected = orbits.node_rate(mean_axis, mean_inclination, OBLATENESS_M2)
-    scale = abs(orbits.node_rate(mean_axis, 0.0, OBLATENESS_M2))
+    expected = ephemeris.node_rate(mean_axis, mean_inclination, OBLATENESS_M2)
+    scale = abs(ephemeris.node_rate(mean_axis, 0.0, OBLATENESS_M2))
     assert turned == pytest.approx(expected, abs=4e-3 * scale)
-    expected = orbits.latitude_rate(mean_axis, mean_inclination, OBLATENESS_M2)
+    expected = ephemeris.latitude_rate(mean_axis, mean_inclination, OBLATENESS_M2)
     assert gone == pytest.approx(expected, abs=4e-3 * 3.0 * scale)
 
 
@@ -163,12 +163,12 @@ def test_perigees_turn_as_integrated_ones_do(inclination_deg):
     span = (revolutions - 1) * samples * times[1]
     turned = (perigee[last - samples : last].mean() - perigee[:samples].mean()) / span
     mean = axis[:last].mean(), shape[:last].mean(), inclination[:last].mean()
-    expected = orbits.secular_rates(*mean, OBLATENESS_M2)[1]
-    scale = abs(orbits.secular_rates(mean[0], mean[1], 0.0, OBLATENESS_M2)[1])
+    expected = ephemeris.secular_rates(*mean, OBLATENESS_M2)[1]
+    scale = abs(ephemeris.secular_rates(mean[0], mean[1], 0.0, OBLATENESS_M2)[1])
     assert turned == pytest.approx(expected, abs=0.01 * scale)
 
 
 def test_a_sun_synchronous_node_turns_once_a_year():
     """At 800 km and 98.603° the node advances by a turn in a tropical year."""
-    rate = orbits.node_rate(EARTH_RADIUS_M + 800e3, math.radians(98.603), OBLATENESS_M2)
+    rate = ephemeris.node_rate(EARTH_RADIUS_M + 800e3, math.radians(98.603), OBLATENESS_M2)
     assert rate * 365.2422 * DAY_S == pytest.approx(2.0 * math.pi, rel=1e-3)

@@ -19,21 +19,21 @@ from hand_made import hand_made
 from serve_desks import files_under, of, wait
 
 import adr_opt
-from adr_opt import front
-from adr_opt.errors import InputError
-from adr_opt.instance import Instance
-from adr_opt.result import Result
-from adr_opt.serve.desk import Desk
-from adr_opt.serve.drafts import read_edit
-from adr_opt.serve.folder import Folder
-from adr_opt.serve.work import Order, Work
+from adr_opt.common.errors import InputError
+from adr_opt.mission.result import Result
+from adr_opt.problem.instance import Instance
+from adr_opt.run import front
+from adr_opt.ui.serve.desk import Desk
+from adr_opt.ui.serve.drafts import read_edit
+from adr_opt.ui.serve.folder import Folder
+from adr_opt.ui.serve.work import Order, Work
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 testclient = pytest.importorskip("starlette.testclient")
 
-from adr_opt.serve import guard  # noqa: E402
-from adr_opt.serve.app import application, told  # noqa: E402
+from adr_opt.ui.serve import guard  # noqa: E402
+from adr_opt.ui.serve.app import application, told  # noqa: E402
 
 TOKEN, PORT = "a-token", 8123
 GREEDY = {"method": "greedy-guarded", "time_limit_s": 20.0}
@@ -358,7 +358,7 @@ def test_a_planner_that_fails_is_heard_of(monkeypatch: pytest.MonkeyPatch, world
         raise ZeroDivisionError("by nothing")
 
     with monkeypatch.context() as patch:
-        patch.setattr("adr_opt.front.run", broken)
+        patch.setattr("adr_opt.run.front.run", broken)
         made.plan(Order("greedy-guarded", 10.0))
         look = wait(made)
     assert look.phase == "failed"
@@ -460,7 +460,9 @@ def test_without_its_packages_the_verb_says_how_to_get_them(
         with monkeypatch.context() as patch:
             patch.setitem(sys.modules, package, None)
             for name in list(sys.modules):
-                if name.startswith(("adr_opt.serve.server", "adr_opt.serve.app", f"{package}.")):
+                if name.startswith(
+                    ("adr_opt.ui.serve.server", "adr_opt.ui.serve.app", f"{package}.")
+                ):
                     patch.delitem(sys.modules, name)
             refused(cli("serve", "my.json", "--no-open"), package, "'.[serve]'")
     assert not os.path.lexists(world / "my-served")

@@ -11,13 +11,13 @@ from hand_made import hand_made
 from serve_desks import files_under, of, wait
 
 import adr_opt
-from adr_opt.chasers import InOrbit, Tank, TankByMass
-from adr_opt.errors import InputError
-from adr_opt.serve import drafts
-from adr_opt.serve.desk import Desk
-from adr_opt.serve.drafts import Draft, History, read_edit
-from adr_opt.serve.folder import Folder
-from adr_opt.serve.work import Order
+from adr_opt.common.errors import InputError
+from adr_opt.problem.chasers import InOrbit, Tank, TankByMass
+from adr_opt.ui.serve import drafts
+from adr_opt.ui.serve.desk import Desk
+from adr_opt.ui.serve.drafts import Draft, History, read_edit
+from adr_opt.ui.serve.folder import Folder
+from adr_opt.ui.serve.work import Order
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")

@@ -8,8 +8,8 @@ import pytest
 from drift_cases import Pair, drawn, pair_of, pairs
 from rows import oblate_rule
 
-from adr_opt.kernels import phasing, precession, settling, short_transfers, transfer
-from adr_opt.kernels.constants import DAY_S
+from adr_opt.common.constants import DAY_S
+from adr_opt.kernels.legs import co_elliptic, fixed_points, phasing, precession, short_transfers
 
 
 def one_by_one(pair, law, half_turns, number, met):
@@ -50,10 +50,10 @@ def test_many_at_a_time_are_those_one_by_one(drawn_pairs):
     law = oblate_rule(k_max=5)
     unsure = none = compared = 0
     for pair in drawn_pairs:
-        made = transfer.prepare(pair.i, pair.j, 0.0, law)
+        made = co_elliptic.prepare(pair.i, pair.j, 0.0, law)
         half_turns, numbers = short_transfers.events_of(made, 2.0 * DAY_S, 0.0)
         half_turns, numbers = half_turns[::-3][::-1], np.ascontiguousarray(numbers[::-3][::-1])
-        lap, first = 2.0 * math.pi / made.rate_j, made.shortest - settling.BAND_S
+        lap, first = 2.0 * math.pi / made.rate_j, made.shortest - fixed_points.BAND_S
         bases = np.array(
             [
                 precession.meeting(made, law, h, number[3], number[0] + first + 0.5 * lap)
@@ -62,10 +62,10 @@ def test_many_at_a_time_are_those_one_by_one(drawn_pairs):
             ]
         )
         rows = 8
-        grid = settling.grid_of(phasing.curves_of(made, law), rows)
-        settling.lay_out(made, grid, numbers, bases, rows)
+        grid = fixed_points.grid_of(phasing.curves_of(made, law), rows)
+        fixed_points.lay_out(made, grid, numbers, bases, rows)
         for e, number in enumerate(numbers):
-            found = grid.found[:, grid.place[e] :: settling.BLOCK]
+            found = grid.found[:, grid.place[e] :: fixed_points.BLOCK]
             for row in range(rows):
                 met = number[0] + bases[e] + row * lap
                 cost, k, left, late = found[row]

@@ -15,9 +15,9 @@ from two_chasers import campaign, planned
 
 import adr_opt
 from adr_opt.analysis import Axis, compare, price, replan, tradeoff
-from adr_opt.campaign import Campaign
-from adr_opt.certify import certificate_of
-from adr_opt.showing.card import MOST_NAMES, MOST_ROWS, Table, order_words
+from adr_opt.common.card import MOST_NAMES, MOST_ROWS, Table, order_words
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.certify import certificate_of
 
 NASTY = "<script>alert('x')</script> & co"
 

@@ -10,15 +10,16 @@ from pathlib import Path
 import pytest
 
 import adr_opt
-from adr_opt.chasers import AtStation, InOrbit
-from adr_opt.errors import InputError
-from adr_opt.export import write_matrix, write_timetable
-from adr_opt.instance import Instance
-from adr_opt.plan import Plan
-from adr_opt.plot import segments
-from adr_opt.report import page
-from adr_opt.report.figures.planes import planes
-from adr_opt.trajectory import sample, write_plan
+from adr_opt.common.errors import InputError
+from adr_opt.export.flights import write_plan
+from adr_opt.export.tables import write_matrix, write_timetable
+from adr_opt.fly.trajectory import sample
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.chasers import AtStation, InOrbit
+from adr_opt.problem.instance import Instance
+from adr_opt.ui.plot import segments
+from adr_opt.ui.report import page
+from adr_opt.ui.report.figures.planes import planes
 
 
 def two_stations(tiny: Instance) -> Instance:

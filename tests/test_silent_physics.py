@@ -15,12 +15,12 @@ from catalogue_files import as_tle, field
 from conftest import Cli
 
 import adr_opt
-from adr_opt.catalogue import read, to_instance
-from adr_opt.catalogue.drag import DECAYS, along_track_km, drag_warning
-from adr_opt.catalogue.propagation import satellite_of
-from adr_opt.kernels.constants import DAY_S
-from adr_opt.least_time import least_end_s, too_short
-from adr_opt.limits import limits_of
+from adr_opt.common.constants import DAY_S
+from adr_opt.legs.service_limits import limits_of
+from adr_opt.problem.least_time import least_end_s, too_short
+from adr_opt.sources.catalogue import read, to_instance
+from adr_opt.sources.catalogue.drag import DECAYS, along_track_km, drag_warning
+from adr_opt.sources.catalogue.propagation import satellite_of
 
 ROOT = Path(__file__).parents[1]
 EXTERNAL = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", ROOT / "../shared/data"))

@@ -14,10 +14,10 @@ from conftest import Cli
 from drifting_plans import orbit
 
 import adr_opt
-from adr_opt.errors import InputError
-from adr_opt.kernels.constants import DAY_S, MU_M3_S2
-from adr_opt.settings import TransferSettings
-from adr_opt.sizes import SHORT_S, phase_period_s, told, transfers_for
+from adr_opt.common.constants import DAY_S, MU_M3_S2
+from adr_opt.common.errors import InputError
+from adr_opt.problem.settings import TransferSettings
+from adr_opt.problem.transfer_sizes import SHORT_S, phase_period_s, told, transfers_for
 
 
 @pytest.fixture

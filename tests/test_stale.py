@@ -3,9 +3,9 @@
 import numpy as np
 
 import adr_opt
-from adr_opt.mission import Mission
-from solvers.relaxation.network import Network, build
-from solvers.relaxation.stale import LOOK_BACK
+from adr_opt.mission.problem import Mission
+from solvers.networks.dominated_legs import LOOK_BACK
+from solvers.networks.network import Network, build
 
 
 def networks() -> list[Network]:

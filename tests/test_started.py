@@ -13,13 +13,13 @@ from hand_made import hand_made
 from random_rules import drifting_mission, random_campaign, random_mission, with_given_costs
 
 import adr_opt
-from adr_opt.campaign import Campaign
-from adr_opt.cargo import tank_worths
-from adr_opt.chasers import InOrbit, Tank, TankByMass
-from adr_opt.instance import Instance
-from adr_opt.mission import Mission
-from adr_opt.settings import Objective
-from solvers.relaxation.walks import WalkBound
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Mission
+from adr_opt.plan.cargo import tank_worths
+from adr_opt.problem.chasers import InOrbit, Tank, TankByMass
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.settings import Objective
+from solvers.walks.walks import WalkBound
 
 
 def begun(instance: Instance, seed: int) -> Instance:

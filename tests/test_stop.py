@@ -8,15 +8,8 @@ import time
 
 import pytest
 
-from adr_opt.errors import InputError
-from adr_opt.stop import (
-    AnyOf,
-    Interrupted,
-    MaxIterations,
-    MaxRuntime,
-    NoImprovement,
-    Proven,
-)
+from adr_opt.common.errors import InputError
+from adr_opt.common.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime, NoImprovement, Proven
 
 NOTHING = (-math.inf, math.inf)
 

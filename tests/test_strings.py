@@ -10,14 +10,14 @@ from brute_force import brute_force
 from random_rules import drifting_mission
 
 import adr_opt
-from adr_opt.mission import Mission
-from adr_opt.result import certify
-from adr_opt.stop import MaxIterations
-from solvers.incumbent import Incumbent
-from solvers.search import courses, stairs
-from solvers.search.lines import lines_of
-from solvers.search.reach import may_fit, reach_of
-from solvers.search.strings import LONGEST_STRING, MOST_STRINGS, Strings, ruin
+from adr_opt.common.stop import MaxIterations
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import certify
+from solvers.orders import bit_orders, fronts
+from solvers.orders.connection_table import lines_of
+from solvers.orders.reach import may_fit, reach_of
+from solvers.orders.string_removal import LONGEST_STRING, MOST_STRINGS, Strings, ruin
+from solvers.progress.incumbent import Incumbent
 
 ENDLESS = MaxIterations(1)
 FIELD = 16
@@ -32,10 +32,10 @@ def field() -> Mission:
     return mission
 
 
-def begun(mission: Mission, order: list[int], length: int) -> courses.Course:
+def begun(mission: Mission, order: list[int], length: int) -> bit_orders.Course:
     """A course whose chaser is at the start with a full tank; nothing else is timed."""
     rules = mission.rules
-    course = courses.new_course(np.array(order, dtype=np.int64), rules.service.size)
+    course = bit_orders.new_course(np.array(order, dtype=np.int64), rules.service.size)
     came, start = course.came, rules.start
     came.size[start], came.time[start, 0], came.tank[start, 0] = 1, rules.ready, rules.budget
     return course
@@ -90,7 +90,7 @@ def test_what_changes_is_timed_as_the_whole_is(field):
     """After a target is put in, stairs are those of an order that is timed from nothing."""
     rules, lines = field.rules, lines_of(field)
     reach = reach_of(lines, rules.stations, rules.duration)
-    desk, trial = stairs.new_desk(lines), stairs.new_stairs(2)
+    desk, trial = fronts.new_desk(lines), fronts.new_stairs(2)
     rng = np.random.default_rng(4)
     strings = Strings(field, 3, ENDLESS)
     visited = [int(j) for j in strings.anneal(60) if j >= rules.first_target]
@@ -100,25 +100,25 @@ def test_what_changes_is_timed_as_the_whole_is(field):
         order = visited[:take] + visited[take + 1 :] + [visited[take], *others]
         size = len(visited) - 1
         course = begun(field, order, size)
-        assert courses.time_back(rules, lines, course, size, size - 1, -1, desk, trial)
-        assert courses.time_forth(rules, lines, course, size, 0, size, desk, trial)
-        place = courses.best_position(
+        assert bit_orders.time_back(rules, lines, course, size, size - 1, -1, desk, trial)
+        assert bit_orders.time_forth(rules, lines, course, size, 0, size, desk, trial)
+        place = bit_orders.best_position(
             rules, lines, reach, course, size, visited[take], desk, trial, rng
         )
         if place < 0:
             continue
-        courses.insert(course.order, size, place)
-        assert courses.time_back(rules, lines, course, size + 1, place, place - 1, desk, trial)
-        assert courses.time_forth(rules, lines, course, size + 1, place, place + 1, desk, trial)
+        bit_orders.insert(course.order, size, place)
+        assert bit_orders.time_back(rules, lines, course, size + 1, place, place - 1, desk, trial)
+        assert bit_orders.time_forth(rules, lines, course, size + 1, place, place + 1, desk, trial)
         anew = begun(field, course.order.tolist(), size + 1)
-        assert courses.time_back(rules, lines, anew, size + 1, size, -1, desk, trial)
-        assert courses.time_forth(rules, lines, anew, size + 1, 0, size + 1, desk, trial)
+        assert bit_orders.time_back(rules, lines, anew, size + 1, size, -1, desk, trial)
+        assert bit_orders.time_forth(rules, lines, anew, size + 1, 0, size + 1, desk, trial)
         for j in course.order[: size + 1]:
             stair = anew.suffices.size[j]
             assert course.suffices.size[j] == stair
             for one, other in zip(course.suffices[1:3], anew.suffices[1:3], strict=True):
                 np.testing.assert_array_equal(one[j, :stair], other[j, :stair])
-        assert courses.spare(course, size + 1) >= 0.0
+        assert bit_orders.spare(course, size + 1) >= 0.0
         put_in += 1
     assert put_in >= len(visited) // 2
 
@@ -129,15 +129,15 @@ def test_what_is_refused_does_not_fit(field):
     for mission in (field, *(Mission(drifting_mission(seed)) for seed in range(12))):
         rules, lines = mission.rules, lines_of(mission)
         reach = reach_of(lines, rules.stations, rules.duration)
-        desk, trial = stairs.new_desk(lines), stairs.new_stairs(2)
+        desk, trial = fronts.new_desk(lines), fronts.new_stairs(2)
         visited = [int(j) for j in Strings(mission, 3, ENDLESS).anneal(40)]
         visited = [j for j in visited if j >= rules.first_target]
         for j in range(rules.first_target, rules.service.size):
             kept = [other for other in visited if other != j]
             course, size = begun(mission, [*kept, j], len(kept)), len(kept)
             if not (
-                courses.time_back(rules, lines, course, size, size - 1, -1, desk, trial)
-                and courses.time_forth(rules, lines, course, size, 0, size, desk, trial)
+                bit_orders.time_back(rules, lines, course, size, size - 1, -1, desk, trial)
+                and bit_orders.time_forth(rules, lines, course, size, 0, size, desk, trial)
             ):
                 continue
             came, suffices = course.came, course.suffices
@@ -149,7 +149,7 @@ def test_what_is_refused_does_not_fit(field):
                 times = came.time[i, 0], latest
                 tanks = came.tank[i, came.size[i] - 1], need
                 may = may_fit(rules, reach, i, j, k, times, tanks, p > 0)
-                left = courses.left_with(rules, lines, course, size, j, p, latest, desk, trial)
+                left = bit_orders.left_with(rules, lines, course, size, j, p, latest, desk, trial)
                 assert may or left == -math.inf
                 refused += not may
                 hopeless += left == -math.inf

@@ -29,15 +29,15 @@ from two_chasers import campaign as two_chasers
 
 import adr_opt
 from adr_opt.analysis import Axis, frontier, tradeoff
-from adr_opt.campaign import Campaign
-from adr_opt.chasers import TankByMass
-from adr_opt.errors import InputError
-from adr_opt.given import of_rows
-from adr_opt.instance import Instance
-from adr_opt.mission import Mission
-from adr_opt.plan import FORMER_MODEL
-from adr_opt.settings import Objective
-from solvers.relaxation.cost import CostProof
+from adr_opt.common.errors import InputError
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Mission
+from adr_opt.plan.plan import FORMER_MODEL
+from adr_opt.problem.chasers import TankByMass
+from adr_opt.problem.given import of_rows
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.settings import Objective
+from solvers.proof.cost import CostProof
 
 PRICES = [0.0, None, 5.0, 50.0, 700.0, 1e5]
 """Of a day [m/s]: nothing, the default, and up to where time alone counts."""

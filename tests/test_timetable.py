@@ -12,10 +12,12 @@ from hand_made import PERIOD_S, hand_made
 from random_rules import all_filled, random_mission
 
 import adr_opt
-from adr_opt.kernels import orbits, sequences, timetables, transfer
-from adr_opt.kernels import timetable as kernels
-from adr_opt.kernels.constants import EARTH_RADIUS_M, SLACK_M_S, SLACK_S
-from adr_opt.settings import KeepOutZone
+from adr_opt.common.constants import EARTH_RADIUS_M, SLACK_M_S, SLACK_S
+from adr_opt.kernels.legs import co_elliptic, sequences
+from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.tables import stacked_timetables
+from adr_opt.kernels.tables import timetable as kernels
+from adr_opt.problem.settings import KeepOutZone
 
 
 @pytest.fixture(scope="module")
@@ -130,9 +132,9 @@ def test_what_lies_on_a_limit_is_not_left_to_rounding():
     behind = instance.targets[0].orbit.replace(true_anomaly_deg=340.0)
     instance = instance.replace(targets=(instance.targets[0].replace(orbit=behind),))
     elements, rule = instance.orbits(), instance.transfer_rule()
-    pair = transfer.prepare(elements[0], elements[1], 0.0, rule)
-    first, half_turns = transfer.first_departure(pair)
-    lead = transfer.target_lead(pair, first, half_turns)
+    pair = co_elliptic.prepare(elements[0], elements[1], 0.0, rule)
+    first, half_turns = co_elliptic.first_departure(pair)
+    lead = co_elliptic.target_lead(pair, first, half_turns)
     chosen = sequences.best_sequence(pair, rule, first, lead, -math.inf, math.inf)
     radius = chosen.phasing_radius
     edge = KeepOutZone(
@@ -157,8 +159,8 @@ def test_the_clock_of_a_year_is_that_of_the_angles():
     table, limits = made.table, made.limits
     elements, rule = instance.orbits(), instance.transfer_rule()
     for i, j in itertools.permutations(range(3), 2):
-        pair = transfer.prepare(elements[i], elements[j], 0.0, rule)
-        approach = rule.approach_revolutions * orbits.period(elements[j, orbits.RADIUS])
+        pair = co_elliptic.prepare(elements[i], elements[j], 0.0, rule)
+        approach = rule.approach_revolutions * ephemeris.period(elements[j, ephemeris.RADIUS])
         best, expected = math.inf, (math.inf, math.inf)
         for m in range(kernels.events(table, i, j) - 1, -1, -1):
             departure = kernels.departure_at(table, i, j, m)
@@ -246,8 +248,8 @@ def test_hand_made_costs():
     """Between equal circles that meet at the node, a leg costs the turn and the approach."""
     table = adr_opt.Timetable(hand_made())
     radius = table.instance.orbits()[0, 0]
-    speed, rate = math.sqrt(orbits.MU_M3_S2 / radius), orbits.mean_motion(radius)
-    period = orbits.period(radius)
+    speed, rate = math.sqrt(ephemeris.MU_M3_S2 / radius), ephemeris.mean_motion(radius)
+    period = ephemeris.period(radius)
     for name, degrees in (("north", 1.0), ("beyond", 2.0), ("south", 1.0)):
         delta_v, arrival = table.lookup("station", name, 0.0)
         turn = 2.0 * speed * math.sin(math.radians(degrees) / 2.0)
@@ -259,16 +261,18 @@ def test_columns_take_the_event_that_the_table_takes_however_times_are_rounded()
     """Who is ready at an event to the last digit takes the same one by a column as by the table."""
     table = adr_opt.Timetable(adr_opt.generate("tiny", 0, targets=5)).table
     bodies = table.spacing.size
-    _, columns = timetables.allocate_slots(1, bodies, kernels.most_events(table), regular=True)
-    column = timetables.column_in_slot(columns, 0)
+    _, columns = stacked_timetables.allocate_slots(
+        1, bodies, kernels.most_events(table), regular=True
+    )
+    column = stacked_timetables.column_in_slot(columns, 0)
     looked = 0
     for i, j in itertools.permutations(range(bodies), 2):
-        timetables.fill_column(table, j, column)
+        stacked_timetables.fill_column(table, j, column)
         for event in range(kernels.events(table, i, j)):
             edge = kernels.departure_at(table, i, j, event) + SLACK_S
             for ready in (edge, np.nextafter(edge, 0.0), np.nextafter(edge, math.inf)):
                 delta_v, arrival = kernels.lookup(table, i, j, ready)
-                found, time = timetables.lookup_in_column(column, table, i, ready)
+                found, time = stacked_timetables.lookup_in_column(column, table, i, ready)
                 if math.isfinite(delta_v):
                     assert time == pytest.approx(arrival - ready, abs=1.0), (i, j, event)
                     assert found == pytest.approx(delta_v, rel=1e-6)

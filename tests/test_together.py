@@ -16,12 +16,12 @@ import pytest
 from conftest import Cli
 
 import adr_opt
-from adr_opt import front, planner
-from adr_opt.mission import Mission
-from adr_opt.progress import Progress, silent
-from adr_opt.result import Result, certify
-from adr_opt.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime, Stop
-from adr_opt.together import InvalidBound, Meeting, Seat, together
+from adr_opt.common.progress import Progress, silent
+from adr_opt.common.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime, Stop
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result, certify
+from adr_opt.run import front, methods
+from adr_opt.run.side_by_side import InvalidBound, Meeting, Seat, together
 
 LONG_S = 30.0
 """A limit that no test may reach."""
@@ -117,15 +117,15 @@ def fake_bound(
 def installed(monkeypatch: pytest.MonkeyPatch) -> None:
     """The fakes above and the greedy planners, as if they were installed."""
     found = {
-        planner.PLANNERS: {
+        methods.PLANNERS: {
             "greedy": "solvers.planners.greedy:greedy",
             "greedy-guarded": "solvers.planners.greedy:greedy_guarded",
             "fake": f"{__name__}:fake_planner",
         },
-        planner.BOUNDS: {"fake-bound": f"{__name__}:fake_bound"},
+        methods.BOUNDS: {"fake-bound": f"{__name__}:fake_bound"},
     }
     monkeypatch.setattr(
-        planner,
+        methods,
         "entry_points",
         lambda group: [EntryPoint(name, value, group) for name, value in found[group].items()],
     )

@@ -10,11 +10,11 @@ from brute_force import brute_force
 from calling import call
 from test_registry import varied
 
-from adr_opt.errors import InputError, MissingExtra
-from adr_opt.mission import Mission
-from adr_opt.planner import get, takes_jobs
-from adr_opt.stop import MaxRuntime
-from adr_opt.tolerance import check_prizes, common_step, meets, rounded_down, rounded_up
+from adr_opt.common.errors import InputError, MissingExtra
+from adr_opt.common.stop import MaxRuntime
+from adr_opt.common.tolerance import check_prizes, common_step, meets, rounded_down, rounded_up
+from adr_opt.mission.problem import Mission
+from adr_opt.run.methods import get, takes_jobs
 
 SCALES = (1e-7, 1.0, 1e7)
 

@@ -8,10 +8,10 @@ import math
 import numpy as np
 import pytest
 
-from solvers.campaigns.tours import walks
-from solvers.campaigns.tours.bound import Bounding, Tangent, bound, memories, neighbourhoods
-from solvers.campaigns.tours.costs import FORBIDDEN, Expense, Grid
-from solvers.campaigns.tours.planner import Annealing, plan
+from solvers.tours import walks
+from solvers.tours.bound import Bounding, Tangent, bound, memories, neighbourhoods
+from solvers.tours.costs import FORBIDDEN, Expense, Grid
+from solvers.tours.planner import Annealing, plan
 
 GRID = Grid(least_gap=1, apart=3, unit_m_s=1.0)
 EXPENSE = Expense(20.0, 0.0, 2e-6, 2000.0, 30.0, 3334.0, 5000.0)

@@ -20,23 +20,25 @@ from random_rules import (
 from towed_fields import field
 
 import adr_opt
-from adr_opt.campaign import Campaign
-from adr_opt.cargo import followed, loads_of
-from adr_opt.checking.tank import Tank
-from adr_opt.episodes import check_playable
-from adr_opt.errors import InputError
-from adr_opt.export import write_matrix
-from adr_opt.flight import fly
-from adr_opt.instance import Instance
-from adr_opt.kernels import drift_linear, orbits
-from adr_opt.kernels.constants import SLACK_M_S
-from adr_opt.kernels.loads import after_service
-from adr_opt.mission import Mission
-from adr_opt.plan import Plan
-from adr_opt.planes import ahead, outward
-from adr_opt.plot.segments import segments
-from adr_opt.tow import leaving_orbits, tows_of
-from adr_opt.trajectory import sample, write_plan
+from adr_opt.common.constants import SLACK_M_S
+from adr_opt.common.errors import InputError
+from adr_opt.export.flights import write_plan
+from adr_opt.export.tables import write_matrix
+from adr_opt.fly.flight import fly
+from adr_opt.fly.trajectory import sample
+from adr_opt.judge.check.tank import Tank
+from adr_opt.kernels.legs import drift_linear
+from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.rules.loads import after_service
+from adr_opt.learning.episodes import check_playable
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Mission
+from adr_opt.plan.cargo import followed, loads_of
+from adr_opt.plan.plan import Plan
+from adr_opt.plan.planes import ahead, outward
+from adr_opt.plan.tows import leaving_orbits, tows_of
+from adr_opt.problem.instance import Instance
+from adr_opt.ui.plot.segments import segments
 
 CASES = 96
 
@@ -207,12 +209,12 @@ def test_nodes_drift_as_the_disposal_orbit_does_after_the_departure():
     ends = leaving[first], rows[first + 1]
     pair = drift_linear.prepare(*ends, 6.7e6, 8.3e6, instance.oblateness_m2)
     tow, i = tows_of(instance)[first], rows[first]
-    lower = orbits.node_rate(tow.radius_m, i[orbits.INCLINATION], instance.oblateness_m2)
-    assert abs(lower) > 1.05 * abs(i[orbits.RAAN_RATE])
+    lower = ephemeris.node_rate(tow.radius_m, i[ephemeris.INCLINATION], instance.oblateness_m2)
+    assert abs(lower) > 1.05 * abs(i[ephemeris.RAAN_RATE])
     for departure, arrival in ((0.0, 1e6), (3e5, 2e6), (1e6, 1e7)):
-        node = orbits.node_at(i, departure - tow.time_s) + tow.shift_rad
+        node = ephemeris.node_at(i, departure - tow.time_s) + tow.shift_rad
         node += lower * (arrival - departure)
-        lag = math.remainder(orbits.node_at(rows[first + 1], arrival) - node, 2.0 * math.pi)
+        lag = math.remainder(ephemeris.node_at(rows[first + 1], arrival) - node, 2.0 * math.pi)
         left = drift_linear.node_left_from(pair, departure, arrival)
         assert left == pytest.approx(pair.speed * pair.sine * lag, rel=1e-9)
 
@@ -315,8 +317,8 @@ def test_burns_of_tows_are_against_the_motion():
         if leg.tow is None:
             continue
         row, burn = rows[leg.destination], leg.tow.burns[0]
-        plane = (row[orbits.INCLINATION], orbits.node_at(row, burn.time_s))
-        motion = ahead(plane, outward(plane, orbits.latitude_at(row, burn.time_s)))
+        plane = (row[ephemeris.INCLINATION], ephemeris.node_at(row, burn.time_s))
+        motion = ahead(plane, outward(plane, ephemeris.latitude_at(row, burn.time_s)))
         assert np.array(burn.delta_v_m_s) / burn.size_m_s == pytest.approx(-motion, abs=1e-9)
         sizes = [burn.size_m_s for burn in leg.tow.burns]
         assert math.fsum(sizes) == pytest.approx(leg.tow.delta_v_m_s)

@@ -11,18 +11,18 @@ import pytest
 from towed_fields import field
 
 import adr_opt
-from adr_opt.cargo import followed
-from adr_opt.dispersion import sample_flights
-from adr_opt.errors import InputError
-from adr_opt.flight import fly_refined
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
-from adr_opt.mission import Mission
-from adr_opt.plan import Plan
-from adr_opt.refining import refine
-from adr_opt.refining.ephemeris import tracks
-from adr_opt.refining.holding import beginning
-from adr_opt.refining.plan import RefinedPlan
+from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
+from adr_opt.common.errors import InputError
+from adr_opt.fly.dispersion import sample_flights
+from adr_opt.fly.flight import fly_refined
+from adr_opt.fly.refine import refine
+from adr_opt.fly.refine.ephemeris import tracks
+from adr_opt.fly.refine.holding import beginning
+from adr_opt.mission.problem import Mission
+from adr_opt.plan.cargo import followed
+from adr_opt.plan.plan import Plan
+from adr_opt.plan.refined_plan import RefinedPlan
+from adr_opt.problem.instance import Instance
 
 
 @cache

@@ -22,13 +22,13 @@ from adr_opt.analysis import Axis, parse_axis, tradeoff
 from adr_opt.analysis.trade.axes import grid
 from adr_opt.analysis.trade.points import Board, Impossible, Point
 from adr_opt.analysis.trade.shared import Shared, slack_m_s, variant
-from adr_opt.chasers import TankByMass
-from adr_opt.connections import Connecting
-from adr_opt.errors import InputError
-from adr_opt.kernels.constants import DAY_S
-from adr_opt.report.charts import BOTTOM, HEIGHT, TOP
-from adr_opt.report.traded import traded_page
-from adr_opt.stop import MaxIterations
+from adr_opt.common.constants import DAY_S
+from adr_opt.common.errors import InputError
+from adr_opt.common.stop import MaxIterations
+from adr_opt.legs.connections import Connecting
+from adr_opt.problem.chasers import TankByMass
+from adr_opt.ui.report.charts import BOTTOM, HEIGHT, TOP
+from adr_opt.ui.report.traded import traded_page
 
 TANKS = Axis("delta-v", (130.0, 140.0, 270.0, 300.0, 420.0, 700.0))
 DURATIONS = Axis("duration", tuple(round(n * PERIOD_S) * 1.0 for n in (4, 8, 11, 14)))

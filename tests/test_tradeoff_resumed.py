@@ -18,8 +18,8 @@ from two_chasers import campaign
 from adr_opt.analysis import Axis, tradeoff
 from adr_opt.analysis.trade.points import Point, Tradeoff
 from adr_opt.analysis.trade.results import COLUMNS, ResultsFile
-from adr_opt.errors import InputError
-from adr_opt.kernels.constants import DAY_S
+from adr_opt.common.constants import DAY_S
+from adr_opt.common.errors import InputError
 
 TANKS = Axis("delta-v", (130.0, 300.0))
 SHA256 = hand_made().sha256

@@ -26,10 +26,10 @@ import torch  # noqa: E402
 from safetensors.torch import load, save  # noqa: E402
 from sb3_contrib import MaskablePPO  # noqa: E402
 
-from adr_opt.env import fields  # noqa: E402
-from adr_opt.env.vector import MissionVecEnv  # noqa: E402
-from adr_opt.library import load_library  # noqa: E402
-from solvers.learned import load_policy  # noqa: E402
+from adr_opt.learning.environment import fields  # noqa: E402
+from adr_opt.learning.environment.vector import MissionVecEnv  # noqa: E402
+from adr_opt.sources.library import load_library  # noqa: E402
+from solvers.policies import load_policy  # noqa: E402
 from solvers.training import configs, trainer  # noqa: E402
 from solvers.training.checkpoints import read_checkpoint, read_state, write_checkpoint  # noqa: E402
 from solvers.training.held import FAMILIES, HELD_FIELDS, HELD_SEED  # noqa: E402
@@ -104,12 +104,12 @@ def test_a_folder_of_another_training_is_refused(tmp_path: Path) -> None:
     (tmp_path / "run").mkdir()
     Run(tmp_path / "run", config, 0)
     Run(tmp_path / "run", config, 0)
-    with pytest.raises(adr_opt.errors.InputError, match="seed"):
+    with pytest.raises(adr_opt.common.errors.InputError, match="seed"):
         Run(tmp_path / "run", config, 1)
-    with pytest.raises(adr_opt.errors.InputError, match="observation"):
+    with pytest.raises(adr_opt.common.errors.InputError, match="observation"):
         Run(tmp_path / "run", configs.config("published"), 0)
     (tmp_path / "run" / "run.json").write_text("[]", encoding="utf-8")
-    with pytest.raises(adr_opt.errors.InputError, match="not the file of a training"):
+    with pytest.raises(adr_opt.common.errors.InputError, match="not the file of a training"):
         Run(tmp_path / "run", config, 0)
 
 
@@ -174,7 +174,7 @@ def test_damaged_checkpoints_are_refused(tmp_path: Path) -> None:
     contents += [save(tensors, meta) for meta in (None, {"state": "[" * 100_000}, {"state": "[]"})]
     for number, content in enumerate(contents):
         path.write_bytes(content)
-        with pytest.raises(adr_opt.errors.InputError, match="not the checkpoint") as refused:
+        with pytest.raises(adr_opt.common.errors.InputError, match="not the checkpoint") as refused:
             read_checkpoint(model, path)
         assert "\n" not in str(refused.value), number
 
@@ -194,10 +194,10 @@ def test_no_checkpoint_is_unpickled(tmp_path: Path) -> None:
     run, made = Run(tmp_path, configs.config("set"), 0), tmp_path / "made"
     assert run.state == {}
     torch.save(_Bomb(made), tmp_path / "checkpoint.zip")
-    with pytest.raises(adr_opt.errors.InputError, match="no longer read"):
+    with pytest.raises(adr_opt.common.errors.InputError, match="no longer read"):
         run.state  # noqa: B018
     torch.save(_Bomb(made), run.checkpoint)
-    with pytest.raises(adr_opt.errors.InputError, match="not the checkpoint"):
+    with pytest.raises(adr_opt.common.errors.InputError, match="not the checkpoint"):
         run.state  # noqa: B018
     assert not made.exists()
 
@@ -207,7 +207,7 @@ def test_a_damaged_curve_is_refused(tmp_path: Path) -> None:
     run = Run(tmp_path, configs.config("set"), 0)
     for text in ("steps,seconds\nmany,1\n", "steps\n\n"):
         (tmp_path / "evaluations.csv").write_text(text, encoding="utf-8")
-        with pytest.raises(adr_opt.errors.InputError, match="not the curve"):
+        with pytest.raises(adr_opt.common.errors.InputError, match="not the curve"):
             run.add_to_curve(1, 1.0, {"nominal": 1.0})
 
 
@@ -228,7 +228,7 @@ def test_a_full_disk_ends_a_training_in_a_sentence(
     }  # fmt: skip
     monkeypatch.setattr("solvers.training.held.HELD_FIELDS", 1)
     for checkpoint_s in (0.0, 1e9):
-        with pytest.raises(adr_opt.errors.InputError, match="cannot be written"):
+        with pytest.raises(adr_opt.common.errors.InputError, match="cannot be written"):
             trainer.train(config, tmp_path / str(checkpoint_s), checkpoint_s=checkpoint_s, **calls)
     assert "Traceback" not in capfd.readouterr().err
 
@@ -243,7 +243,7 @@ def test_two_trainings_never_share_a_folder(tmp_path: Path) -> None:
     assert other.stdout is not None
     assert other.stdout.readline() == b"in\n"
     with (
-        pytest.raises(adr_opt.errors.InputError, match="another training runs in it"),
+        pytest.raises(adr_opt.common.errors.InputError, match="another training runs in it"),
         locked(tmp_path),
     ):
         pass

@@ -12,14 +12,14 @@ from hypothesis import strategies as st
 from plans import with_legs
 
 import adr_opt
-from adr_opt import trajectory
-from adr_opt.instance import Instance
-from adr_opt.kernels import orbits
-from adr_opt.kernels.burns import PHASES as BURN_PHASES
-from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
-from adr_opt.orbit import Orbit
-from adr_opt.plan import Plan
-from adr_opt.trajectory import body_positions, body_states, propagate, sample
+from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
+from adr_opt.fly import trajectory
+from adr_opt.fly.trajectory import body_positions, body_states, propagate, sample
+from adr_opt.kernels.legs.burns import PHASES as BURN_PHASES
+from adr_opt.kernels.orbits import ephemeris
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.orbit import Orbit
 
 DAY_S = 86400.0
 
@@ -108,7 +108,7 @@ def test_states_are_those_of_the_flight(family: str, seed: int) -> None:
 
     The tolerance is boinor's own: its iteration may end 0.3 mm early on each coast.
     """
-    two_body = pytest.importorskip("adr_opt.flight.two_body")
+    two_body = pytest.importorskip("adr_opt.fly.flight.two_body")
     pytest.importorskip("boinor")
     instance = adr_opt.generate(family, seed)
     plan = adr_opt.solve(instance, "greedy-guarded").plan
@@ -202,7 +202,7 @@ def test_bodies_are_on_the_circles_of_the_kernels(tiny: Instance) -> None:
     for name, row in zip(instance.names, instance.orbits(), strict=True):
         positions, velocities = body_states(instance, name, times)
         for time, r, v in zip(times, positions, velocities, strict=True):
-            r_0, v_0 = orbits.state(row, time)
+            r_0, v_0 = ephemeris.state(row, time)
             assert np.linalg.norm(r - r_0) < 1e-4
             assert np.linalg.norm(v - v_0) < 1e-7
     assert body_positions(instance, times).shape == (len(instance.names), 25, 3)

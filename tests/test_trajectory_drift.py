@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from drifting_plans import DAY_S, drifting_instance, drifting_plan
 
-from adr_opt.kernels import orbits
-from adr_opt.trajectory import body_states, sample
-from adr_opt.trajectory.sampling import LONG_STEP_S, STEP_S, Arc, LegPath
+from adr_opt.fly.trajectory import body_states, sample
+from adr_opt.fly.trajectory.sampling import LONG_STEP_S, STEP_S, Arc, LegPath
+from adr_opt.kernels.orbits import ephemeris
 
 DOCKED = ("wait", "service")
 
@@ -88,19 +88,21 @@ def test_legs_meet_their_targets(eccentricity: float) -> None:
     for path, arc in approaches:
         row = rows[path.leg.destination]
         behind = row.copy()
-        behind[orbits.ARGUMENT_OF_LATITUDE] -= instance.transfer.standoff_m / row[orbits.RADIUS]
-        goal, velocity = orbits.state(behind, arc.start_s)
+        behind[ephemeris.ARGUMENT_OF_LATITUDE] -= (
+            instance.transfer.standoff_m / row[ephemeris.RADIUS]
+        )
+        goal, velocity = ephemeris.state(behind, arc.start_s)
         assert np.linalg.norm(arc.positions_m[0] - goal) < 1.0
         terminal = next(arc for arc in path.arcs if arc.phase == "terminal")
         assert np.linalg.norm(terminal.positions_m[-1] - goal) < 1.0
         assert np.linalg.norm(arc.velocities_m_s[0] - velocity) < 1.0  # its first impulse
-        docked = orbits.state(row, arc.end_s)[0]
+        docked = ephemeris.state(row, arc.end_s)[0]
         assert np.linalg.norm(arc.positions_m[-1] - docked) < 1.0
 
 
 def test_states_are_those_of_the_flight() -> None:
     """Every tenth sample is where the other implementation of the mean dynamics gets, to 1 cm."""
-    mean = pytest.importorskip("adr_opt.flight.mean")
+    mean = pytest.importorskip("adr_opt.fly.flight.mean")
     pytest.importorskip("boinor")
     instance, motion = drifting_instance(), mean.MeanDynamics()
     circles = dict(zip(instance.names, instance.body_orbits, strict=True))
@@ -155,7 +157,7 @@ def test_bodies_drift() -> None:
     for name, row in zip(instance.names, instance.orbits(), strict=True):
         positions, velocities = body_states(instance, name, times)
         for time, r, v in zip(times, positions, velocities, strict=True):
-            r_0, v_0 = orbits.state(row, time)
+            r_0, v_0 = ephemeris.state(row, time)
             assert np.linalg.norm(r - r_0) < 1e-3
             assert np.linalg.norm(v - v_0) < 1e-6
 

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 import rows
 
-from adr_opt.kernels import burns as burn_kernels
-from adr_opt.kernels import keep_out, orbits, sequences, transfer
-from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
+from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
+from adr_opt.kernels.legs import burns as burn_kernels
+from adr_opt.kernels.legs import co_elliptic, sequences, zones
+from adr_opt.kernels.orbits import ephemeris
 
 CASES = 3000
 
@@ -40,11 +41,11 @@ def pairs(seed: int = 0):
     for case in range(CASES):
         i = random_orbit(rng)
         j = near(rng, i) if case % 2 else random_orbit(rng)
-        pair = transfer.prepare(i, j, 0.0, rule)
-        first, half_turns = transfer.first_departure(pair)
+        pair = co_elliptic.prepare(i, j, 0.0, rule)
+        first, half_turns = co_elliptic.first_departure(pair)
         event = int(rng.integers(0, 200))
         departure = first + event * math.pi / pair.rate_i
-        lead = transfer.target_lead(pair, departure, half_turns + event)
+        lead = co_elliptic.target_lead(pair, departure, half_turns + event)
         yield i, j, pair, departure, lead
 
 
@@ -58,9 +59,9 @@ def test_node_line():
     rng = np.random.default_rng(1)
     for _ in range(CASES):
         i, j = random_orbit(rng), random_orbit(rng)
-        alpha_i, alpha_j, theta = orbits.relative_node(i[1], i[2], j[1], j[2])
-        xi, yi, hi = orbits.frame(i[1], i[2])
-        xj, yj, hj = orbits.frame(j[1], j[2])
+        alpha_i, alpha_j, theta = ephemeris.relative_node(i[1], i[2], j[1], j[2])
+        xi, yi, hi = ephemeris.frame(i[1], i[2])
+        xj, yj, hj = ephemeris.frame(j[1], j[2])
         in_i = math.cos(alpha_i) * xi + math.sin(alpha_i) * yi
         in_j = math.cos(alpha_j) * xj + math.sin(alpha_j) * yj
         cross = np.cross(hi, hj)
@@ -74,9 +75,9 @@ def test_node_line():
 def test_equatorial_planes_share_a_line():
     """Two equatorial orbits with different RAANs still get one and the same line."""
     for inclination in (0.0, math.pi):
-        alpha_i, alpha_j, theta = orbits.relative_node(inclination, 0.3, inclination, 1.1)
-        xi, yi, _ = orbits.frame(inclination, 0.3)
-        xj, yj, _ = orbits.frame(inclination, 1.1)
+        alpha_i, alpha_j, theta = ephemeris.relative_node(inclination, 0.3, inclination, 1.1)
+        xi, yi, _ = ephemeris.frame(inclination, 0.3)
+        xj, yj, _ = ephemeris.frame(inclination, 1.1)
         assert theta < 1e-15
         in_i = math.cos(alpha_i) * xi + math.sin(alpha_i) * yi
         in_j = math.cos(alpha_j) * xj + math.sin(alpha_j) * yj
@@ -86,8 +87,8 @@ def test_equatorial_planes_share_a_line():
 def test_nearly_coplanar_planes_keep_their_digits():
     """Planes 1e-8 rad apart give the same node as planes 1e-4 rad apart in the same direction."""
     base_i, base_o = 1.6, 0.7
-    wide = orbits.relative_node(base_i, base_o, base_i + 3e-4, base_o + 4e-4)
-    close = orbits.relative_node(base_i, base_o, base_i + 3e-8, base_o + 4e-8)
+    wide = ephemeris.relative_node(base_i, base_o, base_i + 3e-4, base_o + 4e-4)
+    close = ephemeris.relative_node(base_i, base_o, base_i + 3e-8, base_o + 4e-8)
     assert close[0] == pytest.approx(wide[0], abs=1e-3)
     assert close[2] == pytest.approx(wide[2] * 1e-4, rel=1e-3)
 
@@ -97,15 +98,15 @@ def test_departure_is_at_the_node():
     for i, j, pair, departure, lead in pairs(2):
         if pair.theta < 1e-3:
             continue
-        position, _ = orbits.state(i, departure)
-        _, _, hi = orbits.frame(i[1], i[2])
-        _, _, hj = orbits.frame(j[1], j[2])
+        position, _ = ephemeris.state(i, departure)
+        _, _, hi = ephemeris.frame(i[1], i[2])
+        _, _, hj = ephemeris.frame(j[1], j[2])
         node = np.cross(hi, hj) / np.linalg.norm(np.cross(hi, hj))
         assert abs(position @ node) / i[0] == pytest.approx(1.0, abs=1e-9), (i, j, departure)
         # Turning the chaser's direction about h_j by Δ gives the target's direction.
         outward = position / i[0]
         ahead = np.cross(hj, outward)
-        target, _ = orbits.state(j, departure)
+        target, _ = ephemeris.state(j, departure)
         expected = math.cos(lead) * outward + math.sin(lead) * ahead
         assert target / j[0] == pytest.approx(expected, abs=1e-6), (i, j, departure)
 
@@ -145,10 +146,10 @@ def every_sequence(pair, rule, lead):
             a, b = rule.min_radius, rule.max_radius
             for _ in range(60):
                 r = 0.5 * (a + b)
-                flown = transfer.flight_time(pair.radius_i, pair.radius_j, 0.0, 0.0, 0.75, r)[0]
-                flown += k * transfer.lap_time(r, 0.0)[0]
+                flown = co_elliptic.flight_time(pair.radius_i, pair.radius_j, 0.0, 0.0, 0.75, r)[0]
+                flown += k * co_elliptic.lap_time(r, 0.0)[0]
                 a, b = (r, b) if flown < time else (a, r)
-            delta_v = transfer.sequence_delta_v(pair, rule, k, 0.5 * (a + b))
+            delta_v = co_elliptic.sequence_delta_v(pair, rule, k, 0.5 * (a + b))
             yield delta_v + rule.time_value * time, time, k, delta_v
 
 
@@ -213,7 +214,10 @@ def test_floor_is_below_every_sequence():
     for i, j, pair, _, _ in pairs(5):
         r = rng.uniform(rule.min_radius, rule.max_radius)
         for k in (0, 1, 5):
-            assert pair.floor_delta_v <= transfer.sequence_delta_v(pair, rule, k, r) + 1e-9, (i, j)
+            assert pair.floor_delta_v <= co_elliptic.sequence_delta_v(pair, rule, k, r) + 1e-9, (
+                i,
+                j,
+            )
 
 
 def test_burns_add_up_to_the_cost():
@@ -234,7 +238,7 @@ def test_burns_add_up_to_the_cost():
         assert np.all(np.diff(phases) >= 0)
         assert times[0] == departure
         assert times[-2] == pytest.approx(departure + best.flight_time, abs=1e-6)
-        assert times[-1] - times[-2] == pytest.approx(1.5 * orbits.period(j[0]), rel=1e-12)
+        assert times[-1] - times[-2] == pytest.approx(1.5 * ephemeris.period(j[0]), rel=1e-12)
 
 
 def test_blocked_sequences_touch_a_zone_and_others_do_not():
@@ -252,7 +256,7 @@ def test_blocked_sequences_touch_a_zone_and_others_do_not():
         start = departure + rng.uniform(-0.5, 1.0) * best.flight_time
         zone = (bottom, bottom + 15e3, start, start + 3000.0)
         zoned = rows.rule(zones=[zone])
-        blocked = keep_out.is_blocked(pair, zoned, best.revolutions, best.phasing_radius, departure)
+        blocked = zones.is_blocked(pair, zoned, best.revolutions, best.phasing_radius, departure)
         times, radii = altitude_profile(i, j, pair, rule, departure, best)
         inside = (zone[0] <= radii) & (radii <= zone[1]) & (zone[2] <= times) & (times <= zone[3])
         if inside.any():
@@ -298,10 +302,10 @@ def altitude_profile(i, j, pair, rule, departure, best):
         return now + length
 
     now = arc(i[0], r, now)
-    now = circle(r, now, best.revolutions * transfer.lap_time(r, 0.0)[0])
+    now = circle(r, now, best.revolutions * co_elliptic.lap_time(r, 0.0)[0])
     now = arc(r, rc, now)
     now = arc(rc, j[0], now)
-    circle(j[0], now, rule.approach_revolutions * orbits.period(j[0]))
+    circle(j[0], now, rule.approach_revolutions * ephemeris.period(j[0]))
     return np.array(times), np.array(radii)
 
 
@@ -321,9 +325,7 @@ def test_zone_makes_the_next_best_fly():
         if not math.isfinite(other.delta_v):
             continue
         detours += 1
-        assert not keep_out.is_blocked(
-            pair, zoned, other.revolutions, other.phasing_radius, departure
-        )
+        assert not zones.is_blocked(pair, zoned, other.revolutions, other.phasing_radius, departure)
         w = rule.time_value
         assert other.delta_v + w * other.flight_time >= best.delta_v + w * best.flight_time
     assert detours > 20

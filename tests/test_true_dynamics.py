@@ -11,13 +11,13 @@ from osculating import from_mean_circle
 from scipy.integrate import solve_ivp
 
 import adr_opt
-from adr_opt.flight.refined import _World
-from adr_opt.kernels import coast, collocation, equinoctial
-from adr_opt.kernels.constants import EARTH_RADIUS_M, MU_M3_S2
-from adr_opt.kernels.gravity import FIELDS, gradient, pull
-from adr_opt.refining.bodies import _ahead, mean_at, moved, state_at_epoch
-from adr_opt.refining.short_periods import mean_elements, osculating
-from adr_opt.trajectory import propagate
+from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
+from adr_opt.fly.flight.refined import _World
+from adr_opt.fly.refine.bodies import _ahead, mean_at, moved, state_at_epoch
+from adr_opt.fly.refine.short_periods import mean_elements, osculating
+from adr_opt.fly.trajectory import propagate
+from adr_opt.kernels.orbits import coast, collocation, equinoctial
+from adr_opt.kernels.orbits.gravity import FIELDS, gradient, pull
 
 Array = np.ndarray
 DAY_S = 86400.0

@@ -76,7 +76,7 @@ def test_steps_of_the_environment_check(tmp_path: Path) -> None:
         """
         import numpy as np
 
-        from adr_opt.env import MissionEnv
+        from adr_opt.learning.environment import MissionEnv
 
         env = MissionEnv()
         observation, info = env.reset(seed=0)

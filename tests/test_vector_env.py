@@ -10,8 +10,8 @@ import pytest
 from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
 from stable_baselines3.common.vec_env import VecMonitor
 
-from adr_opt.env import OBSERVATIONS, Fields, Limits, MissionEnv, MissionVecEnv
-from adr_opt.errors import InputError
+from adr_opt.common.errors import InputError
+from adr_opt.learning.environment import OBSERVATIONS, Fields, Limits, MissionEnv, MissionVecEnv
 
 HOUR_S = 3600.0
 SMALL = Fields("tiny", targets=(3, 9), zones=(0, 3), delta_v_m_s=(300.0, 1500.0))

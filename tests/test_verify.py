@@ -30,16 +30,16 @@ from verify_fields import (
 )
 
 import adr_opt
-from adr_opt.bodies import Station, Target
-from adr_opt.certificate import Certificate, load_certificate
-from adr_opt.certify import certificate_of
-from adr_opt.chasers import Chaser
-from adr_opt.errors import InputError
-from adr_opt.instance import Instance
-from adr_opt.result import Result
-from adr_opt.settings import MissionSettings
-from adr_opt.verifying import Verdict, verify
-from adr_opt.verifying.rules import KNOWN, kept_apart, refuse_unknown
+from adr_opt.common.errors import InputError
+from adr_opt.judge.verify import Verdict, verify
+from adr_opt.judge.verify.rules import KNOWN, kept_apart, refuse_unknown
+from adr_opt.mission.certify import certificate_of
+from adr_opt.mission.result import Result
+from adr_opt.plan.certificate import Certificate, load_certificate
+from adr_opt.problem.bodies import Station, Target
+from adr_opt.problem.chasers import Chaser
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.settings import MissionSettings
 
 INSTANCES = Path(__file__).parents[1] / "instances"
 
@@ -174,7 +174,7 @@ def test_what_cannot_be_verified_yet_is_refused(monkeypatch):
     certificate = certificate.replace(
         instance=certificate.instance.replace(sha256=changed.sha256), plan_sha256=None
     )
-    monkeypatch.setattr("adr_opt.verifying.rules.KNOWN", known)
+    monkeypatch.setattr("adr_opt.judge.verify.rules.KNOWN", known)
     with pytest.raises(InputError, match="not yet verifiable: a target with a field required"):
         verify(changed, None, certificate)
     monkeypatch.undo()
@@ -190,7 +190,8 @@ def test_a_certificate_over_spoilt_connections_is_refused(monkeypatch):
     result, certificate = proven(instance)
     assert certificate.walks
     monkeypatch.setattr(
-        "adr_opt.verifying.verdict.Connecting", lambda of: Spoilt(of, missing=0.8, cheaper_m_s=0.0)
+        "adr_opt.judge.verify.verdict.Connecting",
+        lambda of: Spoilt(of, missing=0.8, cheaper_m_s=0.0),
     )
     assert "no connection from" in verify(instance, result.plan, certificate).reasons[0]
 

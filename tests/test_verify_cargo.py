@@ -23,18 +23,18 @@ from verify_fields import (
 )
 
 import adr_opt
-from adr_opt.campaign import Campaign
-from adr_opt.certify import certificate_of
-from adr_opt.chasers import TankByMass
-from adr_opt.checking.tank import Tank
-from adr_opt.errors import InputError
-from adr_opt.evidence import Evidence, Walks
-from adr_opt.instance import Instance
-from adr_opt.kernels.constants import SLACK_M_S
-from adr_opt.verifying import verify
-from adr_opt.verifying.cargo import after_service
-from adr_opt.verifying.claim import bound_of, check_names
-from adr_opt.verifying.walks import walks_reach
+from adr_opt.common.constants import SLACK_M_S
+from adr_opt.common.errors import InputError
+from adr_opt.judge.check.tank import Tank
+from adr_opt.judge.verify import verify
+from adr_opt.judge.verify.cargo import after_service
+from adr_opt.judge.verify.claim import bound_of, check_names
+from adr_opt.judge.verify.walks import walks_reach
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.certify import certificate_of
+from adr_opt.mission.evidence import Evidence, Walks
+from adr_opt.problem.chasers import TankByMass
+from adr_opt.problem.instance import Instance
 
 
 def running_empty(seed: int) -> Instance:

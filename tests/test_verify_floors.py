@@ -12,17 +12,17 @@ from random_rules import drifting_mission, random_mission
 from test_exact import variant
 
 import adr_opt
-from adr_opt import candidates
-from adr_opt.certificate import Certificate, ProvenFloors
-from adr_opt.certify import certificate_of
-from adr_opt.errors import InputError
-from adr_opt.evidence import Evidence
-from adr_opt.instance import Instance
-from adr_opt.mission import Mission
-from adr_opt.result import certify
-from adr_opt.verifying import verify
-from adr_opt.verifying.claim import bound_of, trivial_bound
-from solvers.relaxation.floors import floor_evidence
+from adr_opt.common.errors import InputError
+from adr_opt.judge.verify import verify
+from adr_opt.judge.verify.claim import bound_of, trivial_bound
+from adr_opt.mission.certify import certificate_of
+from adr_opt.mission.evidence import Evidence
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import certify
+from adr_opt.plan.certificate import Certificate, ProvenFloors
+from adr_opt.problem.instance import Instance
+from adr_opt.run import table_budget
+from solvers.walks.floors import floor_evidence
 
 SEEDS = 120
 
@@ -86,9 +86,9 @@ def test_a_large_field_has_a_certificate(monkeypatch):
 
     A bound that is lower than what follows, and other prices with the same bound, are refused.
     """
-    monkeypatch.setattr(candidates, "LARGE_ENTRIES", 0)
+    monkeypatch.setattr(table_budget, "LARGE_ENTRIES", 0)
     for name in ("LEAST_S", "MOMENT_S", "SHARE"):
-        monkeypatch.setattr(candidates, name, 0.0)
+        monkeypatch.setattr(table_budget, name, 0.0)
     instance = adr_opt.generate("nominal", 1, targets=60).with_limits(duration_s=3.0 * 86400.0)
     result = adr_opt.solve(instance, "auto", iterations=1, time_limit=20.0)
     result = replace(result, evidence=floors_of(instance, result.evidence))

@@ -14,14 +14,14 @@ from brute_force import brute_force
 from test_exact import variant
 
 import adr_opt
-from adr_opt.certificate import Certificate, sha256_of
-from adr_opt.certify import certificate_of
-from adr_opt.errors import InputError
-from adr_opt.files import parse_model
-from adr_opt.instance import Instance
-from adr_opt.mission import Mission
-from adr_opt.plan import Plan
-from adr_opt.verifying import verify
+from adr_opt.common.errors import InputError
+from adr_opt.common.files import parse_model
+from adr_opt.judge.verify import verify
+from adr_opt.mission.certify import certificate_of
+from adr_opt.mission.problem import Mission
+from adr_opt.plan.certificate import Certificate, sha256_of
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.instance import Instance
 
 Draft = dict[str, Any]
 FORGED = 200

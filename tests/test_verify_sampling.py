@@ -12,12 +12,12 @@ from random_rules import DAY_S, drifting_mission, given_mission, random_mission,
 from verify_fields import Spoilt
 
 import adr_opt
-from adr_opt.checking.flight import Physics
-from adr_opt.connections import Connecting, Connections
-from adr_opt.instance import Instance
-from adr_opt.settings import TransferSettings
-from adr_opt.verifying.sampling import sample_connections
-from adr_opt.verifying.sequences import Way, ways_after
+from adr_opt.judge.check.leg import Physics
+from adr_opt.judge.verify.sampling import sample_connections
+from adr_opt.judge.verify.sequences import Way, ways_after
+from adr_opt.legs.connections import Connecting, Connections
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.settings import TransferSettings
 
 STEP_S = 2500.0
 """Less than half a revolution, so that no event is passed over."""

@@ -22,17 +22,17 @@ from verify_fields import (
 )
 
 import adr_opt
-from adr_opt.certificate import Certificate
-from adr_opt.certify import certificate_of
-from adr_opt.connections import Connecting
-from adr_opt.errors import InputError
-from adr_opt.instance import Instance
-from adr_opt.mission import Mission
-from adr_opt.verifying import steps, verify
-from adr_opt.verifying.rules import kept_apart
-from adr_opt.verifying.steps import most_in_steps
-from adr_opt.verifying.terms import terms_of
-from solvers.relaxation import needs
+from adr_opt.common.errors import InputError
+from adr_opt.judge.verify import steps, verify
+from adr_opt.judge.verify.rules import kept_apart
+from adr_opt.judge.verify.steps import most_in_steps
+from adr_opt.judge.verify.terms import terms_of
+from adr_opt.legs.connections import Connecting
+from adr_opt.mission.certify import certificate_of
+from adr_opt.mission.problem import Mission
+from adr_opt.plan.certificate import Certificate
+from adr_opt.problem.instance import Instance
+from solvers.progress import proof_size
 
 
 def most_of(instance: Instance, *asked: Any) -> Fraction | None:
@@ -93,7 +93,7 @@ def test_at_any_multipliers_and_prices_the_best_plan_is_worth_no_more(draw):
 @pytest.fixture
 def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
     """No network of all connections fits into memory."""
-    monkeypatch.setattr(needs, "available_bytes", lambda: 0.0)
+    monkeypatch.setattr(proof_size, "available_bytes", lambda: 0.0)
 
 
 @pytest.mark.usefixtures("no_network")

@@ -12,8 +12,8 @@ from random_rules import drifting_mission, given_mission, random_mission, towing
 from test_exact import variant
 from verify_fields import laden, legs_for, refuelling, towing_and_laden, worths_of
 
-from adr_opt.mission import Mission
-from adr_opt.verifying.walks import walks_reach
+from adr_opt.judge.verify.walks import walks_reach
+from adr_opt.mission.problem import Mission
 
 every_mission = pytest.mark.parametrize(
     "draw",

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from adr_opt.kernels.loads import KITS_BIT, Loads
-from solvers.relaxation.pending import is_preceded, more_room, next_of, pending_room, send, take
-from solvers.relaxation.waiting import Labels, Waiting, arrive, is_dominated, keep, larger, room
+from adr_opt.kernels.rules.loads import KITS_BIT, Loads
+from solvers.labels.pending import is_preceded, more_room, next_of, pending_room, send, take
+from solvers.labels.waiting import Labels, Waiting, arrive, is_dominated, keep, larger, room
 
 LABELS = 1500
 

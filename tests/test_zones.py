@@ -15,17 +15,17 @@ from every_sequence import Flown, of_pair
 from hand_made import OPTIMAL_PLAN, PERIOD_S, hand_made
 
 import adr_opt
-from adr_opt.connections import Connecting
-from adr_opt.errors import MissingExtra
-from adr_opt.generator import by_name
-from adr_opt.instance import Instance
-from adr_opt.kernels import burns as burn_kernels
-from adr_opt.kernels.burns import PHASES
-from adr_opt.mission import Mission
-from adr_opt.orbit import Orbit
-from adr_opt.plan import InstanceReference, Leg
-from adr_opt.planner import BOUNDS, PLANNERS, names
-from adr_opt.settings import KeepOutZone, Objective
+from adr_opt.common.errors import MissingExtra
+from adr_opt.kernels.legs import burns as burn_kernels
+from adr_opt.kernels.legs.burns import PHASES
+from adr_opt.legs.connections import Connecting
+from adr_opt.mission.problem import Mission
+from adr_opt.plan.plan import InstanceReference, Leg
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.orbit import Orbit
+from adr_opt.problem.settings import KeepOutZone, Objective
+from adr_opt.run.methods import BOUNDS, PLANNERS, names
+from adr_opt.sources.generator import by_name
 
 MARGIN_M, MARGIN_S = 1.0, 0.01
 """Rounding, far below what a zone measures."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import adr_opt
-from adr_opt.instance import Instance
+from adr_opt.problem.instance import Instance
 
 TANK = {"dry_mass_kg": 300.0, "propellant_kg": 600.0, "isp_s": 300.0}
 

@@ -8,12 +8,12 @@ import numba
 import numpy as np
 
 import adr_opt
-from adr_opt.bodies import Station, Target
-from adr_opt.chasers import AtStation, Chaser, Tank
-from adr_opt.given import COLUMNS
-from adr_opt.instance import Instance
-from adr_opt.plan import Plan
-from adr_opt.settings import GivenFile, MissionSettings, TransferSettings
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.bodies import Station, Target
+from adr_opt.problem.chasers import AtStation, Chaser, Tank
+from adr_opt.problem.given import COLUMNS
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.settings import GivenFile, MissionSettings, TransferSettings
 
 HOUR_S = 3600.0
 NAMES = ("depot", "mill", "quay", "farm")

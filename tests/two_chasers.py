@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import cache
 
 import adr_opt
-from adr_opt.chasers import AtStation, Chaser, InOrbit, Tank
-from adr_opt.instance import Instance
-from adr_opt.plan import Plan
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.chasers import AtStation, Chaser, InOrbit, Tank
+from adr_opt.problem.instance import Instance
 
 HOME, OWN = "tender", "kicker"
 """One starts at the station; the other in an orbit of its own, later, with a smaller tank."""

@@ -20,15 +20,15 @@ from random_rules import (
 )
 
 import adr_opt
-from adr_opt.campaign import Campaign, problem_of
-from adr_opt.certificate import Certificate
-from adr_opt.certify import certificate_of
-from adr_opt.chasers import AtStation, TankByMass
-from adr_opt.connections import Connecting, Connections
-from adr_opt.errors import InputError
-from adr_opt.instance import Instance
-from adr_opt.verifying.legs import Legs, legs_of
-from adr_opt.verifying.rules import kept_apart
+from adr_opt.common.errors import InputError
+from adr_opt.judge.verify.legs import Legs, legs_of
+from adr_opt.judge.verify.rules import kept_apart
+from adr_opt.legs.connections import Connecting, Connections
+from adr_opt.mission.campaign import Campaign, problem_of
+from adr_opt.mission.certify import certificate_of
+from adr_opt.plan.certificate import Certificate
+from adr_opt.problem.chasers import AtStation, TankByMass
+from adr_opt.problem.instance import Instance
 
 FEW = 10
 """Connections that are flown again where that is not what is tested."""

@@ -9,13 +9,13 @@ from itertools import product
 
 import numpy as np
 
-from ..instance import Instance
-from ..kernels.constants import SLACK_M_S
-from ..limits import limits_of
-from ..mission import Mission
-from ..plan import Leg, Plan
-from ..pricing import burns_of, transfer_of
-from ..routes import weighed
+from ..common.constants import SLACK_M_S
+from ..legs.service_limits import limits_of
+from ..mission.build_legs import burns_of, transfer_of
+from ..mission.problem import Mission
+from ..plan.plan import Leg, Plan
+from ..plan.routes import weighed
+from ..problem.instance import Instance
 from .state import State, heavier
 
 NEAR_EMPTY = 0.5

@@ -7,12 +7,12 @@ from dataclasses import asdict, dataclass
 from difflib import SequenceMatcher
 from typing import Any, Literal
 
-from ..checking import check
-from ..errors import InputError
-from ..instance import Instance
-from ..plan import Leg, Plan
-from ..routes import Flown, routes_of
-from ..showing.card import Card, Shown
+from ..common.card import Card, Shown
+from ..common.errors import InputError
+from ..judge.check.verdict import check
+from ..plan.plan import Leg, Plan
+from ..plan.routes import Flown, routes_of
+from ..problem.instance import Instance
 
 SAME_S, SAME_M_S = 1.0, 0.01
 """Legs that differ by no more in all times and in ΔV are told to be the same."""
@@ -149,7 +149,7 @@ class Comparison(Shown):
     differences: tuple[Difference, ...]
 
     def _card(self) -> Card:
-        from ..showing.of_analysis import of_comparison
+        from ..ui.cards.of_analysis import of_comparison
 
         return of_comparison(self)
 

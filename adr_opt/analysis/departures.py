@@ -11,19 +11,19 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ..campaign import Campaign, Problem, problem_of
-from ..candidates import candidates
-from ..checking import check
-from ..connections import Connections
-from ..errors import InputError
-from ..instance import AnyInstance
-from ..kernels.constants import DAY_S, SLACK_S
-from ..mission import Mission
-from ..plan import Plan
-from ..pricing import transfer_of
-from ..result import certify_routes
-from ..start import why_illegal
-from ..wording import counted
+from ..common.constants import DAY_S, SLACK_S
+from ..common.errors import InputError
+from ..common.wording import counted
+from ..judge.check.verdict import check
+from ..legs.connections import Connections
+from ..mission.build_legs import transfer_of
+from ..mission.campaign import Campaign, Problem, problem_of
+from ..mission.problem import Mission
+from ..mission.result import certify_routes
+from ..plan.plan import Plan
+from ..problem.instance import AnyInstance
+from ..run.start_plan import why_illegal
+from ..run.table_budget import candidates
 
 METHOD = "own departures"
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from ..cargo import followed
-from ..errors import InputError
-from ..instance import Instance
-from ..kernels.constants import SLACK_M_S, SLACK_S
-from ..limits import service_begins
-from ..plan import Leg, Plan
-from ..records import LARGEST_DELTA_V_M_S, LARGEST_DURATION_S
-from ..routes import Flown
+from ..common.constants import SLACK_M_S, SLACK_S
+from ..common.errors import InputError
+from ..common.records import LARGEST_DELTA_V_M_S, LARGEST_DURATION_S
+from ..legs.service_limits import service_begins
+from ..plan.cargo import followed
+from ..plan.plan import Leg, Plan
+from ..plan.routes import Flown
+from ..problem.instance import Instance
 
 Numbered = tuple[tuple[int, Leg], ...]
 """Legs in order, each after its number in the plan."""

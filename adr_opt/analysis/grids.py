@@ -12,13 +12,13 @@ import math
 from functools import partial
 from typing import NamedTuple
 
-from ..campaign import Problem
-from ..connections import Connecting
-from ..kernels.rules import Rules
-from ..mission import Mission
-from ..plan import Plan
-from ..schedule import Scheduler
-from ..sizes import in_days
+from ..kernels.rules.rules import Rules
+from ..legs.connections import Connecting
+from ..mission.campaign import Problem
+from ..mission.problem import Mission
+from ..mission.schedule import Scheduler
+from ..plan.plan import Plan
+from ..problem.transfer_sizes import in_days
 
 FINER, COARSER = 0.5, 2.0
 """Steps tried, as multiples of that of the instance."""

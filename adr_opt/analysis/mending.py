@@ -7,15 +7,15 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from ..cargo import loads_of, most_left_m_s
-from ..chasers import Chaser, Tank, TankByMass
-from ..connections import Connecting
-from ..instance import Instance
-from ..kernels.constants import SLACK_M_S
-from ..kernels.rules import Rules
-from ..limits import limits_of
-from ..mission import Mission
-from ..schedule import Front, Scheduler
+from ..common.constants import SLACK_M_S
+from ..kernels.rules.rules import Rules
+from ..legs.connections import Connecting
+from ..legs.service_limits import limits_of
+from ..mission.problem import Mission
+from ..mission.schedule import Front, Scheduler
+from ..plan.cargo import loads_of, most_left_m_s
+from ..problem.chasers import Chaser, Tank, TankByMass
+from ..problem.instance import Instance
 
 LARGEST, LONGEST = 4.0, 2.0
 """So many times the tank, and the mission, are looked at, and no more."""

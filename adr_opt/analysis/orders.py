@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 
-from ..errors import InputError
-from ..files import parse_model, read_text
-from ..instance import Instance
-from ..plan import Plan
-from ..routes import routes_of
+from ..common.errors import InputError
+from ..common.files import parse_model, read_text
+from ..plan.plan import Plan
+from ..plan.routes import routes_of
+from ..problem.instance import Instance
 
 Orders = Mapping[str, tuple[str, ...]]
 """Names of bodies in order, by the name of the chaser that goes to them."""

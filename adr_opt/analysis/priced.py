@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from ..campaign import Problem, problem_of
-from ..errors import InputError
-from ..instance import AnyInstance, Instance, instance_of
-from ..mission import Mission
-from ..plan import Leg, Plan
-from ..pricing import legs
-from ..result import certify_routes
-from ..showing.card import Card, Shown
-from ..start import why_illegal
-from ..wording import counted
+from ..common.card import Card, Shown
+from ..common.errors import InputError
+from ..common.wording import counted
+from ..mission.build_legs import legs
+from ..mission.campaign import Problem, problem_of
+from ..mission.problem import Mission
+from ..mission.result import certify_routes
+from ..plan.plan import Leg, Plan
+from ..problem.instance import AnyInstance, Instance, instance_of
+from ..run.start_plan import why_illegal
 from .mending import Mending, Missing, mendings, missing
 
 Route = Iterable[int | str]
@@ -58,7 +58,7 @@ class PricedRoute(Shown):
     mendings: tuple[Mending, ...] = ()
 
     def _card(self) -> Card:
-        from ..showing.of_analysis import of_priced_route
+        from ..ui.cards.of_analysis import of_priced_route
 
         return of_priced_route(self)
 
@@ -106,7 +106,7 @@ class PricedOrder(Shown):
     runtime_s: float
 
     def _card(self) -> Card:
-        from ..showing.of_analysis import of_priced_order
+        from ..ui.cards.of_analysis import of_priced_order
 
         return of_priced_order(self)
 

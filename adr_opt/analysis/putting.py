@@ -10,8 +10,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ..instance import Instance
-from ..result import Result
+from ..mission.result import Result
+from ..problem.instance import Instance
 from .state import State, put_s
 
 MOMENT_S = 1e-3

@@ -7,19 +7,19 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from ..campaign import Problem, is_campaign, problem_of
-from ..cargo import kits_of
-from ..errors import InputError
-from ..front import solve
-from ..instance import Instance
-from ..mission import Mission
-from ..plan import Plan
-from ..planner import PLANNERS, takes_start
-from ..prepared import method_of, prepare, warm_up
-from ..result import Result, certify_routes
-from ..routes import routes_of
-from ..settings import KeepOutZone
-from ..stop import AnyOf, MaxRuntime, Stop
+from ..common.errors import InputError
+from ..common.stop import AnyOf, MaxRuntime, Stop
+from ..mission.campaign import Problem, is_campaign, problem_of
+from ..mission.problem import Mission
+from ..mission.result import Result, certify_routes
+from ..plan.cargo import kits_of
+from ..plan.plan import Plan
+from ..plan.routes import routes_of
+from ..problem.instance import Instance
+from ..problem.settings import KeepOutZone
+from ..run.front import solve
+from ..run.method_call import method_of, prepare, warm_up
+from ..run.methods import PLANNERS, takes_start
 from .beginnings import beginnings, former_orders, orders_left
 from .deviations import Deviations
 from .putting import in_order, is_usurped, kept_waiting

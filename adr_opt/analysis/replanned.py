@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..instance import Instance
-from ..plan import Plan, Route
-from ..result import Result
-from ..showing.card import Card, Shown
+from ..common.card import Card, Shown
+from ..mission.result import Result
+from ..plan.plan import Plan, Route
+from ..problem.instance import Instance
 from .deviations import Deviations
 from .state import State
 
@@ -62,7 +62,7 @@ class Replanned(Shown):
     runtime_s: float
 
     def _card(self) -> Card:
-        from ..showing.of_analysis import of_replanned
+        from ..ui.cards.of_analysis import of_replanned
 
         return of_replanned(self)
 

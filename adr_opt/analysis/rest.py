@@ -6,13 +6,13 @@ from collections.abc import Iterator, Sequence
 from pathlib import PurePath
 from typing import Any
 
-from ..bodies import Station
-from ..errors import InputError
-from ..given import among
-from ..instance import Instance
-from ..keep_out import crossed
-from ..numbering import Numbering
-from ..station_limits import StationLimits
+from ..common.errors import InputError
+from ..judge.check.zone_crossings import crossed
+from ..plan.station_limits import StationLimits
+from ..problem.bodies import Station
+from ..problem.given import among
+from ..problem.instance import Instance
+from ..problem.numbering import Numbering
 from .deviations import without_service
 from .state import State, as_flown, going_on, put_s
 

@@ -6,17 +6,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from ..cargo import kits_of
-from ..chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
-from ..errors import InputError
-from ..expense import carried_kg
-from ..instance import Instance
-from ..kernels.constants import SLACK_S
-from ..limits import limits_of
-from ..numbering import LEO
-from ..plan import Leg, Plan
-from ..routes import Flown, routes_of
-from ..tow import released_orbit, tows_of
+from ..common.constants import SLACK_S
+from ..common.errors import InputError
+from ..legs.service_limits import limits_of
+from ..plan.cargo import kits_of
+from ..plan.expense import carried_kg
+from ..plan.plan import Leg, Plan
+from ..plan.routes import Flown, routes_of
+from ..plan.tows import released_orbit, tows_of
+from ..problem.chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
+from ..problem.instance import Instance
+from ..problem.numbering import LEO
 from .deviations import (
     AS_PLANNED,
     Deviations,

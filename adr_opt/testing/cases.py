@@ -8,15 +8,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..bodies import Station, Target
-from ..campaign import Problem
-from ..chasers import AtStation, Chaser, InOrbit
-from ..generator import generate
-from ..instance import Instance
-from ..kernels.constants import DAY_S
-from ..mission import Mission
-from ..practice import asking_mission, practice_campaign, practice_mission
-from ..timetable import Timetable
+from ..common.constants import DAY_S
+from ..legs.timetable import Timetable
+from ..mission.campaign import Problem
+from ..mission.problem import Mission
+from ..problem.bodies import Station, Target
+from ..problem.chasers import AtStation, Chaser, InOrbit
+from ..problem.instance import Instance
+from ..run.warm_up import asking_mission, practice_campaign, practice_mission
+from ..sources.generator import generate
 
 BEGINNING, REPEATED, OVER = "start plan", "same seed, same plan", "time over at once"
 """Cases of the way a planner is called; the mission is that of :func:`_field`."""

@@ -6,16 +6,24 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, NamedTuple
 
-from ..campaign import Campaign, Problem
-from ..checking import check
-from ..errors import InputError
-from ..options import read
-from ..planner import Planner, adapted, campaign_form, get, needs_no_table, options_of, takes_start
-from ..practice import Practice, habits
-from ..prepared import FALLBACK, Prepared
-from ..progress import silent
-from ..result import Result
-from ..stop import MaxIterations, MaxRuntime, Stop
+from ..common.errors import InputError
+from ..common.options import read
+from ..common.progress import silent
+from ..common.stop import MaxIterations, MaxRuntime, Stop
+from ..judge.check.verdict import check
+from ..mission.campaign import Campaign, Problem
+from ..mission.result import Result
+from ..run.method_call import FALLBACK, Prepared
+from ..run.methods import (
+    Planner,
+    adapted,
+    campaign_form,
+    get,
+    needs_no_table,
+    options_of,
+    takes_start,
+)
+from ..run.warm_up import Practice, habits
 from .cases import BEGINNING, CASES, OVER, REPEATED, Case
 
 MOST_QUESTIONS = 1000

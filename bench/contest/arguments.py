@@ -7,9 +7,9 @@ import math
 from pathlib import Path
 
 import adr_opt
-from adr_opt.campaign import Problem, problem_of
-from adr_opt.errors import InputError
-from adr_opt.generator import FAMILIES
+from adr_opt.common.errors import InputError
+from adr_opt.mission.campaign import Problem, problem_of
+from adr_opt.sources.generator import FAMILIES
 
 
 def _instances(arguments: argparse.Namespace) -> list[adr_opt.Instance]:

@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 import adr_opt
-from adr_opt.errors import InputError
-from adr_opt.kernels import rules as rule_kernels
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import STATION
-from adr_opt.kernels.timetable import shortest_spacing
+from adr_opt.common.constants import STATION
+from adr_opt.common.errors import InputError
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.rules import rules as rule_kernels
+from adr_opt.kernels.tables.timetable import shortest_spacing
 
 from .promise import Promise, need
 

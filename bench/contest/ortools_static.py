@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from adr_opt.campaign import Problem
-from adr_opt.chasers import AtStation
+from adr_opt.mission.campaign import Problem
+from adr_opt.problem.chasers import AtStation
 
 from .promise import Promise, need
 from .static import one_matrix

@@ -7,7 +7,7 @@ from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from types import ModuleType
 
-from adr_opt.errors import MissingExtra
+from adr_opt.common.errors import MissingExtra
 
 
 def need(package: str) -> ModuleType:

@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from adr_opt.campaign import Problem
-from adr_opt.chasers import AtStation
-from adr_opt.errors import InputError
+from adr_opt.common.errors import InputError
+from adr_opt.mission.campaign import Problem
+from adr_opt.problem.chasers import AtStation
 
 from .promise import Promise, need
 from .static import kinds_of, one_matrix

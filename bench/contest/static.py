@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import adr_opt
-from adr_opt.campaign import Campaign, Kind, Problem
+from adr_opt.mission.campaign import Campaign, Kind, Problem
 
 STATISTICS = ("mean", "quartile", "best", "epoch", "middle")
 """What a matrix is made of."""

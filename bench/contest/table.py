@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import adr_opt
-from adr_opt.campaign import Problem
-from adr_opt.front import method_of
-from adr_opt.mending import as_it_is, mended
-from adr_opt.planner import takes_jobs
-from adr_opt.result import certify_routes
+from adr_opt.mission.campaign import Problem
+from adr_opt.mission.order_repair import as_it_is, mended
+from adr_opt.mission.result import certify_routes
+from adr_opt.run.front import method_of
+from adr_opt.run.methods import takes_jobs
 
 from .didppy_slots import didppy_promise
 from .ortools_static import ortools_promise

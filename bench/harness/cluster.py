@@ -15,7 +15,7 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
-from adr_opt.cluster import client_of, count_of
+from adr_opt.common.cluster import client_of, count_of
 
 from .backend import Broken, Collected, Died, Done, Event, Messages, Told
 from .methods import Method
@@ -31,7 +31,7 @@ class Cluster:
     Parameters
     ----------
     address : str
-        As :func:`adr_opt.cluster.client_of` takes it, and refuses it.
+        As :func:`adr_opt.common.cluster.client_of` takes it, and refuses it.
     """
 
     def __init__(self, address: str) -> None:

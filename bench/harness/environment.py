@@ -10,7 +10,7 @@ from typing import Any
 
 from machine import processor
 
-from adr_opt.result import versions
+from adr_opt.mission.result import versions
 
 
 @cache

@@ -8,10 +8,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from adr_opt.errors import InputError
-from adr_opt.front import method_of
-from adr_opt.options import parsed, read
-from adr_opt.planner import campaign_form, options_of, takes_jobs
+from adr_opt.common.errors import InputError
+from adr_opt.common.options import parsed, read
+from adr_opt.run.front import method_of
+from adr_opt.run.methods import campaign_form, options_of, takes_jobs
 
 DEFAULT_METHODS = "greedy,greedy-guarded,mcts,beam,auto,ortools,ppo"
 """The planners of the published study and those of this project that answer it."""

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn
 
-from adr_opt.errors import InputError
-from adr_opt.front import method_of
-from adr_opt.generator import LARGEST_SEED
-from adr_opt.planner import BOUNDS
+from adr_opt.common.errors import InputError
+from adr_opt.run.front import method_of
+from adr_opt.run.methods import BOUNDS
+from adr_opt.sources.generator import LARGEST_SEED
 
 from .methods import DEFAULT_METHODS, parse_methods
 from .trials import DEFAULT_ZONES, MOST_ITERATIONS, BoundCall, Protocol, parse_suites

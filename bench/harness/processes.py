@@ -9,7 +9,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any
 
-from adr_opt.errors import InputError, MissingExtra
+from adr_opt.common.errors import InputError, MissingExtra
 
 from .backend import Broken, Collected, Died, Done, Event, Messages, Told
 from .channel import Address, Channel, connect

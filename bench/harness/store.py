@@ -14,7 +14,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from adr_opt.errors import InputError
+from adr_opt.common.errors import InputError
 
 from .schema import APPLICATION_ID, BOUND_COLUMNS, FORMAT, NEWER, ROW_COLUMNS, SCHEMA
 from .trials import Protocol, Task, Trial

@@ -6,11 +6,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import adr_opt
-from adr_opt.errors import InputError
-from adr_opt.front import method_of
-from adr_opt.generator import FAMILIES, draw_zones
-from adr_opt.instance import Instance
-from adr_opt.planner import BOUNDS, campaign_form
+from adr_opt.common.errors import InputError
+from adr_opt.problem.instance import Instance
+from adr_opt.run.front import method_of
+from adr_opt.run.methods import BOUNDS, campaign_form
+from adr_opt.sources.generator import FAMILIES, draw_zones
 
 from .methods import Method
 

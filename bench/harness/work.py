@@ -16,15 +16,15 @@ from functools import cache
 from typing import Any
 
 import adr_opt
-from adr_opt import front
-from adr_opt.campaign import Campaign, Problem, problem_of
-from adr_opt.errors import MissingExtra
-from adr_opt.instance import Instance
-from adr_opt.mission import Mission
-from adr_opt.planner import BOUNDS, takes_jobs
-from adr_opt.practice import practice_campaign, practice_mission
-from adr_opt.result import Result
-from adr_opt.tolerance import meets, rounded_down
+from adr_opt.common.errors import MissingExtra
+from adr_opt.common.tolerance import meets, rounded_down
+from adr_opt.mission.campaign import Campaign, Problem, problem_of
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result
+from adr_opt.problem.instance import Instance
+from adr_opt.run import front
+from adr_opt.run.methods import BOUNDS, takes_jobs
+from adr_opt.run.warm_up import practice_campaign, practice_mission
 
 from .environment import environment
 from .methods import Method

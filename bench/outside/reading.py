@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.errors import InputError
-from adr_opt.files import read_text
+from adr_opt.common.errors import InputError
+from adr_opt.common.files import read_text
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -27,7 +27,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from machine import heading
 
-from adr_opt.errors import InputError
+from adr_opt.common.errors import InputError
 from outside.gtoc9 import known as of_gtoc9
 from outside.kttsp import known as of_kttsp
 from outside.odrc import known as of_odrc

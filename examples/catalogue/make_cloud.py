@@ -2,7 +2,7 @@
 
 from random import Random
 
-from adr_opt.catalogue.tle import checksum
+from adr_opt.sources.catalogue.tle import checksum
 
 OBJECTS = 60
 

@@ -6,7 +6,7 @@ as the others, if they are serviced by their deadlines; one has to be serviced w
 """
 
 import adr_opt
-from adr_opt.chasers import AtStation
+from adr_opt.problem.chasers import AtStation
 
 HOUR_S = 3600.0
 

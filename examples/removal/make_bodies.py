@@ -2,7 +2,7 @@
 
 from random import Random
 
-from adr_opt.catalogue.tle import checksum
+from adr_opt.sources.catalogue.tle import checksum
 
 KINDS = (
     ("SL-16", 9, (70.97, 71.03), (14.13, 14.18)),

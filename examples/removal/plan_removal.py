@@ -18,14 +18,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import adr_opt
-from adr_opt import catalogue
-from adr_opt.chasers import TankByMass
-from adr_opt.cli.timeline import by_chaser
-from adr_opt.flight.tanks import tanks_of
-from adr_opt.instance import Instance
-from adr_opt.orbit import Orbit
-from adr_opt.refining.all_legs import refine
-from adr_opt.report import write_report
+from adr_opt.fly.flight.tanks import tanks_of
+from adr_opt.fly.refine.all_legs import refine
+from adr_opt.problem.chasers import TankByMass
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.orbit import Orbit
+from adr_opt.sources import catalogue
+from adr_opt.ui.cli.timeline import by_chaser
+from adr_opt.ui.report import write_report
 
 DAY_S = 86400.0
 MASSES_KG = {"SL-16 R/B": 9000.0, "SL-8 R/B": 1400.0}

@@ -17,9 +17,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import adr_opt
-from adr_opt import catalogue
-from adr_opt.report import write_report
-from adr_opt.wording import status_words
+from adr_opt.common.wording import status_words
+from adr_opt.sources import catalogue
+from adr_opt.ui.report import write_report
 
 DAY_S = 86400.0
 

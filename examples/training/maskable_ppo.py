@@ -18,8 +18,8 @@ from sb3_contrib import MaskablePPO
 from stable_baselines3.common.env_util import make_vec_env
 
 import adr_opt
-from adr_opt.env import ID, MissionEnv
-from adr_opt.result import Result, certify
+from adr_opt.learning.environment import ID, MissionEnv
+from adr_opt.mission.result import Result, certify
 
 Choose = Callable[[dict[str, np.ndarray], np.ndarray], int]
 
@@ -49,7 +49,7 @@ def main() -> None:
     parser.add_argument("--out", help="plan file of the first unseen field")
     asked = parser.parse_args()
 
-    settings = {"fields": adr_opt.env.Fields(asked.family), "pool": asked.pool}
+    settings = {"fields": adr_opt.learning.environment.Fields(asked.family), "pool": asked.pool}
     began = time.perf_counter()
     env = make_vec_env(ID, n_envs=8, seed=asked.seed, env_kwargs=settings)
     env.reset()

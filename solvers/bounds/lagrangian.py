@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from adr_opt.mission import Mission
-from adr_opt.planner import bounds_all_pairs, shows_evidence
-from adr_opt.practice import practises
-from adr_opt.progress import Progress
-from adr_opt.result import Result
-from adr_opt.stop import Stop
+from adr_opt.common.progress import Progress
+from adr_opt.common.stop import Stop
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result
+from adr_opt.run.methods import bounds_all_pairs, shows_evidence
+from adr_opt.run.warm_up import practises
 
-from ..relaxation.proof import ProofOptions, bounded
+from ..proof.proof import ProofOptions, bounded
 
 
 class LagrangianOptions(ProofOptions, method="lagrangian"):
@@ -32,17 +32,17 @@ def lagrangian(
 ) -> Result:
     """No plan is worth more than this.
 
-    Rounds of :class:`solvers.relaxation.proof.Proof`: multipliers, then searches for plans worth a
+    Rounds of :class:`solvers.proof.proof.Proof`: multipliers, then searches for plans worth a
     little less than the bound. If the answer is a plan that meets the bound, it is optimal and is
     returned. Every value on the way is a valid bound and the least is kept; the trivial one is the
     sum of all prizes. Where all prizes are multiples of a step the bound is rounded down to one,
     because the objective is. Where the network of all connections takes too much memory there is a
-    bound all the same (:class:`solvers.relaxation.large.LargeProof`): by least times, then by walks
-    that pay for their ΔV over legs in whole numbers, and no search.
+    bound all the same (:class:`solvers.proof.large_proof.LargeProof`): by least times, then by
+    walks that pay for their ΔV over legs in whole numbers, and no search.
 
     Deterministic but for the time limit. An iteration is one evaluation of the bound, one search,
-    or :data:`solvers.relaxation.routes.EFFORT` labels of a search. Ends by itself when the bound is
-    met, or when it can do no more.
+    or :data:`solvers.labels.label_search.EFFORT` labels of a search. Ends by itself when the bound
+    is met, or when it can do no more.
 
     Parameters
     ----------

@@ -10,19 +10,19 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from ortools.sat.python import cp_model
 
-from adr_opt.kernels import transfer
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.rules import Rules
-from adr_opt.mission import Mission
-from adr_opt.progress import Progress
-from adr_opt.result import Result, certify
-from adr_opt.stop import Stop
+from adr_opt.common.progress import Progress
+from adr_opt.common.stop import Stop
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.legs import co_elliptic
+from adr_opt.kernels.rules.rules import Rules
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result, certify
 
-from ..certificate import Certificate
 from ..models.answer import Hear
 from ..models.cp_sat_run import run
 from ..models.steps import in_steps
-from ..relaxation.needs import bound_notes
+from ..progress.gap import Certificate
+from ..progress.proof_size import bound_notes
 
 STEPS_PER_M_S = 1e3
 STEPS_PER_S = 1e1
@@ -63,8 +63,8 @@ def _least(j, departure, arrival, delta_v, rules):
 @kernel
 def _floor(i, j, leaving, orbits, extra_delta_v, transfer_rule, rules):
     """The same in closed form, for sequences of whatever phase: less, and known at once."""
-    pair = transfer.prepare(leaving[i], orbits[j], extra_delta_v[i, j], transfer_rule)
-    approach = transfer_rule.approach_revolutions * transfer.TWO_PI / pair.rate_j
+    pair = co_elliptic.prepare(leaving[i], orbits[j], extra_delta_v[i, j], transfer_rule)
+    approach = transfer_rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j
     if pair.floor_delta_v > rules.budget:
         return math.inf, math.inf
     return pair.floor_delta_v, pair.shortest + approach + rules.service[j]
@@ -116,7 +116,7 @@ class StaticModel:
     costs : Costs
     worth : (bodies,) int64
         Prizes in steps.
-    rules : adr_opt.kernels.rules.Rules
+    rules : adr_opt.kernels.rules.rules.Rules
     """
 
     def __init__(self, costs: Costs, worth: np.ndarray, rules: Rules) -> None:

@@ -12,19 +12,19 @@ from typing import Protocol
 
 import numpy as np
 
-from adr_opt.kernels.rules import Rules
-from adr_opt.mission import Mission
-from adr_opt.options import MOST_JOBS, Options, option
-from adr_opt.progress import Progress
-from adr_opt.result import Result, certify
-from adr_opt.stop import Stop, TimeIsOver
+from adr_opt.common.options import MOST_JOBS, Options, option
+from adr_opt.common.progress import Progress
+from adr_opt.common.stop import Stop, TimeIsOver
+from adr_opt.kernels.rules.rules import Rules
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result, certify
 
-from ..certificate import Certificate
-from ..relaxation.multipliers import Descent
-from ..relaxation.needs import bound_notes, set_up_s
-from ..relaxation.network import Network as Rows
-from ..relaxation.walks import WalkBound
-from ..search.greedy_order import greedy_sequence
+from ..beams.greedy_order import greedy_sequence
+from ..networks.network import Network as Rows
+from ..progress.gap import Certificate
+from ..progress.proof_size import bound_notes, set_up_s
+from ..walks.multipliers import Descent
+from ..walks.walks import WalkBound
 from .answer import Answer, Hear
 from .network import Network, bodies_along, keep, of_rows, path_of
 from .reduction import best_through, can_reach, finest_slot

@@ -3,7 +3,7 @@
 A node is a body from a departure event on; its legs are all connections that leave from then until
 the next node of the body, and one arc leads there: to wait. Times are exact. Plans are the paths
 from the first node that service no target twice and keep to the ΔV. It is made of the rows of
-:mod:`solvers.relaxation.network`, and what goes on the way belongs to no plan, or to none that the
+:mod:`solvers.networks.network`, and what goes on the way belongs to no plan, or to none that the
 rest has not as good a one for:
 
 - legs beyond the budget, by the least ΔV used since refuelling at the node they leave;
@@ -22,11 +22,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.lists import with_stair
-from adr_opt.kernels.rules import Rules
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.lists import with_stair
+from adr_opt.kernels.rules.rules import Rules
 
-from ..relaxation.network import Network as Rows
+from ..networks.network import Network as Rows
 
 GUARD_M_S = 1e-6
 """Guard of sums of ΔV, which may be rounded in another order: what exceeds the budget by less is
@@ -183,8 +183,8 @@ def all_of(rows: Rows, rules: Rules) -> Network:
 
     Parameters
     ----------
-    rows : solvers.relaxation.network.Network
-    rules : adr_opt.kernels.rules.Rules
+    rows : solvers.networks.network.Network
+    rules : adr_opt.kernels.rules.rules.Rules
     """
     order = np.argsort(rows.departure, kind="stable")
     # What comes before the start in time cannot be reached from it.
@@ -205,8 +205,8 @@ def of_rows(rows: Rows, rules: Rules) -> Network:
 
     Parameters
     ----------
-    rows : solvers.relaxation.network.Network
-    rules : adr_opt.kernels.rules.Rules
+    rows : solvers.networks.network.Network
+    rules : adr_opt.kernels.rules.rules.Rules
     """
     whole = all_of(rows, rules)
     return keep(whole, np.ones(whole.legs, dtype=np.bool_), rules)
@@ -219,7 +219,7 @@ def keep(network: Network, kept: np.ndarray, rules: Rules) -> Network:
     ----------
     network : Network
     kept : (legs,) bool
-    rules : adr_opt.kernels.rules.Rules
+    rules : adr_opt.kernels.rules.rules.Rules
     """
     while True:
         before = network.legs
@@ -276,7 +276,7 @@ def path_of(network: Network, order, rules: Rules) -> list[int]:
     network : Network
     order : iterable of int
         Bodies.
-    rules : adr_opt.kernels.rules.Rules
+    rules : adr_opt.kernels.rules.rules.Rules
     """
     tail, origin, destination = network.tail, network.origin, network.destination
     # Ways to be at a body: node, least ΔV used by then since refuelling, and the leg taken there.

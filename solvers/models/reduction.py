@@ -12,7 +12,7 @@ goes if what comes out is less than a better plan is worth.
 
 Paths do not go back at once to where they come from, unless it is from a station: each state keeps
 the best path and the best one of those that come from another body than it, so that whatever the
-next body is, one of the two may go there (as in :mod:`solvers.relaxation.walks`).
+next body is, one of the two may go there (as in :mod:`solvers.walks.walks`).
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ import math
 
 import numpy as np
 
-from adr_opt.kernels.compile import inlined, kernel
-from adr_opt.kernels.rules import Rules
+from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.rules.rules import Rules
 
-from ..relaxation.buckets import SLACK
+from ..networks.buckets import SLACK
 from .network import Network
 
 MOST_STATES = 10_000_000
@@ -145,7 +145,7 @@ def best_through(
     Parameters
     ----------
     network : Network
-    rules : adr_opt.kernels.rules.Rules
+    rules : adr_opt.kernels.rules.rules.Rules
     multipliers : (bodies,) float64
         At least 0, and 0 where there is no target.
     slot : float

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from adr_opt.tolerance import MOST_STEPS, are_multiples
+from adr_opt.common.tolerance import MOST_STEPS, are_multiples
 
 PARTS = 2**40
 """Sum of all prizes in steps, about, where they are no multiples of the unit."""

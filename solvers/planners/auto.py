@@ -12,28 +12,28 @@ from functools import partial
 
 import numpy as np
 
-from adr_opt.campaign import Campaign
-from adr_opt.mission import Mission
-from adr_opt.options import option
-from adr_opt.planner import bounds_all_pairs, for_campaigns, plans_on_demand, shows_evidence
-from adr_opt.progress import Progress
-from adr_opt.result import Result, certify
-from adr_opt.stop import Stop
+from adr_opt.common.options import option
+from adr_opt.common.progress import Progress
+from adr_opt.common.stop import Stop
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result, certify
+from adr_opt.run.methods import bounds_all_pairs, for_campaigns, plans_on_demand, shows_evidence
 
-from ..campaigns.planner import plan
-from ..certificate import Certificate
-from ..incumbent import Incumbent
-from ..relaxation.beside import LEAST_PROOF_S, LEAST_SET_UPS, Beside
-from ..relaxation.large import LargeProof
-from ..relaxation.latest import Latest
-from ..relaxation.needs import proof_notes
-from ..relaxation.proof import Proof, ProofOptions, proof_of
-from ..search.beams import USUAL, hurried, usual_settings
-from ..search.greedy_order import guarded_sequence
-from ..search.recreate import recreate
-from ..search.strings import Strings
-from ..search.timely_beams import Beams, pilots
-from ..search.varied_beams import varied
+from ..beams.beams import USUAL, hurried, usual_settings
+from ..beams.greedy_order import guarded_sequence
+from ..beams.recreate import recreate
+from ..beams.timely_beams import Beams, pilots
+from ..beams.varied_beams import varied
+from ..orders.string_removal import Strings
+from ..progress.gap import Certificate
+from ..progress.incumbent import Incumbent
+from ..progress.proof_size import proof_notes
+from ..proof.concurrent_proof import LEAST_PROOF_S, LEAST_SET_UPS, Beside
+from ..proof.large_proof import LargeProof
+from ..proof.proof import Proof, ProofOptions, proof_of
+from ..walks.completion_times import Latest
+from .fleet_plan import plan
 
 USUAL_WIDTH = 2000
 """Of the first beam, the one that the planner ``beam`` searches."""
@@ -267,13 +267,13 @@ def auto(
 
     Begins with the guarded greedy plan and the searches of ``beam``, behind which it never falls
     for that reason. Then rounds, each with more effort than the one before: a round of proof
-    (:class:`solvers.relaxation.proof.Proof`: it bounds the objective, and its searches for plans
+    (:class:`solvers.proof.proof.Proof`: it bounds the objective, and its searches for plans
     worth more than the incumbent are exhaustive, so they find what beams miss) side by side with
     wider beams, with ruin-and-recreate and, where planes drift or costs are given, with annealing
     of orders. Ends when the incumbent meets the bound, or when ``stop`` says so. The same seed and
     the same number of iterations (rounds) give the same plan; ``jobs`` does not change it. Where
     orders are annealed and a search has proven nothing, a second order is annealed in most rounds
-    in place of the proof. Of several chasers see :func:`solvers.campaigns.planner.plan`.
+    in place of the proof. Of several chasers see :func:`.fleet_plan.plan`.
 
     Parameters
     ----------

@@ -7,21 +7,21 @@ import os
 import time
 from dataclasses import dataclass, replace
 
-from adr_opt.mission import Mission
-from adr_opt.options import Options, option
-from adr_opt.planner import plans_on_demand
-from adr_opt.progress import Progress
-from adr_opt.result import Result, certify
-from adr_opt.stop import Stop
+from adr_opt.common.options import Options, option
+from adr_opt.common.progress import Progress
+from adr_opt.common.stop import Stop
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result, certify
+from adr_opt.run.methods import plans_on_demand
 
-from ..incumbent import Incumbent
-from ..learned import load_policy
-from ..learned.decoding import Field
-from ..learned.policy_beam import BeamSettings as PolicyBeam
-from ..learned.policy_beam import beam as beam_by_policy
-from ..search.beams import USUAL, BeamSettings, hurried
-from ..search.timely_beams import Beams, pilots
-from ..search.worth import worth_of
+from ..beams.beams import USUAL, BeamSettings, hurried
+from ..beams.exchange_rates import worth_of
+from ..beams.timely_beams import Beams, pilots
+from ..policies import load_policy
+from ..policies.decoding import Field
+from ..policies.policy_beam import BeamSettings as PolicyBeam
+from ..policies.policy_beam import beam as beam_by_policy
+from ..progress.incumbent import Incumbent
 
 
 @dataclass(frozen=True)

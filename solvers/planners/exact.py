@@ -1,6 +1,6 @@
 """The exact method: label setting on exact times with ng-route memory that grows on demand.
 
-A beam finds a plan; :class:`solvers.relaxation.proof.Proof` asks, exhaustively, for a better one.
+A beam finds a plan; :class:`solvers.proof.proof.Proof` asks, exhaustively, for a better one.
 Its searches set labels forwards over the departure events themselves, with exact times and exact
 ΔV, pruned by completion values and by dominance, and remember visited targets only as far as
 earlier walks have shown that they must (decremental state-space relaxation: Righini and Salani
@@ -16,25 +16,25 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from adr_opt.campaign import Campaign
-from adr_opt.mission import Mission
-from adr_opt.options import option
-from adr_opt.planner import bounds_all_pairs, for_campaigns, plans_on_demand, shows_evidence
-from adr_opt.practice import practises
-from adr_opt.progress import Progress, silent
-from adr_opt.result import Result, certify
-from adr_opt.stop import Clock, Stop
+from adr_opt.common.options import option
+from adr_opt.common.progress import Progress, silent
+from adr_opt.common.stop import Clock, Stop
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result, certify
+from adr_opt.run.methods import bounds_all_pairs, for_campaigns, plans_on_demand, shows_evidence
+from adr_opt.run.warm_up import practises
 
-from ..campaigns.planner import plan
-from ..certificate import Certificate
-from ..least_end import prove_end
-from ..relaxation.latest import Latest
-from ..relaxation.needs import proof_notes
-from ..relaxation.proof import MOST_LABELS, ProofOptions, prove, prove_cost
-from ..search.beams import hurried, usual_settings
-from ..search.greedy_order import guarded_sequence
-from ..search.timely_beams import Beams, pilots
-from ..search.varied_beams import varied
+from ..beams.beams import hurried, usual_settings
+from ..beams.greedy_order import guarded_sequence
+from ..beams.timely_beams import Beams, pilots
+from ..beams.varied_beams import varied
+from ..progress.gap import Certificate
+from ..progress.proof_size import proof_notes
+from ..proof.least_end import prove_end
+from ..proof.proof import MOST_LABELS, ProofOptions, prove, prove_cost
+from ..walks.completion_times import Latest
+from .fleet_plan import plan
 
 WIDTH = 2000
 """Of the guided beams that are searched before each round of proof."""

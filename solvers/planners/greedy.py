@@ -10,16 +10,16 @@ from itertools import chain
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.campaign import Campaign, Problem
-from adr_opt.mission import Mission
-from adr_opt.options import Options, option
-from adr_opt.planner import for_campaigns, plans_on_demand
-from adr_opt.progress import Progress
-from adr_opt.result import Result, certify_routes
-from adr_opt.stop import Stop
+from adr_opt.common.options import Options, option
+from adr_opt.common.progress import Progress
+from adr_opt.common.stop import Stop
+from adr_opt.mission.campaign import Campaign, Problem
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result, certify_routes
+from adr_opt.run.methods import for_campaigns, plans_on_demand
 
-from ..campaigns.orders import one_after_another
-from ..search.greedy_order import GUARDED_BETA, greedy_sequence
+from ..beams.greedy_order import GUARDED_BETA, greedy_sequence
+from ..routes.one_chaser import one_after_another
 
 
 @dataclass(frozen=True)

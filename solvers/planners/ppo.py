@@ -9,16 +9,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adr_opt.mission import Mission
-from adr_opt.options import MOST_JOBS, Options, option
-from adr_opt.progress import Progress
-from adr_opt.result import Result, certify
-from adr_opt.stop import Stop
+from adr_opt.common.options import MOST_JOBS, Options, option
+from adr_opt.common.progress import Progress
+from adr_opt.common.stop import Stop
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result, certify
 
-from ..incumbent import Incumbent
-from ..learned import SHIPPED, load_policy
-from ..learned.decoding import Field, chunks, gumbel, play
-from ..learned.policy_beam import BeamSettings, beam
+from ..policies import SHIPPED, load_policy
+from ..policies.decoding import Field, chunks, gumbel, play
+from ..policies.policy_beam import BeamSettings, beam
+from ..progress.incumbent import Incumbent
 
 PUNCTUAL = 0.9
 """Share of the time left that a beam may be planned to take."""

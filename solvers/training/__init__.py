@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from adr_opt.errors import MissingExtra
+from adr_opt.common.errors import MissingExtra
 
 if TYPE_CHECKING:
     from .policies import SetPolicy
@@ -31,7 +31,7 @@ def _need(who: str) -> None:
 
 
 def _training_of(name: str) -> Callable[..., None]:
-    """The training of a configuration of :mod:`solvers.training.configs`."""
+    """The training of a configuration of :mod:`.configs`."""
 
     def train(folder: Path, **options: Any) -> None:
         _need("train")
@@ -40,7 +40,9 @@ def _training_of(name: str) -> Callable[..., None]:
 
         run(configs.config(name), folder, **options)
 
-    train.__doc__ = f"Train the configuration {name!r}; see :class:`adr_opt.trainer.Trainer`."
+    train.__doc__ = (
+        f"Train the configuration {name!r}; see :class:`adr_opt.learning.trainer.Trainer`."
+    )
     return train
 
 
@@ -64,9 +66,10 @@ def write_policy(
     Parameters
     ----------
     model : PPO or MaskablePPO
-        Of Stable-Baselines3 or sb3-contrib, trained on an environment of :mod:`adr_opt.env` with
-        ``SetPolicy``, or with ``"MlpPolicy"`` on the observation ``published``. Reading one from
-        its own file, as ``MaskablePPO.load`` does, runs code that is in it.
+        Of Stable-Baselines3 or sb3-contrib, trained on an environment of
+        :mod:`adr_opt.learning.environment` with ``SetPolicy``, or with ``"MlpPolicy"`` on the
+        observation ``published``. Reading one from its own file, as ``MaskablePPO.load`` does, runs
+        code that is in it.
     path : path
         The ONNX file to write, whole or not at all.
     name : str

@@ -17,8 +17,8 @@ from safetensors.torch import save
 from stable_baselines3.common.base_class import BaseAlgorithm
 from torch import Tensor
 
-from adr_opt.errors import InputError
-from adr_opt.files import write_bytes
+from adr_opt.common.errors import InputError
+from adr_opt.common.files import write_bytes
 
 OPTIMIZER = "optimizer."
 """Begin of the names of what Adam remembers: number of the parameter and name of the moment."""

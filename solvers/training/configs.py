@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from adr_opt.env.fields import PUBLISHED, VARIED, Fields
-from adr_opt.errors import InputError
+from adr_opt.common.errors import InputError
+from adr_opt.learning.environment.fields import PUBLISHED, VARIED, Fields
 
 
 @dataclass(frozen=True)
@@ -17,16 +17,16 @@ class Config:
     ----------
     name, summary : str
     policy : {"set", "mlp"}
-        Network: :class:`solvers.training.network.SetNetwork` or Stable-Baselines3's multilayer
+        Network: :class:`.network.SetNetwork` or Stable-Baselines3's multilayer
         perceptron.
     observation : str
-        One of :data:`adr_opt.episodes.OBSERVATIONS`.
+        One of :data:`adr_opt.learning.episodes.OBSERVATIONS`.
     fields : Fields
         What is trained on.
     steps : int
         Environment steps of the whole training.
     missions, slots, refresh_every
-        Of the :class:`adr_opt.env.MissionVecEnv`.
+        Of the :class:`adr_opt.learning.environment.MissionVecEnv`.
     rollout : int
         Steps of each mission between two updates.
     batch, epochs, learning_rate, gamma, gae_lambda, clip, entropy, value_weight, gradient_norm

@@ -12,12 +12,12 @@ import onnx
 import torch
 from torch import nn
 
-from adr_opt.episodes.board import MISSION, MOVES, move_fields, published_size
-from adr_opt.files import write_bytes
-from adr_opt.kernels.observation import MISSION_FIELDS
+from adr_opt.common.files import write_bytes
+from adr_opt.kernels.episodes.observation import MISSION_FIELDS
+from adr_opt.learning.episodes.board import MISSION, MOVES, move_fields, published_size
 
-from ..learned.policy import FORMAT, field_names
-from ..learned.screening import OPSET
+from ..policies.policy import FORMAT, field_names
+from ..policies.screening import OPSET
 
 
 class _Flat(nn.Module):

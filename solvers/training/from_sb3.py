@@ -10,12 +10,12 @@ from typing import Any
 from gymnasium import spaces
 from stable_baselines3.common.torch_layers import FlattenExtractor
 
-from adr_opt.episodes import OBSERVATIONS
-from adr_opt.episodes.board import MISSION, MOVES, move_fields, published_size
-from adr_opt.errors import InputError
-from adr_opt.files import check_writable, write_bytes
+from adr_opt.common.errors import InputError
+from adr_opt.common.files import check_writable, write_bytes
+from adr_opt.learning.episodes import OBSERVATIONS
+from adr_opt.learning.episodes.board import MISSION, MOVES, move_fields, published_size
 
-from ..learned.policy import load_policy
+from ..policies.policy import load_policy
 from .export import write_onnx
 
 PACKAGES = ("torch", "stable_baselines3", "sb3_contrib")
@@ -24,7 +24,7 @@ PACKAGES = ("torch", "stable_baselines3", "sb3_contrib")
 def write_policy(
     model: Any, path: Path, name: str, dynamics: str, facts: dict[str, Any] | None
 ) -> None:
-    """See :func:`solvers.training.write_policy`."""
+    """See :func:`.write_policy`."""
     check_writable(path)
     observation, targets = _seen(model.observation_space)
     policy = model.policy
@@ -84,6 +84,6 @@ def _seen(space: Any) -> tuple[str, int | None]:
         if targets > 0 and published_size(targets) == space.shape[0]:
             return "published", targets
     raise InputError(
-        "the model was trained on other observations than those of adr_opt.env; train it on one of "
-        f"them: {', '.join(OBSERVATIONS)}"
+        "the model was trained on other observations than those of "
+        f"adr_opt.learning.environment; train it on one of them: {', '.join(OBSERVATIONS)}"
     )

@@ -10,8 +10,8 @@ from __future__ import annotations
 import torch
 from torch import Tensor, nn
 
-from adr_opt.kernels.lookahead import CHAIN_FIELDS, LEAD, PROMISE
-from adr_opt.kernels.observation import IS_OPEN, IS_STATION, MISSION_FIELDS, MOVE_FIELDS
+from adr_opt.kernels.episodes.lookahead import CHAIN_FIELDS, LEAD, PROMISE
+from adr_opt.kernels.episodes.observation import IS_OPEN, IS_STATION, MISSION_FIELDS, MOVE_FIELDS
 
 
 class SetNetwork(nn.Module):

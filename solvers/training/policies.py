@@ -13,7 +13,7 @@ from sb3_contrib.common.maskable.policies import MaskableActorCriticPolicy
 from stable_baselines3.common.torch_layers import FlattenExtractor
 from torch import Tensor
 
-from adr_opt.episodes.board import MISSION, MOVES
+from adr_opt.learning.episodes.board import MISSION, MOVES
 
 from .network import SetNetwork
 

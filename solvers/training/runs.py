@@ -17,8 +17,8 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from adr_opt.errors import InputError
-from adr_opt.files import write_text
+from adr_opt.common.errors import InputError
+from adr_opt.common.files import write_text
 
 from .checkpoints import read_state
 from .configs import Config
@@ -105,7 +105,7 @@ class Run:
 
     @property
     def checkpoint(self) -> Path:
-        """The last checkpoint, for resuming only; see :mod:`solvers.training.checkpoints`."""
+        """The last checkpoint, for resuming only; see :mod:`.checkpoints`."""
         return self.folder / "checkpoint.safetensors"
 
     @property

@@ -19,10 +19,10 @@ from sb3_contrib import MaskablePPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import configure
 
-from adr_opt.env.vector import MissionVecEnv
-from adr_opt.errors import InputError
-from adr_opt.files import write_bytes
-from adr_opt.trainer import Report
+from adr_opt.common.errors import InputError
+from adr_opt.common.files import write_bytes
+from adr_opt.learning.environment.vector import MissionVecEnv
+from adr_opt.learning.trainer import Report
 
 from .checkpoints import read_checkpoint, write_checkpoint
 from .configs import Config
@@ -191,7 +191,7 @@ def train(
     enough: Callable[[], bool],
     report: Report,
 ) -> None:
-    """Train a configuration; see :class:`adr_opt.trainer.Trainer` for the parameters."""
+    """Train a configuration; see :class:`adr_opt.learning.trainer.Trainer` for the parameters."""
     if device != "cpu" and not torch.cuda.is_available():
         raise InputError(f"device {device!r}: PyTorch finds no such device here; use cpu")
     config = replace(config, steps=config.steps if steps is None else steps)

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from ...chasers import TankByMass
-from ...errors import InputError
-from ...instance import Instance
-from ...kernels.constants import DAY_S
+from ...common.constants import DAY_S
+from ...common.errors import InputError
+from ...problem.chasers import TankByMass
+from ...problem.instance import Instance
 
 MOST_POINTS = 10_000
 """More points than this are a typing error."""

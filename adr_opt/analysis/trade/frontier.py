@@ -19,13 +19,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ...campaign import Problem, problem_of
-from ...errors import InputError
-from ...files import write_text
-from ...front import solve
-from ...instance import Instance
-from ...kernels.constants import DAY_S
-from ...stop import Stop
+from ...common.constants import DAY_S
+from ...common.errors import InputError
+from ...common.files import write_text
+from ...common.stop import Stop
+from ...mission.campaign import Problem, problem_of
+from ...problem.instance import Instance
+from ...run.front import solve
 from .axes import tanks_of
 from .points import Point, Routes, Tradeoff
 from .shared import Shared, variant

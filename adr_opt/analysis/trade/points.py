@@ -11,9 +11,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
-from ...instance import Instance
-from ...showing.card import Card, Shown
-from ...tolerance import meets, tolerance
+from ...common.card import Card, Shown
+from ...common.tolerance import meets, tolerance
+from ...problem.instance import Instance
 from .axes import Axis, Limits
 
 Routes = tuple[tuple[str, ...], ...]
@@ -59,7 +59,7 @@ class Point(Shown):
     propellant_kg: float | None = None
 
     def _card(self) -> Card:
-        from ...showing.of_analysis import of_point
+        from ...ui.cards.of_analysis import of_point
 
         return of_point(self)
 
@@ -142,7 +142,7 @@ class Tradeoff(Shown):
     cpu_s: float = field(default=0.0, compare=False)
 
     def _card(self) -> Card:
-        from ...showing.of_analysis import of_tradeoff
+        from ...ui.cards.of_analysis import of_tradeoff
 
         return of_tradeoff(self)
 

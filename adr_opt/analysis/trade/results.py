@@ -15,8 +15,8 @@ import os
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError
-from ...files import write_text
+from ...common.errors import InputError
+from ...common.files import write_text
 from .points import Point, Routes, Tradeoff
 
 COLUMNS = (

@@ -11,13 +11,13 @@ from collections.abc import Callable, Collection, Iterable
 from dataclasses import replace
 from itertools import chain
 
-from ...campaign import Problem
-from ...checking import check
-from ...errors import InputError
-from ...expense import cost_of_routes
-from ...pairs import neighbours
-from ...plan import MODEL, InstanceReference, Plan, Route, Unvisited
-from ...pricing import legs
+from ...common.errors import InputError
+from ...judge.check.verdict import check
+from ...legs.nearest_pairs import neighbours
+from ...mission.build_legs import legs
+from ...mission.campaign import Problem
+from ...plan.expense import cost_of_routes
+from ...plan.plan import MODEL, InstanceReference, Plan, Route, Unvisited
 from .axes import Limits
 from .points import Board, Impossible, Point
 

@@ -11,15 +11,15 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from ...campaign import Problem
-from ...cluster import Calls, Pool, Workers
-from ...errors import InputError
-from ...front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, solve
-from ...instance import Instance
-from ...planner import PLANNERS, campaign_form, get, takes_jobs, takes_start
-from ...prepared import form_for, method_of
-from ...stop import MaxRuntime, Stop
-from ...tolerance import meets
+from ...common.cluster import Calls, Pool, Workers
+from ...common.errors import InputError
+from ...common.stop import MaxRuntime, Stop
+from ...common.tolerance import meets
+from ...mission.campaign import Problem
+from ...problem.instance import Instance
+from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, solve
+from ...run.method_call import form_for, method_of
+from ...run.methods import PLANNERS, campaign_form, get, takes_jobs, takes_start
 from .axes import Axis, Limits, Tanks, grid, tanks_of
 from .points import Board, Impossible, Point, Tradeoff
 from .results import ResultsFile
@@ -106,7 +106,7 @@ def tradeoff(
         happens in this process.
     cluster : str, optional
         Address of a Dask scheduler whose workers make the runs instead, as
-        :func:`adr_opt.cluster.client_of` takes it.
+        :func:`adr_opt.common.cluster.client_of` takes it.
     path : path, optional
         File of the results, see :mod:`.results`: what is in it is not run again.
     stop : Stop, optional

@@ -3,9 +3,9 @@
 Tanks have no part in the timetable of two-body motion: missions that differ in them share it as it
 is, whatever an hour is worth. Connections of a shorter mission are those of a longer one that
 arrive in time, exactly, since none is dominated by one that arrives later
-(:meth:`adr_opt.connections.Connecting.shortened`); only the choice among them is made anew. Where
-planes drift a larger tank may leave out what a smaller one needs: a connection that saves less
-than the resolution against one that only the larger tank can pay. So there each tank has
+(:meth:`adr_opt.legs.connections.Connecting.shortened`); only the choice among them is made anew.
+Where planes drift a larger tank may leave out what a smaller one needs: a connection that saves
+less than the resolution against one that only the larger tank can pay. So there each tank has
 connections of its own.
 """
 
@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import math
 
-from ...campaign import Problem, problem_of
-from ...connections import Connecting
-from ...instance import Instance
+from ...legs.connections import Connecting
+from ...mission.campaign import Problem, problem_of
+from ...problem.instance import Instance
 from .axes import IN_DELTA_V, Limits, Tanks, counts_masses
 
 

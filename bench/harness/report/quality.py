@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from adr_opt.files import write_text
+from adr_opt.common.files import write_text
 
 from .charts import COLOURS, SYMBOLS, Spec, colour
 from .model import Section

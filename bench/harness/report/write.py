@@ -9,8 +9,8 @@ from dataclasses import asdict, fields
 from importlib.util import find_spec
 from pathlib import Path
 
-from adr_opt.errors import InputError, MissingExtra
-from adr_opt.files import write_text
+from adr_opt.common.errors import InputError, MissingExtra
+from adr_opt.common.files import write_text
 
 from ..store import Store
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from adr_opt.errors import InputError
+from adr_opt.common.errors import InputError
 
 from ..reading import floats_of, read_object, sequence_of
 

@@ -1,8 +1,8 @@
 r"""Below what no leg lies whose arrivals fall into two cells of time: proven, not sampled.
 
 The estimate splits what is left to do on arrival, v, into a change b₁ made at departure and
-b₂ = v − M b₁ (:mod:`adr_opt.kernels.drift`), and costs √(|b₁|² + E²) + √(|b₂|² + E²). For every
-vector y and s₁, s₂ ≥ 0 with
+b₂ = v − M b₁ (:mod:`adr_opt.kernels.legs.drift`), and costs √(|b₁|² + E²) + √(|b₂|² + E²). For
+every vector y and s₁, s₂ ≥ 0 with
 
     |y|² + s₂² ≤ 1    and    |Mᵀy|² + s₁² ≤ 1
 
@@ -32,10 +32,10 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.kernels import drift_linear as drift
-from adr_opt.kernels import orbits
-from adr_opt.kernels.compile import inlined, kernel
-from adr_opt.kernels.constants import DAY_S, OBLATENESS_M2
+from adr_opt.common.constants import DAY_S, OBLATENESS_M2
+from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.legs import drift_linear as drift
+from adr_opt.kernels.orbits import ephemeris
 
 from ..reading import FloatArray
 from .estimate import LIMITS_M
@@ -64,7 +64,7 @@ def least_shape(pair, begin, end):
         angle = 0.0
     else:
         angle = low if abs(math.sin(0.5 * low)) < abs(math.sin(0.5 * high)) else high
-    return 0.25 * pair.speed * orbits.chord(pair.eccentricity_i, pair.eccentricity_j, angle)
+    return 0.25 * pair.speed * ephemeris.chord(pair.eccentricity_i, pair.eccentricity_j, angle)
 
 
 @inlined

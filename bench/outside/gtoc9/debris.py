@@ -1,4 +1,4 @@
-"""The debris, as rows of the ephemeris of :mod:`adr_opt.kernels.orbits`."""
+"""The debris, as rows of the ephemeris of :mod:`adr_opt.kernels.orbits.ephemeris`."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from adr_opt.errors import InputError
-from adr_opt.kernels import orbits
-from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
+from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
+from adr_opt.common.errors import InputError
+from adr_opt.kernels.orbits import ephemeris
 
 from ..reading import FloatArray, filled_lines, numbers_of
 
@@ -24,7 +24,7 @@ def read_debris(path: Path) -> FloatArray:
     Returns
     -------
     (debris, columns) float64
-        Rows of :data:`adr_opt.kernels.orbits.ORBIT_COLUMNS`, angles at MJD2000 0.
+        Rows of :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`, angles at MJD2000 0.
     """
     rows = []
     for number, line in filled_lines(path):
@@ -46,7 +46,9 @@ def read_debris(path: Path) -> FloatArray:
 def _row(record: FloatArray) -> FloatArray:
     """A debris as a row of ORBIT_COLUMNS."""
     _, epoch, axis, eccentricity, inclination, raan, perigee, anomaly = record
-    node, turning, advancing = orbits.secular_rates(axis, eccentricity, inclination, OBLATENESS_M2)
+    node, turning, advancing = ephemeris.secular_rates(
+        axis, eccentricity, inclination, OBLATENESS_M2
+    )
     gone = epoch * DAY_S
     return np.array(
         [

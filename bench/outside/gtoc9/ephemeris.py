@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from adr_opt.kernels import orbits
-from adr_opt.kernels.constants import DAY_S, MU_M3_S2, OBLATENESS_M2
+from adr_opt.common.constants import DAY_S, MU_M3_S2, OBLATENESS_M2
+from adr_opt.kernels.orbits import ephemeris
 
 from ..reading import FloatArray, filled_lines, numbers_of
 
@@ -38,7 +38,7 @@ class Debris:
     def state(self, time_s: float) -> FloatArray:
         """Inertial position and velocity at a time since MJD2000 0, shape (6,) [m, m/s]."""
         gone = time_s - self.epoch_d * DAY_S
-        node, turning, _ = orbits.secular_rates(
+        node, turning, _ = ephemeris.secular_rates(
             self.axis, self.eccentricity, self.inclination, OBLATENESS_M2
         )
         mean = self.anomaly + math.sqrt(MU_M3_S2 / self.axis**3) * gone
@@ -48,7 +48,7 @@ class Debris:
             centric -= change
             if abs(change) < 1e-14:
                 break
-        ascending, ahead, _ = orbits.frame(self.inclination, self.raan + node * gone)
+        ascending, ahead, _ = ephemeris.frame(self.inclination, self.raan + node * gone)
         perigee = self.perigee + turning * gone
         along = math.cos(perigee) * ascending + math.sin(perigee) * ahead
         across = -math.sin(perigee) * ascending + math.cos(perigee) * ahead

@@ -1,7 +1,8 @@
 """The ΔV of legs of GTOC9 by the closed form of long transfers, and tables of it.
 
-What planning is done with: :mod:`adr_opt.kernels.drift` (MODEL section 3) between mean orbits with
-secular J2 rates. No phase and no flight: J of this estimate and J of a flown plan are two figures.
+What planning is done with: :mod:`adr_opt.kernels.legs.drift` (MODEL section 3) between mean orbits
+with secular J2 rates. No phase and no flight: J of this estimate and J of a flown plan are two
+figures.
 """
 
 from __future__ import annotations
@@ -10,9 +11,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from adr_opt.kernels import drift_linear as drift
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
+from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.legs import drift_linear as drift
 
 from ..reading import FloatArray
 from .campaign import Removals

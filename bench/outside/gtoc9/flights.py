@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from adr_opt.errors import InputError
-from adr_opt.kernels.constants import DAY_S
-from adr_opt.refining.leg import NoWay
+from adr_opt.common.constants import DAY_S
+from adr_opt.common.errors import InputError
+from adr_opt.fly.refine.leg import NoWay
 
 from ..reading import FloatArray
 from .campaign import Removals, Stop, read_campaign

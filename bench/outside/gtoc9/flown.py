@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from adr_opt.errors import InputError
+from adr_opt.common.errors import InputError
 
 from ..reading import FloatArray, floats_of, read_object, sequence_of
 from .campaign import Removals, Stop

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adr_opt.kernels.constants import DAY_S
-from adr_opt.refining.least import fewest
-from adr_opt.refining.leg import Course, Flown, NoWay, fly, residual
+from adr_opt.common.constants import DAY_S
+from adr_opt.fly.refine.least import fewest
+from adr_opt.fly.refine.leg import Course, Flown, NoWay, fly, residual
 
 from ..reading import FloatArray
 from .ephemeris import Debris

@@ -18,10 +18,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels import coast, equinoctial
-from adr_opt.kernels.gravity import FIELDS
-from adr_opt.refining.least import least_impulses
-from adr_opt.refining.leg import Course, NoWay, fly
+from adr_opt.fly.refine.least import least_impulses
+from adr_opt.fly.refine.leg import Course, NoWay, fly
+from adr_opt.kernels.orbits import coast, equinoctial
+from adr_opt.kernels.orbits.gravity import FIELDS
 
 from ..reading import FloatArray
 

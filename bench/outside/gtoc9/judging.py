@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import DAY_S, MU_M3_S2, OBLATENESS_M2
+from adr_opt.common.constants import DAY_S, MU_M3_S2, OBLATENESS_M2
+from adr_opt.kernels.core.compile import kernel
 
 from ..reading import FloatArray
 from .ephemeris import Debris

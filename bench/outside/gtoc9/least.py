@@ -12,8 +12,8 @@ import math
 import time
 from dataclasses import dataclass
 
-from solvers.campaigns.tours.bound import Bounding, Tangent, bound, memories, neighbourhoods
-from solvers.campaigns.tours.costs import Grid
+from solvers.tours.bound import Bounding, Tangent, bound, memories, neighbourhoods
+from solvers.tours.costs import Grid
 
 from ..reading import FloatArray
 from .cells import cells

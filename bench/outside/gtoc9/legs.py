@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import minimize
 
-from adr_opt.kernels import drift, drift_linear, drift_pair
-from adr_opt.kernels.constants import DAY_S, OBLATENESS_M2
-from adr_opt.kernels.transfer import TransferRule
+from adr_opt.common.constants import DAY_S, OBLATENESS_M2
+from adr_opt.kernels.legs import drift, drift_linear, drift_pair
+from adr_opt.kernels.legs.co_elliptic import TransferRule
 
 from .campaign import FILE, read_campaign
 from .debris import FILE as DEBRIS

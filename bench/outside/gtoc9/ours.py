@@ -8,8 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from solvers.campaigns.tours.costs import Expense, Grid
-from solvers.campaigns.tours.planner import Annealing, Tour, plan
+from solvers.tours.costs import Expense, Grid
+from solvers.tours.planner import Annealing, Tour, plan
 
 from ..reading import FloatArray
 from .campaign import Removals

@@ -18,10 +18,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels import drift_linear as drift
-from adr_opt.kernels import orbits
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import DAY_S, MU_M3_S2, OBLATENESS_M2
+from adr_opt.common.constants import DAY_S, MU_M3_S2, OBLATENESS_M2
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.legs import drift_linear as drift
+from adr_opt.kernels.orbits import ephemeris
 
 from .ephemeris import Debris
 
@@ -50,7 +50,7 @@ def latitude_of(debris: Debris) -> Latitude:
     """The mean arguments of latitude of a debris and of who leaves it."""
     axis, gone = debris.axis, debris.epoch_d * DAY_S
     motion = math.sqrt(MU_M3_S2 / axis**3)
-    _, perigee, anomaly = orbits.secular_rates(
+    _, perigee, anomaly = ephemeris.secular_rates(
         axis, debris.eccentricity, debris.inclination, OBLATENESS_M2
     )
     rate = motion + perigee

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.kernels import drift_linear as drift
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import DAY_S, OBLATENESS_M2
+from adr_opt.common.constants import DAY_S, OBLATENESS_M2
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.legs import drift_linear as drift
 
 from ..reading import FloatArray
 from .estimate import LIMITS_M

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from adr_opt.kernels.compile import inlined, kernel
+from adr_opt.kernels.core.compile import inlined, kernel
 
 from . import kepler, lambert
 from .costs import REVOLUTIONS

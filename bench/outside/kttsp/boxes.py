@@ -24,7 +24,7 @@ Nothing is sampled. All comparisons give way by ``SLACK``, which is far above ro
 
 import math
 
-from adr_opt.kernels.compile import inlined, kernel
+from adr_opt.kernels.core.compile import inlined, kernel
 
 from . import kepler, lambert
 from .costs import REVOLUTIONS

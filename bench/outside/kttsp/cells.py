@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.core.compile import kernel
 
 from .boxes import possible
 from .spans import spans

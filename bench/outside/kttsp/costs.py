@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.constants import DAY_S
+from adr_opt.common.constants import DAY_S
+from adr_opt.kernels.core.compile import kernel
 
 from . import kepler, lambert
 from .reading import Problem

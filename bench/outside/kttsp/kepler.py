@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.core.compile import kernel
 
 MU_MOON_M3_S2 = 4.9048695e12
 """As in ESA's utilities [m³/s²]."""

@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from adr_opt.kernels.compile import inlined, kernel
+from adr_opt.kernels.core.compile import inlined, kernel
 
 SERIES = 1e-2
 """Nearer to x = 1 than this the flight is taken from a series; the rest loses digits there."""

@@ -2,7 +2,7 @@
 
 How early a target can be reached from another one, by when one is ready there, is tabulated for all
 pairs on a grid of times, and the tour that ends earliest on these tables found by all states
-(:mod:`solvers.search.earliest`). Flown in continuous time it ends at some time, and only pairs and
+(:mod:`solvers.tours.earliest`). Flown in continuous time it ends at some time, and only pairs and
 times that matter to tours which end little later are tabulated once more, finer, stage by stage.
 """
 
@@ -17,10 +17,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.errors import InputError
-from adr_opt.kernels.constants import DAY_S
-from solvers.search.earliest import Arrivals, Found, arrivals_of, earliest_tour, near_of
-from solvers.search.earliest_live import wanted_by
+from adr_opt.common.constants import DAY_S
+from adr_opt.common.errors import InputError
+from solvers.tours.earliest import Arrivals, Found, arrivals_of, earliest_tour, near_of
+from solvers.tours.earliest_arrivals import wanted_by
 
 from .arrivals import earliest, earliest_from
 from .reading import Problem, Tour

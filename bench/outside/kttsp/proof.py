@@ -2,7 +2,7 @@
 
 A time at which somebody may be ready lies in a cell of departures, and no leg that leaves in it or
 later arrives before a time that :mod:`.cells` proves for continuous departures and flights. The
-least duration over all tours with such arrivals (:mod:`solvers.search.earliest`, which keeps all
+least duration over all tours with such arrivals (:mod:`solvers.tours.earliest`, which keeps all
 states) is at most that of every real one. Cells that matter to tours which would be shorter than a
 known one are then looked at in ever smaller parts, and where that is slow, those that the earliest
 tour itself needs in far smaller ones: what stands in the way is mostly one leg that costs hardly
@@ -22,10 +22,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.errors import InputError
-from adr_opt.kernels.constants import DAY_S
-from solvers.search.earliest import Arrivals, Found, earliest_tour, near_of
-from solvers.search.earliest_live import wanted_by
+from adr_opt.common.constants import DAY_S
+from adr_opt.common.errors import InputError
+from solvers.tours.earliest import Arrivals, Found, earliest_tour, near_of
+from solvers.tours.earliest_arrivals import wanted_by
 
 from ..reading import FloatArray
 from . import boxes, cells, costs, kepler, lambert, spans

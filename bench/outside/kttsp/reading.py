@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.errors import InputError
-from adr_opt.files import read_text
+from adr_opt.common.errors import InputError
+from adr_opt.common.files import read_text
 
 from ..reading import FloatArray, filled_lines, numbers_of
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from adr_opt.errors import InputError
+from adr_opt.common.errors import InputError
 
 from ..reading import FloatArray, filled_lines, numbers_of
 

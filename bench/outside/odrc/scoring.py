@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels.constants import DAY_S
+from adr_opt.common.constants import DAY_S
 
 from ..reading import FloatArray
 from .estimate import matrices

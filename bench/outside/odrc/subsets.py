@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.core.compile import kernel
 
 from ..reading import FloatArray
 from .estimate import matrices

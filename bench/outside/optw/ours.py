@@ -27,12 +27,12 @@ from typing import NamedTuple
 import numpy as np
 
 import adr_opt
-from adr_opt.bodies import Station, Target
-from adr_opt.chasers import AtStation, Chaser, Tank
-from adr_opt.errors import InputError
-from adr_opt.given import Given, of_rows
-from adr_opt.instance import Instance
-from adr_opt.settings import GivenFile, MissionSettings, TransferSettings
+from adr_opt.common.errors import InputError
+from adr_opt.problem.bodies import Station, Target
+from adr_opt.problem.chasers import AtStation, Chaser, Tank
+from adr_opt.problem.given import Given, of_rows
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.settings import GivenFile, MissionSettings, TransferSettings
 
 from ..reading import FloatArray
 from .reading import FIRST_MS, SLOT_MS, Places

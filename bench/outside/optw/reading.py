@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.errors import InputError
-from adr_opt.files import read_text
+from adr_opt.common.errors import InputError
+from adr_opt.common.files import read_text
 
 from ..reading import FloatArray, filled_lines, numbers_of
 

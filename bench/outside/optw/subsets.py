@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from adr_opt.errors import InputError
-from adr_opt.kernels.compile import kernel
+from adr_opt.common.errors import InputError
+from adr_opt.kernels.core.compile import kernel
 
 from ..reading import FloatArray
 from .reading import FIRST_MS, SLOT_MS, Places

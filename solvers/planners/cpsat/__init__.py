@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from adr_opt.mission import Mission
-from adr_opt.practice import practises
-from adr_opt.progress import Progress
-from adr_opt.result import Result
-from adr_opt.stop import Stop
+from adr_opt.common.progress import Progress
+from adr_opt.common.stop import Stop
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result
+from adr_opt.run.warm_up import practises
 
 from ...models.course import ModelOptions, prove
 from .model import Model

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ortools.sat.python import cp_model
 
-from adr_opt.kernels.rules import Rules
+from adr_opt.kernels.rules.rules import Rules
 
 from ...models.network import Network
 from .variables import Variables
@@ -19,7 +19,7 @@ class Constraints:
         Gets the constraints.
     network : Network
     variables : Variables
-    rules : adr_opt.kernels.rules.Rules
+    rules : adr_opt.kernels.rules.rules.Rules
     cost : list of int
         ΔV of each leg, in steps.
     steps : int

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from ortools.sat.python import cp_model
 
-from adr_opt.kernels.rules import Rules
+from adr_opt.kernels.rules.rules import Rules
 
 from ...models.answer import Answer, Hear
 from ...models.cp_sat_run import run
@@ -28,7 +28,7 @@ class Model:
     Parameters
     ----------
     network : Network
-    rules : adr_opt.kernels.rules.Rules
+    rules : adr_opt.kernels.rules.rules.Rules
     unit : float
         The objective is counted in multiples of this.
     start : list of int

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from ortools.sat.python import cp_model
 
-from adr_opt.kernels.rules import Rules
+from adr_opt.kernels.rules.rules import Rules
 
 from ...models.network import Network
 
@@ -18,7 +18,7 @@ class Variables:
     block : CpModel
         Gets the variables.
     network : Network
-    rules : adr_opt.kernels.rules.Rules
+    rules : adr_opt.kernels.rules.rules.Rules
     steps : int
         Whole steps of ΔV in the budget.
 

@@ -3,8 +3,8 @@
 Two ways to change it take turns. *Annealing* swaps, replaces, relocates, reverses, inserts and
 removes targets one move at a time; *ruin and recreate* keeps a beginning of the best plan and
 builds a new end for it by a narrow noisy beam. Refuelling stops are not moved but solved for, see
-:mod:`solvers.search.orders`. Every candidate is timed exactly, from the first change on, and given
-up as soon as it cannot be accepted.
+:mod:`solvers.orders.timed_order`. Every candidate is timed exactly, from the first change on, and
+given up as soon as it cannot be accepted.
 
 The package ``alns``, given operators of the same kernels, finds plans as good in the same time
 (``bench/local_search.py``): the kernels do the work, not the loop. So the loop here stays, and the

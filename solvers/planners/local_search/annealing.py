@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.memory import borrowed, write
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.memory import borrowed, write
 
-from ...search.orders import Labels, time_order, with_refuelling
+from ...orders.timed_order import Labels, time_order, with_refuelling
 from . import moves
 
 PATIENCE_S = 4000.0

@@ -8,7 +8,7 @@ the timing decides whether a plan comes of it.
 
 from __future__ import annotations
 
-from adr_opt.kernels.compile import kernel
+from adr_opt.kernels.core.compile import kernel
 
 SWAP, REPLACE, RELOCATE, REVERSE, INSERT, REMOVE, SUBSTITUTE = range(7)
 NAMES = ("swap", "replace", "relocate", "reverse", "insert", "remove", "substitute")

@@ -9,17 +9,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adr_opt.mission import Mission
-from adr_opt.options import Options, option
-from adr_opt.progress import Progress
-from adr_opt.result import Result, certify
-from adr_opt.stop import Stop
+from adr_opt.common.options import Options, option
+from adr_opt.common.progress import Progress
+from adr_opt.common.stop import Stop
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result, certify
 
-from ...incumbent import Incumbent
-from ...search.greedy_order import guarded_sequence
-from ...search.orders import make_labels
-from ...search.recreate import recreate
-from ...search.worth import worth_of
+from ...beams.exchange_rates import worth_of
+from ...beams.greedy_order import guarded_sequence
+from ...beams.recreate import recreate
+from ...orders.timed_order import make_labels
+from ...progress.incumbent import Incumbent
 from .annealing import anneal
 from .moves import NAMES
 

@@ -9,16 +9,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.kernels import rules as rule_kernels
-from adr_opt.kernels.constants import HOUR_S
-from adr_opt.mission import Mission
-from adr_opt.progress import Progress
-from adr_opt.result import Result, certify
-from adr_opt.stop import Stop
+from adr_opt.common.constants import HOUR_S
+from adr_opt.common.progress import Progress
+from adr_opt.common.stop import Stop
+from adr_opt.kernels.rules import rules as rule_kernels
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result, certify
 
-from ...incumbent import Incumbent
-from ...learned.prior import Prior
-from ...search.recreate import recreate
+from ...beams.recreate import recreate
+from ...policies.prior import Prior
+from ...progress.incumbent import Incumbent
 from . import policy as policies
 from . import tree as trees
 from .settings import MctsOptions, settings_of

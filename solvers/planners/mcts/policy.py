@@ -1,6 +1,6 @@
 """How simulations move: uniformly at random, or guarded.
 
-The guard is :func:`adr_opt.kernels.rules.has_way_back`. Greedy planners without it strand
+The guard is :func:`adr_opt.kernels.rules.rules.has_way_back`. Greedy planners without it strand
 themselves early, and so do uniform rollouts: they see refuelling late or never.
 """
 
@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels import rules as rule_kernels
-from adr_opt.kernels.compile import inlined, kernel
-from adr_opt.kernels.memory import borrowed
+from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.core.memory import borrowed
+from adr_opt.kernels.rules import rules as rule_kernels
 
 
 class Policy(NamedTuple):

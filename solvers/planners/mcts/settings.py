@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 
-from adr_opt.options import Options, option
+from adr_opt.common.options import Options, option
 
 FROM_PRESET = -1
 """Option value that leaves a number to the preset; a text option says ``"preset"``."""

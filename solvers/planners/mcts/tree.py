@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels import rules as rule_kernels
-from adr_opt.kernels.compile import inlined, kernel
-from adr_opt.kernels.memory import borrowed, write
-from adr_opt.kernels.rules import state_at
+from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.core.memory import borrowed, write
+from adr_opt.kernels.rules import rules as rule_kernels
+from adr_opt.kernels.rules.rules import state_at
 
 from . import policy as policies
 
@@ -23,7 +23,7 @@ class Tree(NamedTuple):
     ----------
     body, since, serviced : (nodes,) int32
     time, left : (nodes,) float64
-        As in :class:`adr_opt.kernels.rules.State`.
+        As in :class:`adr_opt.kernels.rules.rules.State`.
     spent : (nodes,) float64
         ΔV spent since the start of the mission [m/s].
     visits, total, best : (nodes,) float64

@@ -8,12 +8,12 @@ from importlib.util import find_spec
 
 from ortools.sat.python import cp_model  # noqa: F401 — loaded before highspy, see below
 
-from adr_opt.errors import InputError, MissingExtra
-from adr_opt.mission import Mission
-from adr_opt.practice import practises
-from adr_opt.progress import Progress
-from adr_opt.result import Result
-from adr_opt.stop import Stop
+from adr_opt.common.errors import InputError, MissingExtra
+from adr_opt.common.progress import Progress
+from adr_opt.common.stop import Stop
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result
+from adr_opt.run.warm_up import practises
 
 from ...models.course import MakeModel, ModelOptions, prove
 

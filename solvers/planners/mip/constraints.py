@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pyomo.environ as pyo
 
-from adr_opt.kernels.rules import Rules
+from adr_opt.kernels.rules.rules import Rules
 
 from ...models.network import GUARD_M_S, Network
 from .variables import Variables
@@ -23,7 +23,7 @@ class Constraints:
         Gets the constraints.
     network : Network
     variables : Variables
-    rules : adr_opt.kernels.rules.Rules
+    rules : adr_opt.kernels.rules.rules.Rules
     """
 
     def __init__(

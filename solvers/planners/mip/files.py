@@ -16,11 +16,11 @@ from typing import Any
 
 import numpy as np
 
-from adr_opt.errors import InputError, MissingExtra
-from adr_opt.mission import Mission
+from adr_opt.common.errors import InputError, MissingExtra
+from adr_opt.mission.problem import Mission
 
 from ...models.network import Network, of_rows
-from ...relaxation.network import build
+from ...networks.network import build
 
 MOST_MOVES = 500_000
 """Larger models are refused: a move takes about 240 bytes of a .lp file, 350 of a .mps file, and

@@ -9,7 +9,7 @@ import numpy as np
 import pyomo.environ as pyo
 from pyomo.repn.plugins.standard_form import LinearStandardFormCompiler
 
-from adr_opt.kernels.rules import Rules
+from adr_opt.kernels.rules.rules import Rules
 
 from ...models.answer import Answer, Hear
 from ...models.network import Network
@@ -36,7 +36,7 @@ class Model:
     Parameters
     ----------
     network : Network
-    rules : adr_opt.kernels.rules.Rules
+    rules : adr_opt.kernels.rules.rules.Rules
     unit : float
         The objective is counted in multiples of this.
     start : list of int

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pyomo.environ as pyo
 
-from adr_opt.kernels.rules import Rules
+from adr_opt.kernels.rules.rules import Rules
 
 from ...models.network import Network
 
@@ -18,7 +18,7 @@ class Variables:
     block : pyomo.environ.ConcreteModel
         Gets the variables.
     network : Network
-    rules : adr_opt.kernels.rules.Rules
+    rules : adr_opt.kernels.rules.rules.Rules
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Variables:
         network : Network
         legs : list of int
             Its legs, from the start on.
-        rules : adr_opt.kernels.rules.Rules
+        rules : adr_opt.kernels.rules.rules.Rules
         """
         for variable in (*self.move.values(), *self.wait.values(), *self.used.values()):
             variable.set_value(0, skip_validation=True)

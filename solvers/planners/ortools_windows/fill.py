@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from adr_opt.kernels import rules as rule_kernels
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.memory import borrowed
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.memory import borrowed
+from adr_opt.kernels.rules import rules as rule_kernels
 
 from .network import state_at
 

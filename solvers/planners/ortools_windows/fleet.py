@@ -7,10 +7,10 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from adr_opt.campaign import Problem
-from adr_opt.mission import Mission
+from adr_opt.mission.campaign import Problem
+from adr_opt.mission.problem import Mission
 
-from ...campaigns.orders import left, targets_of
+from ...routes.one_chaser import left, targets_of
 from .network import Worth
 from .order import Bodies, Order, flown
 

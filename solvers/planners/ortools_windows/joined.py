@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.kernels.rules import Rules
+from adr_opt.kernels.rules.rules import Rules
 
 from .network import Network, Window
 

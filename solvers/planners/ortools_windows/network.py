@@ -13,11 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels import rules as rule_kernels
-from adr_opt.kernels import timetable as table_kernels
-from adr_opt.kernels.compile import inlined, kernel
-from adr_opt.kernels.memory import borrowed, write
-from adr_opt.kernels.rules import State
+from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.core.memory import borrowed, write
+from adr_opt.kernels.rules import rules as rule_kernels
+from adr_opt.kernels.rules.rules import State
+from adr_opt.kernels.tables import timetable as table_kernels
 
 
 class Worth(NamedTuple):

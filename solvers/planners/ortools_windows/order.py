@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.mission import Mission
-from adr_opt.schedule import FloatArray, Front, Schedule
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.schedule import FloatArray, Front, Schedule
 
-from ...search.greedy_order import greedy_sequence
+from ...beams.greedy_order import greedy_sequence
 from . import fill
 from .network import Worth
 

@@ -12,20 +12,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adr_opt.campaign import Campaign, Problem
-from adr_opt.kernels.constants import HOUR_S
-from adr_opt.mission import Mission
-from adr_opt.options import MOST_JOBS, Options, option
-from adr_opt.plan import Plan
-from adr_opt.planner import for_campaigns
-from adr_opt.progress import Progress
-from adr_opt.result import Result, certify_routes
-from adr_opt.start import Start, legal_beginning, start_destinations
-from adr_opt.stop import Stop
+from adr_opt.common.constants import HOUR_S
+from adr_opt.common.options import MOST_JOBS, Options, option
+from adr_opt.common.progress import Progress
+from adr_opt.common.stop import Stop
+from adr_opt.mission.campaign import Campaign, Problem
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result, certify_routes
+from adr_opt.plan.plan import Plan
+from adr_opt.run.methods import for_campaigns
+from adr_opt.run.start_plan import Start, legal_beginning, start_destinations
 
-from ...campaigns.orders import one_after_another
-from ...search.beams import USUAL, hurried
-from ...search.greedy_order import guarded_sequence
+from ...beams.beams import USUAL, hurried
+from ...beams.greedy_order import guarded_sequence
+from ...routes.one_chaser import one_after_another
 from .fleet import Fleet
 from .network import Limits
 from .order import Bodies

@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
-from adr_opt.kernels.compile import kernel
-from adr_opt.kernels.memory import borrowed, write
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.memory import borrowed, write
 
 
 @kernel

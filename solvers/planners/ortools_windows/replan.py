@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adr_opt.kernels.rules import Rules
+from adr_opt.kernels.rules.rules import Rules
 
 from . import network
 from .fleet import Fleet

@@ -1,0 +1,114 @@
+"""What all data of the file formats have in common: strictness, variants, numbers with limits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+
+from .constants import DAY_S
+from .errors import InputError
+from .files import sentence
+
+# A name ends up in formats of other programs, which end texts at a NUL.
+Name = Annotated[str, Field(min_length=1, pattern=r"^[^\x00]*$")]
+NonNegative = Annotated[float, Field(ge=0.0)]
+Positive = Annotated[float, Field(gt=0.0)]
+
+# Far beyond any use, and near enough for arithmetic to hold: two-body motion about the Earth ends
+# some 1.5 million km out, angles of many turns have lost their digits, and solvers count ΔV in
+# whole steps. Squares and sums stay finite.
+LARGEST_LENGTH_M = 1e9
+LARGEST_ANGLE_DEG = 1e6
+LARGEST_DELTA_V_M_S = 1e9
+LARGEST_MASS_KG = 1e9
+LARGEST_EXPENSE = 1e12
+LARGEST_TIME_S = 1e12
+LARGEST_DURATION_S = 100 * 365.25 * DAY_S
+
+Length = Annotated[float, Field(gt=0.0, le=LARGEST_LENGTH_M)]
+Angle = Annotated[float, Field(ge=-LARGEST_ANGLE_DEG, le=LARGEST_ANGLE_DEG)]
+Time = Annotated[float, Field(ge=-LARGEST_TIME_S, le=LARGEST_TIME_S)]
+DeltaV = Annotated[float, Field(ge=-LARGEST_DELTA_V_M_S, le=LARGEST_DELTA_V_M_S)]
+
+
+class Record(BaseModel):
+    """Base of all data: frozen, strict about types, no unknown keys, no NaN or infinity."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """The record that a JSON text holds.
+
+        Raises
+        ------
+        pydantic.ValidationError
+            Not JSON, or it breaks the format.
+        """
+        return cls.model_validate_json(text)
+
+    def replace(self, **changes: Any) -> Self:
+        """A validated copy with some fields changed.
+
+        Raises
+        ------
+        InputError
+            A change is not valid.
+        """
+        values = {name: getattr(self, name) for name in type(self).model_fields}
+        try:
+            return type(self)(**(values | changes))
+        except ValidationError as error:
+            raise InputError(sentence(error)) from None
+
+
+def without(content: dict[str, Any], *unset: str) -> dict[str, Any]:
+    """What is written of a record but for what nobody set, so that older files stay as they are.
+
+    Parameters
+    ----------
+    content : dict
+        All fields.
+    unset : str
+        Those that are left out where they are null.
+    """
+    return {
+        name: value for name, value in content.items() if value is not None or name not in unset
+    }
+
+
+def not_yet(is_later: Callable[[Any], bool], instead: str, what: str = "this") -> BeforeValidator:
+    """A validator for a field of which the format names more than can be planned with so far.
+
+    Parameters
+    ----------
+    is_later : callable
+        Whether a value is one of those; any other is for the type of the field to judge.
+    instead : str
+        What to do instead.
+    what : str
+        What such values stand for.
+    """
+
+    def check(value: Any) -> Any:
+        if is_later(value):
+            raise ValueError(f"{what} is not supported yet; {instead}")
+        return value
+
+    return BeforeValidator(check)
+
+
+Window = Annotated[tuple[Time, Time | None], Field(strict=False)]
+"""When something opens and when it closes since the epoch [s]; null: never."""
+
+
+def check_window(field: str, window: tuple[float, float | None]) -> None:
+    """Raise ``ValueError`` for a window that closes before it opens."""
+    opens, closes = window
+    if closes is not None and closes < opens:
+        raise ValueError(
+            f"{field} = [{opens!r}, {closes!r}] must not close before it opens; give the earlier "
+            "time first"
+        )

@@ -1,0 +1,135 @@
+"""A flight as its burns: what a message of one state, or a script, is written of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from ...plan.cargo import followed
+from ...plan.tows import tow_by_name
+from ...problem.chasers import Chaser, TankByMass
+from ...problem.instance import Instance
+
+
+class Impulse(Protocol):
+    """A burn, of a plan or of a refined one."""
+
+    @property
+    def time_s(self) -> float:
+        """When it is [s]."""
+        ...
+
+    @property
+    def delta_v_m_s(self) -> Sequence[float]:
+        """As a vector, in the frame of the elements [m/s]."""
+        ...
+
+    @property
+    def size_m_s(self) -> float:
+        """Its ΔV [m/s]."""
+        ...
+
+    @property
+    def phase(self) -> str:
+        """The phase that it begins."""
+        ...
+
+
+@dataclass(frozen=True)
+class CourseLeg:
+    """One leg.
+
+    Attributes
+    ----------
+    number : int
+        From 1, as in the plan; 0 for a launch that is no leg of it.
+    origin, destination : str
+    arrival_s, end_s : float
+        End of the approach, and of the service [s].
+    burns, tow : tuple of Impulse
+        Those of the transfer, and those of the tow after the service.
+    """
+
+    number: int
+    origin: str
+    destination: str
+    arrival_s: float
+    end_s: float
+    burns: tuple[Impulse, ...]
+    tow: tuple[Impulse, ...] = ()
+
+    @property
+    def all_burns(self) -> tuple[Impulse, ...]:
+        """Those of the transfer, and of the tow."""
+        return (*self.burns, *self.tow)
+
+    @property
+    def title(self) -> str:
+        """Number and bodies, in words."""
+        return f"leg {self.number}, {self.origin} to {self.destination}"
+
+
+@dataclass(frozen=True)
+class Burnt:
+    """Mass that a burn begins with, what is towed included, and what it takes of it [kg]."""
+
+    before_kg: float
+    lost_kg: float
+
+
+@dataclass(frozen=True)
+class Course:
+    """The flight of one chaser.
+
+    Attributes
+    ----------
+    instance : Instance
+    chaser : str or None
+        Whose it is, where there are several.
+    legs : tuple of CourseLeg
+        At least one.
+    said : tuple of str
+        Sentences that say what the flight is of.
+    burnt : mapping of int to tuple of Burnt
+        For each leg, by its number, one for each of its burns; empty where masses are not known.
+    """
+
+    instance: Instance
+    chaser: str | None
+    legs: tuple[CourseLeg, ...]
+    said: tuple[str, ...]
+    burnt: Mapping[int, tuple[Burnt, ...]] = field(default_factory=dict)
+
+
+def burnt_of(
+    instance: Instance, chaser: Chaser, route: Iterable[CourseLeg]
+) -> dict[int, tuple[Burnt, ...]]:
+    """What the burns of all legs of a chaser take of its mass; nothing without a tank by mass.
+
+    The tank is filled at stations, kits stay with targets, and what is towed counts while it is.
+    """
+    tank, legs = chaser.tank, tuple(route)
+    if not isinstance(tank, TankByMass):
+        return {}
+    flown = [(leg.destination, math.fsum(burn.size_m_s for burn in leg.burns)) for leg in legs]
+    stages, towed = followed(instance, chaser, flown), tow_by_name(instance)
+    found = {}
+    for leg, before, after in zip(legs, stages, stages[1:], strict=False):
+        burns: list[Burnt] = []
+        mass_kg = before.mass_kg or 0.0
+        for burn in leg.burns:
+            mass_kg = _burn(burns, mass_kg, burn, tank.exhaust_m_s)
+        if leg.tow:
+            mass_kg = (after.mass_kg or 0.0) + after.towing_kg + towed[leg.destination].object_kg
+        for burn in leg.tow:
+            mass_kg = _burn(burns, mass_kg, burn, tank.exhaust_m_s)
+        found[leg.number] = tuple(burns)
+    return found
+
+
+def _burn(burns: list[Burnt], mass_kg: float, burn: Impulse, exhaust_m_s: float) -> float:
+    """Add what a burn takes, and return what is left [kg]."""
+    burns.append(Burnt(mass_kg, mass_kg * -math.expm1(-burn.size_m_s / exhaust_m_s)))
+    return mass_kg - burns[-1].lost_kg

@@ -1,0 +1,121 @@
+"""A refined plan as a message of one state and all burns, or as a script: osculating states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+from ...common.errors import InputError
+from ...fly.flight.tanks import refined_routes
+from ...fly.refine.bodies import moved
+from ...fly.refine.short_periods import Array
+from ...fly.refine.states import state_of
+from ...fly.trajectory.axes import Axes
+from ...plan.refined_plan import RefinedLeg, RefinedPlan
+from ...problem.instance import Instance
+from . import opm
+from .course import Burnt, Course, CourseLeg, burnt_of
+from .gmat import cartesian, script, whole_millisecond
+
+DEGREES = {"two-body": 0, "j2": 2, "j3": 3, "j4": 4}
+"""Of the zonal field, by the gravity that a plan is refined in."""
+
+GMATS_OWN = (
+    "GMAT flies in its own zonal field, about its own pole and with the constants of its JGM2.cof, "
+    "which differ from these in their last digits. At each arrival the script docks the chaser."
+)
+"""What has to be known of a script."""
+
+
+def to_opm(
+    instance: Instance,
+    refined: RefinedPlan,
+    legs: Sequence[RefinedLeg],
+    chaser: str | None,
+    said: Sequence[str],
+    axes: Axes,
+    object_id: str | None,
+) -> str:
+    """The first state of the legs and all their burns.
+
+    Whoever propagates it in the field that it names follows the plan on what burns leave, to
+    millimetres after a leg: through service, too, where the plan has the chaser docked.
+    """
+    course = _course(instance, refined, legs, chaser, said)
+    start_s = round(_ready_s(legs[0]) * 1e6) / 1e6
+    state = _chaser_state(refined, legs[0], start_s)
+    return opm.message(course, axes, object_id, start_s, state)
+
+
+def to_gmat(
+    instance: Instance,
+    refined: RefinedPlan,
+    legs: Sequence[RefinedLeg],
+    chaser: str | None,
+    said: Sequence[str],
+    axes: Axes,
+) -> str:
+    """The script: osculating states of chaser and bodies, burns as impulses, coasts by time."""
+    course = _course(instance, refined, legs, chaser, said)
+    degree = DEGREES[refined.gravity]
+    if degree:
+        course = replace(course, said=(*course.said, GMATS_OWN))
+    start_s = whole_millisecond(instance, _ready_s(legs[0]))
+    bodies = {body.name: state_of(body) for body in refined.bodies}
+
+    def state(body: str | None) -> Iterator[tuple[str, str]]:
+        now = (
+            _chaser_state(refined, legs[0], start_s)
+            if body is None
+            else moved(bodies[body], start_s, refined.gravity)
+        )
+        return cartesian(axes, now[:3], now[3:])
+
+    return script(course, axes, degree, start_s, state)
+
+
+def _ready_s(leg: RefinedLeg) -> float:
+    """When a flight begins that begins with a leg [s]."""
+    return leg.ready_s if leg.tow_before is None else leg.states[0].time_s
+
+
+def _chaser_state(refined: RefinedPlan, leg: RefinedLeg, time_s: float) -> Array:
+    """Where the chaser is near the beginning of a leg: docked, or where its tow led."""
+    if leg.tow_before is not None:
+        departure = leg.states[0]
+        return moved(state_of(departure), time_s - departure.time_s, refined.gravity)
+    (origin,) = (state_of(body) for body in refined.bodies if body.name == leg.origin)
+    return moved(origin, time_s, refined.gravity)
+
+
+def _course(
+    instance: Instance,
+    refined: RefinedPlan,
+    legs: Sequence[RefinedLeg],
+    chaser: str | None,
+    said: Sequence[str],
+) -> Course:
+    for one, after in pairwise(legs):
+        if one.destination != after.origin:
+            raise InputError(
+                f"leg {after.leg} begins at {after.origin!r}, and leg {one.leg} ends at "
+                f"{one.destination!r}: what is between them is not refined; write .oem, or one leg"
+            )
+    burnt: dict[int, tuple[Burnt, ...]] = {}
+    if not refined.missing:
+        wanted = {leg.leg for leg in legs}
+        for its, route in refined_routes(instance, refined):
+            if any(leg.leg in wanted for leg in route):
+                flown = [_leg(leg) for leg in route]
+                if its.is_launched:
+                    # No refined leg, but the kit that stays there is aboard at first.
+                    start = route[0].ready_s
+                    flown = [CourseLeg(0, its.name, route[0].origin, start, start, ()), *flown]
+                burnt |= burnt_of(instance, its, flown)
+    return Course(instance, chaser, tuple(_leg(leg) for leg in legs), tuple(said), burnt)
+
+
+def _leg(leg: RefinedLeg) -> CourseLeg:
+    tow = () if leg.tow is None else leg.tow.burns
+    return CourseLeg(leg.leg, leg.origin, leg.destination, leg.arrival_s, leg.end_s, leg.burns, tow)

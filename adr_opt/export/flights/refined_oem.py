@@ -1,0 +1,147 @@
+"""A refined plan as files of other programs: an ephemeris, a message of burns, a script."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+
+from ...common.constants import EARTH_RADIUS_M, J2
+from ...common.errors import InputError
+from ...common.files import check_writable, write_text
+from ...fly.flight.flyable import refuse_foreign
+from ...fly.flight.tanks import refined_routes
+from ...fly.refine.ephemeris import Track, tracks
+from ...fly.trajectory.axes import Axes
+from ...fly.trajectory.clock import Clock
+from ...kernels.orbits.gravity import J3, J4
+from ...plan.refined_plan import RefinedPlan
+from ...plan.routes import chaser_wanted
+from ...problem.instance import Instance
+from .kvn import header, metadata, object_name, plain, who
+from .oem import segment
+from .refined_messages import to_gmat, to_opm
+from .write import axes_in, check_frame
+
+FORMATS = ("oem", "opm", "script")
+"""Of refined plans."""
+
+
+def write_refined(
+    instance: Instance,
+    refined: RefinedPlan,
+    path: str | os.PathLike[str],
+    *,
+    frame: str | None = None,
+    body: str | None = None,
+    step_s: float | None = None,
+    leg: int | None = None,
+    chaser: str | None = None,
+    format: str = "oem",
+    object_id: str | None = None,
+) -> tuple[Track, ...]:
+    """Write the flight of the chaser, or of a visited body, whole or not at all.
+
+    Parameters
+    ----------
+    instance : Instance
+    refined : RefinedPlan
+    path : path
+    frame : {"EME2000", "GCRF", "ICRF", "TEME"}, optional
+        As for :func:`.trajectory.write_plan`.
+    body, step_s, leg
+        As :func:`adr_opt.fly.refine.ephemeris.tracks` takes them.
+    chaser : str, optional
+        Whose flight; needed where there are several chasers, unless a leg or a body is named.
+    format : {"oem", "opm", "script"}
+        The last two hold the first osculating state and the burns of the chaser.
+    object_id : str, optional
+        International designator of the chaser, or of the body; by default that which the instance
+        has of the body, else UNKNOWN.
+
+    Returns
+    -------
+    tuple of Track
+        What was written, as states over time.
+
+    Raises
+    ------
+    InputError
+        A refined plan of another instance, an unknown frame or format, a body in a format of
+        burns, legs that do not follow each other there, what
+        :func:`adr_opt.fly.refine.ephemeris.tracks` raises, or a file that cannot be written.
+    MissingExtra
+        There is something to turn to the frame, and astropy is not installed.
+    """
+    refuse_foreign(instance, refined)
+    check_frame(frame)
+    check_writable(path)
+    if format not in FORMATS:
+        raise InputError(f"format = {format!r}: use one of {', '.join(FORMATS)}")
+    axes = axes_in(format, instance, frame)
+    if format != "oem" and body is not None:
+        raise InputError(f"a body makes no burns: .{format} is of chasers; write .oem of {body!r}")
+    name = _whose(instance, refined, chaser, leg, body)
+    written = tracks(refined, body=body, step_s=step_s, leg=leg, chaser=name)
+    said = [*_origin(instance, refined, axes), *who(instance, name)]
+    if format == "oem":
+        called = object_name(name) if body is None else plain(body)
+        about = tuple(metadata(instance, axes, called, object_id or _designator(instance, body)))
+        text = "\n".join(_lines(instance, said, written, axes, about)) + "\n"
+    else:
+        legs = [
+            one for one in refined.legs if leg in (None, one.leg) and name in (None, one.chaser)
+        ]
+        if format == "opm":
+            text = to_opm(instance, refined, legs, name, said, axes, object_id)
+        else:
+            text = to_gmat(instance, refined, legs, name, said, axes)
+    write_text(path, text)
+    return written
+
+
+def _designator(instance: Instance, body: str | None) -> str | None:
+    """What the instance says that a body is called in catalogues."""
+    known = {station.name: station.object_id for station in instance.stations}
+    known |= {target.name: target.object_id for target in instance.targets}
+    return None if body is None else known.get(body)
+
+
+def _whose(
+    instance: Instance, refined: RefinedPlan, chaser: str | None, leg: int | None, body: str | None
+) -> str | None:
+    """Whose flight is to be written; None for the only chaser's, or for a body's."""
+    if body is not None and chaser is None and leg is None:
+        return None
+    routes = refined_routes(instance, refined)
+    whose = {leg.leg: its.name for its, legs in routes for leg in legs}
+    return chaser_wanted(instance, whose, chaser, leg)
+
+
+def _lines(
+    instance: Instance,
+    said: Iterable[str],
+    written: tuple[Track, ...],
+    axes: Axes,
+    about: Iterable[str],
+) -> Iterator[str]:
+    clock = Clock(instance)
+    yield from header("CCSDS_OEM_VERS", said)
+    for track in written:
+        yield ""
+        yield from segment(clock, track.comment, track.arc, axes, about)
+
+
+def _origin(instance: Instance, refined: RefinedPlan, axes: Axes) -> Iterator[str]:
+    yield (
+        f"Plan by {refined.plan.method} (seed {refined.plan.seed}), refined, for the instance "
+        f"{instance.name}, sha256 {refined.instance.sha256}."
+    )
+    harmonics = {"j2": f"J2 = {J2:.8e}", "j3": f"J3 = {J3:.8e}", "j4": f"J4 = {J4:.8e}"}
+    until = ("two-body", *harmonics).index(refined.gravity)
+    terms = ", ".join(list(harmonics.values())[:until])
+    yield (
+        "Osculating states of numerically integrated motion with GM = 398600.4418 km**3/s**2"
+        + (f", R = {EARTH_RADIUS_M / 1e3:.3f} km, {terms}" if terms else "")
+        + "; impulsive burns."
+    )
+    yield axes.said

@@ -1,0 +1,174 @@
+"""Write a flown plan in the format that the suffix of the file asks for."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+from ...common.errors import InputError
+from ...common.files import check_writable, write_text
+from ...fly.flight.flyable import refuse_broken_chain
+from ...fly.trajectory.axes import Axes, axes_of
+from ...fly.trajectory.sampling import Trajectory, sample
+from ...plan.plan import Plan
+from ...plan.routes import chaser_wanted, owners
+from ...problem.frame import FRAMES as FRAMES
+from ...problem.instance import Instance
+from .czml import CESIUM, to_czml
+from .gmat import axes_in_gmat, to_gmat
+from .oem import to_oem
+from .opm import to_opm
+
+FORMATS = ("oem", "opm", "czml", "script")
+"""Also the suffixes, with a point before them."""
+
+TOGETHER = ("czml",)
+"""Formats that may hold the flights of several chasers."""
+
+
+def write_plan(
+    instance: Instance,
+    plan: Plan,
+    path: str | os.PathLike[str],
+    *,
+    format: str | None = None,
+    frame: str | None = None,
+    step_s: float | None = None,
+    leg: int | None = None,
+    chaser: str | None = None,
+    object_id: str | None = None,
+) -> Trajectory:
+    """Fly a plan and write the flight, whole or not at all.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan
+    path : path
+        Its suffix chooses the format where ``format`` does not.
+    format : {"oem", "opm", "czml", "script"}, optional
+    frame : {"EME2000", "GCRF", "ICRF", "TEME"}, optional
+        By default the frame of the instance, and EME2000 if it names none. Where it names one,
+        states and burns are turned from that to this, by astropy; else this is only a name. CZML
+        has only Cesium's INERTIAL, the ICRF, and takes no notice; GMAT has no TEME, and a script
+        is in EME2000 for it.
+    step_s : float, optional
+        Largest time between two states of ``oem`` and ``czml``; by default that of
+        :func:`adr_opt.fly.trajectory.sampling.sample` [s].
+    leg : int, optional
+        Only this leg, counted from 1.
+    chaser : str, optional
+        Only the legs of this chaser. Where there are several, all formats but ``czml`` need it, or
+        a leg.
+    object_id : str, optional
+        International designator of the chaser, for ``oem`` and ``opm``; else UNKNOWN.
+
+    Returns
+    -------
+    Trajectory
+        What was written.
+
+    Raises
+    ------
+    InputError
+        Unknown format, frame or chaser, several chasers and none is named, a plan of another
+        instance, without legs or that cannot be flown, legs that do not follow each other, no such
+        leg, a step that is not positive, or a file that cannot be written.
+    MissingExtra
+        There is something to turn, and astropy is not installed.
+    """
+    kind = format_of(path, format)
+    check_frame(frame)
+    check_writable(path)
+    trajectory = flown(instance, plan, step_s, leg, chaser, together=kind in TOGETHER)
+    write_trajectory(trajectory, path, format=format, frame=frame, object_id=object_id)
+    return trajectory
+
+
+def flown(
+    instance: Instance,
+    plan: Plan,
+    step_s: float | None = None,
+    leg: int | None = None,
+    chaser: str | None = None,
+    *,
+    together: bool = False,
+) -> Trajectory:
+    """The flight of a plan, of a chaser or of one leg, that there is something to write of.
+
+    With ``together`` it may be that of several chasers.
+    """
+    trajectory = sample(instance, plan, step_s)
+    if not trajectory.legs:
+        raise InputError("the plan has no legs: there is nothing to fly and so nothing to export")
+    whose = owners(instance, plan)
+    everyone = together and chaser is None and leg is None
+    name = None if everyone else chaser_wanted(instance, whose, chaser, leg)
+    if leg is None:
+        refuse_broken_chain(instance, plan)
+        legs = tuple(path for path in trajectory.legs if name is None or whose[path.number] == name)
+        if not legs:
+            raise InputError(f"{name!r} has no legs: there is nothing to fly and so to export")
+        return replace(trajectory, legs=legs, chaser=name)
+    if not 1 <= leg <= len(trajectory.legs):
+        raise InputError(f"leg = {leg}: the plan has the legs 1 to {len(trajectory.legs)}")
+    return replace(trajectory, legs=(trajectory.legs[leg - 1],), chaser=name)
+
+
+def write_trajectory(
+    trajectory: Trajectory,
+    path: str | os.PathLike[str],
+    *,
+    format: str | None = None,
+    frame: str | None = None,
+    object_id: str | None = None,
+) -> Axes:
+    """Write a flight with at least one leg; the parameters are those of :func:`write_plan`.
+
+    Returns
+    -------
+    Axes
+        Those of the file.
+    """
+    format = format_of(path, format)
+    check_frame(frame)
+    axes = axes_in(format, trajectory.instance, frame)
+    if format == "oem":
+        text = to_oem(trajectory, frame, object_id)
+    elif format == "opm":
+        text = to_opm(trajectory, frame, object_id)
+    elif format == "czml":
+        text = to_czml(trajectory)
+    else:
+        text = to_gmat(trajectory, frame)
+    write_text(path, text)
+    return axes
+
+
+def axes_in(format: str, instance: Instance, frame: str | None) -> Axes:
+    """The axes of a file of a format, as asked for or by default."""
+    if format == "czml":
+        return axes_of(instance, CESIUM)
+    return axes_in_gmat(instance, frame) if format == "script" else axes_of(instance, frame)
+
+
+def check_frame(frame: str | None) -> None:
+    """Raise :class:`InputError` for a frame that no format names."""
+    if frame is not None and frame not in FRAMES:
+        raise InputError(f"frame = {frame!r}: use one of {', '.join(FRAMES)}")
+
+
+def format_of(path: str | os.PathLike[str], format: str | None = None) -> str:
+    """The format that is asked for, by name or else by the suffix of the file."""
+    if format is not None:
+        if format not in FORMATS:
+            raise InputError(f"format = {format!r}: use one of {', '.join(FORMATS)}")
+        return format
+    suffix = Path(path).suffix.lower()
+    if suffix.removeprefix(".") not in FORMATS or not suffix:
+        raise InputError(
+            f"{path}: suffix {suffix!r} is unknown; use one of "
+            f"{', '.join('.' + name for name in FORMATS)}, or name the format"
+        )
+    return suffix.removeprefix(".")

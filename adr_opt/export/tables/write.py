@@ -1,0 +1,181 @@
+"""Write matrices, or the whole timetable, in the format that the suffix of the file asks for."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ...common.errors import InputError
+from ...common.files import check_writable, write_whole
+from ...legs.connections import Choice
+from ...legs.matrices import FloatArray, Matrices
+from ...mission.problem import Mission
+from ...problem.instance import Instance
+from . import models, netcdf, npz, oplib, parquet, tsp, vrp
+from .weights import check_no_kits, check_one_depot, check_quantity, check_scale
+
+SAMPLED = (".npz", ".nc")
+"""Formats of matrices at any number of departures."""
+
+ONE_DEPARTURE = (".tsp", ".vrp", ".oplib")
+"""Formats of one matrix at one departure."""
+
+ONE_DEPOT = (".vrp", ".oplib")
+"""Formats of routes that begin and end at node 1."""
+
+
+def whole_suffixes() -> tuple[str, ...]:
+    """Suffixes of formats that hold every connection, those of installed models included."""
+    return (".parquet", *models.suffixes())
+
+
+def suffix_of(path: str | os.PathLike[str]) -> str:
+    """The suffix of a file to be written, in lower case.
+
+    Raises
+    ------
+    InputError
+        No format has it; the sentence lists those that there are.
+    """
+    suffix = Path(path).suffix.lower()
+    known = (*SAMPLED, *ONE_DEPARTURE, *whole_suffixes())
+    if suffix not in known:
+        raise InputError(f"{path}: suffix {suffix!r} is unknown; use one of {', '.join(known)}")
+    return suffix
+
+
+def write_matrix(
+    instance_or_mission: Instance | Mission,
+    path: str | os.PathLike[str],
+    departures: Sequence[float] | FloatArray,
+    *,
+    quantity: str = "delta_v",
+    scale: float | None = None,
+    choose: Choice | None = None,
+) -> Matrices:
+    """Sample the timetable at ready times and write it, whole or not at all.
+
+    Parameters
+    ----------
+    instance_or_mission : Instance or Mission
+        A :class:`Mission` brings its timetable along.
+    path : path
+        The suffix chooses the format: ``.npz``, ``.nc`` (extra ``[io]``), ``.tsp``, ``.vrp`` or
+        ``.oplib``.
+    departures : sequence of float
+        Times since the epoch at which the chaser is ready [s]; one for the last three.
+    quantity : {"delta_v", "duration"}
+        What the weights of the last three are; the other formats hold both.
+    scale : float, optional
+        Weight of one m/s or one second in the last three; by default the largest power of ten up
+        to 1000 for which every weight fits into 31 bits.
+    choose : {"earliest", "cheapest"} or float, optional
+        As in :meth:`adr_opt.Timetable.matrices`.
+
+    Returns
+    -------
+    Matrices
+        What was written, before any scaling.
+
+    Raises
+    ------
+    InputError
+        Unknown suffix or quantity, a departure that is not a finite time ≥ 0, no departure, more
+        than one where the format holds one, a format without departures, weights or prizes that
+        do not fit, a format with one depot for a mission that does not start at its only
+        station, or a file that cannot be written.
+    MissingExtra
+        ``.nc`` without xarray and h5netcdf.
+    """
+    # What can be wrong with the call is asked before the timetable is built.
+    suffix = suffix_of(path)
+    check_quantity(quantity)
+    check_scale(scale)
+    times = np.atleast_1d(np.asarray(departures, dtype=float))
+    if suffix in whole_suffixes():
+        raise InputError(
+            f"{path}: a {suffix} file holds every connection; leave out the ready times"
+        )
+    if times.size == 0:
+        raise InputError("departures: there are none; give at least one ready time")
+    if suffix in ONE_DEPARTURE and times.size > 1:
+        raise InputError(
+            f"{path}: a {suffix} file holds one departure, but {times.size} are given; "
+            "give one, or write .npz or .nc"
+        )
+    if suffix == ".nc":
+        netcdf.require()
+    check_writable(path)
+
+    mission = _mission(instance_or_mission)
+    if suffix in ONE_DEPOT:
+        check_one_depot(mission.instance, Path(path))
+        check_no_kits(mission.instance, Path(path))
+    matrices = mission.timetable.matrices(times, choose)
+
+    def write(temporary: Path) -> None:
+        if suffix == ".npz":
+            npz.write(temporary, mission, matrices)
+        elif suffix == ".nc":
+            netcdf.write(temporary, mission, matrices)
+        elif suffix == ".tsp":
+            tsp.write(temporary, mission.instance, matrices, quantity, scale)
+        elif suffix == ".vrp":
+            vrp.write(temporary, mission, matrices, quantity, scale)
+        else:
+            oplib.write(temporary, mission, matrices, quantity, scale)
+
+    write_whole(path, write)
+    return matrices
+
+
+def write_timetable(instance_or_mission: Instance | Mission, path: str | os.PathLike[str]) -> None:
+    """Write every connection of every pair, whole or not at all.
+
+    Parameters
+    ----------
+    instance_or_mission : Instance or Mission
+        A :class:`Mission` brings its timetable along.
+    path : path
+        The suffix chooses the format: ``.parquet`` (extra ``[io]``), or an installed model such as
+        ``.lp`` and ``.mps`` (extra ``[mip]``), see :mod:`.models`.
+
+    Raises
+    ------
+    InputError
+        Unknown suffix, a format that needs ready times, a model that would be too large, or a file
+        that cannot be written.
+    MissingExtra
+        The package that writes the format is not installed.
+    """
+    suffix = suffix_of(path)
+    if suffix not in whole_suffixes():
+        raise InputError(
+            f"{path}: a {suffix} file holds matrices at ready times; give at least one"
+        )
+    write_model = None
+    if suffix == ".parquet":
+        parquet.require()
+    else:
+        write_model = models.writer(suffix)
+    check_writable(path)
+    mission = _mission(instance_or_mission)
+    if write_model is not None:
+        check_no_kits(mission.instance, Path(path))
+
+    def write(temporary: Path) -> None:
+        if write_model is None:
+            parquet.write(temporary, mission)
+        else:
+            write_model(mission, temporary)
+
+    write_whole(path, write)
+
+
+def _mission(instance_or_mission: Instance | Mission) -> Mission:
+    if isinstance(instance_or_mission, Mission):
+        return instance_or_mission
+    return Mission(instance_or_mission)

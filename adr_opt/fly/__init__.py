@@ -1,0 +1,1 @@
+"""Plans flown, refined, and flown with errors."""

@@ -1,0 +1,91 @@
+"""A flight with errors without linearisation: what the feedback is judged by.
+
+All states are integrated, and before each burn those that are left are targeted anew as they would
+be on board: the least squares of :mod:`.feedback` by Gauss's and Newton's steps, with the miss of
+the step before, found by flying it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...kernels.orbits import coast, equinoctial
+from ...kernels.orbits.gravity import FIELDS
+from ..refine.short_periods import Array
+from .errors import FlightErrors
+from .feedback import Part
+
+STEPS = 3
+"""Of targeting anew, before each burn."""
+
+
+def fly_exactly(
+    part: Part, begun: Array, drawn: Array, errors: FlightErrors
+) -> tuple[float, Array]:
+    """Fly a part once.
+
+    Parameters
+    ----------
+    part : Part
+    begun : (6,) float64
+        By how much the flight is off at the beginning [m, m/s].
+    drawn : (burns, 3) float64
+        Standard normal numbers.
+    errors : FlightErrors
+
+    Returns
+    -------
+    float
+        ΔV [m/s].
+    (6,) float64
+        The state at the end less that of the refined plan [m, m/s].
+
+    Raises
+    ------
+    ArithmeticError
+        It leads away from the Earth or into its centre.
+    """
+    zonals, none = FIELDS[part.gravity], np.empty((0, 0))
+    now, angle, spent = part.start + begun, 0.0, 0.0
+    last = part.times.size - 1
+    for at, impulse in enumerate(part.impulses):
+        burn = impulse + _correction(part, now, at, angle)
+        burn = errors.of_burns(burn[:, None], drawn[at][:, None])[:, 0]
+        spent += math.hypot(*burn)
+        now = now.copy()
+        now[3:] += burn
+        until = part.times[at + 1] if at < last else part.end_s
+        angle += coast.coast(now, until - part.times[at], zonals, none)
+    if not np.isfinite(now).all():
+        raise ArithmeticError("a flight with errors leads away from the Earth or into its centre")
+    return spent, now - part.goal
+
+
+def _correction(part: Part, state: Array, at: int, angle: float) -> Array:
+    """What a burn is changed by, from a state before it and the angle run through by then."""
+    gain, effects = part.gains[at], part.effects[at:]
+    if gain is None:
+        return np.zeros(3)
+    changes = np.zeros((len(effects), 3))
+    for _ in range(STEPS):
+        miss = _miss(part, state, at, angle, changes)
+        changes = gain @ (miss - np.einsum("kij,kj->i", effects, changes))
+    return np.asarray(changes[0])
+
+
+def _miss(part: Part, state: Array, at: int, angle: float, changes: Array) -> Array:
+    """The miss in elements that the burns from this one on would lead to, laps counted."""
+    impulses = part.impulses[at:] + changes
+    states, _, rest = coast.fly(
+        state, part.times[at:], impulses, part.end_s, FIELDS[part.gravity], False
+    )
+    frame = equinoctial.own_frame(part.goal)
+    reached, goal = (equinoctial.elements(one, frame) for one in (states[-1], part.goal))
+    miss: Array = reached - goal
+    if not np.isfinite(miss).all():
+        raise ArithmeticError("a flight with errors leads away from the Earth or into its centre")
+    miss[5] = math.remainder(miss[5], math.tau)
+    miss[5] += math.tau * round((angle + rest - part.angle - miss[5]) / math.tau)
+    return miss

@@ -1,0 +1,214 @@
+"""A part of a refined leg with errors: corrected at its remaining burns by linear feedback.
+
+What is wrong is measured at the end: the miss that the burns of the refined plan would lead to from
+here on, in equinoctial elements in the frame of the goal, in which it is nearly linear even after
+weeks. A burn k adds M_k δu to it, with M_k from the state-transition matrices. Before each burn the
+least weighted squares of corrections at it and at all later ones are solved for,
+
+    minimise  |S (m + Σ M_j δu_j)|² / (1 m)²  +  Σ |δu_j / w_j|² / (0.1 m/s)²,
+
+and δu_k is made: the gain is one matrix a burn, known beforehand (A. Bryson and Y.-C. Ho, Applied
+Optimal Control, 1975, chapter 5, for feedback of terminal misses). The second sum keeps corrections
+small where the burns that are left have no leverage: what remains is the approach's.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...common.constants import MU_M3_S2
+from ...kernels.orbits import coast, equinoctial
+from ...kernels.orbits.gravity import FIELDS
+from ...plan.refined_plan import RefinedBurn, RefinedLeg
+from ..refine.bodies import Gravity
+from ..refine.short_periods import Array
+from ..refine.states import state_of
+from .errors import FlightErrors
+
+WORTH_M_S_PER_M = 0.1
+"""Correction that a metre of miss is worth; the approach closes it for a twentieth of that or so,
+but begins beside the target."""
+
+LEAST_WEIGHT = 0.3
+"""Of a small burn, where the largest one that is left has 1. Along a burn half of the corrections
+save what the other half cost, and across it they cost next to nothing; alone they cost in full."""
+
+SHORTEST_ARC = 0.1
+"""Arcs that are shorter get no burns for corrections alone, in revolutions."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A leg until its stand-off, or its approach, about which flights are linear.
+
+    Attributes
+    ----------
+    gravity : {"two-body", "j2", "j3", "j4"}
+    start, goal : (6,) float64
+        States of the refined plan at the beginning, before any burn, and at the end [m, m/s].
+    times : (burns,) float64
+        The first one is the beginning; where the plan has no burn then, one of zero stands [s].
+    end_s : float
+        [s].
+    impulses : (burns, 3) float64
+        Of the refined plan; zero for corrections [m/s].
+    angle : float
+        That the refined plan runs through [rad].
+    beginning : (6, 6) float64
+        Derivative of the miss, in elements, by the state at the beginning.
+    effects : (burns, 6, 3) float64
+        The same by each impulse.
+    gains : tuple of (burns left, 3, 6) float64
+        For each burn, corrections at it and at those after it by the miss; none for burns that
+        come before anything is known.
+    states : (6, 6) float64
+        Derivative of the state at the end by the elements there.
+    """
+
+    gravity: Gravity
+    start: Array
+    goal: Array
+    times: Array
+    end_s: float
+    impulses: Array
+    angle: float
+    beginning: Array
+    effects: Array
+    gains: tuple[Array | None, ...]
+    states: Array
+
+
+@dataclass(frozen=True)
+class Parted:
+    """Flights of a part: ΔV of each, shape (n,) [m/s], and the state it misses by, (6, n)."""
+
+    delta_v_m_s: Array
+    miss: Array
+
+
+def parts_of(leg: RefinedLeg, gravity: Gravity, corrections: int) -> tuple[Part, Part]:
+    """A refined leg until its stand-off, and its approach.
+
+    Parameters
+    ----------
+    leg : RefinedLeg
+        With an approach.
+    gravity : {"two-body", "j2", "j3", "j4"}
+    corrections : int
+        Burns for corrections alone after each burn before the approach.
+    """
+    first = next(at for at, burn in enumerate(leg.burns) if burn.phase == "approach")
+    begin = leg.states[0]
+    transfer = part(
+        state_of(begin),
+        begin.time_s,
+        leg.burns[:first],
+        leg.standoff_s,
+        gravity,
+        corrections,
+        blind=True,
+    )
+    approach = part(transfer.goal, leg.standoff_s, leg.burns[first:], leg.arrival_s, gravity)
+    return transfer, approach
+
+
+def part(
+    start: Array,
+    start_s: float,
+    burns: tuple[RefinedBurn, ...],
+    end_s: float,
+    gravity: Gravity,
+    corrections: int = 0,
+    *,
+    blind: bool = False,
+) -> Part:
+    """Linearise about the burns of a refined plan.
+
+    Parameters
+    ----------
+    start : (6,) float64
+        [m, m/s].
+    start_s, end_s : float
+        [s].
+    burns : tuple of RefinedBurn
+    gravity : {"two-body", "j2", "j3", "j4"}
+    corrections : int
+        Burns for corrections alone after each burn, evenly in the revolution that follows it or
+        until the next one.
+    blind : bool
+        The first burn is made as planned: the error at the beginning is seen after it.
+    """
+    times, impulses, first = _with_corrections(start, start_s, burns, end_s, corrections)
+    states, arcs, angle = coast.fly(start, times, impulses, end_s, FIELDS[gravity], True)
+    goal = states[-1]
+    frame = equinoctial.own_frame(goal)
+    jacobian = equinoctial.jacobian(goal, frame)
+    effects = jacobian @ arcs[:, :, 3:]
+    known = first + 1 if blind else first
+    radius = float(np.linalg.norm(goal[:3]))
+    gains = [
+        _gain(effects[at:], impulses[at:], radius) if at >= known else None
+        for at in range(times.size)
+    ]
+    return Part(
+        gravity, start, goal, times, end_s, impulses, angle,
+        jacobian @ arcs[0], effects, tuple(gains), np.linalg.inv(jacobian),
+    )  # fmt: skip
+
+
+def fly(part: Part, begun: Array, drawn: Array, errors: FlightErrors) -> Parted:
+    """Fly a part many times.
+
+    Parameters
+    ----------
+    part : Part
+    begun : (6, n) float64
+        By how much each flight is off at the beginning [m, m/s].
+    drawn : (burns, 3, n) float64
+        Standard normal numbers.
+    errors : FlightErrors
+    """
+    miss = part.beginning @ begun
+    spent = np.zeros(begun.shape[1])
+    for impulse, effect, gain, normal in zip(
+        part.impulses, part.effects, part.gains, drawn, strict=True
+    ):
+        wanted = impulse[:, None] if gain is None else impulse[:, None] + gain[0] @ miss
+        burns = errors.of_burns(np.broadcast_to(wanted, normal.shape), normal)
+        spent += np.sqrt(np.sum(burns * burns, axis=0))
+        miss = miss + effect @ (burns - impulse[:, None])
+    return Parted(spent, part.states @ miss)
+
+
+def _with_corrections(
+    start: Array, start_s: float, burns: tuple[RefinedBurn, ...], end_s: float, corrections: int
+) -> tuple[Array, Array, int]:
+    """Times and impulses, corrections among them as zeros, and which one is the first burn."""
+    revolution = math.tau * math.sqrt(float(np.linalg.norm(start[:3])) ** 3 / MU_M3_S2)
+    times = [start_s] if burns[0].time_s > start_s else []
+    impulses = [(0.0, 0.0, 0.0)] * len(times)
+    first = len(times)
+    for at, burn in enumerate(burns):
+        times.append(burn.time_s)
+        impulses.append(burn.delta_v_m_s)
+        arc = (burns[at + 1].time_s if at + 1 < len(burns) else end_s) - burn.time_s
+        if arc >= SHORTEST_ARC * revolution:
+            step = min(arc, revolution) / (corrections + 1)
+            times += [burn.time_s + step * (number + 1) for number in range(corrections)]
+            impulses += [(0.0, 0.0, 0.0)] * corrections
+    return np.array(times), np.array(impulses), first
+
+
+def _gain(effects: Array, impulses: Array, radius: float) -> Array:
+    """Corrections at burns by the miss in elements that these lead to, shape (burns, 3, 6)."""
+    metres = np.array([1.0, *([radius] * 5)])
+    sizes = np.sqrt(np.sum(impulses**2, axis=1))
+    weights = np.maximum(sizes / max(float(sizes.max()), 1e-300), LEAST_WEIGHT)
+    weights = np.repeat(WORTH_M_S_PER_M * weights, 3)
+    wide = effects.transpose(1, 0, 2).reshape(6, -1) * metres[:, None] * weights
+    u, s, v = np.linalg.svd(wide, full_matrices=False)
+    found: Array = -(weights[:, None] * (v.T * (s / (s * s + 1.0))) @ u.T) * metres
+    return found.reshape(-1, 3, 6)

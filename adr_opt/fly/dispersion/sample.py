@@ -1,0 +1,252 @@
+"""Fly a refined plan many times with errors."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import numpy as np
+
+from ...common.constants import MU_M3_S2
+from ...common.errors import InputError
+from ...plan.refined_plan import RefinedLeg, RefinedPlan
+from ...plan.routes import several
+from ...problem.instance import Instance
+from ..flight.refined import refuse_strangers
+from ..flight.tanks import legs_by_tank, refined_routes
+from ..refine.bodies import Gravity
+from ..refine.short_periods import Array
+from .errors import FlightErrors
+from .exact import fly_exactly
+from .feedback import Part, fly, parts_of
+from .result import Dispersion, LegDispersion, Linearity, Quantile, TankDispersion
+
+SHARE = 0.95
+"""Of the flights that a tank is to be enough for."""
+
+WAITING_SHARE = 0.5
+"""Of the stand-off's distance from the target: who misses it by more waits for a revolution."""
+
+MOST_FLIGHTS, MOST_CORRECTIONS = 100_000, 10
+
+EXACT_FLIGHTS = 10
+"""Flights that are flown again without linearisation."""
+
+
+class _Flights(NamedTuple):
+    """Those of one leg."""
+
+    delta_v_m_s: Array  # (flights,)
+    standoff: Array  # (6, flights), misses in position and velocity
+    arrival_m: Array  # (flights,)
+    exact_m_s: Array  # (exact flights,), difference of ΔV
+    exact_m: float  # largest difference of places at the stand-off
+    revolution_s: float
+
+
+def sample_flights(
+    instance: Instance,
+    refined: RefinedPlan,
+    flights: int = 1000,
+    errors: FlightErrors | None = None,
+    *,
+    seed: int = 0,
+    corrections: int = 2,
+    share: float = SHARE,
+    jobs: int | None = None,
+    report: Callable[[int, int], None] = lambda done, total: None,
+) -> Dispersion:
+    """Fly a refined plan many times with errors, corrected on the way.
+
+    Every leg begins docked, near the state that it was planned with; its first burn is made as
+    planned, and after it, and after every burn, the state is known. Burns that are left, and some
+    for corrections alone, lead to the stand-off; the approach to the target. Times do not change.
+
+    Parameters
+    ----------
+    instance : Instance
+    refined : RefinedPlan
+    flights : int
+    errors : FlightErrors, optional
+        Those of :class:`FlightErrors` by default.
+    seed : int
+    corrections : int
+        Burns for corrections alone after each burn before the approach that has time for them.
+    share : float
+        Of the flights whose needs are asked for.
+    jobs : int, optional
+        Threads, which change nothing but the time it takes; all cores by default.
+    report : callable
+        Hears of how many legs are done, and of how many there are.
+
+    Raises
+    ------
+    InputError
+        The refined plan belongs to another instance, names an unknown body or has no legs, a
+        parameter is out of range, or errors are so large that a flight leads away.
+    """
+    errors = errors or FlightErrors()
+    _check("flights", flights, 1, MOST_FLIGHTS)
+    _check("seed", seed, 0, math.inf)
+    _check("corrections", corrections, 0, MOST_CORRECTIONS)
+    _check("jobs", jobs or 0, 0, math.inf)
+    if not 0.0 < share < 1.0:
+        raise InputError(f"share = {share:g}: must lie between 0 and 1")
+    refuse_strangers(instance, refined)
+    if not refined.legs:
+        raise InputError("the refined plan has no legs: there is nothing to fly")
+
+    def one(leg: RefinedLeg) -> _Flights:
+        rng = np.random.default_rng([seed, leg.leg])
+        return _fly_leg(leg, refined.gravity, errors, rng, flights, corrections)
+
+    flown: list[_Flights] = []
+    report(0, len(refined.legs))
+    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
+        for leg_flights in pool.map(one, refined.legs):
+            flown.append(leg_flights)
+            report(len(flown), len(refined.legs))
+    return _told(instance, refined, flown, errors, seed, corrections, share)
+
+
+def _check(name: str, value: int, least: float, most: float) -> None:
+    if not least <= value <= most:
+        upper = "" if math.isinf(most) else f" and at most {most:,}"
+        raise InputError(f"{name} = {value}: must be at least {least}{upper}")
+
+
+def _fly_leg(
+    leg: RefinedLeg,
+    gravity: Gravity,
+    errors: FlightErrors,
+    rng: np.random.Generator,
+    flights: int,
+    corrections: int,
+) -> _Flights:
+    if all(burn.phase != "approach" for burn in leg.burns) or leg.burns[0].phase == "approach":
+        raise InputError(f"leg {leg.leg}: no burns lead to an approach; add them")
+    transfer, approach = parts_of(leg, gravity, corrections)
+    if not all(np.isfinite(part.effects).all() for part in (transfer, approach)):
+        raise InputError(f"leg {leg.leg}: cannot be flown: its burns lead away from the Earth")
+    begun = errors.of_departure(rng.standard_normal((6, flights)))
+    drawn = [rng.standard_normal((part.times.size, 3, flights)) for part in (transfer, approach)]
+    to_standoff = fly(transfer, begun, drawn[0], errors)
+    to_target = fly(approach, to_standoff.miss, drawn[1], errors)
+    spent = to_standoff.delta_v_m_s + to_target.delta_v_m_s
+    try:
+        exact = list(_exactly((transfer, approach), begun, drawn, errors))
+    except ArithmeticError as error:
+        raise InputError(f"leg {leg.leg}: {error}; take smaller errors") from None
+    axis = 1.0 / (
+        2.0 / float(np.linalg.norm(transfer.goal[:3]))
+        - float(transfer.goal[3:] @ transfer.goal[3:]) / MU_M3_S2
+    )
+    return _Flights(
+        delta_v_m_s=spent,
+        standoff=to_standoff.miss,
+        arrival_m=np.linalg.norm(to_target.miss[:3], axis=0),
+        exact_m_s=np.array([cost for cost, _ in exact]) - spent[: len(exact)],
+        exact_m=max(
+            float(np.linalg.norm(there - to_standoff.miss[:3, at]))
+            for at, (_, there) in enumerate(exact)
+        ),
+        revolution_s=math.tau * math.sqrt(axis**3 / MU_M3_S2),
+    )
+
+
+def _exactly(
+    parts: tuple[Part, Part], begun: Array, drawn: list[Array], errors: FlightErrors
+) -> Iterator[tuple[float, Array]]:
+    """ΔV of the first flights, and the place at the stand-off that they miss it by."""
+    for at in range(min(EXACT_FLIGHTS, begun.shape[1])):
+        first, standoff = fly_exactly(parts[0], begun[:, at], drawn[0][:, :, at], errors)
+        second, _ = fly_exactly(parts[1], standoff, drawn[1][:, :, at], errors)
+        yield first + second, standoff[:3]
+
+
+def _told(
+    instance: Instance,
+    refined: RefinedPlan,
+    flown: list[_Flights],
+    errors: FlightErrors,
+    seed: int,
+    corrections: int,
+    share: float,
+) -> Dispersion:
+    spent = np.array([leg.delta_v_m_s for leg in flown])
+    missed = np.array([np.linalg.norm(leg.standoff[:3], axis=0) for leg in flown])
+    waiting = missed > WAITING_SHARE * instance.transfer.standoff_m
+    revolutions = np.array([leg.revolution_s for leg in flown])
+    next_s = _next_departures(instance, refined)
+    # A tow waits as long as what follows it allows.
+    spare = np.array([next_s[leg.leg] - leg.end_s - leg.towing_s for leg in refined.legs])
+    late = (waiting & (revolutions > spare)[:, None]).any(axis=0)
+    apart = [np.linalg.norm(leg.standoff[3:], axis=0) for leg in flown]
+    legs = tuple(
+        LegDispersion(
+            leg=leg.leg,
+            origin=leg.origin,
+            destination=leg.destination,
+            refined_delta_v_m_s=leg.flown_delta_v_m_s,
+            mean_delta_v_m_s=float(spent[at].mean()),
+            delta_v_m_s=Quantile.of(spent[at], share),
+            standoff_miss_m=Quantile.of(missed[at], share),
+            standoff_miss_m_s=Quantile.of(apart[at], share),
+            arrival_miss_m=Quantile.of(flown[at].arrival_m, share),
+            waits_share=float(waiting[at].mean()),
+        )
+        for at, leg in enumerate(refined.legs)
+    )
+    return Dispersion(
+        flights=spent.shape[1],
+        seed=seed,
+        corrections=corrections,
+        errors=errors,
+        refined_delta_v_m_s=refined.flown_delta_v_m_s,
+        delta_v_m_s=Quantile.of(
+            spent.sum(axis=0) + math.fsum(leg.towing_m_s for leg in refined.legs), share
+        ),
+        waits_s=Quantile.of(revolutions @ waiting, share),
+        late_share=float(late.mean()),
+        legs=legs,
+        tanks=tuple(_tanks(instance, refined, spent, share)),
+        linearity=Linearity(
+            flights=flown[0].exact_m_s.size,
+            delta_v_m_s=float(np.abs(sum(leg.exact_m_s for leg in flown)).max()),
+            standoff_m=max(leg.exact_m for leg in flown),
+        ),
+        leg_delta_v_m_s=spent,
+        leg_standoff_miss_m=missed,
+    )
+
+
+def _next_departures(instance: Instance, refined: RefinedPlan) -> dict[int, float]:
+    """When, after each leg and its tow, its chaser leaves again, or the mission ends [s]."""
+    found: dict[int, float] = {}
+    for _, legs in refined_routes(instance, refined):
+        departures = [*(leg.states[0].time_s for leg in legs), instance.mission.duration_s]
+        found |= {leg.leg: next_s for leg, next_s in zip(legs, departures[1:], strict=True)}
+    return found
+
+
+def _tanks(
+    instance: Instance, refined: RefinedPlan, spent: Array, share: float
+) -> Iterator[TankDispersion]:
+    row = {leg.leg: at for at, leg in enumerate(refined.legs)}
+    for one in legs_by_tank(instance, refined):
+        legs, budget = one.legs, one.budget_m_s
+        towing = math.fsum(leg.towing_m_s for leg in legs)
+        taken = spent[[row[leg.leg] for leg in legs]].sum(axis=0) + towing
+        yield TankDispersion(
+            tank=one.tank,
+            first_leg=legs[0].leg,
+            last_leg=legs[-1].leg,
+            budget_m_s=budget,
+            refined_delta_v_m_s=math.fsum(leg.flown_delta_v_m_s for leg in legs) + towing,
+            delta_v_m_s=Quantile.of(taken, share),
+            breaks_share=float((taken > budget).mean()),
+            chaser=one.chaser.name if several(instance) else None,
+        )

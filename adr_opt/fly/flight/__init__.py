@@ -1,0 +1,34 @@
+"""Fly a plan: propagate its burns in the dynamics of its instance and measure where they lead.
+
+The second opinion on the physics. No state here comes from :mod:`adr_opt.kernels`: elements are
+read from the instance, and boinor (extra ``[astro]``) turns them into states, propagates them and
+solves Lambert's problem.
+
+Two questions are asked of each leg. Does it arrive in the model's world, where every body moves
+on a circle? It must, to a millimetre, and under J2 to a metre. And where an orbit of the leg is
+eccentric: where does it arrive in truth, and what does it take to arrive there after all? That is
+the size of the approximation of MODEL section 1, and decides whether each tank holds. The second
+alone is what :func:`fly_mean` asks, in mean motion and without boinor.
+
+A refined plan (:mod:`adr_opt.fly.refine`) is flown by :func:`fly_refined`: in true dynamics, by
+another integrator than the one it was made with.
+"""
+
+from .fly import fly
+from .mean_flight import MeanFlight, fly_mean
+from .refined import fly_refined
+from .refined_result import RefinedFlight, RefinedLegFlight
+from .result import EccentricFlight, Flight, LegFlight, TankFlight
+
+__all__ = [
+    "EccentricFlight",
+    "Flight",
+    "LegFlight",
+    "MeanFlight",
+    "RefinedFlight",
+    "RefinedLegFlight",
+    "TankFlight",
+    "fly",
+    "fly_mean",
+    "fly_refined",
+]

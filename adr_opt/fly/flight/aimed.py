@@ -1,0 +1,215 @@
+"""A leg on the true orbits of its bodies in mean motion, with the plan's burns aimed anew.
+
+A plan's burns lead from circle to circle. Where an orbit is eccentric they arrive elsewhere: by a
+few kilometres after some hours, and after weeks anywhere round the orbit, because a burn that is
+made ten kilometres higher than planned leads to another pace. A chaser knows where it is and where
+it is to be, and burns accordingly. So the burns keep the plan's times and are changed such that the
+chaser leaves the origin's true orbit and is at the stand-off of the target's; of all that do so
+those are flown that are cheap and near what was planned (:mod:`adr_opt.fly.refine.own_burns`).
+`refine` does the same in integrated motion, where an arc of months takes a thousand times as long.
+
+Motion is that of mean elements with their secular rates
+(:mod:`adr_opt.kernels.orbits.mean_motion`), or Kepler's where nothing drifts. Nothing optional is
+needed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import EARTH_RADIUS_M
+from ...kernels.orbits import ephemeris, equinoctial, mean_motion
+from ...plan.plan import Leg, Tow
+from ...problem.instance import Instance
+from ...problem.orbit import Orbit
+from ..refine.leg import Course, Flown, NoWay, close
+from ..refine.one_leg import aim, planned_angles, with_a_middle
+from ..refine.own_burns import settle
+
+Array = npt.NDArray[np.float64]
+
+GROWN, LEAST_GROWTH = 4, 1.0 / 64.0
+"""Where the plan's burns cannot be closed at once, eccentricities grow by a share of one in so
+many, or where that is too much by less, down to the least."""
+
+
+@dataclass(frozen=True)
+class MeanCourse(Course):
+    """Where a leg begins and is to end, in mean motion.
+
+    Attributes
+    ----------
+    oblateness_m2 : float
+        J2 R², 0 for two bodies.
+    """
+
+    oblateness_m2: float = 0.0
+
+    def move(self, times: Array, impulses: Array) -> tuple[Array, Array, float]:
+        """Fly impulses from the start, as the kernel of mean motion does."""
+        found: tuple[Array, Array, float] = mean_motion.fly(
+            self.start, times, impulses, self.end_s, self.oblateness_m2
+        )
+        return found
+
+
+def true_state(orbit: Orbit, oblateness_m2: float, time_s: float) -> Array:
+    """Mean state of a body at a time on its true orbit, shape (6,) [m, m/s].
+
+    Parameters
+    ----------
+    orbit : Orbit
+        Mean elements at the epoch.
+    oblateness_m2 : float
+        J2 R², 0 for two bodies.
+    time_s : float
+        Since the epoch.
+    """
+    row = orbit.row(oblateness_m2)
+    frame = np.array(
+        ephemeris.frame(
+            row[ephemeris.INCLINATION], row[ephemeris.RAAN] + row[ephemeris.RAAN_RATE] * time_s
+        )
+    )
+    perigee = row[ephemeris.PERIGEE] + row[ephemeris.PERIGEE_RATE] * time_s
+    longitude = row[ephemeris.ARGUMENT_OF_LATITUDE] + row[ephemeris.LATITUDE_RATE] * time_s
+    e = row[ephemeris.ECCENTRICITY]
+    elements = [
+        row[ephemeris.RADIUS], e * math.cos(perigee), e * math.sin(perigee), 0.0, 0.0,
+        math.remainder(longitude, math.tau),
+    ]  # fmt: skip
+    state: Array = equinoctial.state_of(np.array(elements), frame)
+    return state
+
+
+def following(orbit: Orbit, oblateness_m2: float, time_s: float, length_m: float) -> Array:
+    """State of the point that follows a body on its orbit: where it was a moment ago, (6,)."""
+    speed = math.hypot(*true_state(orbit, oblateness_m2, time_s)[3:])
+    return true_state(orbit, oblateness_m2, time_s - length_m / speed)
+
+
+class Aim:
+    """A leg that is aimed anew.
+
+    Parameters
+    ----------
+    instance : Instance
+    orbit_of : mapping
+        The orbits of its bodies by name.
+    leg : Leg
+        With burns in time order, the last of them those of the approach.
+    tow_before : Tow or None
+        That of the origin, with whose end the leg begins.
+
+    Raises
+    ------
+    ArithmeticError, ValueError
+        Its burns lead away from the Earth, or there are none.
+    """
+
+    def __init__(
+        self, instance: Instance, orbit_of: Mapping[str, Orbit], leg: Leg, tow_before: Tow | None
+    ) -> None:
+        first = next(at for at, burn in enumerate(leg.burns) if burn.phase == "approach")
+        self._burns, self._approach = leg.burns[:first], leg.burns[first:]
+        if not self._burns:
+            raise NoWay("no burn comes before the approach")
+        self._origin, self._target = orbit_of[leg.origin], orbit_of[leg.destination]
+        self._instance, self._tow = instance, tow_before
+        self._angles = planned_angles(instance, leg, tow_before)
+
+    def delta_v_m_s(self) -> float:
+        """ΔV of the burns that lead the chaser there; tows apart [m/s].
+
+        Raises
+        ------
+        ArithmeticError
+            No burns at the plan's times do.
+        """
+        whole = self._course(1.0)
+        times = np.array([burn.time_s for burn in self._burns])
+        planned = np.array([burn.delta_v_m_s for burn in self._burns])
+        try:
+            flown = settle(whole, self._closed(times, planned), planned)
+        except NoWay:
+            flown = aim(whole, self._burns)  # with a few burns more
+        return flown.delta_v_m_s + self._docking_m_s(flown)
+
+    def _closed(self, times: Array, planned: Array) -> Flown:
+        """Burns that lead there, be they as cheap as they may.
+
+        After months of drift a change of a burn by some metres per second is round the orbit by
+        laps, and Newton's steps get lost. Then the eccentricities grow, from circles on, between
+        which the plan's burns arrive.
+        """
+        try:
+            return close(self._course(1.0), times, planned)
+        except NoWay:
+            pass
+        share, step, burns = 0.0, 1.0 / GROWN, planned
+        while share < 1.0:
+            try:
+                closed = close(self._course(min(share + step, 1.0)), times, burns)
+            except NoWay:
+                step *= 0.5
+                if step < LEAST_GROWTH:
+                    raise
+                continue
+            share, burns = share + step, closed.impulses
+        return closed
+
+    def _course(self, share: float) -> MeanCourse:
+        """From the origin to the stand-off, with a share of all eccentricities."""
+        origin, target = (
+            orbit.replace(eccentricity=share * orbit.eccentricity)
+            for orbit in (self._origin, self._target)
+        )
+        rule, start_s = self._instance.transfer, self._burns[0].time_s
+        standoff_s, oblateness = self._approach[0].time_s, self._instance.oblateness_m2
+        if self._tow is None:
+            start = true_state(origin, oblateness, start_s)
+        else:
+            start = _after_tow(origin, self._tow, start_s, oblateness)
+        return MeanCourse(
+            start=start, goal=following(target, oblateness, standoff_s, rule.standoff_m),
+            start_s=start_s, end_s=standoff_s, angle=self._angles[0],
+            gravity=self._instance.dynamics, lowest_m=EARTH_RADIUS_M + rule.min_altitude_m,
+            highest_m=EARTH_RADIUS_M + rule.max_altitude_m, oblateness_m2=oblateness,
+        )  # fmt: skip
+
+    def _docking_m_s(self, flown: Flown) -> float:
+        """ΔV of the approach, from the stand-off to the target."""
+        begin, end = self._approach[0].time_s, self._approach[-1].time_s
+        oblateness = self._instance.oblateness_m2
+        course = MeanCourse(
+            start=flown.states[-1], goal=true_state(self._target, oblateness, end),
+            start_s=begin, end_s=end, angle=self._angles[1],
+            gravity=self._instance.dynamics, oblateness_m2=oblateness,
+        )  # fmt: skip
+        return close(course, *with_a_middle(self._approach, self._angles[1])).delta_v_m_s
+
+
+def _after_tow(orbit: Orbit, tow: Tow, time_s: float, oblateness_m2: float) -> Array:
+    """Where a tow has led: by burns as large as the plan's, against the motion that there is."""
+    now = tow.burns[0].time_s
+    state = true_state(orbit, oblateness_m2, now)
+    for burn in tow.burns:
+        mean_motion.coast(state, burn.time_s - now, oblateness_m2)
+        now = burn.time_s
+        state[3:] -= burn.size_m_s * state[3:] / np.linalg.norm(state[3:])
+    mean_motion.coast(state, time_s - now, oblateness_m2)
+    return state
+
+
+def practise(instance: Instance, leg: Leg) -> None:
+    """Compile what a flight needs, by that of a leg as if its orbits were a little eccentric."""
+    orbit_of = {
+        name: orbit.replace(eccentricity=1e-3)
+        for name, orbit in zip(instance.names, instance.body_orbits, strict=True)
+    }
+    Aim(instance, orbit_of, leg, None).delta_v_m_s()

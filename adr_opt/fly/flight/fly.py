@@ -1,0 +1,168 @@
+"""Fly the burns of a plan, leg by leg."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from ...common.errors import InputError
+from ...plan.plan import Leg, Plan, Tow
+from ...problem.instance import Instance
+from ...problem.orbit import Orbit
+from .aimed import Aim
+from .corrected import fly_eccentric
+from .flyable import refuse_what_cannot_be_flown
+from .mean import MeanDynamics
+from .mean_flight import is_between_circles
+from .plan_tanks import burnt_m_s, plan_tanks
+from .result import EccentricFlight, Flight, LegFlight
+from .two_body import State, TwoBody, distance
+
+
+def fly(instance: Instance, plan: Plan) -> Flight:
+    """Fly the burns of a plan in the dynamics of its instance.
+
+    Each leg begins on the origin's own orbit, or where the tow of the origin leads, which begins
+    there; the burns are taken from the plan as they are.
+    Bodies move on the circles that the model plans with (MODEL section 1). A leg with an eccentric
+    orbit is flown a second time on the true orbits, with its burns aimed anew (:mod:`.aimed`); in
+    two-body motion a third time with them as they are. What the second flight takes, and what the
+    burns of legs that drift take, is counted tank by tank.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan
+        Need not be free of violations; :func:`adr_opt.check` judges that.
+
+    Raises
+    ------
+    InputError
+        The plan belongs to another instance, names an unknown body, or has burns that cannot be
+        flown: out of time order, after the arrival, without an approach, or leading to no orbit;
+        or a tow is missing, or one too many.
+    MissingExtra
+        boinor is not installed.
+    """
+    refuse_what_cannot_be_flown(instance, plan)
+    motion = MeanDynamics() if instance.dynamics == "j2" else TwoBody()
+    orbits = dict(zip(instance.names, instance.body_orbits, strict=True))
+    flown, tows = [], plan.tows_before
+    for number, leg in enumerate(plan.legs, start=1):
+        before = _disposed(motion, orbits, number, leg, tows.get(number))
+        ends = [orbits[leg.origin], orbits[leg.destination]]
+        eccentric = None
+        if instance.dynamics == "two-body" and not is_between_circles(orbits, leg):
+            origin, destination = (motion.true_at_epoch(orbit) for orbit in ends)
+            if before is not None:
+                origin = motion.coast(before, -leg.leaves_s)
+            eccentric = fly_eccentric(
+                motion, origin, destination, leg, instance.transfer.standoff_m
+            )
+        one = _fly_leg(instance, motion, orbits, number, leg, before, eccentric)
+        if not is_between_circles(orbits, leg):
+            one = replace(
+                one, on_true_orbits=True,
+                true_delta_v_m_s=_true_m_s(instance, orbits, leg, tows.get(number)),
+            )  # fmt: skip
+        flown.append(one)
+    taken = {
+        one.leg: one.true_delta_v_m_s if one.on_true_orbits else burnt_m_s(leg)
+        for one, leg in zip(flown, plan.legs, strict=True)
+    }
+    worst = max((leg.miss_m for leg in flown), default=0.0)
+    return Flight(worst, tuple(flown), plan_tanks(instance, plan, taken), instance.dynamics)
+
+
+def _true_m_s(
+    instance: Instance, orbits: dict[str, Orbit], leg: Leg, tow: Tow | None
+) -> float | None:
+    """What a leg takes on the true orbits; None where it does not arrive [m/s]."""
+    try:
+        return Aim(instance, orbits, leg, tow).delta_v_m_s()
+    except (ArithmeticError, ValueError):
+        return None
+
+
+def _disposed(
+    motion: TwoBody, orbits: dict[str, Orbit], number: int, leg: Leg, tow: Tow | None
+) -> State | None:
+    """Where a leg begins whose origin was towed; None where it was not.
+
+    The second burn of the tow and the first one of the leg are made together.
+    """
+    if tow is None:
+        return None
+    begin, end = tow.burns
+    try:
+        position, velocity = motion.body(orbits[leg.origin], begin.time_s)
+        towing = position, velocity + np.array(begin.delta_v_m_s)
+        position, velocity = motion.coast(towing, end.time_s - begin.time_s)
+        left = position, velocity + np.array(end.delta_v_m_s)
+        return motion.coast(left, leg.leaves_s - end.time_s)
+    except ArithmeticError as error:
+        raise InputError(
+            f"leg {number}: the tow before it cannot be flown: {error}; correct its burns"
+        ) from None
+
+
+def _fly_leg(
+    instance: Instance,
+    motion: TwoBody,
+    orbits: dict[str, Orbit],
+    number: int,
+    leg: Leg,
+    before: State | None,
+    eccentric: EccentricFlight | None,
+) -> LegFlight:
+    if leg.kind == "launch":
+        return LegFlight(
+            leg=number, origin=leg.origin, destination=leg.destination, kind=leg.kind,
+            planned_delta_v_m_s=0.0, burns_delta_v_m_s=0.0, miss_m=0.0, relative_speed_m_s=0.0,
+            arrival_miss_m=0.0, eccentric=None,
+        )  # fmt: skip
+    target = orbits[leg.destination]
+    standoff = None
+    try:
+        now = leg.burns[0].time_s
+        chaser = motion.body(orbits[leg.origin], now) if before is None else before
+        for burn in leg.burns:
+            position, velocity = motion.coast(chaser, burn.time_s - now)
+            now = burn.time_s
+            if standoff is None and burn.phase == "approach":
+                behind = _behind(motion.body(target, now), instance.transfer.standoff_m)
+                standoff = (distance(position, behind[0]), distance(velocity, behind[1]))
+            chaser = position, velocity + np.array(burn.delta_v_m_s)
+        # A drift is planned with a later arrival: the chaser has docked by then.
+        arrival = now if leg.kind == "drift" else leg.arrival_s
+        at_arrival = motion.coast(chaser, arrival - now)
+        goal = motion.body(target, arrival)
+    except ArithmeticError as error:
+        raise InputError(f"leg {number}: cannot be flown: {error}; correct its burns") from None
+    assert standoff is not None  # every leg has an approach
+    return LegFlight(
+        leg=number,
+        origin=leg.origin,
+        destination=leg.destination,
+        kind="drift" if leg.kind == "drift" else "short",
+        planned_delta_v_m_s=leg.delta_v_m_s,
+        burns_delta_v_m_s=leg.burns_delta_v_m_s,
+        miss_m=standoff[0],
+        relative_speed_m_s=standoff[1],
+        arrival_miss_m=distance(at_arrival[0], goal[0]),
+        eccentric=eccentric,
+    )
+
+
+def _behind(state: State, length: float) -> State:
+    """State of a point that follows on a circular orbit at a distance, measured along it."""
+    position, velocity = state
+    radius, speed = math.sqrt(position @ position), math.sqrt(velocity @ velocity)
+    cosine, sine = math.cos(length / radius), math.sin(length / radius)
+    outward, ahead = position / radius, velocity / speed
+    return (
+        radius * (cosine * outward - sine * ahead),
+        speed * (cosine * ahead + sine * outward),
+    )

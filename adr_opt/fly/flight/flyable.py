@@ -1,0 +1,125 @@
+"""What a plan needs so that its burns can be flown at all, asked of its data alone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...common.errors import InputError
+from ...plan.plan import Leg, Plan
+from ...plan.routes import Flown, routes_of, several
+from ...problem.instance import Instance
+
+if TYPE_CHECKING:
+    from ...plan.refined_plan import RefinedPlan
+
+TIME_TOLERANCE_S = 1e-3
+"""How far the last burn may lie behind the stated arrival."""
+
+
+def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
+    """Raise :class:`InputError` for a plan that cannot be flown over an instance.
+
+    It belongs to another instance, or to one whose costs are given, names an unknown body or
+    chaser, or has burns out of time order, after the arrival or without an approach; or a tow is
+    missing, or one too many.
+    """
+    refuse_given(instance)
+    refuse_foreign(instance, plan)
+    routes_of(instance, plan)
+    bodies = set(instance.names)
+    towed = {target.name for target in instance.targets if target.removal == "tow"}
+    tows = plan.tows_before
+    for number, leg in enumerate(plan.legs, start=1):
+        _refuse_leg(number, leg, bodies)
+        _refuse_tow(number, leg, leg.destination in towed)
+        if number in tows and abs(tows[number].end_s - leg.leaves_s) > TIME_TOLERANCE_S:
+            raise InputError(
+                f"leg {number} leaves at {leg.leaves_s!r} s, but the tow before it ends at "
+                f"{tows[number].end_s!r} s; correct its times"
+            )
+
+
+def refuse_given(instance: Instance) -> None:
+    """Raise :class:`InputError` for an instance whose connections are given."""
+    if instance.transfer.given is not None:
+        raise InputError(
+            f"the connections of {instance.name!r} are given, with nothing but times and costs: "
+            "its plans have no trajectory"
+        )
+
+
+def refuse_foreign(instance: Instance, plan: Plan | RefinedPlan) -> None:
+    """Raise :class:`InputError` for a plan, or a refined one, of another instance."""
+    if not plan.instance.is_of(instance):
+        raise InputError(
+            f"the plan belongs to the instance {plan.instance.name!r} "
+            f"(sha256 {plan.instance.sha256[:12]}…), not to {instance.name!r} "
+            f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
+        )
+
+
+def refuse_broken_chain(instance: Instance, plan: Plan) -> None:
+    """Raise :class:`InputError` for legs that cannot be flown one after the other.
+
+    Each may be flown alone; a flight of all of them needs that each begins where and not before the
+    one before it, of the same chaser, ends.
+    """
+    for flown in routes_of(instance, plan):
+        _refuse_broken_route(flown, f"{flown.chaser.name!r}" if several(instance) else "the chaser")
+
+
+def _refuse_broken_route(flown: Flown, who: str) -> None:
+    where, free_s = flown.chaser.start_name, 0.0
+    for number, leg in flown.legs:
+        if leg.origin != where:
+            raise InputError(
+                f"leg {number} begins at {leg.origin!r}, but {who} is at {where!r}; put the "
+                "legs in order"
+            )
+        begins_s = min(leg.ready_s, leg.departure_s, leg.leaves_s)
+        if begins_s < free_s - TIME_TOLERANCE_S:
+            raise InputError(
+                f"leg {number} begins at {begins_s!r} s, but {who} is free at {free_s!r} s "
+                "only; correct its times"
+            )
+        # A tow may be put off until the next leg leaves, after the departure_s of a drift; the
+        # chaser is free as soon as it may be over. That it ends on leaving is asked elsewhere.
+        where, free_s = leg.destination, leg.free_s
+
+
+def _refuse_tow(number: int, leg: Leg, is_towed: bool) -> None:
+    if is_towed != (leg.tow is not None):
+        # Without it nobody knows what the tow takes, nor where the chaser goes on from.
+        wrong = "and the plan has no tow of it" if is_towed else "but for a tow in the plan"
+        raise InputError(
+            f"leg {number}: {leg.destination!r} is {'towed' if is_towed else 'not towed'}, "
+            f"{wrong}; {'add' if is_towed else 'take out'} the field tow"
+        )
+    if leg.tow is None:
+        return
+    times = [burn.time_s for burn in leg.tow.burns]
+    if len(times) != 2 or not leg.end_s - TIME_TOLERANCE_S <= times[0] <= times[1]:
+        raise InputError(
+            f"leg {number}: a tow has two burns, the first one after end_s = {leg.end_s!r}; "
+            "correct them"
+        )
+
+
+def _refuse_leg(number: int, leg: Leg, bodies: set[str]) -> None:
+    for name in (leg.origin, leg.destination):
+        if name not in bodies:
+            raise InputError(f"leg {number}: {name!r} is not a body of the instance")
+    if leg.kind == "launch":
+        if leg.burns:
+            raise InputError(f"leg {number}: a launch has no burns; take them out")
+        return
+    times = [burn.time_s for burn in leg.burns]
+    if times != sorted(times):
+        raise InputError(f"leg {number}: the burns are not in time order; sort them by time_s")
+    if all(burn.phase != "approach" for burn in leg.burns):
+        raise InputError(f"leg {number}: no burn begins the approach; add the approach burns")
+    if leg.arrival_s < times[-1] - TIME_TOLERANCE_S:
+        raise InputError(
+            f"leg {number}: arrival_s = {leg.arrival_s!r} is before the last burn at "
+            f"{times[-1]!r}; it must be the end of the approach"
+        )

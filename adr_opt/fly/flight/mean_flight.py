@@ -1,0 +1,215 @@
+"""A whole plan in mean motion, on the true orbits: what each leg takes and each tank has left.
+
+What `solve` says of its plan when it ends. Legs between circles fly the plan's burns, and are asked
+whether they arrive; the burns of the others are aimed anew (:mod:`.aimed`). Nothing optional is
+needed, and a leg takes some hundredths of a second, however long it drifts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...common.constants import MU_M3_S2
+from ...plan.plan import Leg, Plan, Tow
+from ...plan.plan_flight import Family, FamilyFlight, PlanFlight, TankLeft
+from ...problem.instance import Instance
+from ...problem.orbit import Orbit
+from ..trajectory.bodies import after_tow, body_states
+from ..trajectory.kepler import drift
+from .aimed import Aim
+from .flyable import refuse_what_cannot_be_flown
+from .plan_tanks import burnt_m_s, plan_tanks
+from .result import TankFlight
+
+MOST_MISS_M = 10.0
+"""A leg between circles that misses its stand-off by more does not arrive. Burns of a plan miss by
+decimetres at most."""
+
+
+@dataclass(frozen=True)
+class MeanFlight:
+    """What came of flying a plan in mean motion.
+
+    Attributes
+    ----------
+    plan : Plan
+    gravity : {"two-body", "j2"}
+    flown : mapping
+        What each leg takes by its number from 1, tows apart; None where it does not arrive [m/s].
+    problems : mapping
+        Why those do not arrive, by their numbers.
+    tanks : tuple of TankFlight
+    """
+
+    plan: Plan
+    gravity: str
+    flown: Mapping[int, float | None]
+    problems: Mapping[int, str]
+    tanks: tuple[TankFlight, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether every tank does."""
+        return all(tank.holds for tank in self.tanks)
+
+    @property
+    def record(self) -> PlanFlight:
+        """What a plan file says of it."""
+        return PlanFlight.model_validate(
+            {
+                "how": "mean", "gravity": self.gravity, "legs_sha256": self.plan.legs_sha256,
+                "holds": self.holds,
+                "families": families_of(self.plan.legs, self.flown),
+                "tanks": tanks_left(self.tanks),
+            }
+        )  # fmt: skip
+
+    def __str__(self) -> str:
+        broken = [str(tank) for tank in self.tanks if not tank.holds]
+        # A leg that does not arrive is why a tank is unknown.
+        why = [f"leg {number}: {problem}" for number, problem in self.problems.items()]
+        return "; ".join([str(self.record), *broken, *why])
+
+
+def fly_mean(
+    instance: Instance, plan: Plan, enough: Callable[[], bool] = lambda: False
+) -> MeanFlight | None:
+    """Fly a plan in the mean motion of its instance, on the true orbits of its bodies.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan
+        Need not be free of violations; :func:`adr_opt.check` judges that.
+    enough : callable
+        Asked between legs; once it says so, there is no flight.
+
+    Raises
+    ------
+    InputError
+        As of :func:`.fly`.
+    """
+    refuse_what_cannot_be_flown(instance, plan)
+    orbits = dict(zip(instance.names, instance.body_orbits, strict=True))
+    tows = plan.tows_before
+    flown: dict[int, float | None] = {}
+    problems: dict[int, str] = {}
+    for number, leg in enumerate(plan.legs, start=1):
+        if enough():
+            return None
+        try:
+            flown[number] = true_delta_v_m_s(instance, orbits, leg, tows.get(number))
+        except (ArithmeticError, ValueError) as error:  # burns of no sense lead to no numbers
+            flown[number], problems[number] = None, str(error)
+    return MeanFlight(plan, instance.dynamics, flown, problems, plan_tanks(instance, plan, flown))
+
+
+def is_between_circles(orbits: Mapping[str, Orbit], leg: Leg) -> bool:
+    """Whether the true orbits of a leg are those that are planned with."""
+    ends = (leg.origin, leg.destination)
+    return leg.kind == "launch" or all(orbits[name].eccentricity == 0.0 for name in ends)
+
+
+def true_delta_v_m_s(
+    instance: Instance, orbits: Mapping[str, Orbit], leg: Leg, tow_before: Tow | None
+) -> float:
+    """What a leg takes on the true orbits of its bodies, tows apart [m/s].
+
+    Parameters
+    ----------
+    instance : Instance
+    orbits : mapping
+        Of its bodies by name.
+    leg : Leg
+    tow_before : Tow or None
+        That of the origin, with whose end the leg begins.
+
+    Raises
+    ------
+    ArithmeticError
+        It does not arrive.
+    """
+    if leg.kind == "launch":
+        return 0.0
+    if not is_between_circles(orbits, leg):
+        return Aim(instance, orbits, leg, tow_before).delta_v_m_s()
+    miss = _miss_m(instance, leg, tow_before)
+    if not miss <= MOST_MISS_M:
+        raise ArithmeticError(f"its burns miss the stand-off by {miss:.3g} m")
+    return burnt_m_s(leg)
+
+
+def _miss_m(instance: Instance, leg: Leg, tow: Tow | None) -> float:
+    """How far the burns of a leg between circles lead from the stand-off [m]."""
+    now, oblateness = leg.burns[0].time_s, instance.oblateness_m2
+    if tow is None:
+        position, velocity = (each[0] for each in body_states(instance, leg.origin, now))
+    else:
+        position, velocity = after_tow(instance, leg.origin, tow)
+        position, velocity = _moved(position, velocity, now - tow.burns[-1].time_s, oblateness)
+    for burn in leg.burns:
+        position, velocity = _moved(position, velocity, burn.time_s - now, oblateness)
+        now = burn.time_s
+        if burn.phase == "approach":
+            break
+        velocity = velocity + np.array(burn.delta_v_m_s)
+    target, ahead = (each[0] for each in body_states(instance, leg.destination, now))
+    radius = math.hypot(*target)
+    angle = instance.transfer.standoff_m / radius
+    behind = math.cos(angle) * target - math.sin(angle) * radius * ahead / math.sqrt(
+        MU_M3_S2 / radius
+    )
+    return math.dist(position, behind)
+
+
+def _moved(
+    position: np.ndarray, velocity: np.ndarray, span_s: float, oblateness_m2: float
+) -> tuple[np.ndarray, np.ndarray]:
+    positions, velocities = drift(position, velocity, span_s, oblateness_m2)
+    return positions[0], velocities[0]
+
+
+def families_of(
+    legs: tuple[Leg, ...], flown: Mapping[int, float | None]
+) -> tuple[FamilyFlight, ...]:
+    """What legs were planned with and took, by family; those of no legs are left out.
+
+    Tows take what they are planned with: nothing is met at their end.
+    """
+    families: tuple[Family, ...] = ("short", "drift")
+    found = [
+        _family(
+            family,
+            [(leg.delta_v_m_s, flown[at]) for at, leg in enumerate(legs, 1) if leg.kind == family],
+        )
+        for family in families
+    ]
+    tows = [leg.tow.delta_v_m_s for leg in legs if leg.tow is not None]
+    found.append(_family("tow", [(tow, tow) for tow in tows]))
+    return tuple(family for family in found if family.legs)
+
+
+def _family(family: Family, legs: list[tuple[float, float | None]]) -> FamilyFlight:
+    known = [flown for _, flown in legs if flown is not None]
+    return FamilyFlight(
+        family=family,
+        legs=len(legs),
+        planned_delta_v_m_s=math.fsum(planned for planned, _ in legs),
+        flown_delta_v_m_s=math.fsum(known) if len(known) == len(legs) else None,
+    )
+
+
+def tanks_left(tanks: tuple[TankFlight, ...]) -> tuple[TankLeft, ...]:
+    """What tanks have left, as a plan file says it."""
+    return tuple(
+        TankLeft(
+            chaser=tank.chaser,
+            tank=tank.tank,
+            left_m_s=None if tank.over_m_s is None else -tank.over_m_s,
+        )
+        for tank in tanks
+    )

@@ -1,0 +1,239 @@
+"""Judge a refined plan with another integrator than the one it was made with.
+
+Nothing of :mod:`adr_opt.kernels` is used but constants and the compiler: the pull is written once
+more, and :mod:`.propagation` integrates the change of elements by an explicit method, where the
+refinement integrates positions by an implicit one. Bodies are propagated from the states at the
+epoch that the file states, the chaser from its origin's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import EARTH_RADIUS_M, J2, MU_M3_S2
+from ...common.errors import InputError
+from ...kernels.orbits.gravity import J3, J4
+from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow
+from ...problem.instance import Instance
+from .flyable import refuse_foreign
+from .propagation import advance, elements_of, state_of
+from .refined_result import RefinedFlight, RefinedLegFlight
+from .tanks import refined_routes, tanks_of
+
+Array = npt.NDArray[np.float64]
+
+STEPS = 72
+"""Steps in a revolution of the lowest perigee: with so many, two years end within some
+centimetres of the collocation, and more do not help."""
+
+FIELDS = {
+    "two-body": np.array([0.0, 0.0, 0.0]),
+    "j2": np.array([J2, 0.0, 0.0]),
+    "j3": np.array([J2, J3, 0.0]),
+    "j4": np.array([J2, J3, J4]),
+}
+MIRROR = np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
+"""Zonal fields are the same in the mirror, where retrograde orbits are not."""
+
+
+def fly_refined(
+    instance: Instance,
+    refined: RefinedPlan,
+    report: Callable[[int, int], None] = lambda done, total: None,
+) -> RefinedFlight:
+    """Fly a refined plan in its gravity and say where it leads.
+
+    Parameters
+    ----------
+    instance : Instance
+    refined : RefinedPlan
+    report : callable
+        Hears of how many legs are flown, and of how many there are.
+
+    Raises
+    ------
+    InputError
+        The refined plan belongs to another instance, names an unknown body, or leads away from
+        the Earth.
+    """
+    refuse_strangers(instance, refined)
+    world = _World(refined.gravity)
+    bodies = _Ephemeris(world, refined)
+    flown = []
+    report(0, len(refined.legs))
+    for leg in refined.legs:
+        try:
+            flown.append(_fly_leg(world, bodies, leg, instance.transfer.standoff_m))
+        except ArithmeticError as error:
+            raise InputError(f"leg {leg.leg}: cannot be flown: {error}") from None
+        report(len(flown), len(refined.legs))
+    return RefinedFlight(
+        gravity=refined.gravity,
+        legs=tuple(flown),
+        tanks=tanks_of(instance, refined),
+        missing=tuple(missing.leg for missing in refined.missing),
+    )
+
+
+def refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
+    """Raise :class:`InputError` for a refined plan of another instance, or of unknown names.
+
+    Or for one that lacks a tow, or has one too many.
+    """
+    refuse_foreign(instance, refined)
+    refined_routes(instance, refined)
+    towed = {target.name for target in instance.targets if target.removal == "tow"}
+    for leg in refined.legs:
+        for name, tow in ((leg.origin, leg.tow_before), (leg.destination, leg.tow)):
+            if name not in instance.names:
+                raise InputError(f"leg {leg.leg}: {name!r} is not a body of the instance")
+            if (name in towed) != (tow is not None):
+                wrong = "towed, and the leg has no tow of it" if name in towed else "not towed"
+                raise InputError(f"leg {leg.leg}: {name!r} is {wrong}; refine the plan again")
+
+
+class _World:
+    """Free motion, of many at once: states are columns, shape (6, n) [m, m/s]."""
+
+    def __init__(self, gravity: str) -> None:
+        self._zonals = FIELDS[gravity]
+
+    def coast(self, states: Array, start_s: float, end_s: float) -> Array:
+        """States at another time.
+
+        Raises
+        ------
+        ArithmeticError
+            They lead into the centre of the Earth or out of numbers.
+        """
+        if start_s == end_s:
+            return states
+        revolution = math.tau * math.sqrt(_lowest(states) ** 3 / MU_M3_S2)
+        steps = math.ceil(abs(end_s - start_s) / revolution * STEPS)
+        found = np.empty(states.shape)
+        for at, state in enumerate(states.T):
+            retrograde = state[0] * state[4] < state[1] * state[3]
+            sides = MIRROR if retrograde else np.ones(6)
+            elements = elements_of(sides * state)
+            advance(elements, end_s - start_s, steps, self._zonals)
+            found[:, at] = sides * state_of(elements)
+        if not bool(np.isfinite(found).all()):
+            raise ArithmeticError("the states are no longer numbers")
+        return found
+
+
+def _lowest(states: Array) -> float:
+    """The lowest perigee of some states [m]; a tenth of the Earth's radius where it is lower.
+
+    Raises
+    ------
+    ArithmeticError
+        An orbit is not closed.
+    """
+    positions, velocities = states[:3].T, states[3:].T
+    radius = np.sqrt(np.sum(positions**2, axis=1))
+    inverse = 2.0 / radius - np.sum(velocities**2, axis=1) / MU_M3_S2
+    if not bool((inverse > 0.0).all()):
+        raise ArithmeticError("the burns lead away from the Earth")
+    momentum = np.sum(np.cross(positions, velocities) ** 2, axis=1)
+    e = np.sqrt(np.maximum(1.0 - momentum * inverse / MU_M3_S2, 0.0))
+    return float(max(((1.0 - e) / inverse).min(), 0.1 * EARTH_RADIUS_M))
+
+
+class _Ephemeris:
+    """States of the bodies when legs begin and end, all propagated side by side from the epoch."""
+
+    def __init__(self, world: _World, refined: RefinedPlan) -> None:
+        self._world = world
+        wanted: dict[float, set[str]] = {}
+        for leg in refined.legs:
+            begins = leg.states[0] if leg.tow_before is None else leg.tow_before.burns[0]
+            wanted.setdefault(begins.time_s, set()).add(leg.origin)
+            if leg.tow is not None:
+                wanted.setdefault(leg.tow.burns[0].time_s, set()).add(leg.destination)
+            for time in (leg.standoff_s, leg.arrival_s):
+                wanted.setdefault(time, set()).add(leg.destination)
+        last = {name: time for time in sorted(wanted) for name in wanted[time]}
+        states = {
+            body.name: np.array([*body.position_m, *body.velocity_m_s])
+            for body in refined.bodies
+            if body.name in last
+        }
+        self._known: dict[tuple[str, float], Array] = {}
+        now = 0.0
+        for time in sorted(wanted):
+            names = [name for name in states if last[name] >= time]
+            moved = world.coast(np.stack([states[name] for name in names], axis=1), now, time)
+            states = dict(zip(names, moved.T, strict=True))
+            now = time
+            for name in wanted[time]:
+                self._known[name, time] = states[name]
+
+    def state(self, name: str, time_s: float) -> Array:
+        """State of a body at a time that a leg names, shape (6,)."""
+        return self._known[name, time_s]
+
+    def following(self, name: str, time_s: float, length_m: float) -> Array:
+        """State of the point that follows it on its orbit: where it was a moment ago."""
+        state = self._known[name, time_s]
+        return self._world.coast(state[:, None], length_m / math.hypot(*state[3:]), 0.0)[:, 0]
+
+
+def _fly_leg(
+    world: _World, bodies: _Ephemeris, leg: RefinedLeg, length_m: float
+) -> RefinedLegFlight:
+    now = leg.states[0].time_s
+    if leg.tow_before is None:
+        chaser = bodies.state(leg.origin, now)[:, None].copy()
+    else:
+        end_s = leg.tow_before.released.time_s
+        chaser = world.coast(_towed(world, bodies, leg.origin, leg.tow_before), end_s, now)
+    begin, begun = leg.states[0], chaser[:3, 0]
+    at_standoff = None
+    for burn in leg.burns:
+        if at_standoff is None and burn.phase == "approach":
+            chaser, now = world.coast(chaser, now, leg.standoff_s), leg.standoff_s
+            at_standoff = chaser[:, 0]
+        chaser, now = world.coast(chaser, now, burn.time_s), burn.time_s
+        chaser = chaser.copy()
+        chaser[3:, 0] += burn.delta_v_m_s
+    if at_standoff is None:
+        raise ArithmeticError("no burn begins the approach; add the approach burns")
+    chaser = world.coast(chaser, now, leg.arrival_s)
+    behind = bodies.following(leg.destination, leg.standoff_s, length_m)
+    target = bodies.state(leg.destination, leg.arrival_s)
+    return RefinedLegFlight(
+        leg=leg.leg,
+        origin=leg.origin,
+        destination=leg.destination,
+        kind=leg.kind,
+        planned_delta_v_m_s=leg.planned_delta_v_m_s,
+        flown_delta_v_m_s=math.fsum(burn.size_m_s for burn in leg.burns),
+        departure_miss_m=math.dist(begin.position_m, begun),
+        standoff_miss_m=math.dist(at_standoff[:3], behind[:3]),
+        standoff_miss_m_s=math.dist(at_standoff[3:], behind[3:]),
+        arrival_miss_m=math.dist(chaser[:3, 0], target[:3]),
+        arrival_miss_m_s=math.dist(chaser[3:, 0], target[3:]),
+        tow_miss_m=None if leg.tow is None else _tow_miss_m(world, bodies, leg),
+        towing_m_s=leg.towing_m_s,
+    )
+
+
+def _towed(world: _World, bodies: _Ephemeris, name: str, tow: RefinedTow) -> Array:
+    """Where a tow leads, shape (6, 1)."""
+    begin, end = tow.burns
+    state = bodies.state(name, begin.time_s)[:, None].copy()
+    state[3:, 0] += begin.delta_v_m_s
+    state = world.coast(state, begin.time_s, end.time_s).copy()
+    state[3:, 0] += end.delta_v_m_s
+    return state
+
+
+def _tow_miss_m(world: _World, bodies: _Ephemeris, leg: RefinedLeg) -> float:
+    assert leg.tow is not None
+    led = _towed(world, bodies, leg.destination, leg.tow)
+    return math.dist(led[:3, 0], leg.tow.released.position_m)

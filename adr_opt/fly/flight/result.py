@@ -1,0 +1,336 @@
+"""What came of flying a plan."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+from ...judge.check.verdict import DELTA_V_TOLERANCE_M_S
+
+
+@dataclass(frozen=True)
+class EccentricFlight:
+    """Where a leg leads if both its bodies move on their true Kepler orbits.
+
+    The chaser begins on the true orbit of the origin and flies the burns of the plan as they are.
+    What cannot be flown or solved (the burns lead away from the Earth, Lambert's problem has no
+    answer) is None.
+
+    Attributes
+    ----------
+    true_miss_m : float or None
+        Distance from the point that follows L behind the destination on its true orbit, when the
+        approach begins [m].
+    true_relative_speed_m_s : float or None
+        Speed relative to that point, before the first impulse of the approach [m/s].
+    last_arc_delta_v_m_s : float
+        Sum of the plan's burns at both ends of the last transfer arc [m/s].
+    lambert_delta_v_m_s : float or None
+        Sum of the two burns if that arc is replaced, from where it begins, by a Lambert arc to
+        the true stand-off point at the same time [m/s]. Mostly the *plane* is what costs here:
+        the arc is close to half a revolution, and a Lambert arc over half a revolution has to
+        leave the planes of both bodies for the smallest offset, so that this number does not
+        vanish with the eccentricity.
+    correction_delta_v_m_s : float or None
+        What the least corrected last arc costs beyond ``last_arc_delta_v_m_s`` [m/s]: the Lambert
+        arc begins at the best of the points that divide the planned last arc into sixteenths, its
+        beginning among them. It vanishes with the eccentricity. What the plan sets aside is
+        less, as it is for burns that all match eccentricities on the way.
+    correction_time_s : float or None
+        When that Lambert arc begins [s].
+    eccentricity_delta_v_m_s : float
+        What the plan sets aside for the leg's eccentricity vectors [m/s].
+    """
+
+    true_miss_m: float | None
+    true_relative_speed_m_s: float | None
+    last_arc_delta_v_m_s: float
+    lambert_delta_v_m_s: float | None
+    correction_delta_v_m_s: float | None
+    correction_time_s: float | None
+    eccentricity_delta_v_m_s: float
+
+
+@dataclass(frozen=True)
+class LegFlight:
+    """Where the burns of one leg lead.
+
+    Attributes
+    ----------
+    leg : int
+        Number of the leg, from 1.
+    origin, destination : str
+    kind : {"short", "drift", "launch"}
+        Of the transfer, as the plan states it.
+    planned_delta_v_m_s : float
+        As the plan states it; of a drift that of its closed form [m/s].
+    burns_delta_v_m_s : float
+        Sum of the burns that are flown [m/s].
+    miss_m : float
+        Distance from the stand-off point, the point L behind the destination on its orbit, when
+        the approach begins, on the circles that are planned with [m].
+    relative_speed_m_s : float
+        Speed relative to that point, before the first impulse of the approach [m/s].
+    arrival_miss_m : float
+        Distance from the destination at the end of the approach [m]. Some centimetres at
+        L = 1 km: the approach is a solution of the Clohessy–Wiltshire equations, which are linear
+        in the distance, so this miss grows with L². Under J2 decimetres where orbits are eccentric,
+        whose latitudes do not advance quite as those of circles.
+    eccentric : EccentricFlight or None
+        The same leg on the true orbits, its burns as they are; None under J2, and where both orbits
+        are circles, which are their own truth.
+    on_true_orbits : bool
+        Whether an orbit is eccentric, so that the leg was flown on the true ones as well.
+    true_delta_v_m_s : float or None
+        What its burns take there, aimed anew; None where they do not arrive, or there was no such
+        flight [m/s].
+    """
+
+    leg: int
+    origin: str
+    destination: str
+    kind: Literal["short", "drift", "launch"]
+    planned_delta_v_m_s: float
+    burns_delta_v_m_s: float
+    miss_m: float
+    relative_speed_m_s: float
+    arrival_miss_m: float
+    eccentric: EccentricFlight | None = None
+    on_true_orbits: bool = False
+    true_delta_v_m_s: float | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data, with the fields of ``eccentric``, if any, beside the others."""
+        told = asdict(self)
+        if not told.pop("on_true_orbits"):
+            del told["true_delta_v_m_s"]
+        return told | (told.pop("eccentric") or {})
+
+
+@dataclass(frozen=True)
+class TankFlight:
+    """Whether one tank holds: the legs from one refuelling to the next, that one included.
+
+    Attributes
+    ----------
+    tank : int
+        Number of the tank, from 1, of its chaser.
+    first_leg, last_leg : int
+        Numbers of its legs, from 1.
+    budget_m_s : float
+        ΔV of a full tank [m/s].
+    planned_delta_v_m_s : float
+        What the plan states for these legs [m/s].
+    flown_delta_v_m_s : float or None
+        What they cost when flown: of legs that drift the burns; on the true orbits, where some are
+        eccentric, those that are aimed anew; None if a leg does not arrive [m/s].
+    chaser : str or None
+        Whose tank it is; None where there is one chaser.
+    """
+
+    tank: int
+    first_leg: int
+    last_leg: int
+    budget_m_s: float
+    planned_delta_v_m_s: float
+    flown_delta_v_m_s: float | None
+    chaser: str | None = None
+
+    @property
+    def over_m_s(self) -> float | None:
+        """What is missing in the tank, negative if some is left; None if unknown [m/s]."""
+        flown = self.flown_delta_v_m_s
+        return None if flown is None else flown - self.budget_m_s
+
+    @property
+    def holds(self) -> bool:
+        """Whether the tank is known to be enough."""
+        return self.over_m_s is not None and self.over_m_s <= DELTA_V_TOLERANCE_M_S
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data; with the chaser where there are several."""
+        told = asdict(self) | {"over_m_s": self.over_m_s, "holds": self.holds}
+        return of_chaser(told)
+
+    def __str__(self) -> str:
+        legs = legs_named(self.first_leg, self.last_leg)
+        tank = tank_name(self.tank, self.chaser)
+        if self.over_m_s is None:
+            return f"{tank} ({legs}) has a leg that was not led to its target"
+        budget = f"{self.budget_m_s:g} m/s"
+        if self.holds:
+            return f"{tank} ({legs}) is left with {-self.over_m_s:.1f} of {budget}"
+        return f"{tank} ({legs}) of {budget} is over by {self.over_m_s:.1f} m/s"
+
+
+def legs_named(first: int, last: int) -> str:
+    """What legs in a row are called."""
+    return f"legs {first} to {last}" if last > first else f"leg {first}"
+
+
+def tank_name(number: int, chaser: str | None) -> str:
+    """What a tank is called."""
+    return f"tank {number}" if chaser is None else f"tank {number} of {chaser!r}"
+
+
+def of_chaser(told: dict[str, Any]) -> dict[str, Any]:
+    """What is told as plain data, its chaser first where there are several, else without one."""
+    chaser = told.pop("chaser")
+    return told if chaser is None else {"chaser": chaser, **told}
+
+
+@dataclass(frozen=True)
+class ChaserFlight:
+    """What the legs of one of several chasers come to.
+
+    Attributes
+    ----------
+    chaser : str
+    first_leg, last_leg : int
+        Numbers of its legs.
+    planned_delta_v_m_s : float
+        As the plan states it [m/s].
+    flown_delta_v_m_s : float or None
+        What its tanks gave; None if that is unknown of one [m/s].
+    holds : bool
+        Whether all its tanks do.
+    """
+
+    chaser: str
+    first_leg: int
+    last_leg: int
+    planned_delta_v_m_s: float
+    flown_delta_v_m_s: float | None
+    holds: bool
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        legs = legs_named(self.first_leg, self.last_leg)
+        flown = self.flown_delta_v_m_s
+        told = "unknown" if flown is None else f"{flown:.1f}"
+        return (
+            f"{self.chaser} ({legs}): planned with {self.planned_delta_v_m_s:.1f} m/s, flown with "
+            f"{told} m/s: {'every tank holds' if self.holds else 'a tank is not enough'}"
+        )
+
+
+def chasers_of(tanks: Iterable[TankFlight]) -> tuple[ChaserFlight, ...]:
+    """The chasers whose tanks these are, those of no legs left out; none where there is one."""
+    found: dict[str, list[TankFlight]] = {}
+    for tank in tanks:
+        if tank.chaser is not None:
+            found.setdefault(tank.chaser, []).append(tank)
+    told = []
+    for chaser, its in found.items():
+        known = [tank.flown_delta_v_m_s for tank in its if tank.flown_delta_v_m_s is not None]
+        told.append(
+            ChaserFlight(
+                chaser,
+                its[0].first_leg,
+                its[-1].last_leg,
+                math.fsum(tank.planned_delta_v_m_s for tank in its),
+                math.fsum(known) if len(known) == len(its) else None,
+                all(tank.holds for tank in its),
+            )
+        )
+    return tuple(told)
+
+
+@dataclass(frozen=True)
+class Flight:
+    """What came of flying a plan.
+
+    Attributes
+    ----------
+    worst_miss_m : float
+        Largest stand-off miss of all legs; 0 for a plan without legs [m].
+    legs : tuple of LegFlight
+    tanks : tuple of TankFlight
+    dynamics : {"two-body", "j2"}
+        In which the legs were flown.
+    """
+
+    worst_miss_m: float
+    legs: tuple[LegFlight, ...]
+    tanks: tuple[TankFlight, ...] = ()
+    dynamics: Literal["two-body", "j2"] = "two-body"
+
+    @property
+    def drifts(self) -> tuple[LegFlight, ...]:
+        """The legs that drift."""
+        return tuple(leg for leg in self.legs if leg.kind == "drift")
+
+    @property
+    def broken_tanks(self) -> tuple[TankFlight, ...]:
+        """The tanks that do not hold; none means that the plan does."""
+        return tuple(tank for tank in self.tanks if not tank.holds)
+
+    @property
+    def chasers(self) -> tuple[ChaserFlight, ...]:
+        """What the legs of each chaser come to; none where there is one."""
+        return chasers_of(self.tanks)
+
+    @property
+    def eccentric(self) -> tuple[EccentricFlight, ...]:
+        """The legs with an eccentric orbit."""
+        return tuple(leg.eccentric for leg in self.legs if leg.eccentric is not None)
+
+    @property
+    def true_legs(self) -> tuple[LegFlight, ...]:
+        """The legs that were flown on true orbits as well."""
+        return tuple(leg for leg in self.legs if leg.on_true_orbits)
+
+    @property
+    def true_delta_v_m_s(self) -> float | None:
+        """What those took there; None if one did not arrive [m/s]."""
+        costs = [leg.true_delta_v_m_s for leg in self.true_legs]
+        known = [cost for cost in costs if cost is not None]
+        return math.fsum(known) if len(known) == len(costs) else None
+
+    @property
+    def worst_true_miss_m(self) -> float | None:
+        """Largest miss of all legs on the true orbits; None if some leg cannot be flown [m]."""
+        misses = [
+            leg.miss_m if leg.eccentric is None else leg.eccentric.true_miss_m for leg in self.legs
+        ]
+        known = [miss for miss in misses if miss is not None]
+        return max(known, default=0.0) if len(known) == len(misses) else None
+
+    @property
+    def eccentricity_delta_v_m_s(self) -> float:
+        """What the plan sets aside for eccentricity vectors [m/s]."""
+        return sum(leg.eccentricity_delta_v_m_s for leg in self.eccentric)
+
+    @property
+    def correction_delta_v_m_s(self) -> float | None:
+        """What the corrected last arcs cost beyond the plan's; None if one is unknown [m/s]."""
+        costs = [leg.correction_delta_v_m_s for leg in self.eccentric]
+        known = [cost for cost in costs if cost is not None]
+        return sum(known) if len(known) == len(costs) else None
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data: what ``fly --json`` prints."""
+        told: dict[str, Any] = {"dynamics": self.dynamics, "worst_miss_m": self.worst_miss_m}
+        if self.dynamics == "j2":
+            # Former versions flew legs of eccentric orbits between circles alone.
+            told["between_circles"] = False
+        if self.eccentric:
+            told |= {
+                "worst_true_miss_m": self.worst_true_miss_m,
+                "eccentricity_delta_v_m_s": self.eccentricity_delta_v_m_s,
+                "correction_delta_v_m_s": self.correction_delta_v_m_s,
+            }
+        if self.true_legs:
+            told["true_delta_v_m_s"] = self.true_delta_v_m_s
+        if self.chasers:
+            told["chasers"] = [chaser.to_dict() for chaser in self.chasers]
+        return told | {
+            "holds": not self.broken_tanks,
+            "tanks": [tank.to_dict() for tank in self.tanks],
+            "legs": [leg.to_dict() for leg in self.legs],
+        }

@@ -1,0 +1,107 @@
+"""What the legs of a refined plan take from each tank."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ...common.errors import InputError
+from ...plan.cargo import followed, tank_worths
+from ...plan.refined_plan import RefinedLeg, RefinedPlan
+from ...plan.routes import by_tank, refused_chaser, several
+from ...problem.chasers import Chaser
+from ...problem.instance import Instance
+from .result import TankFlight
+
+
+@dataclass(frozen=True)
+class TankLegs:
+    """The refined legs that are flown from one tank.
+
+    Attributes
+    ----------
+    chaser : Chaser
+    tank : int
+        Number of the tank, from 1, of its chaser.
+    legs : list of RefinedLeg
+    budget_m_s : float
+        What it is worth over these legs as they are flown.
+    full_m_s : float
+        What it was worth when it was filled, with all that was aboard then.
+    """
+
+    chaser: Chaser
+    tank: int
+    legs: list[RefinedLeg]
+    budget_m_s: float
+    full_m_s: float
+
+
+def refined_routes(
+    instance: Instance, refined: RefinedPlan
+) -> list[tuple[Chaser, list[RefinedLeg]]]:
+    """The legs by chaser, in order; those of chasers that fly none are left out.
+
+    Raises
+    ------
+    InputError
+        There are several chasers, and a leg does not say whose it is, or is nobody's.
+    """
+    if not several(instance):
+        return [(instance.chasers[0], list(refined.legs))] if refined.legs else []
+    chasers = {chaser.name: chaser for chaser in instance.chasers}
+    found: dict[str, list[RefinedLeg]] = {}
+    for leg in refined.legs:
+        if leg.chaser is None:
+            raise InputError(
+                f"leg {leg.leg} names no chaser, and {instance.name!r} has {len(chasers)}; refine "
+                "the plan again"
+            )
+        if leg.chaser not in chasers:
+            raise InputError(
+                f"leg {leg.leg}: chaser = {leg.chaser!r}: "
+                + refused_chaser(instance, leg.chaser, "")
+            )
+        found.setdefault(leg.chaser, []).append(leg)
+    return [(chasers[name], legs) for name, legs in found.items()]
+
+
+def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[TankLegs]:
+    """The legs tank by tank, chaser after chaser; a tank ends with the leg to a station."""
+    found = []
+    for chaser, legs in refined_routes(instance, refined):
+        # A launch is no refined leg, but the tank is filled with the kit aboard that stays there.
+        launch = [(legs[0].origin, 0.0)] if chaser.is_launched else []
+        flown = [*launch, *((leg.destination, leg.flown_delta_v_m_s) for leg in legs)]
+        worths, stages = tank_worths(instance, chaser, flown), followed(instance, chaser, flown)
+        filled, after = 0, len(launch)
+        for number, of_tank in enumerate(by_tank(legs, instance.station_names)):
+            full_m_s = stages[filled].left_m_s
+            found.append(TankLegs(chaser, number + 1, of_tank, worths[number], full_m_s))
+            filled = after = after + len(of_tank)
+    return found
+
+
+def _burnt_m_s(leg: RefinedLeg) -> float:
+    """ΔV of its burns, whatever it states [m/s]."""
+    return math.fsum(burn.size_m_s for burn in leg.burns)
+
+
+def tanks_of(instance: Instance, refined: RefinedPlan) -> tuple[TankFlight, ...]:
+    """The tanks of a refined plan, with what is planned and flown of each."""
+    return tuple(
+        TankFlight(
+            tank=one.tank,
+            first_leg=one.legs[0].leg,
+            last_leg=one.legs[-1].leg,
+            budget_m_s=one.budget_m_s,
+            planned_delta_v_m_s=math.fsum(
+                leg.planned_delta_v_m_s + leg.towing_m_s for leg in one.legs
+            ),
+            flown_delta_v_m_s=math.fsum(
+                part for leg in one.legs for part in (_burnt_m_s(leg), leg.towing_m_s)
+            ),
+            chaser=one.chaser.name if several(instance) else None,
+        )
+        for one in legs_by_tank(instance, refined)
+    )

@@ -1,0 +1,180 @@
+"""Refine a plan: its legs led to their stand-offs in true dynamics, in parallel."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import closing
+
+import numpy as np
+
+from ...common.cluster import Calls, Pool, Workers
+from ...common.errors import InputError
+from ...mission.result import versions
+from ...plan.plan import InstanceReference, Plan
+from ...plan.refined_plan import (
+    BodyState,
+    Freedom,
+    Gravity,
+    Missing,
+    RefinedLeg,
+    RefinedPlan,
+    reference,
+)
+from ...plan.routes import owners
+from ...problem.instance import AnyInstance, Instance, instance_of
+from ..flight.flyable import refuse_broken_chain, refuse_what_cannot_be_flown
+from .bodies import TrueBodies
+from .one_leg import refine_leg
+
+GRAVITIES = ("two-body", "j2", "j3", "j4")
+FREEDOMS = ("free", "planned")
+
+INTERRUPTED = "interrupted"
+"""Why a leg is missing that nobody had time for."""
+
+POLL_S = 0.1
+"""How often it is asked whether it is enough."""
+
+Report = Callable[[int, int], None]
+
+
+def refine(
+    instance: AnyInstance,
+    plan: Plan,
+    *,
+    gravity: Gravity | None = None,
+    freedom: Freedom | None = None,
+    jobs: int | None = None,
+    cluster: str | None = None,
+    enough: Callable[[], bool] = lambda: False,
+    report: Report = lambda done, total: None,
+) -> RefinedPlan:
+    """Turn a plan into a trajectory in true dynamics, leg by leg.
+
+    Each leg begins docked with its origin on the origin's true orbit at its first burn, keeps the
+    plan's times of stand-off and arrival, and ends docked with its destination on the
+    destination's true orbit.
+
+    Parameters
+    ----------
+    instance : Instance, path or dict
+    plan : Plan
+        Need not be free of violations; :func:`adr_opt.check` judges that.
+    gravity : {"two-body", "j2", "j3", "j4"}, optional
+        The field, with zonal harmonics up to the one that is named; that of the instance's
+        dynamics by default.
+    freedom : {"free", "planned"}, optional
+        ``free``: the least ΔV, with impulses at any time from a leg's first burn to its stand-off,
+        between the altitude limits of the instance. ``planned``: the plan's burns, at their times
+        and kept near what they were. By default free, unless there are keep-out zones, which only
+        the plan's burns are known to avoid.
+    jobs : int, optional
+        Threads; all cores by default.
+    cluster : str, optional
+        Address of a Dask scheduler whose workers take the legs instead, as
+        :func:`adr_opt.common.cluster.client_of` takes it.
+    enough : callable
+        Asked between legs; once it says so, what is done is returned.
+    report : callable
+        Hears of how many legs are done, and of how many there are.
+
+    Returns
+    -------
+    RefinedPlan
+        Legs for which no trajectory was found, or no time was left, are among its ``missing``.
+
+    Raises
+    ------
+    InputError
+        The plan belongs to another instance or cannot be flown, its legs do not follow each
+        other, or a parameter is not one of those.
+    """
+    instance = instance_of(instance)
+    gravity = gravity or instance.dynamics
+    _check_word("gravity", gravity, GRAVITIES)
+    freedom = _freedom(instance, freedom)
+    if jobs is not None and jobs < 0:
+        raise InputError(f"jobs = {jobs}: must not be negative; 0 is for all cores")
+    if jobs is not None and cluster is not None:
+        raise InputError("jobs and a cluster exclude each other; leave one of them out")
+    refuse_what_cannot_be_flown(instance, plan)
+    refuse_broken_chain(instance, plan)
+    began = time.monotonic()
+    legs = [(n, leg) for n, leg in enumerate(plan.legs, start=1) if leg.kind != "launch"]
+    after_launch = {n + 1 for n, leg in enumerate(plan.legs, start=1) if leg.kind == "launch"}
+    whose, tows = owners(instance, plan), plan.tows_before
+    names = dict.fromkeys(name for _, leg in legs for name in (leg.origin, leg.destination))
+    bodies = TrueBodies(instance, gravity, names)
+    done: dict[int, RefinedLeg] = {}
+    missing: dict[int, str] = {}
+    report(0, len(legs))
+    with closing(_calls(jobs, cluster)) as calls:
+        running: dict[Future[RefinedLeg], int] = {
+            calls.submit(
+                refine_leg, instance, bodies, number, leg, freedom, tows.get(number),
+                number in after_launch,
+            ): number
+            for number, leg in legs
+        }  # fmt: skip
+        left = set(running)
+        while left:
+            ended, left = wait(left, POLL_S, FIRST_COMPLETED)
+            for future in ended:
+                if future.cancelled():
+                    missing[running[future]] = INTERRUPTED
+                    continue
+                try:
+                    number = running[future]
+                    done[number] = calls.result(future).replace(chaser=whose.get(number))
+                except ArithmeticError as error:
+                    missing[running[future]] = str(error)
+            if ended:
+                report(len(done) + len(missing), len(legs))
+            if enough():
+                for future in left:
+                    future.cancel()
+    return RefinedPlan(
+        instance=InstanceReference(name=instance.name, sha256=instance.sha256),
+        plan=reference(plan),
+        gravity=gravity,
+        freedom=freedom,
+        status="incomplete" if missing else "complete",
+        runtime_s=time.monotonic() - began,
+        versions=versions(),
+        bodies=tuple(_body(name, state) for name, state in bodies.epoch_states.items()),
+        legs=tuple(done[number] for number in sorted(done)),
+        missing=tuple(Missing(leg=number, reason=missing[number]) for number in sorted(missing)),
+    )
+
+
+def _calls(jobs: int | None, cluster: str | None) -> Calls:
+    """Who leads the legs."""
+    if cluster is not None:
+        return Workers(cluster)
+    count = jobs or os.cpu_count() or 1
+    return Pool(ThreadPoolExecutor(count), count)
+
+
+def _freedom(instance: Instance, freedom: Freedom | None) -> Freedom:
+    if freedom is None:
+        return "planned" if instance.keep_out_zones else "free"
+    _check_word("freedom", freedom, FREEDOMS)
+    if freedom == "free" and instance.keep_out_zones:
+        raise InputError(
+            'freedom = "free": the instance has keep-out zones, which only the plan\'s own burns '
+            'are known to avoid; use "planned"'
+        )
+    return freedom
+
+
+def _check_word(name: str, value: str, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise InputError(f"{name} = {value!r}: use one of {', '.join(known)}")
+
+
+def _body(name: str, state: np.ndarray) -> BodyState:
+    values = state.tolist()
+    return BodyState(name=name, position_m=tuple(values[:3]), velocity_m_s=tuple(values[3:]))

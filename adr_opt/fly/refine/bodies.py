@@ -1,0 +1,146 @@
+"""Bodies in true dynamics: where the mean model says, osculating, and numerically propagated.
+
+An instance keeps mean elements. They are a fit to the truth, and the secular rates of MODEL
+section 1 are of first order: an orbit that begins at osculating elements of first order leaves
+them by kilometres a day along the track, because its mean motion differs in the second order. So
+the mean elements at the epoch are corrected, the semi-major axis by some ten metres, until the
+body keeps up with its mean model over the mission; what is left along the track is periodic.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Literal
+
+import numpy as np
+
+from ...common.constants import MU_M3_S2, OBLATENESS_M2
+from ...kernels.orbits import coast, ephemeris, equinoctial
+from ...kernels.orbits.gravity import FIELDS
+from ...problem.instance import Instance
+from ...problem.orbit import Orbit
+from .short_periods import Array, osculating
+
+Gravity = Literal["two-body", "j2", "j3", "j4"]
+
+SAMPLES = 48
+"""Times in the mission at which a body is compared with its mean model."""
+
+CORRECTIONS = 3
+"""Rounds of the correction; the second one changes centimetres."""
+
+NO_MATRIX = np.empty((0, 0))
+
+
+def moved(state: Array, duration_s: float, gravity: Gravity) -> Array:
+    """State after some time of free motion, shape (6,) [m, m/s].
+
+    Raises
+    ------
+    ArithmeticError
+        The orbit is not closed.
+    """
+    now = state.copy()
+    coast.coast(now, float(duration_s), FIELDS[gravity], NO_MATRIX)
+    if not math.isfinite(now[0]):
+        raise ArithmeticError("the orbit leads away from the Earth or into its centre")
+    return now
+
+
+class TrueBodies:
+    """States of the bodies of an instance in true dynamics.
+
+    Parameters
+    ----------
+    instance : Instance
+    gravity : {"two-body", "j2", "j3", "j4"}
+    names : iterable of str
+        The bodies that are wanted.
+    corrected : bool
+        Whether mean motions are corrected; without it bodies leave their mean model by kilometres
+        a day.
+    """
+
+    def __init__(
+        self, instance: Instance, gravity: Gravity, names: Iterable[str], *, corrected: bool = True
+    ) -> None:
+        self.gravity = gravity
+        every = dict(zip(instance.names, instance.body_orbits, strict=True))
+        span = instance.mission.duration_s if corrected else 0.0
+        self.epoch_states = {
+            name: state_at_epoch(every[name], gravity, span) for name in dict.fromkeys(names)
+        }
+
+    def state(self, name: str, time_s: float) -> Array:
+        """Inertial state of a body at a time since the epoch, shape (6,) [m, m/s]."""
+        return moved(self.epoch_states[name], time_s, self.gravity)
+
+    def following(self, name: str, time_s: float, length_m: float) -> Array:
+        """State of the point that follows a body on its orbit at a distance, shape (6,).
+
+        It is where the body was the time ago that the distance takes: free motion too, since the
+        field does not change with time.
+        """
+        now = self.state(name, time_s)
+        speed = math.sqrt(float(now[3:] @ now[3:]))
+        return moved(now, -length_m / speed, self.gravity)
+
+
+def state_at_epoch(orbit: Orbit, gravity: Gravity, span_s: float) -> Array:
+    """Osculating state of mean elements at the epoch, shape (6,) [m, m/s].
+
+    Parameters
+    ----------
+    orbit : Orbit
+        Mean elements; in two-body motion they are the osculating ones.
+    gravity : {"two-body", "j2", "j3", "j4"}
+    span_s : float
+        The semi-major axis and the longitude are corrected such that the body keeps up with its
+        mean model over this time; 0 for no correction.
+    """
+    zonals = FIELDS[gravity]
+    mean, frame = mean_at(orbit, gravity, 0.0)
+    if gravity == "two-body":
+        return np.asarray(equinoctial.state_of(mean, frame))
+    start = mean.copy()
+    state = osculating(start, frame, zonals)
+    if not span_s > 0.0:
+        return state
+    times = np.linspace(0.0, span_s, SAMPLES + 1)
+    models = [mean_at(orbit, gravity, time) for time in times]
+    wanted = [osculating(*model, zonals) for model in models]
+    motion = math.sqrt(MU_M3_S2 / start[0] ** 3)
+    for _ in range(CORRECTIONS):
+        ahead, now = np.empty(times.size), state
+        for at, time in enumerate(times):
+            now = moved(now, time - times[at - 1], gravity) if at else state
+            ahead[at] = _ahead(now, wanted[at])
+        slope, offset = np.polyfit(times, np.unwrap(ahead), 1)
+        start[0] += 2.0 / 3.0 * start[0] * slope / motion
+        start[5] -= offset
+        state = osculating(start, frame, zonals)
+    return state
+
+
+def mean_at(orbit: Orbit, gravity: Gravity, time_s: float) -> tuple[Array, Array]:
+    """Mean equinoctial elements of a body at a time, and the frame of its mean plane then."""
+    row = orbit.row(0.0 if gravity == "two-body" else OBLATENESS_M2)
+    towards, ahead, normal = ephemeris.frame(
+        row[ephemeris.INCLINATION], row[ephemeris.RAAN] + row[ephemeris.RAAN_RATE] * time_s
+    )
+    perigee = row[ephemeris.PERIGEE] + row[ephemeris.PERIGEE_RATE] * time_s
+    e = row[ephemeris.ECCENTRICITY]
+    longitude = row[ephemeris.ARGUMENT_OF_LATITUDE] + row[ephemeris.LATITUDE_RATE] * time_s
+    mean = [
+        row[ephemeris.RADIUS], e * math.cos(perigee), e * math.sin(perigee), 0.0, 0.0,
+        math.remainder(longitude, math.tau),
+    ]  # fmt: skip
+    return np.array(mean), np.array([towards, ahead, normal])
+
+
+def _ahead(state: Array, other: Array) -> float:
+    """How far the first of two states is ahead of the second in mean longitude [rad]."""
+    frame = equinoctial.own_frame(other)
+    first, second = (equinoctial.elements(one, frame)[5] for one in (state, other))
+    return math.remainder(first - second, math.tau)

@@ -1,0 +1,135 @@
+"""A refined plan as states over time: the chaser's, or those of a body that it visits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...common.errors import InputError
+from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow
+from ..trajectory.sampling import FEWEST_INTERVALS, MOST_SAMPLES, SHORTEST_ARC_S, STEP_S, Arc
+from .bodies import Gravity, moved
+from .short_periods import Array
+from .states import state_of
+
+
+@dataclass(frozen=True)
+class Track:
+    """Free motion without a burn in it, and what it belongs to in words."""
+
+    comment: str
+    arc: Arc
+
+
+def tracks(
+    refined: RefinedPlan,
+    *,
+    body: str | None = None,
+    step_s: float | None = None,
+    leg: int | None = None,
+    chaser: str | None = None,
+) -> tuple[Track, ...]:
+    """The flight of a refined plan, arc by arc.
+
+    Parameters
+    ----------
+    refined : RefinedPlan
+    body : str, optional
+        A visited body, from the first to the last time of the legs; the chaser by default.
+    step_s : float, optional
+        Largest time between two states [s]; a minute by default.
+    leg : int, optional
+        Only this leg, by its number in the plan.
+    chaser : str, optional
+        Only the legs of this one of several chasers.
+
+    Raises
+    ------
+    InputError
+        No legs, no such leg or body, a step that is not positive, or too many states.
+    """
+    step = STEP_S if step_s is None else step_s
+    if not (step > 0.0 and math.isfinite(step)):
+        raise InputError(f"step_s = {step:g}: must be a positive number of seconds")
+    legs = [one for one in refined.legs if leg in (None, one.leg) and chaser in (None, one.chaser)]
+    if not legs and leg is None and refined.legs:
+        raise InputError(f"{chaser!r} has no refined legs: there is nothing to export")
+    if not legs:
+        raise InputError(
+            "the refined plan has no legs: there is nothing to export"
+            if leg is None
+            else f"leg = {leg}: the refined plan has no such leg"
+        )
+    start, end = min(one.ready_s for one in legs), max(one.done_s for one in legs)
+    if not (end - start) / step <= MOST_SAMPLES:
+        raise InputError(
+            f"{end - start:.3g} s, a state every {step:g} s, would be more than {MOST_SAMPLES:,} "
+            "states; take a longer step"
+        )
+    states = {one.name: state_of(one) for one in refined.bodies}
+    if body is not None:
+        if body not in states:
+            raise InputError(f"{body!r} is not a body that the refined plan visits")
+        begin = moved(states[body], start, refined.gravity)
+        arc = _arc("service", start, begin, end, step, refined.gravity)
+        return (Track(f"{body}, from the state at the epoch", arc),) if arc else ()
+    return tuple(track for one in legs for track in _of_leg(refined, states, one, step))
+
+
+def _of_leg(
+    refined: RefinedPlan, states: dict[str, Array], leg: RefinedLeg, step: float
+) -> Iterator[Track]:
+    name = f"leg {leg.leg}, {leg.origin} to {leg.destination}"
+    departure = leg.states[0].time_s
+    parts = []
+    if leg.tow_before is None:
+        waiting = moved(states[leg.origin], leg.ready_s, refined.gravity)
+        parts.append(("wait", leg.ready_s, waiting, departure))
+    elif leg.after_launch:
+        parts += _towing(refined, states, leg.origin, leg.tow_before)
+    state = state_of(leg.states[0])
+    now, phase = departure, "transfer"
+    for burn in leg.burns:
+        parts.append((phase, now, state, burn.time_s))
+        state = moved(state, burn.time_s - now, refined.gravity)
+        state[3:] += burn.delta_v_m_s
+        now, phase = burn.time_s, burn.phase
+    target = moved(states[leg.destination], leg.arrival_s, refined.gravity)
+    parts.append(("service", leg.arrival_s, target, leg.end_s))
+    if leg.tow is not None:
+        waiting = moved(states[leg.destination], leg.end_s, refined.gravity)
+        parts.append(("wait", leg.end_s, waiting, leg.tow.burns[0].time_s))
+        parts += _towing(refined, states, leg.destination, leg.tow)
+    for phase, begin, begins, end in parts:
+        arc = _arc(phase, begin, begins, end, step, refined.gravity)
+        if arc is not None:
+            yield Track(f"{name}: {phase}", arc)
+
+
+def _towing(
+    refined: RefinedPlan, states: dict[str, Array], name: str, tow: RefinedTow
+) -> Iterator[tuple[str, float, Array, float]]:
+    """The arc of a tow: its phase, when and in what state it begins, and when it ends."""
+    first, second = tow.burns
+    state = moved(states[name], first.time_s, refined.gravity)
+    state[3:] += first.delta_v_m_s
+    yield "tow", first.time_s, state, second.time_s
+
+
+def _arc(
+    phase: str, start: float, state: Array, end: float, step: float, gravity: Gravity
+) -> Arc | None:
+    if not end - start >= SHORTEST_ARC_S:
+        return None
+    count = max(FEWEST_INTERVALS, math.ceil((end - start) / step))
+    times = np.linspace(start, end, count + 1)
+    found = np.empty((times.size, 6))
+    found[0] = state
+    for at in range(1, times.size):
+        found[at] = moved(found[at - 1], times[at] - times[at - 1], gravity)
+    for array in (times, found):
+        array.setflags(write=False)
+    return Arc(phase, times, found[:, :3], found[:, 3:])

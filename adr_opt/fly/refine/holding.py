@@ -1,0 +1,162 @@
+"""Whether a refined plan holds, and how much of one that does not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...judge.check.violation import DELTA_V_TOLERANCE_M_S
+from ...mission.build_legs import tow_flown
+from ...mission.campaign import Problem
+from ...mission.result import proven_of
+from ...plan.expense import cost_of_routes
+from ...plan.plan import Leg, Plan, Route, Unvisited
+from ...plan.refined_plan import RefinedLeg, RefinedPlan, reference
+from ...plan.routes import Flown, routes_of, weighed
+from ...plan.tows import tow_by_name
+from ...problem.chasers import AtStation
+from ...problem.instance import Instance
+from ..flight.result import tank_name
+from ..flight.tanks import legs_by_tank, tanks_of
+from .bodies import Gravity, TrueBodies
+from .towing import towed
+
+MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
+"""What a leg may miss by, as `fly` judges it."""
+
+
+def troubles(problem: Problem, refined: RefinedPlan) -> tuple[str, ...]:
+    """Why a refined plan does not hold; nothing if it does.
+
+    Every leg must be there and arrive, and every tank must be enough, less the margin that is kept
+    back. Times need no look: refined legs arrive when the plan says, or not at all.
+    """
+    return tuple(_troubles(problem, refined))
+
+
+def _troubles(problem: Problem, refined: RefinedPlan) -> Iterator[str]:
+    for missing in refined.missing:
+        yield f"leg {missing.leg} is missing: {missing.reason}"
+    for leg in refined.legs:
+        if leg.residual_m > MOST_MISS_M or leg.residual_m_s > MOST_MISS_M_S:
+            yield f"leg {leg.leg} misses by {leg.residual_m:.3g} m"
+    fillings = legs_by_tank(problem.instance, refined)
+    for tank, filled in zip(tanks_of(problem.instance, refined), fillings, strict=True):
+        over = (tank.over_m_s or 0.0) + problem.margin * filled.full_m_s
+        if over > DELTA_V_TOLERANCE_M_S:
+            legs = f"legs {tank.first_leg} to {tank.last_leg}"
+            yield f"{tank_name(tank.tank, tank.chaser)} ({legs}) is over by {over:.1f} m/s"
+
+
+def beginning(
+    problem: Problem, plan: Plan, refined: RefinedPlan
+) -> tuple[Plan, RefinedPlan] | None:
+    """The longest beginning of each chaser's legs that holds, if the mission may end there.
+
+    Parameters
+    ----------
+    problem : Mission or Campaign
+    plan : Plan
+    refined : RefinedPlan
+        Of that plan.
+
+    Returns
+    -------
+    (Plan, RefinedPlan) or None
+        None if there is no such beginning with a leg.
+    """
+    instance = problem.instance
+    routes = [(flown, _held(problem, flown, refined)) for flown in routes_of(instance, plan)]
+    legs = [leg for flown, held in routes for _, leg in flown.legs[:held]]
+    done = {leg.destination for leg in legs}
+    if not legs or any(target.required and target.name not in done for target in instance.targets):
+        return None
+    kept = [number for flown, held in routes for number, _ in flown.legs[:held]]
+    objective = problem.prizes(problem.missions[0].numbers(leg.destination for leg in legs))
+    dropped = tuple(
+        Unvisited(target=leg.destination, reason="delta-v")
+        for flown, held in routes
+        for _, leg in flown.legs[held:]
+        if leg.destination not in instance.station_names
+    )
+    said = f"the first {len(kept)}" if len(routes) == 1 else f"{len(kept)}"
+    # Kits that are left behind by legs that are not flown are not taken along.
+    shown = tuple(
+        Route(
+            chaser=_route_name(plan, flown),
+            legs=weighed(instance, flown.chaser, _ending(instance, flown, held)),
+        )
+        for flown, held in routes
+    )
+    shorter = plan.replace(
+        objective=objective, **proven_of(problem, objective)._asdict(),
+        cost_bound=None, cost_gap=None, cost_status=None,
+        cost=cost_of_routes(instance, shown),
+        routes=shown,
+        unvisited=(*plan.unvisited, *dropped),
+        notes=(*plan.notes, f"of {len(plan.legs)} legs {said} hold when refined"),
+    )  # fmt: skip
+    renumbered = [
+        _towing(instance, refined.gravity, shorter, leg.replace(leg=kept.index(leg.leg) + 1))
+        for leg in refined.legs
+        if leg.leg in kept
+    ]
+    return shorter, _with(refined, reference(shorter).sha256, renumbered)
+
+
+def _ending(instance: Instance, flown: Flown, held: int) -> Iterator[Leg]:
+    """So many legs of a chaser. Who tows what is serviced last does not wait for another leg."""
+    tows = tow_by_name(instance)
+    for at, (_, leg) in enumerate(flown.legs[:held], start=1):
+        if leg.tow is None or at < held or held == len(flown.legs):
+            yield leg
+        else:
+            row = instance.orbits()[instance.names.index(leg.destination)]
+            yield leg.replace(tow=tow_flown(row, tows[leg.destination], leg.end_s))
+
+
+def _towing(instance: Instance, gravity: Gravity, plan: Plan, leg: RefinedLeg) -> RefinedLeg:
+    """A refined leg with the tow that its plan has now."""
+    tow = plan.legs[leg.leg - 1].tow
+    if tow is None or leg.tow is None or tow.start_s == leg.tow.burns[0].time_s:
+        return leg
+    bodies = TrueBodies(instance, gravity, [leg.destination])
+    return leg.replace(tow=towed(bodies, leg.destination, tow))
+
+
+def _route_name(plan: Plan, flown: Flown) -> str:
+    """The chaser of a route as the plan names it."""
+    return plan.routes[0].chaser if len(plan.routes) == 1 else flown.chaser.name
+
+
+def _held(problem: Problem, flown: Flown, refined: RefinedPlan) -> int:
+    """How many of a chaser's legs, at most, hold, so that it may end after them."""
+    numbers = [number for number, _ in flown.legs]
+    for count in range(len(numbers), 0, -1):
+        first = numbers[:count]
+        lost = any(missing.leg in first for missing in refined.missing)
+        if lost or not _may_end(problem.instance, flown, count):
+            continue
+        kept = [leg for leg in refined.legs if leg.leg in first]
+        if not troubles(problem, _with(refined, refined.plan.sha256, kept)):
+            return count
+    return 0
+
+
+def _may_end(instance: Instance, flown: Flown, count: int) -> bool:
+    """Whether a chaser may end after so many legs."""
+    last, end = flown.legs[count - 1][1].destination, flown.chaser.end
+    if isinstance(end, AtStation):
+        return last == end.station
+    return last not in instance.station_names
+
+
+def _with(refined: RefinedPlan, sha256: str, legs: list[RefinedLeg]) -> RefinedPlan:
+    """A refined plan with some of its legs, and none missing."""
+    known = {name for leg in legs for name in (leg.origin, leg.destination)}
+    return refined.replace(
+        plan=refined.plan.replace(sha256=sha256),
+        status="complete",
+        bodies=tuple(body for body in refined.bodies if body.name in known),
+        legs=tuple(legs),
+        missing=(),
+    )

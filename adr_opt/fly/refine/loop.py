@@ -1,0 +1,299 @@
+"""Plan, refine, and plan again over connections that cost what refined legs did, until it holds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import chain
+from typing import Any
+
+from ...common.card import Card, Shown
+from ...common.errors import InputError
+from ...common.progress import Progress, silent
+from ...common.stop import Stop
+from ...judge.check.violation import DELTA_V_TOLERANCE_M_S
+from ...legs.corrections import Corrections
+from ...mission.campaign import Problem, problem_of
+from ...mission.result import Result
+from ...plan.plan import Plan
+from ...plan.refined_plan import Freedom, Gravity, RefinedPlan, reference
+from ...plan.routes import routes_of
+from ...problem.instance import AnyInstance
+from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, method_of, run
+from ...run.methods import BOUNDS, PLANNERS, takes_jobs
+from ..flight.flyable import refuse_given
+from ..flight.result import TankFlight
+from ..flight.tanks import tanks_of
+from .all_legs import refine
+from .holding import beginning, troubles
+from .lessons import Lessons
+
+MOST_ROUNDS = 10
+"""How often a mission is planned at most, if nobody says."""
+
+
+@dataclass(frozen=True)
+class Round:
+    """One plan of the loop, and what came of refining it.
+
+    Attributes
+    ----------
+    number : int
+        From 1.
+    corrections : Corrections
+        Of the connections that were planned with.
+    objective : float
+        Of the plan.
+    planned_delta_v_m_s, flown_delta_v_m_s : float
+        Of the legs that were refined [m/s].
+    troubles : tuple of str
+        Why the refined plan does not hold; nothing if it does.
+    refined : RefinedPlan
+        That plan.
+    """
+
+    number: int
+    corrections: Corrections
+    objective: float
+    planned_delta_v_m_s: float
+    flown_delta_v_m_s: float
+    troubles: tuple[str, ...]
+    refined: RefinedPlan
+
+    @property
+    def corrected_delta_v_m_s(self) -> float:
+        """What the same legs cost by the corrected connections: what was expected [m/s]."""
+        return math.fsum(
+            self.corrections.corrected(
+                leg.origin, leg.destination, leg.kind, leg.planned_delta_v_m_s
+            )
+            + leg.towing_m_s
+            for leg in self.refined.legs
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data; the corrections in words."""
+        return {
+            "number": self.number,
+            "corrections": str(self.corrections),
+            "objective": self.objective,
+            "planned_delta_v_m_s": self.planned_delta_v_m_s,
+            "corrected_delta_v_m_s": self.corrected_delta_v_m_s,
+            "flown_delta_v_m_s": self.flown_delta_v_m_s,
+            "troubles": list(self.troubles),
+        }
+
+    def __str__(self) -> str:
+        outcome = "it holds" if not self.troubles else "; ".join(self.troubles)
+        expected = f", corrected {self.corrected_delta_v_m_s:.1f} m/s" if self.corrections else ""
+        return (
+            f"round {self.number}: prize {self.objective:g}, planned with "
+            f"{self.planned_delta_v_m_s:.1f} m/s{expected}, flown with "
+            f"{self.flown_delta_v_m_s:.1f} m/s: {outcome}"
+        )
+
+
+@dataclass(frozen=True, repr=False)
+class RefinedResult(Shown):
+    """The best plan found that holds when refined, or why there is none.
+
+    Attributes
+    ----------
+    result : Result
+        Of the last round, with the plan that is kept; its bound is one over the connections of that
+        round, as its notes say.
+    refined : RefinedPlan or None
+        The plan, refined.
+    rounds : tuple of Round
+    reason : str
+        Why the plan does not hold, or why there is none; empty if it holds.
+    """
+
+    result: Result
+    refined: RefinedPlan | None
+    rounds: tuple[Round, ...]
+    reason: str
+
+    def _card(self) -> Card:
+        from ...ui.cards.of_refined import of_refined_result
+
+        return of_refined_result(self)
+
+    @property
+    def holds(self) -> bool:
+        """Whether there is a plan that holds."""
+        return not self.reason
+
+    @property
+    def plan(self) -> Plan | None:
+        """The plan, which belongs to the instance: its ΔV is that of the model."""
+        return self.result.plan
+
+
+class _Best:
+    """The best plan so far that holds: of most prize, then of least ΔV flown."""
+
+    def __init__(self) -> None:
+        self.kept: tuple[Plan, RefinedPlan] | None = None
+
+    def hear(self, found: tuple[Plan, RefinedPlan] | None) -> None:
+        if found is not None and (self.kept is None or _rank(*found) > _rank(*self.kept)):
+            self.kept = found
+
+
+def _overdrawn(tank: TankFlight) -> bool:
+    """Whether the model's ΔV breaks a tank."""
+    return tank.planned_delta_v_m_s > tank.budget_m_s + DELTA_V_TOLERANCE_M_S
+
+
+def _rank(plan: Plan, refined: RefinedPlan) -> tuple[float, float]:
+    return plan.objective, -refined.flown_delta_v_m_s
+
+
+def solve_refined(
+    instance: AnyInstance | Problem,
+    method: str = DEFAULT_METHOD,
+    *,
+    gravity: Gravity | None = None,
+    freedom: Freedom | None = None,
+    rounds: int = MOST_ROUNDS,
+    spend_savings: bool = False,
+    time_limit: float = DEFAULT_TIME_LIMIT_S,
+    stop: Stop | None = None,
+    progress: Progress = silent,
+    jobs: int | None = None,
+    bound: str | None = None,
+    margin: float = 0.0,
+    told: Callable[[Round], None] = lambda one: None,
+    options: dict[str, Any] | None = None,
+    **arguments: Any,
+) -> RefinedResult:
+    """Plan a mission so that the plan holds when it is refined.
+
+    The plan is refined. Where a tank does not hold what its legs cost then, or a leg cannot be
+    refined, what legs cost in the mean goes into all connections, what they cost against that into
+    those of their pairs (:class:`.lessons.Lessons`), and the mission is planned again. Connections
+    never cost less than the model says, so each plan is one of the instance; and each is another
+    one, since one that broke a tank breaks it over the corrected connections. Rounds end with the
+    first plan that holds. A beginning of an earlier plan that holds is kept if it collects more.
+
+    Parameters
+    ----------
+    instance, method, progress
+        As in :func:`adr_opt.solve`.
+    gravity, freedom
+        As in :func:`.refine`.
+    rounds : int
+        How often the mission is planned, at most.
+    spend_savings : bool
+        Let connections become cheaper than the model says, and plan again also after a first plan
+        that holds. The plan may break the tank of the model, as :func:`adr_opt.check` counts it;
+        refined, it holds.
+    time_limit : float
+        Wall time of each round's planning [s].
+    stop : Stop, optional
+        A further criterion of each planning; once it leaves no time, rounds end too.
+    jobs : int, optional
+        Threads to plan with, if the planner takes any, and to refine with.
+    bound : str, optional
+        As in :func:`adr_opt.solve`, in each round. What is proven after the first is proven of the
+        corrected connections.
+    margin : float
+        Share of each tank that is kept back, of flown ΔV too.
+    told : callable
+        Hears of each round.
+    options : mapping, optional
+        Options of the planner.
+    **arguments
+        ``seed``, ``iterations``, ``start`` and ``repair`` as in :func:`adr_opt.solve`.
+
+    Raises
+    ------
+    InputError
+        As of :func:`adr_opt.solve` and :func:`.refine`.
+    """
+    if rounds < 1:
+        raise InputError(f"rounds = {rounds}: must be at least 1")
+    mission = problem_of(instance)
+    refuse_given(mission.instance)
+    lessons, best, held = Lessons(spend_savings), _Best(), list[Round]()
+
+    able = [method_of(method), *([method_of(bound, BOUNDS)] if bound else [])]
+    planning_jobs = jobs if any(takes_jobs(one) for one in able) else None
+    kept_back = mission.with_margin(margin or mission.margin)
+
+    def over() -> bool:
+        return stop is not None and stop.remaining_s() <= 0.0
+
+    while True:
+        here = mission.corrected(lessons.corrections) if held else mission
+        result = run(
+            PLANNERS, here, method, time_limit=time_limit, stop=stop, progress=progress,
+            jobs=planning_jobs, bound=bound, margin=margin, options=options, **arguments,
+        )  # fmt: skip
+        if result.plan is None:
+            reason = f"round {len(held) + 1} found no plan: {method} ended with {result.status}"
+            return _ended(mission, result, best, tuple(held), reason)
+        plan = result.plan
+        refined = refine(
+            mission.instance, plan, gravity=gravity, freedom=freedom, jobs=jobs, enough=over
+        )
+        wrong = troubles(kept_back, refined)
+        held.append(
+            Round(
+                len(held) + 1, here.connecting.corrections, plan.objective,
+                refined.planned_delta_v_m_s, refined.flown_delta_v_m_s, wrong, refined,
+            )
+        )  # fmt: skip
+        told(held[-1])
+        best.hear(beginning(kept_back, plan, refined) if wrong else (plan, refined))
+        done = not wrong and (len(held) > 1 or not spend_savings)
+        if done:
+            return _ended(mission, result, best, tuple(held), "")
+        if over() or len(held) == rounds:
+            why = "interrupted" if over() else f"not within {len(held)} rounds"
+            reason = f"no plan held: {why}; the last one: {'; '.join(wrong)}" if wrong else ""
+            return _ended(mission, result, best, tuple(held), reason, refined)
+        lessons.learn(plan, refined)
+
+
+def sequences(problem: Problem, plan: Plan) -> tuple[tuple[int, ...], ...]:
+    """The bodies of a plan in order, by number, for each chaser of the instance."""
+    flown = {route.chaser.name: route.legs for route in routes_of(problem.instance, plan)}
+    return tuple(
+        tuple(mission.numbers(leg.destination for _, leg in flown[mission.chaser.name]).tolist())
+        for mission in problem.missions
+    )
+
+
+def _ended(
+    mission: Problem,
+    result: Result,
+    best: _Best,
+    rounds: tuple[Round, ...],
+    reason: str,
+    refined: RefinedPlan | None = None,
+) -> RefinedResult:
+    """The result with the best plan that holds; without one that of the last round."""
+    if best.kept is None:
+        return RefinedResult(result, refined, rounds, reason)
+    plan, kept = best.kept
+    if plan is not result.plan:
+        # It may be none of the connections of the last round: their bound is for the notes.
+        routes = sequences(mission, plan)
+        result = replace(
+            result, objective=plan.objective, upper_bound=math.inf, status=plan.status,
+            sequence=tuple(chain.from_iterable(routes)), routes=routes,
+            notes=tuple(dict.fromkeys((*result.notes, *plan.notes))),
+        )  # fmt: skip
+    over = [tank for tank in tanks_of(mission.instance, kept) if _overdrawn(tank)]
+    if over:
+        worst = max(over, key=lambda tank: tank.planned_delta_v_m_s - tank.budget_m_s)
+        said = (
+            f"by the model a tank needs {worst.planned_delta_v_m_s:.1f} m/s, and has "
+            f"{worst.budget_m_s:g}"
+        )
+        plan = plan.replace(notes=(*plan.notes, f"{said}; refined, the plan holds"))
+        kept = kept.replace(plan=reference(plan))
+    return RefinedResult(replace(result, plan=plan), kept, rounds, "")

@@ -1,0 +1,217 @@
+"""One leg of a plan, refined: from the docked start by way of the stand-off to the target."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
+from ...plan.plan import Burn, Leg, Tow
+from ...plan.refined_plan import Freedom, RefinedBurn, RefinedLeg, RefinedState
+from ...problem.instance import Instance
+from ..trajectory.bodies import after_tow, body_states
+from ..trajectory.kepler import drift, secular
+from .bodies import TrueBodies, moved
+from .leg import Course, Flown, NoWay, cheapen, close, residual
+from .own_burns import settle
+from .short_periods import Array
+from .states import recorded, state_of
+from .towing import towed
+
+HELPERS = 24
+"""Times at which impulses may help where the plan's own burns cannot be closed."""
+
+LAST_REVOLUTIONS = 2
+"""Where that does not do either, they stand in so many revolutions before the stand-off."""
+
+
+def refine_leg(
+    instance: Instance,
+    bodies: TrueBodies,
+    number: int,
+    leg: Leg,
+    freedom: Freedom,
+    tow_before: Tow | None = None,
+    after_launch: bool = False,
+) -> RefinedLeg:
+    """Lead one leg to its stand-off, and from there to its target.
+
+    Parameters
+    ----------
+    instance : Instance
+    bodies : TrueBodies
+        With the origin and the destination.
+    number : int
+        From 1.
+    leg : Leg
+        With burns in time order, the last of them those of the approach.
+    freedom : {"free", "planned"}
+        Whether ΔV is made least with impulses at any time from the first burn to the stand-off, or
+        the plan's burns keep their times and are kept near what they were (:mod:`.own_burns`).
+    tow_before : Tow, optional
+        That of the origin, with whose end the leg begins.
+    after_launch : bool
+        Whether the chaser was launched onto the origin.
+
+    Raises
+    ------
+    ArithmeticError
+        No trajectory was found.
+    """
+    first = next(at for at, burn in enumerate(leg.burns) if burn.phase == "approach")
+    before, approach = leg.burns[:first], leg.burns[first:]
+    start_s, standoff_s, docked_s = leg.burns[0].time_s, approach[0].time_s, approach[-1].time_s
+    length = instance.transfer.standoff_m
+    transfer, to_target = planned_angles(instance, leg, tow_before)
+    rule = instance.transfer
+    led = None if tow_before is None else towed(bodies, leg.origin, tow_before, start_s)
+    if led is None:
+        start = bodies.state(leg.origin, start_s)
+    else:
+        start = moved(state_of(led.released), start_s - led.released.time_s, bodies.gravity)
+    course = Course(
+        start,
+        bodies.following(leg.destination, standoff_s, length),
+        start_s,
+        standoff_s,
+        transfer,
+        bodies.gravity,
+        EARTH_RADIUS_M + rule.min_altitude_m,
+        EARTH_RADIUS_M + rule.max_altitude_m,
+    )
+    retargeted = aim(course, before)
+    flown = cheapen(course, retargeted) if freedom == "free" else retargeted
+    last = Course(
+        flown.states[-1],
+        bodies.state(leg.destination, docked_s),
+        standoff_s,
+        docked_s,
+        to_target,
+        bodies.gravity,
+    )
+    docking = close(last, *with_a_middle(approach, to_target))
+    phases = _phases(() if freedom == "free" else before, flown)
+    burns = [
+        *_burns(flown, phases),
+        *_burns(docking, ["approach"] * docking.times.size),
+    ]
+    misses = residual(course, flown), residual(last, docking)
+    return RefinedLeg(
+        leg=number,
+        kind="drift" if leg.kind == "drift" else "short",
+        origin=leg.origin,
+        destination=leg.destination,
+        ready_s=min(leg.ready_s, start_s) if led is None else start_s,
+        standoff_s=standoff_s,
+        arrival_s=docked_s,
+        end_s=max(leg.end_s, docked_s),
+        planned_delta_v_m_s=leg.delta_v_m_s,
+        retargeted_delta_v_m_s=retargeted.delta_v_m_s + docking.delta_v_m_s,
+        flown_delta_v_m_s=math.fsum(burn.size_m_s for burn in burns),
+        lowest_altitude_m=flown.reach_m[0] - EARTH_RADIUS_M,
+        residual_m=max(miss[0] for miss in misses),
+        residual_m_s=max(miss[1] for miss in misses),
+        burns=tuple(burns),
+        states=tuple(_states(course, flown, docking)),
+        tow_before=led,
+        after_launch=True if after_launch and led is not None else None,
+        tow=None if leg.tow is None else towed(bodies, leg.destination, leg.tow),
+    )
+
+
+def planned_angles(
+    instance: Instance, leg: Leg, tow_before: Tow | None = None
+) -> tuple[float, float]:
+    """Angles that the chaser runs through by plan: to the stand-off, and from there on [rad]."""
+    if tow_before is None:
+        position, velocity = (
+            each[0] for each in body_states(instance, leg.origin, leg.burns[0].time_s)
+        )
+    else:
+        position, velocity = after_tow(instance, leg.origin, tow_before)
+    angles, approaching = [0.0, 0.0], 0
+    for burn, after in zip(leg.burns[:-1], leg.burns[1:], strict=True):
+        if burn.phase == "approach":
+            approaching = 1
+        span = after.time_s - burn.time_s
+        velocity = velocity + np.array(burn.delta_v_m_s)
+        axis = 1.0 / (2.0 / math.hypot(*position) - float(velocity @ velocity) / MU_M3_S2)
+        pace, node_rate = secular(position, velocity, instance.oblateness_m2)
+        momentum = np.cross(position, velocity)
+        # The latitude counts from the node, which drifts along the orbit meanwhile.
+        rate = pace * math.sqrt(MU_M3_S2 / axis**3)
+        rate += node_rate * momentum[2] / math.hypot(*momentum)
+        angles[approaching] += rate * span
+        positions, velocities = drift(position, velocity, span, instance.oblateness_m2)
+        position, velocity = positions[0], velocities[0]
+    return angles[0], angles[1]
+
+
+def aim(course: Course, burns: tuple[Burn, ...]) -> Flown:
+    """The plan's burns, kept near what they were; with a few more where they cannot be closed.
+
+    Weeks before its end a leg is far from linear in what a burn changes. What the plan is off by in
+    eccentricity, above all, can be made up for at the end, by whichever impulses do it.
+    """
+    times = np.array([burn.time_s for burn in burns])
+    planned = np.array([burn.delta_v_m_s for burn in burns])
+    last_s = LAST_REVOLUTIONS * math.tau * math.sqrt(math.hypot(*course.goal[:3]) ** 3 / MU_M3_S2)
+    from_s = max(course.start_s, course.end_s - last_s)
+    for helping, evenly in (
+        (np.empty(0), False),
+        (np.linspace(course.start_s, course.end_s, HELPERS), False),
+        (np.linspace(from_s, course.end_s, HELPERS), True),
+    ):
+        every = np.r_[times, helping]
+        order = np.argsort(every, kind="stable")
+        wanted = np.vstack([planned, np.zeros((helping.size, 3))])[order]
+        try:
+            closed = close(course, every[order], wanted, evenly=evenly)
+        except NoWay as error:
+            no_way = error
+        else:
+            return settle(course, closed, wanted)
+    raise no_way
+
+
+def with_a_middle(burns: tuple[Burn, ...], angle: float) -> tuple[Array, Array]:
+    """The burns of the approach with one more a quarter of a lap after the first.
+
+    Half a lap after it an impulse across the plane has no effect: what the planes of the chaser
+    and the target differ by, some decimetres, is closed between.
+    """
+    times = np.array([burn.time_s for burn in burns])
+    impulses = np.array([burn.delta_v_m_s for burn in burns])
+    quarter = times[0] + (times[-1] - times[0]) * 0.5 * math.pi / max(angle, math.pi)
+    return np.insert(times, 1, quarter), np.insert(impulses, 1, 0.0, axis=0)
+
+
+def _phases(burns: tuple[Burn, ...], flown: Flown) -> list[str]:
+    """The phase of the plan's burn of each time; ``transfer`` where the plan has none."""
+    known = {burn.time_s: burn.phase for burn in reversed(burns)}
+    return [known.get(float(time), "transfer") for time in flown.times]
+
+
+def _burns(flown: Flown, phases: list[str]) -> list[RefinedBurn]:
+    return [
+        RefinedBurn.model_validate(
+            {"time_s": float(time), "delta_v_m_s": tuple(impulse.tolist()), "phase": phase}
+        )
+        for time, impulse, phase in zip(flown.times, flown.impulses, phases, strict=True)
+    ]
+
+
+def _states(course: Course, flown: Flown, docking: Flown) -> list[RefinedState]:
+    """States at the departure, after each burn, at the stand-off, and docked."""
+    found = [recorded("departure", course.start_s, course.start)]
+    for part in (flown, docking):
+        for time, before, impulse in zip(part.times, part.states[:-1], part.impulses, strict=True):
+            after = before.copy()
+            after[3:] += impulse
+            found.append(recorded("burn", time, after))
+        if part is flown:
+            found.append(recorded("stand-off", course.end_s, part.states[-1]))
+    # The last burn is at the target: what follows it is docked.
+    found.append(recorded("arrival", docking.times[-1], docking.states[-1]))
+    return found

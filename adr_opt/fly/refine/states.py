@@ -1,0 +1,26 @@
+"""Osculating states as refined plans have them, and as arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...plan.refined_plan import BodyState, RefinedState
+from .short_periods import Array
+
+
+def recorded(event: str, time_s: float, state: Array) -> RefinedState:
+    """The state of shape (6,) at an event, as a refined plan has it."""
+    values = state.tolist()
+    return RefinedState.model_validate(
+        {
+            "event": event,
+            "time_s": float(time_s),
+            "position_m": tuple(values[:3]),
+            "velocity_m_s": tuple(values[3:]),
+        }
+    )
+
+
+def state_of(known: RefinedState | BodyState) -> Array:
+    """A state as an array, shape (6,) [m, m/s]."""
+    return np.array([*known.position_m, *known.velocity_m_s])

@@ -1,0 +1,49 @@
+"""Tows in true dynamics: two burns against the motion, as large as the plan's and at its times.
+
+The plan's burns are those between circles, of which the first is half a revolution before the
+second. An osculating orbit is no circle, by kilometres; burns of the same size leave the object on
+an orbit as near to one. Nothing is met at its end, so that there is nothing to correct: the next
+leg begins wherever the tow has led.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...plan.plan import Tow
+from ...plan.refined_plan import RefinedBurn, RefinedTow
+from .bodies import TrueBodies, moved
+from .states import recorded
+
+
+def towed(bodies: TrueBodies, name: str, tow: Tow, leaves_s: float = math.inf) -> RefinedTow:
+    """Tow an object in true dynamics.
+
+    Parameters
+    ----------
+    bodies : TrueBodies
+        With the object.
+    name : str
+        Of the object.
+    tow : Tow
+        Of the plan, with two burns.
+    leaves_s : float
+        When the next leg leaves, which is the end of the tow up to rounding: no later [s].
+
+    Raises
+    ------
+    ArithmeticError
+        It leads into the Earth.
+    """
+    now = tow.burns[0].time_s
+    state, burns = bodies.state(name, now), []
+    for burn in tow.burns:
+        time_s = min(burn.time_s, leaves_s)
+        state, now = moved(state, time_s - now, bodies.gravity), time_s
+        impulse = -burn.size_m_s * state[3:] / np.linalg.norm(state[3:])
+        state[3:] += impulse
+        made = tuple(impulse.tolist())
+        burns.append(RefinedBurn(time_s=time_s, delta_v_m_s=made, phase="tow"))
+    return RefinedTow(burns=tuple(burns), released=recorded("release", now, state))

@@ -1,0 +1,144 @@
+"""The frame that a file is written in, and the rotation that leads there from an instance's own.
+
+Rotations are worked out by astropy, which goes from TEME through the rotating Earth to the
+celestial frame of the IERS by the precession and nutation of 2006 and 2000A. The angle of the Earth
+falls out again on the way, so that no data of its rotation matter, and nothing is asked of the
+network. EME2000 differs from GCRF by the constant frame bias, 0.8 m in low orbit.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+import numpy as np
+
+from ...common.errors import InputError, MissingExtra
+from ...problem.frame import FRAMES, OF_DATE, Frame, FrameName
+from ...problem.instance import Instance
+from .kepler import Array
+
+USUAL: FrameName = "EME2000"
+"""What the frame is called of an instance that does not name its own."""
+
+
+@dataclass(frozen=True)
+class Axes:
+    """In which axes a file states positions, velocities and burns.
+
+    Attributes
+    ----------
+    frame : Frame
+        As the file names them.
+    own : Frame or None
+        What the instance names; None where it names none.
+    matrix : (3, 3) float64 or None
+        From the axes of the elements to these; None where they are the same, or nobody can know.
+    """
+
+    frame: Frame
+    own: Frame | None = None
+    matrix: Array | None = None
+
+    def turned(self, vectors: Array) -> Array:
+        """Vectors of shape (…, 3) in these axes."""
+        if self.matrix is None:
+            return vectors
+        found: Array = vectors @ self.matrix.T
+        return found
+
+    @property
+    def said(self) -> str:
+        """A sentence on what the axes are."""
+        if self.own is None:
+            return (
+                "The reference frame is named by whoever exports: the instance says only that its "
+                "elements are inertial, and nothing was transformed."
+            )
+        if self.matrix is None:
+            return f"The reference frame is that of the elements of the instance, {self.own}."
+        return (
+            f"States and burns were turned from the frame of the elements, {self.own}, to "
+            f"{self.frame}, with astropy."
+        )
+
+
+def axes_of(instance: Instance, frame: str | None = None) -> Axes:
+    """The axes of a frame, for what an instance holds.
+
+    Parameters
+    ----------
+    instance : Instance
+    frame : {"EME2000", "GCRF", "ICRF", "TEME"}, optional
+        By default that of the instance, and EME2000 if it names none. Where the instance names one,
+        vectors are turned from that to this; else this is only a name. The axes of TEME are those
+        of the instance's epoch, but where it is the instance's own, those that it says.
+
+    Raises
+    ------
+    InputError
+        An unknown frame.
+    MissingExtra
+        There is something to turn, and astropy is not installed.
+    """
+    own = instance.frame
+    wanted = _named(frame or (USUAL if own is None else own.name), instance)
+    if own is None:
+        return Axes(wanted)
+    if wanted.name == own.name:
+        return Axes(own, own)
+    return Axes(wanted, own, rotation(own, wanted))
+
+
+def _named(name: str, instance: Instance) -> Frame:
+    for known in FRAMES:
+        if name == known:
+            return Frame(name=known, axes_epoch=instance.epoch if known in OF_DATE else None)
+    raise InputError(f"frame = {name!r}: use one of {', '.join(FRAMES)}")
+
+
+def rotation(start: Frame, end: Frame) -> Array | None:
+    """The matrix that turns vectors from one frame into another; None where axes are the same.
+
+    Raises
+    ------
+    MissingExtra
+        astropy is not installed.
+    """
+    if start == end or {start.name, end.name} <= {"GCRF", "ICRF"}:
+        return None
+    matrix: Array = _from_gcrf(end) @ _from_gcrf(start).T
+    return matrix
+
+
+def _from_gcrf(frame: Frame) -> Array:
+    """The matrix that turns vectors from GCRF, shape (3, 3)."""
+    try:
+        import erfa
+        from astropy import coordinates  # noqa: F401
+    except ImportError:
+        raise MissingExtra("turning states into another frame", "astropy", "astro") from None
+    if frame.axes_epoch is not None:
+        return _to_teme(frame.axes_epoch)
+    if frame.name == "EME2000":
+        bias, _, _ = erfa.bp06(erfa.DJ00, 0.0)
+        return np.asarray(bias)
+    return np.eye(3)
+
+
+def _to_teme(time: datetime) -> Array:
+    """The rows are the axes of TEME at a time, in GCRF."""
+    from astropy import units
+    from astropy.coordinates import GCRS, TEME, CartesianRepresentation
+    from astropy.time import Time
+    from astropy.utils import iers
+
+    axes = CartesianRepresentation(np.eye(3), unit=units.one)
+    # Astropy takes the table that came with it instead of loading one, and warns of times beyond.
+    with warnings.catch_warnings(), iers.earth_orientation_table.set(iers.IERS_B.open()):
+        warnings.simplefilter("ignore")
+        when = Time(time.astimezone(UTC).replace(tzinfo=None), scale="utc")
+        turned = TEME(axes, obstime=when).transform_to(GCRS(obstime=when))
+        found: Array = np.ascontiguousarray(turned.cartesian.xyz.to_value(units.one).T)
+    return found

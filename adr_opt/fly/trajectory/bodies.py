@@ -1,0 +1,146 @@
+"""Where the station and the targets are: on the circles planned with, or on their true orbits."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import MU_M3_S2
+from ...common.errors import InputError
+from ...kernels.orbits import ephemeris
+from ...plan.plan import Tow
+from ...problem.instance import Instance
+from ...problem.orbit import Orbit
+from .kepler import Array, drift, propagate, turned
+
+
+def body_states(
+    instance: Instance, body: str, times_s: npt.ArrayLike, *, true_orbits: bool = False
+) -> tuple[Array, Array]:
+    """States of the station or of a target.
+
+    Parameters
+    ----------
+    instance : Instance
+    body : str
+        Its name.
+    times_s : (n,) array_like
+        Times since the epoch [s].
+    true_orbits : bool
+        False: on the circle that the plan is made with (MODEL section 1), where the chaser meets
+        it. True: on the ellipse of its elements. The same for circles. Both drift where the
+        dynamics of the instance do.
+
+    Returns
+    -------
+    positions_m, velocities_m_s : (n, 3) float64
+        In the inertial frame of the elements.
+
+    Raises
+    ------
+    InputError
+        The instance has no such body.
+    """
+    times = np.atleast_1d(np.asarray(times_s, dtype=float))
+    try:
+        orbit = instance.body_orbits[instance.names.index(body)]
+    except ValueError:
+        raise InputError(f"{body!r} is not a body of the instance") from None
+    if true_orbits and orbit.eccentricity > 0.0:
+        return _on_ellipse(orbit, instance.oblateness_m2, times)
+    return _on_circle(orbit, instance.oblateness_m2, times)
+
+
+def after_tow(instance: Instance, body: str, tow: Tow) -> tuple[Array, Array]:
+    """Where the burns of a tow lead to: position [m] and velocity [m/s], of shape (3,) each."""
+    begin, end = tow.burns
+    position, velocity = (state[0] for state in body_states(instance, body, begin.time_s))
+    velocity = velocity + np.array(begin.delta_v_m_s)
+    span_s = end.time_s - begin.time_s
+    positions, velocities = drift(position, velocity, span_s, instance.oblateness_m2)
+    return positions[0], velocities[0] + np.array(end.delta_v_m_s)
+
+
+def body_secular(instance: Instance, body: str) -> tuple[float, float]:
+    """Pace and rate of the node of a body, as :func:`.kepler.secular` gives them."""
+    orbit = instance.body_orbits[instance.names.index(body)]
+    row = orbit.row(instance.oblateness_m2)
+    pace = row[ephemeris.LATITUDE_RATE] / ephemeris.mean_motion(row[ephemeris.RADIUS])
+    return float(pace), float(row[ephemeris.RAAN_RATE])
+
+
+def body_positions(
+    instance: Instance, times_s: npt.ArrayLike, *, true_orbits: bool = False
+) -> Array:
+    """Positions of all bodies, the stations first, shape (bodies, n, 3) [m]."""
+    return np.stack(
+        [
+            body_states(instance, name, times_s, true_orbits=true_orbits)[0]
+            for name in instance.names
+        ]
+    )
+
+
+def true_state_at_epoch(orbit: Orbit) -> tuple[Array, Array]:
+    """Position [m] and velocity [m/s] on the Kepler orbit of the elements, at the epoch."""
+    e = orbit.eccentricity
+    true = math.radians(orbit.true_anomaly_deg)
+    latitude = math.radians(orbit.argument_of_perigee_deg) + true
+    perigee = math.radians(orbit.argument_of_perigee_deg)
+    parameter = orbit.semi_major_axis_m * (1.0 - e * e)
+    radius = parameter / (1.0 + e * math.cos(true))
+    speed = math.sqrt(MU_M3_S2 / parameter)
+    node, ahead = _axes(orbit)
+    # The velocity is that of a circle turned by the latitude, plus e times that of the perigee.
+    return (
+        radius * (math.cos(latitude) * node + math.sin(latitude) * ahead),
+        speed
+        * (
+            -(math.sin(latitude) + e * math.sin(perigee)) * node
+            + (math.cos(latitude) + e * math.cos(perigee)) * ahead
+        ),
+    )
+
+
+def _on_circle(orbit: Orbit, oblateness_m2: float, times: Array) -> tuple[Array, Array]:
+    row = orbit.row(oblateness_m2)
+    u = (row[ephemeris.ARGUMENT_OF_LATITUDE] + row[ephemeris.LATITUDE_RATE] * times)[:, None]
+    node, ahead = _axes(orbit)
+    speed = math.sqrt(MU_M3_S2 / row[ephemeris.RADIUS])
+    positions = row[ephemeris.RADIUS] * (np.cos(u) * node + np.sin(u) * ahead)
+    velocities = speed * (np.cos(u) * ahead - np.sin(u) * node)
+    return _precessed(positions, velocities, row[ephemeris.RAAN_RATE] * times)
+
+
+def _on_ellipse(orbit: Orbit, oblateness_m2: float, times: Array) -> tuple[Array, Array]:
+    """Kepler motion at the pace of the mean anomaly, whose perigee and node move."""
+    row = orbit.row(oblateness_m2)
+    perigee_rate, axis = row[ephemeris.PERIGEE_RATE], row[ephemeris.RADIUS]
+    pace = (row[ephemeris.LATITUDE_RATE] - perigee_rate) / ephemeris.mean_motion(axis)
+    positions, velocities = propagate(*true_state_at_epoch(orbit), pace * times)
+    if oblateness_m2 == 0.0:
+        return positions, velocities
+    node, ahead = _axes(orbit)
+    # Within its plane the whole orbit turns with the perigee.
+    c, s = np.cos(perigee_rate * times)[:, None], np.sin(perigee_rate * times)[:, None]
+    for vectors in (positions, velocities):
+        x, y = (vectors @ node)[:, None], (vectors @ ahead)[:, None]
+        vectors[:] = (c * x - s * y) * node + (s * x + c * y) * ahead
+    return _precessed(positions, velocities, row[ephemeris.RAAN_RATE] * times)
+
+
+def _precessed(positions: Array, velocities: Array, angles: Array) -> tuple[Array, Array]:
+    if not angles.any():
+        return positions, velocities
+    return turned(positions, angles), turned(velocities, angles)
+
+
+def _axes(orbit: Orbit) -> tuple[Array, Array]:
+    """Unit vectors towards the ascending node and a quarter of a revolution later."""
+    i, o = math.radians(orbit.inclination_deg), math.radians(orbit.raan_deg)
+    return (
+        np.array([math.cos(o), math.sin(o), 0.0]),
+        np.array([-math.sin(o) * math.cos(i), math.cos(o) * math.cos(i), math.sin(i)]),
+    )

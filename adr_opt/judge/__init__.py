@@ -1,0 +1,1 @@
+"""Whether plans and proofs hold: ``check`` and ``verify``."""

@@ -1,0 +1,1 @@
+"""Whether a plan keeps to every rule."""

@@ -1,0 +1,349 @@
+"""Whether a drift leg costs what its closed form says, and its burns meet the target.
+
+The form of :mod:`adr_opt.kernels.legs.drift`, written once more and solved in another way: searches
+by golden section, one within the other, in place of Newton steps, and bisection for whole laps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import MU_M3_S2, SLACK_S
+from ...common.errors import InputError
+from ...kernels.core.compile import kernel
+from ...kernels.legs.co_elliptic import TransferRule
+from ...kernels.orbits import ephemeris
+from ...legs.families import drift_burns
+from ...plan.plan import Leg
+from ...problem.instance import Instance
+from .eccentric import mean_perigee
+from .figures import check_burns, check_costs
+from .violation import DRIFT_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
+
+FloatArray = npt.NDArray[np.float64]
+
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+
+RADII = 50
+"""Intervals of radii between the altitude limits, within one of which the optimum is looked for."""
+
+MOST_TILT, TILTS = 0.5, 20
+"""The first burn changes the inclination by no more than this share of the speed; intervals of it,
+within one of which the optimum is looked for."""
+
+
+class Ends(NamedTuple):
+    """A drift leg between two times, as the judge sees it.
+
+    Attributes
+    ----------
+    radius_i, inclination_i, radius_j, inclination_j : float
+        [m], [rad].
+    speed, sine, cosine : float
+        V̄ [m/s], sin ī and cos ī.
+    span, approach : float
+        T, and the part of it that the approach takes [s].
+    node : float
+        What the chaser has to gain on the node of the origin until the end of the leg [rad].
+    target_rate : float
+        Of the target's node [rad/s].
+    ahead : float
+        What it has to gain on its own argument of latitude until the stand-off, but for turns, and
+        with cos ī times its node [rad].
+    shape : float
+        E [m/s].
+    fraction, oblateness : float
+        f; J2 R² [m²].
+    """
+
+    radius_i: float
+    inclination_i: float
+    radius_j: float
+    inclination_j: float
+    speed: float
+    sine: float
+    cosine: float
+    span: float
+    approach: float
+    node: float
+    target_rate: float
+    ahead: float
+    shape: float
+    fraction: float
+    oblateness: float
+
+
+def ends_of(
+    origin: FloatArray,
+    destination: FloatArray,
+    rule: TransferRule,
+    departure: float,
+    arrival: float,
+) -> Ends:
+    """The leg between two times [s].
+
+    Parameters
+    ----------
+    origin : (columns + 1,) float64
+        As it is left, with the rate of its node after that in a last column.
+    destination : (columns,) float64
+    """
+    origin, rate_i = origin[:-1], origin[-1]
+    rate_j, span = destination[ephemeris.RAAN_RATE], arrival - departure
+    mean = 0.5 * (origin + destination)
+    radius, inclination = mean[ephemeris.RADIUS], mean[ephemeris.INCLINATION]
+    speed, sine = math.sqrt(MU_M3_S2 / radius), math.sin(inclination)
+    node = ephemeris.node_at(destination, arrival) - ephemeris.node_at(origin, departure)
+    if sine > 0.0:
+        # By the nearer way if half of the size and of the inclination is changed at either end.
+        halfway = rate_i * span - _half_drift(origin, destination, rate_i, speed, rule) * span
+        node = halfway + math.remainder(node - halfway, 2.0 * math.pi)
+    approach = rule.approach_revolutions * ephemeris.revolution(destination)
+    met = arrival - approach
+    ahead = ephemeris.latitude_at(destination, met) - ephemeris.latitude_at(origin, departure)
+    ahead += math.cos(inclination) * (node - rate_j * approach)
+    ahead -= rule.standoff / destination[ephemeris.RADIUS]
+    perigees = mean_perigee(origin, arrival), mean_perigee(destination, arrival)
+    vectors = [
+        orbit[ephemeris.ECCENTRICITY] * np.array([math.cos(perigee), math.sin(perigee)])
+        for orbit, perigee in zip((origin, destination), perigees, strict=True)
+    ]
+    return Ends(
+        float(origin[ephemeris.RADIUS]), float(origin[ephemeris.INCLINATION]),
+        float(destination[ephemeris.RADIUS]), float(destination[ephemeris.INCLINATION]),
+        speed, sine, math.cos(inclination), span, float(approach), float(node), float(rate_j),
+        float(ahead), 0.25 * speed * float(np.linalg.norm(vectors[1] - vectors[0])),
+        rule.first_leg_fraction, rule.oblateness,
+    )  # fmt: skip
+
+
+def _half_drift(
+    origin: FloatArray, destination: FloatArray, rate_i: float, speed: float, rule: TransferRule
+) -> float:
+    """How much more the node lags behind, to first order, halfway between both orbits [rad/s]."""
+    later = destination[: ephemeris.INCLINATION + 1] - origin[: ephemeris.INCLINATION + 1]
+    mean = 0.5 * (origin + destination)
+    inclination, radius = mean[ephemeris.INCLINATION], mean[ephemeris.RADIUS]
+    rate = 0.5 * (rate_i + destination[ephemeris.RAAN_RATE])
+    by_inclination = rate * math.tan(inclination)
+    if abs(math.cos(inclination)) <= POLAR:
+        by_inclination = -1.5 * rule.oblateness * speed / radius**3 * math.sin(inclination)
+    climb = 0.5 * float(later[ephemeris.RADIUS]) / radius
+    return float(0.5 * (7.0 * rate * climb + by_inclination * later[ephemeris.INCLINATION]))
+
+
+POLAR = 1e-3
+"""Where the cosine of the mean inclination is less, rate · tan ī is taken by its limit."""
+
+
+@kernel
+def half_turn(ends: Ends, axis: float) -> float:
+    """Time of half a turn with a semi-major axis [s]."""
+    inclination = math.acos(ends.cosine)
+    return float(math.pi / ephemeris.latitude_rate(axis, inclination, ends.oblateness))
+
+
+@kernel
+def arcs_of(ends: Ends, radius: float) -> FloatArray:
+    """The arcs of a leg whose drift orbit has a radius: semi-major axes [m] and times [s].
+
+    Out, drift, back to the co-elliptic orbit, and to the stand-off; (4, 2) float64.
+    """
+    co_elliptic = radius + ends.fraction * (ends.radius_j - radius)
+    arcs = np.empty((4, 2))
+    arcs[0, 0], arcs[1, 0] = 0.5 * (ends.radius_i + radius), radius
+    arcs[2, 0], arcs[3, 0] = 0.5 * (radius + co_elliptic), 0.5 * (co_elliptic + ends.radius_j)
+    arcs[1, 1] = ends.span - ends.approach
+    for arc in (0, 2, 3):
+        arcs[arc, 1] = half_turn(ends, arcs[arc, 0])
+        arcs[1, 1] -= arcs[arc, 1]
+    return arcs
+
+
+@kernel
+def laps_of(ends: Ends, radius: float) -> float:
+    """Turns that the chaser gains beyond those that meet the target: whole where it is met."""
+    arcs = arcs_of(ends, radius)
+    inclination = math.acos(ends.cosine)
+    gained = 3.0 * math.pi
+    for arc in range(4):
+        rate = ephemeris.node_rate(arcs[arc, 0], inclination, ends.oblateness)
+        gained += ends.cosine * rate * arcs[arc, 1]
+    gained += ephemeris.latitude_rate(radius, inclination, ends.oblateness) * arcs[1, 1]
+    return float((gained - ends.ahead) / (2.0 * math.pi))
+
+
+@kernel
+def cost_with(ends: Ends, radius: float, tilt: float) -> float:
+    """ΔV with a drift orbit of a radius [m] and an inclination that is more by so much [m/s]."""
+    arcs, turned = arcs_of(ends, radius), tilt / ends.speed
+    after = ends.inclination_i + turned
+    inclinations = (
+        ends.inclination_i + 0.5 * turned, after, 0.5 * (after + ends.inclination_j),
+        ends.inclination_j,
+    )  # fmt: skip
+    node = ends.node - ends.target_rate * ends.approach
+    for arc in range(4):
+        rate = ephemeris.node_rate(arcs[arc, 0], inclinations[arc], ends.oblateness)
+        node -= rate * arcs[arc, 1]
+    speed = math.sqrt(MU_M3_S2 / radius)
+    climb = math.sqrt(MU_M3_S2 / ends.radius_i) - speed
+    rest = speed - math.sqrt(MU_M3_S2 / ends.radius_j)
+    left = ends.speed * (ends.inclination_j - ends.inclination_i) - tilt
+    first = math.sqrt(climb**2 + tilt**2 + ends.shape**2)
+    second = math.sqrt(rest**2 + left**2 + ends.shape**2)
+    return math.hypot(ends.speed * ends.sine * node, first + second)
+
+
+@kernel
+def least_tilted(ends: Ends, radius: float) -> float:
+    """The least ΔV with a drift orbit of a radius, by golden section over the inclination [m/s].
+
+    Between the neighbours of the best of some inclinations.
+    """
+    low, high = -MOST_TILT * ends.speed, MOST_TILT * ends.speed
+    step, best = (high - low) / TILTS, 0
+    for number in range(1, TILTS + 1):
+        found = cost_with(ends, radius, low + number * step)
+        if found < cost_with(ends, radius, low + best * step):
+            best = number
+    low, high = low + (best - 1) * step, low + (best + 1) * step
+    one, other = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    at_one, at_other = cost_with(ends, radius, one), cost_with(ends, radius, other)
+    while high - low > 1e-4:
+        if at_one < at_other:
+            high, other, at_other = other, one, at_one
+            one = high - GOLDEN * (high - low)
+            at_one = cost_with(ends, radius, one)
+        else:
+            low, one, at_one = one, other, at_other
+            other = low + GOLDEN * (high - low)
+            at_other = cost_with(ends, radius, other)
+    return float(min(at_one, at_other))
+
+
+@kernel
+def least_of_all(ends: Ends, low: float, high: float) -> float:
+    """The radius of the drift orbit that costs least if any phase will do [m].
+
+    The best of some radii, and golden section between its neighbours.
+    """
+    step, best = (high - low) / RADII, 0
+    for number in range(1, RADII + 1):
+        if least_tilted(ends, low + number * step) < least_tilted(ends, low + best * step):
+            best = number
+    low, high = max(low, low + (best - 1) * step), min(high, low + (best + 1) * step)
+    one, other = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    at_one, at_other = least_tilted(ends, one), least_tilted(ends, other)
+    while high - low > 0.1:
+        if at_one < at_other:
+            high, other, at_other = other, one, at_one
+            one = high - GOLDEN * (high - low)
+            at_one = least_tilted(ends, one)
+        else:
+            low, one, at_one = one, other, at_other
+            other = low + GOLDEN * (high - low)
+            at_other = least_tilted(ends, other)
+    return 0.5 * (low + high)
+
+
+@kernel
+def least_with_laps(ends: Ends, low: float, high: float) -> float:
+    """ΔV of the leg: the cheaper of the radii about the optimum that meet the target [m/s].
+
+    Parameters
+    ----------
+    ends : Ends
+    low, high : float
+        Altitude limits, as radii of the drift orbit [m].
+
+    Returns
+    -------
+    float
+        Infinite if the target is met with no radius, or there is no time to drift.
+    """
+    if arcs_of(ends, high)[1, 1] <= 0.0 and arcs_of(ends, low)[1, 1] <= 0.0:
+        return math.inf
+    least = math.inf
+    about = math.floor(laps_of(ends, least_of_all(ends, low, high)))
+    for laps in (about, about + 1):
+        if not laps_of(ends, high) <= laps <= laps_of(ends, low):
+            continue
+        below, above = low, high
+        while above - below > 1e-4:
+            middle = 0.5 * (below + above)
+            if laps_of(ends, middle) > laps:
+                below = middle
+            else:
+                above = middle
+        if arcs_of(ends, below)[1, 1] > 0.0:
+            least = min(least, least_tilted(ends, below))
+    return least
+
+
+def drift_cost(
+    origin: FloatArray,
+    destination: FloatArray,
+    rule: TransferRule,
+    departure: float,
+    arrival: float,
+) -> tuple[float, float]:
+    """ΔV of a drift leg, and how much of it eccentricity adds [m/s].
+
+    Parameters
+    ----------
+    origin : (columns + 1,) float64
+        As it is left, with the rate of its node after that in a last column.
+    destination : (columns,) float64
+    departure, arrival : float
+        [s].
+    """
+    ends = ends_of(origin, destination, rule, departure, arrival)
+    whole = float(least_with_laps(ends, rule.min_radius, rule.max_radius))
+    if ends.shape == 0.0:
+        return whole, 0.0
+    circles = ends._replace(shape=0.0)
+    return whole, max(
+        0.0, whole - float(least_with_laps(circles, rule.min_radius, rule.max_radius))
+    )
+
+
+def check_drift(
+    instance: Instance,
+    ends: tuple[FloatArray, FloatArray],
+    rule: TransferRule,
+    number: int,
+    leg: Leg,
+    free: float,
+) -> Generator[Violation, None, tuple[float, float]]:
+    """A drift leg costs what the closed form says, and its burns meet the target.
+
+    Parameters
+    ----------
+    ends : (columns + 1,) float64, (columns,) float64
+        The origin as it is left, with the rate of its node after that, and the destination.
+    """
+    as_stated = leg.arrival_s, leg.delta_v_m_s
+    span, longest = leg.arrival_s - leg.departure_s, instance.transfer.max_drift_s
+    if not 0.0 < span <= longest + TIME_TOLERANCE_S:
+        yield Violation(
+            number, "drift", f"drifts for {span!r} s, and may for no more than {longest!r} s"
+        )
+        return as_stated
+    if leg.departure_s < free - SLACK_S:
+        yield Violation(number, "departure", "leaves before the chaser is ready")
+        return as_stated
+    delta_v, shape = drift_cost(*ends, rule, leg.departure_s, leg.arrival_s)
+    yield from check_costs(delta_v, shape, number, leg, DRIFT_TOLERANCE_M_S)
+    try:
+        flight = drift_burns.flown(*ends, rule, leg.departure_s, leg.arrival_s)
+    except InputError as error:
+        yield Violation(number, "burns", str(error))
+        return as_stated
+    yield from check_burns(number, leg, flight.times, flight.vectors, np.array(drift_burns.PHASES))
+    return as_stated

@@ -1,0 +1,85 @@
+"""What a short leg costs at least because its ends are eccentric, stated once more."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import MU_M3_S2
+from ...kernels.legs import burns as burn_kernels
+from ...kernels.legs import co_elliptic
+from ...kernels.orbits import ephemeris
+
+SMALLEST = 1e-12
+"""Opposite planes have no way from one to the other that is shorter than others."""
+
+
+class Sequence(NamedTuple):
+    """The co-elliptic sequence that a leg states, recomputed.
+
+    Attributes
+    ----------
+    departure, arrival : float
+        [s].
+    laps : int
+        Phasing revolutions.
+    radius : float
+        Of the phasing orbit [m].
+    theta : float
+        Angle that is turned [rad].
+    """
+
+    departure: float
+    arrival: float
+    laps: int
+    radius: float
+    theta: float
+
+
+def mean_perigee(orbit: npt.NDArray[np.float64], time: float) -> float:
+    """Argument of perigee of a body at a time [rad]."""
+    return float(orbit[ephemeris.PERIGEE] + orbit[ephemeris.PERIGEE_RATE] * time)
+
+
+def matching_cost(
+    origin: npt.NDArray[np.float64],
+    destination: npt.NDArray[np.float64],
+    rule: co_elliptic.TransferRule,
+    departure: float,
+    sequence: Sequence,
+) -> float:
+    """The least that a short leg may cost because its ends are eccentric, approach included [m/s].
+
+    Written out once more, with vectors where :mod:`adr_opt.kernels.orbits.eccentricity` has angles;
+    0 for circles. Perigees and nodes are those at the departure [s].
+    """
+    if origin[ephemeris.ECCENTRICITY] == destination[ephemeris.ECCENTRICITY] == 0.0:
+        return 0.0
+    vectors, normals = [], []
+    for orbit in (origin, destination):
+        node, ahead, normal = ephemeris.frame(
+            orbit[ephemeris.INCLINATION], ephemeris.node_at(orbit, departure)
+        )
+        perigee = mean_perigee(orbit, departure)
+        vector = math.cos(perigee) * node + math.sin(perigee) * ahead
+        vectors.append(orbit[ephemeris.ECCENTRICITY] * vector)
+        normals.append(normal)
+    # The destination's vector, its plane turned into the origin's about their line of nodes.
+    axis = np.cross(normals[1], normals[0])
+    once = np.cross(axis, vectors[1])
+    along = max(1.0 + float(normals[0] @ normals[1]), SMALLEST)
+    turned = vectors[1] + once + np.cross(axis, once) / along
+    ri, rj, r = origin[ephemeris.RADIUS], destination[ephemeris.RADIUS], sequence.radius
+    corner = r + rule.first_leg_fraction * (rj - r)
+    comes = burn_kernels.half_ellipse_speeds(ri, r)[1]
+    leaves = (
+        math.sqrt(MU_M3_S2 / r) if sequence.laps else burn_kernels.half_ellipse_speeds(r, corner)[0]
+    )
+    speed = math.sqrt(MU_M3_S2 / math.sqrt(ri * rj))
+    alone = 0.5 * speed * float(np.linalg.norm(turned - vectors[0]))
+    turning = 2.0 * math.sqrt(comes * leaves) * math.sin(0.5 * sequence.theta)
+    approach = 0.5 * math.sqrt(MU_M3_S2 / rj) / rj * rule.standoff
+    return float(math.hypot(alone, turning) + approach)

@@ -1,0 +1,58 @@
+"""Whether the figures and the burns that a leg states are those that were recomputed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from ...kernels.legs import burns as burn_kernels
+from ...plan.plan import Leg
+from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
+
+
+def check_costs(
+    delta_v: float,
+    shape: float,
+    number: int,
+    leg: Leg,
+    tolerance: float = DELTA_V_TOLERANCE_M_S,
+) -> Iterator[Violation]:
+    """The ΔV, and what of it matches eccentricity vectors, are as recomputed [m/s]."""
+    if abs(leg.delta_v_m_s - delta_v) > tolerance:
+        yield Violation(
+            number, "cost", f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {delta_v!r}"
+        )
+    if abs(leg.eccentricity_delta_v_m_s - shape) > tolerance:
+        yield Violation(
+            number,
+            "eccentricity",
+            f"eccentricity_delta_v_m_s = {leg.eccentricity_delta_v_m_s!r}, but it is {shape!r}",
+        )
+
+
+def check_burns(
+    number: int,
+    leg: Leg,
+    times: npt.NDArray[np.float64],
+    vectors: npt.NDArray[np.float64],
+    phases: npt.NDArray[np.int64],
+) -> Iterator[Violation]:
+    """The burns are those of the sequence: their phases, times [s] and vectors [m/s]."""
+    stated_phases = [burn.phase for burn in leg.burns]
+    expected_phases = [burn_kernels.PHASES[phase] for phase in phases]
+    if stated_phases != expected_phases:
+        yield Violation(
+            number, "burns", f"phases are {stated_phases}, but should be {expected_phases}"
+        )
+        return
+    for which, burn in enumerate(leg.burns):
+        late = abs(burn.time_s - times[which])
+        off = float(np.linalg.norm(np.array(burn.delta_v_m_s) - vectors[which]))
+        if late > TIME_TOLERANCE_S or off > DELTA_V_TOLERANCE_M_S:
+            yield Violation(
+                number,
+                "burns",
+                f"burn {which + 1} ({burn.phase}) is off by {late:.3g} s and {off:.3g} m/s",
+            )

@@ -1,0 +1,67 @@
+"""Whether a leg is one of the connections that are given: found among the rows as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+import numpy as np
+
+from ...common.constants import SLACK_S
+from ...plan.plan import Leg
+from ...problem.given import Given
+from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
+
+
+def check_given(
+    given: Given, number: int, leg: Leg, free: float
+) -> Generator[Violation, None, tuple[float, float]]:
+    """The leg is a row between its bodies, which leaves no earlier than the chaser is free.
+
+    Returns when the chaser arrives and the cost, to go on from: of the row, but as stated where
+    there is none.
+    """
+    as_stated = leg.arrival_s, leg.delta_v_m_s
+    if leg.kind != "given" or leg.burns:
+        yield Violation(
+            number,
+            "given",
+            f"is {leg.kind!r} with {len(leg.burns)} burns, but connections are given, which are "
+            "'given' and have none",
+        )
+    if leg.phasing_revolutions or leg.eccentricity_delta_v_m_s:
+        yield Violation(
+            number, "given", "states revolutions or a share of eccentricity; of given ones 0"
+        )
+    known = {name: at for at, name in enumerate(given.names)}
+    i, j = known.get(leg.origin, -1), known.get(leg.destination, -1)
+    rows = np.flatnonzero((given.origin == i) & (given.destination == j))
+    leaves = np.abs(given.departure[rows] - leg.departure_s) <= TIME_TOLERANCE_S
+    lands = np.abs(given.arrival[rows] - leg.arrival_s) <= TIME_TOLERANCE_S
+    costs = np.abs(given.cost[rows] - leg.delta_v_m_s) <= DELTA_V_TOLERANCE_M_S
+    same = rows[leaves & lands & costs]
+    if not same.size:
+        ends = f"from {leg.origin!r} to {leg.destination!r}"
+        if not leaves.any():
+            yield Violation(
+                number, "departure", f"nothing is given {ends} that leaves at {leg.departure_s!r}"
+            )
+        elif not (leaves & lands).any():
+            yield Violation(
+                number,
+                "arrival",
+                f"nothing is given {ends} that leaves at {leg.departure_s!r} and arrives at "
+                f"{leg.arrival_s!r}",
+            )
+        else:
+            cost = float(given.cost[rows[leaves & lands]].min())
+            yield Violation(
+                number, "cost", f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {cost!r}"
+            )
+        return as_stated
+    # Of rows within the tolerances that is meant which is nearest to what is stated.
+    off = np.abs(given.arrival[same] - leg.arrival_s) + np.abs(given.cost[same] - leg.delta_v_m_s)
+    off += np.abs(given.departure[same] - leg.departure_s)
+    row = int(same[int(np.argmin(off))])
+    if given.departure[row] < free - SLACK_S:
+        yield Violation(number, "departure", "leaves before the chaser is ready")
+    return float(given.arrival[row]), float(given.cost[row])

@@ -1,0 +1,241 @@
+"""Whether one leg can be flown as it is stated: departure, phasing, ΔV, burns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Iterator
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import SLACK_S
+from ...kernels.legs import burns as burn_kernels
+from ...kernels.legs import co_elliptic, precession, zones
+from ...kernels.orbits import ephemeris
+from ...plan.plan import Leg
+from ...problem.given import Given
+from ...problem.instance import Instance
+from .drift import check_drift
+from .eccentric import Sequence, matching_cost
+from .figures import check_burns, check_costs
+from .given import check_given
+from .tow import Towed, towed_bodies
+from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
+from .zone_crossings import crossed
+
+
+class Physics(NamedTuple):
+    """What the transfers of an instance follow from, worked out once for all legs.
+
+    Attributes
+    ----------
+    elements : (bodies, columns) float64
+        Of bodies as they are arrived at.
+    left : (bodies, columns + 1) float64
+        Of bodies as they are left, and the rate of the node after that, see :mod:`.tow` [rad/s].
+    rule : TransferRule
+    given : Given or None
+    towed : dict of str to Towed
+        The targets that are towed, by name.
+    """
+
+    elements: npt.NDArray[np.float64]
+    left: npt.NDArray[np.float64]
+    rule: co_elliptic.TransferRule
+    given: Given | None
+    towed: dict[str, Towed]
+
+    @classmethod
+    def of(cls, instance: Instance) -> Physics:
+        """That of an instance."""
+        elements = instance.orbits()
+        left = np.column_stack([elements, elements[:, ephemeris.RAAN_RATE]])
+        towed = towed_bodies(instance, elements)
+        for body, name in enumerate(instance.names):
+            if name in towed:
+                left[body] = towed[name].left
+        return cls(elements, left, instance.transfer_rule(), instance.given, towed)
+
+
+def check_transfer(
+    instance: Instance, physics: Physics, number: int, leg: Leg, i: int, j: int, free: float
+) -> Generator[Violation, None, tuple[float, float]]:
+    """The leg departs at a crossing of the line of nodes, and its sequence can be flown from there.
+
+    Returns when the chaser arrives and the ΔV, to go on from: recomputed, but as stated where the
+    plan is wrong about them, so that one mistake is reported once.
+    """
+    if leg.kind == "launch" or i in instance.launches:
+        return (yield from _check_launch(number, leg, i in instance.launches, free))
+    if physics.given is not None:
+        return (yield from check_given(physics.given, number, leg, free))
+    if leg.kind == "given":
+        yield Violation(number, "given", "is given, but the instance has connections of the model")
+        return leg.arrival_s, leg.delta_v_m_s
+    if leg.kind == "drift":
+        ends = physics.left[i], physics.elements[j]
+        return (yield from check_drift(instance, ends, physics.rule, number, leg, free))
+    origin, destination, rule = physics.left[i], physics.elements[j], physics.rule
+    pair = co_elliptic.prepare(origin, destination, 0.0, rule)
+    if instance.dynamics == "j2":
+        sequence = yield from _check_drifting_planes(pair, rule, number, leg, free)
+    else:
+        sequence = yield from _check_sequence(pair, rule, number, leg, free)
+    if sequence is None:
+        return leg.arrival_s, leg.delta_v_m_s
+    turn = 4.0 * math.sin(0.5 * sequence.theta) ** 2
+    circles = float(
+        co_elliptic.turned_delta_v(pair, rule, sequence.laps, sequence.radius, turn, 0.0)
+    )
+    least = matching_cost(origin, destination, rule, leg.departure_s, sequence)
+    extra = max(0.0, least - circles)
+    delta_v = circles + extra
+    yield from _check_figures(sequence, delta_v, extra, number, leg)
+    if zones.is_blocked(pair, rule, sequence.laps, sequence.radius, sequence.departure) and not any(
+        True for _ in crossed(instance, leg)
+    ):
+        yield Violation(
+            number,
+            "zone",
+            "touches the edge of a keep-out zone while that is closed; edges belong to zones",
+        )
+    yield from check_burns(
+        number,
+        leg,
+        *burn_kernels.burns(
+            origin, destination, pair, rule, sequence.departure, sequence.laps, sequence.radius
+        ),
+    )
+    arrives_as_stated = abs(leg.arrival_s - sequence.arrival) <= TIME_TOLERANCE_S
+    costs_as_stated = abs(leg.delta_v_m_s - delta_v) <= DELTA_V_TOLERANCE_M_S
+    return (
+        sequence.arrival if arrives_as_stated else leg.arrival_s,
+        delta_v if costs_as_stated else leg.delta_v_m_s,
+    )
+
+
+def _check_launch(
+    number: int, leg: Leg, is_first: bool, free: float
+) -> Generator[Violation, None, tuple[float, float]]:
+    """A chaser that starts anywhere is put onto its first target, and no other one ever is."""
+    if not is_first:
+        yield Violation(number, "launch", f"launched at {leg.origin!r}, where no chaser starts so")
+    elif leg.kind != "launch":
+        yield Violation(number, "launch", f"{leg.kind!r}, but {leg.origin!r} has no orbit yet")
+    if leg.departure_s < free - SLACK_S:
+        yield Violation(number, "departure", "leaves before the chaser is ready")
+    for name, stated, true in (
+        ("arrival_s", leg.arrival_s, leg.departure_s), ("delta_v_m_s", leg.delta_v_m_s, 0.0),
+        ("burns", len(leg.burns), 0), ("phasing_revolutions", leg.phasing_revolutions, 0),
+        ("eccentricity_delta_v_m_s", leg.eccentricity_delta_v_m_s, 0.0),
+    ):  # fmt: skip
+        if stated != true:
+            yield Violation(number, "launch", f"{name}: {stated!r}, but a launch has {true!r}")
+    return leg.departure_s, 0.0
+
+
+def _check_sequence(
+    pair: co_elliptic.Pair, rule: co_elliptic.TransferRule, number: int, leg: Leg, free: float
+) -> Generator[Violation, None, Sequence | None]:
+    """Departure and phasing are possible; returns the sequence, or None if they are not."""
+    # Angle of the chaser past the line of nodes, in half turns: whole at a departure event.
+    past = (pair.phase_i + pair.rate_i * leg.departure_s) / math.pi
+    half_turns = round(past)
+    departure = leg.departure_s + (half_turns - past) * math.pi / pair.rate_i
+    if abs(departure - leg.departure_s) > TIME_TOLERANCE_S:
+        yield Violation(
+            number,
+            "departure",
+            f"departure_s = {leg.departure_s!r} is not a crossing of the line of nodes; "
+            f"the nearest is at {departure!r}",
+        )
+        return None
+    if departure < free - SLACK_S:
+        yield Violation(number, "departure", "leaves before the chaser is ready")
+        return None
+    laps = leg.phasing_revolutions
+    if not 0 <= laps <= rule.max_phasing_revolutions:
+        yield Violation(
+            number,
+            "phasing",
+            f"phasing_revolutions = {laps}, which is not from 0 to {rule.max_phasing_revolutions}",
+        )
+        return None
+    # The target's lead decides when the chaser may arrive: whole turns of it apart.
+    lead = math.fmod(pair.phase_j + pair.rate_j * departure - math.pi * half_turns, 2.0 * math.pi)
+    lap = 2.0 * math.pi / pair.rate_j
+    approach = rule.approach_revolutions * lap
+    met = (
+        departure + (3.0 * math.pi - lead + rule.standoff / pair.radius_j) / pair.rate_j + approach
+    )
+    arrival = float(met + round((leg.arrival_s - met) / lap) * lap)
+    flight = arrival - approach - departure
+    low = pair.shortest + laps * pair.shortest_lap
+    high = pair.longest + laps * pair.longest_lap
+    if not low <= flight <= high:
+        yield Violation(
+            number,
+            "phasing",
+            f"with {laps} phasing revolutions between the altitude limits it cannot arrive at "
+            f"{arrival!r}: the flight would take {flight!r} s, and may take {low!r} to {high!r} s",
+        )
+        return None
+    radius = co_elliptic.phasing_radius(pair, rule, laps, flight)
+    return Sequence(departure, arrival, laps, radius, pair.theta)
+
+
+def _check_drifting_planes(
+    pair: co_elliptic.Pair, rule: co_elliptic.TransferRule, number: int, leg: Leg, free: float
+) -> Generator[Violation, None, Sequence | None]:
+    """The same where nodes drift: the line of nodes is that of the turn, and of this sequence."""
+    laps, departure = leg.phasing_revolutions, leg.departure_s
+    stand_off = leg.arrival_s - rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
+    flight = stand_off - departure
+    low = pair.shortest + laps * pair.shortest_lap
+    high = pair.longest + laps * pair.longest_lap
+    if not 0 <= laps <= rule.max_phasing_revolutions or not low <= flight <= high:
+        yield Violation(
+            number,
+            "phasing",
+            f"with {laps} phasing revolutions of at most {rule.max_phasing_revolutions}, between "
+            f"the altitude limits, a flight takes {low!r} to {high!r} s, and not {flight!r}",
+        )
+        return None
+    if departure < free - SLACK_S:
+        yield Violation(number, "departure", "leaves before the chaser is ready")
+        return None
+    radius = co_elliptic.phasing_radius(pair, rule, laps, flight)
+    apart = pair.lag + pair.lag_rate * departure
+    apart += precession.carried(pair, rule, laps, radius, flight)
+    alpha_i, alpha_j, theta = ephemeris.relative_node(
+        pair.inclination_i, 0.0, pair.inclination_j, apart
+    )
+    past = (pair.latitude_i + pair.rate_i * departure - alpha_i) / math.pi
+    half_turns = round(past)
+    crossing = departure + (half_turns - past) * math.pi / pair.rate_i
+    if abs(crossing - departure) > TIME_TOLERANCE_S:
+        yield Violation(
+            number,
+            "departure",
+            f"departure_s = {departure!r} is not a crossing of the line of nodes; the nearest is "
+            f"at {crossing!r}",
+        )
+        return None
+    behind = alpha_j + math.pi * (half_turns + 1) + rule.standoff / pair.radius_j
+    behind -= pair.latitude_j + pair.rate_j * stand_off
+    late = math.remainder(behind, 2.0 * math.pi) / pair.rate_j
+    return Sequence(departure, leg.arrival_s + late, laps, radius, theta)
+
+
+def _check_figures(
+    sequence: Sequence, delta_v: float, extra: float, number: int, leg: Leg
+) -> Iterator[Violation]:
+    """Arrival and ΔV are those of the sequence."""
+    if abs(leg.arrival_s - sequence.arrival) > TIME_TOLERANCE_S:
+        yield Violation(
+            number,
+            "arrival",
+            f"arrival_s = {leg.arrival_s!r}, but it arrives at {sequence.arrival!r}",
+        )
+    yield from check_costs(delta_v, extra, number, leg)

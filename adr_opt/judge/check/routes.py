@@ -1,0 +1,294 @@
+"""Follow the mission of a plan leg by leg, with a clock and a tank that are not the plan's."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import SLACK_M_S, SLACK_S
+from ...kernels.orbits import ephemeris
+from ...plan.plan import Leg, Plan
+from ...problem.chasers import AtStation, Chaser
+from ...problem.instance import Instance
+from .leg import Physics, check_transfer
+from .shared import Drawn, launch_times
+from .tank import Tank
+from .tow import Towed, check_tow
+from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
+from .zone_crossings import crossed
+
+MASS_TOLERANCE = 1e-9
+"""What a stated mass may differ by from the true one, as a share of it."""
+
+
+class _Bodies:
+    """The bodies of an instance by name: their number, and what they are."""
+
+    def __init__(self, instance: Instance) -> None:
+        self.number = {name: number for number, name in enumerate(instance.names)}
+        self.stations = {station.name for station in instance.stations}
+        self.windows = {target.name: target.window_s for target in instance.targets}
+        self.kits = {target.name for target in instance.targets if target.removal == "kit"}
+
+
+@dataclass
+class _Followed:
+    """The chaser as it is followed.
+
+    Attributes
+    ----------
+    where : str
+    free : float
+        Since when it is [s].
+    tank : Tank
+    chaser : Chaser
+    drawn : Drawn
+        What stations have given to anybody.
+    since_refuelling : int
+        Targets serviced since then.
+    targets : int
+        Targets serviced.
+    """
+
+    where: str
+    free: float
+    tank: Tank
+    chaser: Chaser
+    drawn: Drawn
+    since_refuelling: int = 0
+    targets: int = 0
+
+
+def check_routes(instance: Instance, plan: Plan) -> Iterator[Violation]:
+    """Each route is that of a chaser of the instance, and each chaser has one at most."""
+    known = [chaser.name for chaser in instance.chasers]
+    stated = [route.chaser for route in plan.routes]
+    for name in sorted(set(stated) - set(known)):
+        yield Violation(None, "chaser", f"{name!r} is not a chaser of the instance")
+    for name in sorted({name for name in stated if stated.count(name) > 1}):
+        yield Violation(None, "chaser", f"{name!r} has more than one route")
+
+
+def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
+    """Follow each chaser leg by leg: order, times, ΔV, burns. A target is done once, by one."""
+    bodies, physics, drawn = _Bodies(instance), Physics.of(instance), Drawn(instance)
+    launches = launch_times(instance)
+    chasers = {chaser.name: chaser for chaser in instance.chasers}
+    flown = [(chasers.pop(route.chaser, None), route.legs) for route in plan.routes]
+    at_home: list[tuple[Chaser | None, tuple[Leg, ...]]] = [(each, ()) for each in chasers.values()]
+    visited: set[str] = set()
+    number, whole = 1, True
+    for chaser, route in flown + at_home:
+        first, number = number, number + len(route)
+        if chaser is None:  # unknown, or a second route: said by check_routes
+            continue
+        kits = len({leg.destination for leg in route} & bodies.kits)
+        tank = Tank(chaser, kits)
+        free = launches.get(chaser.name, chaser.available_s[0])
+        now = _Followed(chaser.start_name, free, tank, chaser, drawn)
+        if chaser.kits is not None and kits > chaser.kits:
+            yield Violation(
+                None, "kits", f"{chaser.name!r} leaves {kits} kits, and may carry {chaser.kits}"
+            )
+        leads_on = yield from _check_route(instance, bodies, physics, now, visited, first, route)
+        if leads_on:
+            yield from _check_end(plan, now)
+        whole = whole and leads_on
+    yield from drawn.violations()
+    if not whole or plan.status not in ("optimal", "feasible"):
+        return
+    for target in instance.targets:
+        if target.required and target.name not in visited:
+            yield Violation(None, "required", f"{target.name!r} is required, but not visited")
+
+
+def _check_route(
+    instance: Instance,
+    bodies: _Bodies,
+    physics: Physics,
+    now: _Followed,
+    visited: set[str],
+    first: int,
+    route: tuple[Leg, ...],
+) -> Generator[Violation, None, bool]:
+    """Follow one chaser, who is left at the end of its last leg; returns whether it got there."""
+    for at, leg in enumerate(route):
+        number, following = first + at, route[at + 1] if at + 1 < len(route) else None
+        leads_on = yield from _check_order(bodies, now, visited, number, leg)
+        if not leads_on:
+            return False
+        if abs(leg.ready_s - now.free) > TIME_TOLERANCE_S:
+            yield Violation(
+                number,
+                "ready",
+                f"ready_s = {leg.ready_s!r}, but the chaser is free at {now.free!r}",
+            )
+        i, j = bodies.number[leg.origin], bodies.number[leg.destination]
+        arrival, delta_v = yield from check_transfer(instance, physics, number, leg, i, j, now.free)
+        yield from _check_zones(instance, number, leg)
+        towed = physics.towed.get(leg.destination)
+        end = yield from _check_service(
+            instance, bodies, now, number, leg, arrival, physics.elements[j], towed
+        )
+        yield from check_tow(towed, number, leg, end, following)
+        yield from _check_tank(bodies, now, visited, number, leg, delta_v, towed)
+        if leg.destination in bodies.stations:
+            now.since_refuelling = 0
+        else:
+            now.since_refuelling += 1
+            now.targets += leg.destination not in visited
+            visited.add(leg.destination)
+        now.where, now.free = leg.destination, end + (towed.time_s if towed else 0.0)
+    return True
+
+
+def _check_order(
+    bodies: _Bodies, now: _Followed, visited: set[str], number: int, leg: Leg
+) -> Generator[Violation, None, bool]:
+    """The leg starts where the chaser is and goes where it may; returns whether it leads on.
+
+    Nothing after a leg that leads nowhere has a state to be checked against.
+    """
+    unknown = [name for name in (leg.origin, leg.destination) if name not in bodies.number]
+    if unknown:
+        yield Violation(number, "body", f"{unknown[0]!r} is not a body of the instance")
+        return False
+    if leg.origin != now.where:
+        yield Violation(
+            number, "chain", f"starts at {leg.origin!r}, but the chaser is at {now.where!r}"
+        )
+    if leg.destination == leg.origin:
+        yield Violation(number, "order", f"goes from {leg.origin!r} to itself")
+        return False
+    if leg.destination in bodies.stations:
+        if now.since_refuelling == 0:
+            yield Violation(number, "refuelling", "no target was visited since the last refuelling")
+    elif leg.destination not in bodies.windows:
+        yield Violation(number, "order", f"{leg.destination!r} is no target and no station")
+    elif leg.destination in visited:
+        yield Violation(number, "order", f"{leg.destination!r} was visited before")
+    return True
+
+
+def _check_zones(instance: Instance, number: int, leg: Leg) -> Iterator[Violation]:
+    """No arc lies in a keep-out zone while that is closed."""
+    for which in crossed(instance, leg):
+        zone = instance.keep_out_zones[which]
+        yield Violation(
+            number,
+            "zone",
+            f"crosses keep_out_zones[{which}], {zone.min_altitude_m:.0f}–"
+            f"{zone.max_altitude_m:.0f} m, while it is closed from {zone.start_s:.0f} s "
+            f"to {zone.end_s:.0f} s",
+        )
+
+
+def _check_service(
+    instance: Instance,
+    bodies: _Bodies,
+    now: _Followed,
+    number: int,
+    leg: Leg,
+    arrival: float,
+    elements: npt.NDArray[np.float64],
+    towed: Towed | None,
+) -> Generator[Violation, None, float]:
+    """The service lasts as long as it has to, within all limits; returns when it ends.
+
+    Where the destination is towed there has to be time for that, too.
+    """
+    opens, closes = bodies.windows.get(leg.destination, (0.0, None))
+    at_station = leg.destination in bodies.stations
+    end = max(arrival, opens) + _service_s(instance, elements, at_station)
+    if abs(leg.end_s - end) > TIME_TOLERANCE_S:
+        yield Violation(number, "service", f"end_s = {leg.end_s!r}, but it ends at {end!r}")
+    free = end + (towed.time_s if towed else 0.0)
+    if leg.tow is not None:
+        free = max(free, leg.tow.end_s)
+    for rule, ends, last in (
+        ("duration", free, instance.mission.duration_s),
+        ("availability", free, now.chaser.available_s[1]),
+        ("window", end, closes),
+    ):
+        if last is not None and ends > last + SLACK_S:
+            yield Violation(number, rule, f"ends at {ends!r} s, after {last!r} s")
+    return end
+
+
+def _service_s(instance: Instance, elements: npt.NDArray[np.float64], at_station: bool) -> float:
+    """How long a chaser stays at a body [s]."""
+    mission = instance.mission
+    if not at_station and mission.service_s is not None:
+        return mission.service_s
+    revolutions = mission.refuel_revolutions if at_station else mission.service_revolutions
+    assert revolutions is not None
+    if revolutions == 0.0:  # also of a body without an orbit, which has no period
+        return 0.0
+    return revolutions * 2.0 * math.pi / float(elements[ephemeris.LATITUDE_RATE])
+
+
+def _check_tank(
+    bodies: _Bodies,
+    now: _Followed,
+    visited: set[str],
+    number: int,
+    leg: Leg,
+    delta_v: float,
+    towed: Towed | None,
+) -> Iterator[Violation]:
+    """The ΔV suffices, and what is left then is as stated."""
+    tank = now.tank
+    if delta_v > tank.left_m_s + SLACK_M_S:
+        yield Violation(
+            number, "delta-v", f"needs {delta_v!r} m/s, but only {tank.left_m_s!r} are left"
+        )
+    tank.burn(delta_v)
+    if leg.destination in bodies.stations:
+        before = tank.mass_kg
+        tank.fill()
+        now.drawn.fill(leg.destination, before, tank.mass_kg)
+    elif leg.destination in bodies.kits - visited:
+        tank.leave_kit()
+    elif towed is not None and leg.destination not in visited:
+        tank.tow(towed.delta_v_m_s, towed.mass_kg)
+        if tank.left_m_s < -SLACK_M_S:
+            yield Violation(
+                number, "delta-v", f"tows {leg.destination!r}, and has too little left for that"
+            )
+    left = tank.left_m_s
+    if abs(leg.delta_v_left_m_s - left) > DELTA_V_TOLERANCE_M_S:
+        yield Violation(
+            number,
+            "delta-v-left",
+            f"delta_v_left_m_s = {leg.delta_v_left_m_s!r}, but {left!r} are left",
+        )
+    mass = tank.mass_kg
+    wrong = leg.mass_kg is not None
+    if mass is not None:
+        wrong = leg.mass_kg is None or abs(leg.mass_kg - mass) > MASS_TOLERANCE * mass
+    if wrong:
+        truth = "the tank is not one by mass" if mass is None else f"it is {mass!r}"
+        yield Violation(number, "mass", f"mass_kg = {leg.mass_kg!r}, but {truth}")
+
+
+def _check_end(plan: Plan, now: _Followed) -> Iterator[Violation]:
+    """The chaser ends where it has to, with no target too many."""
+    chaser = now.chaser
+    if chaser.max_targets is not None and now.targets > chaser.max_targets:
+        yield Violation(
+            None,
+            "targets",
+            f"{chaser.name!r} visits {now.targets} targets, and may visit {chaser.max_targets}",
+        )
+    if plan.status not in ("optimal", "feasible"):
+        return
+    if isinstance(chaser.end, AtStation) and now.where != chaser.end.station:
+        yield Violation(
+            None,
+            "end",
+            f"{chaser.name!r} ends at {now.where!r}, but has to end at {chaser.end.station!r}",
+        )

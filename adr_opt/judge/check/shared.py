@@ -1,0 +1,114 @@
+"""What chasers of a plan share or pay for together: stations, launches, expenses."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from ...plan.plan import Leg, Plan
+from ...problem.chasers import Chaser, TankByMass
+from ...problem.instance import Instance
+from .violation import Violation
+
+PROPELLANT_TOLERANCE, PROPELLANT_TOLERANCE_KG = 1e-9, 1e-6
+"""What chasers may take of a station beyond its limit, as a share of it and besides; for rounding.
+"""
+
+
+def launch_times(instance: Instance) -> dict[str, float]:
+    """The earliest launch of each chaser that is launched, by its name [s].
+
+    In the order of the file, each so long after the one before it as the mission says.
+    """
+    apart = instance.mission.launch_separation_s or 0.0
+    found: dict[str, float] = {}
+    for chaser in instance.chasers:
+        if chaser.start == "anywhere":
+            earliest = chaser.available_s[0]
+            if found:
+                earliest = max(earliest, list(found.values())[-1] + apart)
+            found[chaser.name] = earliest
+    return found
+
+
+class Drawn:
+    """What chasers take of stations, followed leg by leg.
+
+    Parameters
+    ----------
+    instance : Instance
+    """
+
+    def __init__(self, instance: Instance) -> None:
+        self._stations = instance.stations
+        self._fills = {station.name: 0 for station in instance.stations}
+        self._kg = {station.name: [0.0] for station in instance.stations}
+
+    def fill(self, station: str, before_kg: float | None, after_kg: float | None) -> None:
+        """Some chaser fills its tank, and weighs so much before and after that."""
+        self._fills[station] += 1
+        if before_kg is not None and after_kg is not None:
+            self._kg[station].append(after_kg - before_kg)
+
+    def violations(self) -> Iterator[Violation]:
+        """The stations of which more is taken than they have."""
+        for station in self._stations:
+            fills, limit = self._fills[station.name], station.max_refuellings
+            if limit is not None and fills > limit:
+                yield Violation(
+                    None,
+                    "refuellings",
+                    f"{station.name!r} refuels {fills} times, and may do so {limit} times",
+                )
+            taken, most = math.fsum(self._kg[station.name]), station.max_propellant_kg
+            if most is not None and taken > most * (1.0 + PROPELLANT_TOLERANCE) + (
+                PROPELLANT_TOLERANCE_KG
+            ):
+                yield Violation(
+                    None,
+                    "propellant",
+                    f"{station.name!r} gives out {taken!r} kg of propellant, and has {most!r} kg",
+                )
+
+
+def expense(instance: Instance, plan: Plan) -> float:
+    """What the chasers of a plan take together."""
+    chasers = {chaser.name: chaser for chaser in instance.chasers}
+    return math.fsum(
+        _expense_of(instance, chasers.get(route.chaser, instance.chasers[0]), route.legs)
+        for route in plan.routes
+        if route.legs
+    )
+
+
+def _expense_of(instance: Instance, chaser: Chaser, legs: Sequence[Leg]) -> float:
+    """Of one chaser that is used.
+
+    Counted forwards: ``lifted`` kilograms at the start become one after the legs so far.
+    What is left behind or is still there when the first tank ends had to be brought by so many.
+    """
+    stated, tank = chaser.expense, chaser.tank
+    if stated is None:
+        return 0.0
+    if not isinstance(tank, TankByMass):
+        return stated.fixed
+    wanted = {target.name for target in instance.targets if target.removal == "kit"}
+    aboard = len(wanted & {leg.destination for leg in legs})
+    stations = {station.name for station in instance.stations}
+    towed = {target.name: target.mass_kg or 0.0 for target in instance.targets}
+    lifted, start_kg = 1.0, 0.0
+    for leg in legs:
+        lifted *= math.exp(leg.delta_v_m_s / (tank.isp_s * 9.80665))
+        if leg.destination in wanted:
+            wanted = wanted - {leg.destination}
+            start_kg += lifted * chaser.kit_mass_kg
+            aboard -= 1
+        if leg.tow is not None:
+            ratio = math.exp(leg.tow.delta_v_m_s / (tank.isp_s * 9.80665))
+            start_kg += lifted * (ratio - 1.0) * towed[leg.destination]
+            lifted *= ratio
+        if leg.destination in stations:
+            break
+    start_kg += lifted * (tank.dry_mass_kg + aboard * chaser.kit_mass_kg)
+    carried = start_kg - tank.dry_mass_kg
+    return stated.fixed + stated.per_kg * carried + stated.per_kg_squared * carried**2

@@ -1,0 +1,78 @@
+"""The tank of a chaser as it is followed: by ΔV, or by the masses themselves."""
+
+from __future__ import annotations
+
+import math
+
+from ...problem.chasers import Chaser, TankByMass
+
+
+class Tank:
+    """What a chaser has aboard.
+
+    Parameters
+    ----------
+    chaser : Chaser
+    kits : int
+        That it takes along.
+
+    Attributes
+    ----------
+    mass_kg : float or None
+        Of the whole chaser; None where the tank is not one by mass.
+    """
+
+    def __init__(self, chaser: Chaser, kits: int) -> None:
+        self._tank, self._kit_kg, self._kits = chaser.tank, chaser.kit_mass_kg, kits
+        self.mass_kg: float | None = None
+        self._left_m_s = 0.0
+        self.fill()
+        if isinstance(self._tank, TankByMass):
+            if self._tank.initial_propellant_kg is not None:
+                self.mass_kg = self._empty_kg + self._tank.initial_propellant_kg
+        elif self._tank.initial_delta_v_m_s is not None:
+            self._left_m_s = self._tank.initial_delta_v_m_s
+
+    @property
+    def _empty_kg(self) -> float:
+        """Its mass without propellant."""
+        assert isinstance(self._tank, TankByMass)
+        return self._tank.dry_mass_kg + self._kits * self._kit_kg
+
+    @property
+    def left_m_s(self) -> float:
+        """ΔV left, by the rocket equation where the tank is one by mass.
+
+        −inf where nothing is left to fly with: the legs have taken more than there ever was.
+        """
+        if self.mass_kg is None:
+            return self._left_m_s
+        if self.mass_kg <= 0.0:
+            return -math.inf
+        return self._tank.exhaust_m_s * math.log(self.mass_kg / self._empty_kg)
+
+    def fill(self) -> None:
+        """Fill it."""
+        if isinstance(self._tank, TankByMass):
+            self.mass_kg = self._empty_kg + self._tank.propellant_kg
+        else:
+            self._left_m_s = self._tank.delta_v_m_s
+
+    def burn(self, delta_v_m_s: float) -> None:
+        """Take a ΔV out of it."""
+        if self.mass_kg is None:
+            self._left_m_s -= delta_v_m_s
+        else:
+            self.mass_kg *= math.exp(-delta_v_m_s / self._tank.exhaust_m_s)
+
+    def tow(self, delta_v_m_s: float, object_kg: float) -> None:
+        """Take a ΔV out of it, flown with an object that is left behind after it."""
+        assert self.mass_kg is not None
+        both = (self.mass_kg + object_kg) * math.exp(-delta_v_m_s / self._tank.exhaust_m_s)
+        self.mass_kg = both - object_kg
+
+    def leave_kit(self) -> None:
+        """Go on without one of the kits."""
+        self._kits -= 1
+        if self.mass_kg is not None:
+            self.mass_kg -= self._kit_kg

@@ -1,0 +1,131 @@
+"""Tows, stated once more: what they take, when they are flown, where the chaser goes on from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
+from ...kernels.orbits import ephemeris
+from ...plan.plan import Burn, Leg
+from ...problem.instance import Instance
+from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class Towed(NamedTuple):
+    """An object that is towed.
+
+    Attributes
+    ----------
+    orbit : (columns,) float64
+        Of the object, as of :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
+    left : (columns + 1,) float64
+        Of a body that is where the chaser is that leaves at a time, and how fast its node moves
+        after that.
+    time_s, delta_v_m_s, mass_kg : float
+        How long the tow takes, its ΔV, and the mass of the object.
+    shift : float
+        How far its node moves [rad].
+    slower : (float, float)
+        What its burns take off the speed [m/s].
+    """
+
+    orbit: FloatArray
+    left: FloatArray
+    time_s: float
+    delta_v_m_s: float
+    mass_kg: float
+    shift: float
+    slower: tuple[float, float]
+
+
+def towed_bodies(instance: Instance, elements: FloatArray) -> dict[str, Towed]:
+    """The objects that are towed, by name."""
+    return {
+        target.name: _towed(instance, elements[body], float(target.mass_kg or 0.0))
+        for body, target in enumerate(instance.targets, start=instance.first_target)
+        if target.removal == "tow"
+    }
+
+
+def _towed(instance: Instance, orbit: FloatArray, mass_kg: float) -> Towed:
+    low = EARTH_RADIUS_M + float(instance.mission.disposal_altitude_m or 0.0)
+    high, tilt = float(orbit[ephemeris.RADIUS]), float(orbit[ephemeris.INCLINATION])
+    oblateness, axis = instance.oblateness_m2, 0.5 * (high + low)
+    time = math.pi / float(ephemeris.latitude_rate(axis, tilt, oblateness))
+    shift = time * float(ephemeris.node_rate(axis, tilt, oblateness))
+    slower = (
+        math.sqrt(MU_M3_S2 / high) - math.sqrt(MU_M3_S2 * (2.0 / high - 1.0 / axis)),
+        math.sqrt(MU_M3_S2 * (2.0 / low - 1.0 / axis)) - math.sqrt(MU_M3_S2 / low),
+    )
+    left = np.append(orbit, ephemeris.node_rate(low, tilt, oblateness))
+    left[ephemeris.RADIUS], left[ephemeris.ECCENTRICITY] = low, 0.0
+    # Who leaves at t = 0 has begun to tow a while before, at the angles that the object had then.
+    left[ephemeris.RAAN] = ephemeris.node_at(orbit, -time) + shift
+    left[ephemeris.ARGUMENT_OF_LATITUDE] = ephemeris.latitude_at(orbit, -time) + math.pi
+    return Towed(orbit, left, time, slower[0] + slower[1], mass_kg, shift, slower)
+
+
+def check_tow(
+    towed: Towed | None, number: int, leg: Leg, end: float, following: Leg | None
+) -> Iterator[Violation]:
+    """The tow after a leg is flown as it has to be; and where none has to be, none is.
+
+    Parameters
+    ----------
+    towed : Towed or None
+        The destination, where it is towed.
+    number : int
+    leg : Leg
+    end : float
+        Of the service [s].
+    following : Leg or None
+        The leg that the same chaser flies next.
+    """
+    if towed is None or leg.tow is None:
+        if (towed is None) != (leg.tow is None):
+            stated = "towed" if leg.tow else "not towed"
+            yield Violation(number, "tow", f"{leg.destination!r} is {stated} by the plan")
+        return
+    # Who leads nowhere after it may wait before it, too, as far as the mission goes.
+    soonest = end + towed.time_s
+    last = max(soonest, leg.tow.end_s) if following is None else following.leaves_s
+    for name, stated_s, true in (
+        ("start_s", leg.tow.start_s, last - towed.time_s), ("end_s", leg.tow.end_s, last),
+    ):  # fmt: skip
+        if abs(stated_s - true) > TIME_TOLERANCE_S:
+            yield Violation(number, "tow", f"{name} = {stated_s!r} of the tow, but it is {true!r}")
+    if abs(leg.tow.delta_v_m_s - towed.delta_v_m_s) > DELTA_V_TOLERANCE_M_S:
+        yield Violation(
+            number,
+            "tow",
+            f"delta_v_m_s = {leg.tow.delta_v_m_s!r} of the tow, but it takes {towed.delta_v_m_s!r}",
+        )
+    times = last - towed.time_s, last
+    if [burn.phase for burn in leg.tow.burns] != ["tow", "tow"]:
+        yield Violation(number, "tow", "must have two burns of the phase 'tow'")
+        return
+    for which, burn in enumerate(leg.tow.burns):
+        yield from _check_burn(towed, number, which, burn, times)
+
+
+def _check_burn(
+    towed: Towed, number: int, which: int, burn: Burn, times: tuple[float, float]
+) -> Iterator[Violation]:
+    """A burn of a tow is against the motion, in the plane of the object as it is carried."""
+    raan = ephemeris.node_at(towed.orbit, times[0]) + which * towed.shift
+    latitude = ephemeris.latitude_at(towed.orbit, times[0]) + which * math.pi
+    ascending, ahead, _ = ephemeris.frame(towed.orbit[ephemeris.INCLINATION], raan)
+    motion = math.cos(latitude) * ahead - math.sin(latitude) * ascending
+    late = abs(burn.time_s - times[which])
+    off = float(np.linalg.norm(np.array(burn.delta_v_m_s) + towed.slower[which] * motion))
+    if late > TIME_TOLERANCE_S or off > DELTA_V_TOLERANCE_M_S:
+        yield Violation(
+            number, "tow", f"burn {which + 1} of the tow is off by {late:.3g} s and {off:.3g} m/s"
+        )

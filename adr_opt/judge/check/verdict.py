@@ -1,0 +1,66 @@
+"""Check a plan against its instance, from the instance alone.
+
+Shares nothing with the planners but the physics of one transfer (`kernels.orbits`,
+`kernels.transfer`, `kernels.precession`, `kernels.keep_out`, `kernels.burns`, `drift_burns`) and
+the slack of the model (`kernels.constants`): what eccentricity costs and drifts do, departure
+events, the choice of the entry and the mission rules are stated here a second time, on purpose, and
+plainly; so are the keep-out zones, in `keep_out`, from the burns alone. Where connections are given
+(`given`), a leg is looked up among them as they are: those that planners leave out count as well.
+
+The mission is followed by a clock and a tank of its own, and the rules are asked about those, with
+the slack and nothing more. The figures of the plan only have to agree with them, to the tolerances
+of `violation`; so no plan gains anything by rounding its figures in its own favour, leg after leg,
+and what is accepted here is what is proven about.
+"""
+
+from __future__ import annotations
+
+from ...common.errors import InputError
+from ...plan.plan import Plan
+from ...problem.instance import AnyInstance, instance_of
+from .model import check_model
+from .routes import check_legs, check_routes
+from .totals import check_cost, check_totals
+from .violation import DELTA_V_TOLERANCE_M_S, OBJECTIVE_TOLERANCE, TIME_TOLERANCE_S, Violation
+
+__all__ = [
+    "DELTA_V_TOLERANCE_M_S",
+    "OBJECTIVE_TOLERANCE",
+    "TIME_TOLERANCE_S",
+    "Violation",
+    "check",
+]
+
+
+def check(instance: AnyInstance, plan: Plan) -> tuple[Violation, ...]:
+    """All violations of a plan; none means that it may be flown.
+
+    Parameters
+    ----------
+    instance : Instance, path or dict
+    plan : Plan
+
+    Raises
+    ------
+    InputError
+        The plan belongs to another instance, or it is none but an order of bodies.
+    """
+    if not isinstance(plan, Plan):
+        raise InputError(
+            "check judges a plan, with its times and costs; what an order of bodies comes to "
+            "adr_opt.analysis.price tells, which makes a plan of it"
+        )
+    instance = instance_of(instance)
+    if not plan.instance.is_of(instance):
+        raise InputError(
+            f"the plan belongs to the instance {plan.instance.name!r} "
+            f"(sha256 {plan.instance.sha256[:12]}…), not to {instance.name!r} "
+            f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
+        )
+    return (
+        *check_model(plan),
+        *check_routes(instance, plan),
+        *check_legs(instance, plan),
+        *check_totals(instance, plan),
+        *check_cost(instance, plan),
+    )

@@ -1,0 +1,270 @@
+"""What a walk can still collect from a body, a time, a ΔV left and so many kits aboard.
+
+One pass backwards in time, with times in *steps* and ΔV in *slots*, always so that walks may do
+more than chasers. Who is ready within a step may take everything that leaves in it; a leg costs its
+whole slots only, and a tank holds all that it begins, before a service and after it. So nobody
+collects more than is said here, and labels that even with this much would collect too little need
+not be followed (:mod:`.labels`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import SLACK_S
+from ...kernels.core.compile import inlined, kernel
+from .cargo import after_service, changes, is_unused
+from .legs import Legs
+
+SLOT_SLACK = 1e-9
+"""Guard of rounding to slots, in favour of the walk [slots]."""
+
+NEVER = -(2**30)
+"""Packed value of what is not possible."""
+
+LARGEST = 2**28
+"""No sum of gains is larger, packed."""
+
+SHARE = 1.0 / 60.0
+"""Length of a step as a share of the shortest leg."""
+
+ROOM_BYTES = 1e9
+"""Memory that values may take; slots are widened until they do."""
+
+
+class Ahead(NamedTuple):
+    """What can still be collected.
+
+    A value is packed with the body that the walk goes to next, ``units << bits | body``: comparing
+    compares values, and the body comes along. A walk that ends has no next body: all bits are set.
+
+    Attributes
+    ----------
+    last : (steps,) float64
+        Last departure of each step [s].
+    best : (kits + 1, steps + 1, bodies, slots) int32
+        Most that a walk collects from there, packed; from the last step nothing leaves.
+    second : the same shape
+        Most of those that go to another body next.
+    bits : int
+    slot : float
+        [m/s].
+    unit : float
+        What one unit is worth.
+    """
+
+    last: npt.NDArray[np.float64]
+    best: npt.NDArray[np.int32]
+    second: npt.NDArray[np.int32]
+    bits: int
+    slot: float
+    unit: float
+
+
+@inlined
+def slots_in(delta_v, slot):
+    """Slots that a tank holds which is left with so much."""
+    return int(delta_v / slot + SLOT_SLACK)
+
+
+@inlined
+def still(ahead, step, body, kits, left, came_from):
+    """Most units that a walk can still collect that does not go back at once."""
+    slots = min(slots_in(left, ahead.slot), ahead.best.shape[3] - 1)
+    packed = ahead.best[kits, step, body, slots]
+    mask = (1 << ahead.bits) - 1
+    if packed & mask == came_from:
+        packed = ahead.second[kits, step, body, slots]
+    return np.int64(packed >> ahead.bits)
+
+
+@kernel
+def _images(cargo, slot, slots, tops, image):
+    """What services make of slots, by kits aboard before them; −1 where there is too little.
+
+    Parameters
+    ----------
+    tops : (kits + 1,) int64
+        Slot of a full tank with so many kits.
+    image : (bodies, kits + 1, slots) int64
+        Written.
+    """
+    for body in range(image.shape[0]):
+        for kits in range(cargo.takes[body], tops.size):
+            for s in range(slots):
+                # All that is in a slot is less than the next one.
+                left = after_service(cargo, body, kits, (s + 1) * slot)
+                image[body, kits, s] = -1
+                if left >= 0.0:
+                    most = tops[kits - cargo.takes[body]]
+                    image[body, kits, s] = min(slots_in(left, slot), most)
+
+
+@inlined
+def _served(values, image, desk):
+    """The values before a service, of those after it."""
+    for s in range(image.size):
+        desk[s] = values[image[s]] if image[s] >= 0 else NEVER
+    return desk
+
+
+@kernel
+def put(own, other, landed, landed_second, top, code, mask, came_from, cost, never):
+    """Improve the values of a body and step by one leg.
+
+    Parameters
+    ----------
+    own, other : (slots,) int32
+        Best and second best; updated.
+    landed, landed_second : (slots,) int32
+        Those where the leg lands.
+    top : int
+        Slot of the tank that is filled there; −1 at a target.
+    code : int
+        What the destination gives, packed with it.
+    mask, came_from, cost, never : int
+        Bits of the next body, body that the walk leaves, slots, value of what is not possible.
+    """
+    for c in range(cost, own.size):
+        at = c - cost if top < 0 else top
+        value = landed[at]
+        if value & mask == came_from:
+            value = landed_second[at]
+        value = (value & ~mask) + code
+        best = own[c]
+        loser = min(best, value)
+        best = max(best, value)
+        own[c] = best
+        if (best ^ loser) & mask == 0:
+            loser = never
+        other[c] = max(other[c], loser)
+
+
+@kernel
+def _steps(departure, length, last):
+    """Last departures of steps no longer than a length; how many steps there are."""
+    steps, begin = 0, -np.inf
+    for time in departure:
+        if time > begin + length:
+            begin = time
+            steps += 1
+        last[steps - 1] = time
+    return steps
+
+
+@kernel
+def _mark_useful(first, departure, lands_in, cost, slots, steps, useful):
+    """Mark the legs that no later leg of their pair makes superfluous: as cheap, and as early."""
+    earliest = np.empty(slots, np.int64)
+    for pair in range(first.size - 1):
+        for c in range(slots):
+            earliest[c] = steps + 1
+        begin, end = first[pair], first[pair + 1]
+        order = np.argsort(-departure[begin:end])
+        for at in order:
+            leg = begin + at
+            useful[leg] = earliest[cost[leg]] > lands_in[leg]
+            if useful[leg]:
+                for c in range(cost[leg], slots):
+                    earliest[c] = min(earliest[c], lands_in[leg])
+
+
+@kernel
+def _sweep(
+    origin, destination, cost, lands_in, first, code, is_station, may_end, cargo, tops, image, bits,
+    best, second,
+):  # fmt: skip
+    """Fill the values, from the last step to the first one."""
+    layers, steps, bodies, slots = best.shape[0], best.shape[1] - 1, best.shape[2], best.shape[3]
+    mask, never = np.int32((1 << bits) - 1), np.int32(NEVER)
+    desk, other_desk = np.empty(slots, np.int32), np.empty(slots, np.int32)
+    for kits in range(layers):
+        for i in range(bodies):
+            ends = may_end[i] and not is_unused(cargo, kits)
+            for c in range(slots):
+                best[kits, steps, i, c] = mask if ends else NEVER
+                second[kits, steps, i, c] = NEVER
+    for step in range(steps - 1, -1, -1):
+        for kits in range(layers):
+            for i in range(bodies):
+                for c in range(slots):
+                    best[kits, step, i, c] = best[kits, step + 1, i, c]
+                    second[kits, step, i, c] = second[kits, step + 1, i, c]
+        for leg in range(first[step], first[step + 1]):
+            i, j, to = origin[leg], destination[leg], lands_in[leg]
+            # A station may be gone back to.
+            came_from = np.int32(-1) if is_station[i] else np.int32(i)
+            for kits in range(cargo.takes[j], layers):
+                rest = kits - cargo.takes[j]
+                landed, landed_second = best[rest, to, j], second[rest, to, j]
+                if changes(cargo, j, kits):
+                    landed = _served(landed, image[j, kits], desk)
+                    landed_second = _served(landed_second, image[j, kits], other_desk)
+                put(
+                    best[kits, step, i], second[kits, step, i], landed, landed_second,
+                    tops[kits] if is_station[j] else -1, code[j], mask, came_from, cost[leg], never,
+                )  # fmt: skip
+
+
+def look_ahead(
+    legs: Legs,
+    gain: Sequence[Fraction],
+    slot_m_s: float,
+) -> Ahead:
+    """What can still be collected, where a service is worth so much.
+
+    Parameters
+    ----------
+    legs : Legs
+    gain : sequence of Fraction
+        What the service of each body is worth less its multiplier.
+    slot_m_s : float
+        [m/s].
+    """
+    bodies, cargo = len(gain), legs.terms.cargo
+    layers, tank = cargo.full.size, float(cargo.full[0])
+    departures = np.unique(legs.departure)
+    last = np.empty(departures.size)
+    length = max(0.0, min(SHARE * legs.shortest, legs.shortest - 4.0 * SLACK_S))
+    last = last[: _steps(departures, length, last)]
+    tables = 8.0 * layers * last.size * bodies
+    while slot_m_s < tank and tables * tank / slot_m_s > ROOM_BYTES:
+        slot_m_s *= 2.0
+    tops = np.array([slots_in(full, slot_m_s) for full in cargo.full.tolist()])
+    slots = int(tops[0]) + 1
+    left_in = np.searchsorted(last, legs.departure)
+    lands_in = np.searchsorted(last, legs.end - SLACK_S)
+    assert np.all(left_in < lands_in)
+    cost = np.maximum(0.0, np.floor(legs.delta_v / slot_m_s - SLOT_SLACK)).astype(np.int64)
+    useful = np.empty(cost.size, dtype=np.bool_)
+    _mark_useful(legs.first, legs.departure, lands_in, cost, slots, last.size, useful)
+    order = np.flatnonzero(useful)
+    order = order[np.argsort(left_in[order], kind="stable")]
+    first = np.searchsorted(left_in[order], np.arange(last.size + 1))
+    bits = int(bodies).bit_length() + 1
+    largest = max([Fraction(0), *gain]) or Fraction(1)
+    # Each leg of a walk ends in a later step than it begins in.
+    most_legs = last.size + 1
+    if legs.shortest < math.inf:
+        most_legs = min(most_legs, int((last[-1] - last[0]) / legs.shortest) + 2)
+    unit = 2.0 ** math.ceil(math.log2(float(largest) * most_legs / (LARGEST >> bits)))
+    # What costs more than anything is worth may as well cost no more than that.
+    size = Fraction(unit)
+    units = [max(math.ceil(each / size), -math.ceil(largest / size)) for each in gain]
+    code = ((np.array(units) << bits) + np.arange(bodies)).astype(np.int32)
+    image = np.empty((bodies, layers, slots), dtype=np.int64)
+    _images(cargo, slot_m_s, slots, tops, image)
+    shape = layers, last.size + 1, bodies, slots
+    best, second = np.empty(shape, dtype=np.int32), np.empty(shape, dtype=np.int32)
+    pair = legs.pair[order]
+    _sweep(
+        pair // bodies, pair % bodies, cost[order], lands_in[order], first, code,
+        legs.terms.is_station, legs.terms.may_end, cargo, tops, image, bits, best, second,
+    )  # fmt: skip
+    return Ahead(last, best, second, bits, slot_m_s, unit)

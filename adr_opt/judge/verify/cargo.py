@@ -1,0 +1,120 @@
+"""What a chaser has aboard besides its tank, and what the services of targets make of both.
+
+What is left is counted as ΔV: what the propellant gives to the mass there is. A leg takes its ΔV
+off that, whatever is aboard. A kit that stays behind leaves the propellant p and takes its mass off
+the mass m without propellant; and with A = exp(−x / g₀ Isp) a tow of a mass D with the ΔV x makes
+(m + p + D) A − D of m + p. As p = m (exp(v / g₀ Isp) − 1), both are
+
+    exp(v' / g₀ Isp) − 1 = share · (exp(v / g₀ Isp) − 1) − lost .
+
+So who is richer before a service is richer after it, among those with as many kits.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import SLACK_M_S
+from ...kernels.core.compile import inlined
+from ...problem.chasers import Chaser, TankByMass
+from ...problem.instance import Instance
+from ..check.tow import Towed
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class Cargo(NamedTuple):
+    """What is aboard, where it makes a difference; else it is nothing, and no service changes it.
+
+    Attributes
+    ----------
+    takes : (bodies,) int64
+        Kits that the service of each body takes.
+    full : (most + 1,) float64
+        What a full tank is worth with so many kits aboard, with the slack of the model [m/s].
+    begun : (most + 1,) float64
+        What there is of it at the start [m/s].
+    exhaust : float
+        g₀ Isp [m/s].
+    share, lost : (bodies, most + 1) float64
+        What a service makes of what is left, with so many kits aboard before it.
+    heavy : bool
+        Whether kits weigh something. Then a chaser takes along those that it leaves behind, and no
+        others; otherwise all that it may.
+    """
+
+    takes: npt.NDArray[np.int64]
+    full: FloatArray
+    begun: FloatArray
+    exhaust: float
+    share: FloatArray
+    lost: FloatArray
+    heavy: bool
+
+
+@inlined
+def changes(cargo, body, kits):
+    """Whether the service of a body changes what is left."""
+    return cargo.share[body, kits] != 1.0 or cargo.lost[body, kits] > 0.0
+
+
+@inlined
+def after_service(cargo, body, kits, left):
+    """What is left after a service that is begun with so many kits; less than 0 if too little.
+
+    Parameters
+    ----------
+    left : float
+        On arrival, at least 0: with the slack of the model, to which no kit adds [m/s].
+    """
+    if not changes(cargo, body, kits) or (cargo.lost[body, kits] == 0.0 and left <= SLACK_M_S):
+        return left
+    ratio = cargo.share[body, kits] * math.expm1((left - SLACK_M_S) / cargo.exhaust)
+    ratio -= cargo.lost[body, kits]
+    if ratio <= -1.0:
+        return -np.inf
+    return cargo.exhaust * math.log1p(ratio) + SLACK_M_S
+
+
+@inlined
+def is_unused(cargo, kits):
+    """Whether there are kits aboard that should not have been taken along."""
+    return cargo.heavy and kits > 0
+
+
+def cargo_of(instance: Instance, chaser: Chaser, towed: dict[str, Towed]) -> Cargo:
+    """What a chaser may have aboard.
+
+    Parameters
+    ----------
+    instance : Instance
+    chaser : Chaser
+    towed : dict of str to Towed
+        The targets that are towed, by name.
+    """
+    takes = np.zeros(len(instance.names), dtype=np.int64)
+    takes[instance.first_target :] = [target.removal == "kit" for target in instance.targets]
+    takers = int(takes.sum())
+    limits = takers, chaser.kits, chaser.max_targets
+    most = min(limit for limit in limits if limit is not None)
+    heavy = takers > 0 and chaser.kit_mass_kg > 0.0
+    short = chaser.kits is not None and chaser.kits < takers < len(instance.targets)
+    if not (heavy or short):
+        takes[:], most = 0, 0
+    tank, kits_kg = chaser.tank, chaser.kit_mass_kg * np.arange(most + 1.0)
+    full = np.array([tank.full_m_s(float(mass)) for mass in kits_kg]) + SLACK_M_S
+    begun = full - [tank.spent_with_m_s(float(mass)) for mass in kits_kg]
+    share, lost = np.ones((takes.size, most + 1)), np.zeros((takes.size, most + 1))
+    if isinstance(tank, TankByMass):
+        empty_kg = tank.dry_mass_kg + kits_kg
+        if heavy:
+            share[takes == 1, 1:] = empty_kg[1:] / empty_kg[:-1]
+        for name, tow in towed.items():
+            body, kept = instance.names.index(name), -tow.delta_v_m_s / tank.exhaust_m_s
+            share[body] = math.exp(kept)
+            lost[body] = -math.expm1(kept) * (1.0 + tow.mass_kg / empty_kg)
+    return Cargo(takes, full, begun, tank.exhaust_m_s, share, lost, heavy)

@@ -1,0 +1,164 @@
+"""What follows from a certificate once its walks are known: sums of exact numbers, and no more."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+from ...common.errors import InputError
+from ...plan.certificate import Certificate
+from ...problem.instance import Instance
+from .floors import worth_of_floors
+
+WHOLE = Fraction(1, 10**12)
+"""A prize is a multiple of the step if it misses one by no more than this share of it."""
+
+SHARE = 1e-11
+"""Where prizes have no common step, objectives are the same that differ by no more of their sum."""
+
+
+def check_names(instance: Instance, certificate: Certificate) -> None:
+    """See that a certificate speaks of the bodies and chasers of an instance, each chaser once.
+
+    Raises
+    ------
+    InputError
+        It does not, or belongs to another instance.
+    """
+    if certificate.instance.sha256 != instance.sha256:
+        raise InputError(
+            f"the certificate belongs to the instance {certificate.instance.name!r} "
+            f"(sha256 {certificate.instance.sha256[:12]}…), not to {instance.name!r} "
+            f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
+        )
+    often, bodies = how_often(instance), set(instance.names)
+    for name in certificate.multipliers:
+        if name not in often:
+            raise InputError(
+                f"field multipliers: {name!r} is neither a target of the instance nor a station "
+                "with max_refuellings"
+            )
+    for number, walks in enumerate(certificate.walks):
+        strange = set(walks.neighbourhoods).union(*walks.neighbourhoods.values())
+        if not strange <= bodies:
+            raise InputError(
+                f"field walks[{number}].neighbourhoods: {min(strange - bodies)!r} is not a body of "
+                "the instance"
+            )
+        if certificate.time_step_s is not None and walks.neighbourhoods:
+            raise InputError(
+                f"field walks[{number}].neighbourhoods: walks in steps remember where they come "
+                "from, and nothing else"
+            )
+        if certificate.time_step_s is None and walks.worth_per_m_s is not None:
+            raise InputError(
+                f"field walks[{number}].worth_per_m_s: walks pay for ΔV only where time_step_s is "
+                "given"
+            )
+    stated = sorted(name for walks in certificate.walks for name in walks.chasers)
+    if certificate.walks and stated != sorted(chaser.name for chaser in instance.chasers):
+        raise InputError("field walks: must name every chaser of the instance once")
+    step = certificate.prize_step
+    if step is not None and 4 * missed_by(instance, Fraction(step)) > Fraction(step):
+        raise InputError(
+            f"field prize_step = {step!r}: all prizes together miss multiples of it by more than a "
+            "quarter of it"
+        )
+    for target in instance.targets:
+        if step is not None and not _is_multiple(Fraction(target.prize), Fraction(step)):
+            raise InputError(
+                f"field prize_step = {step!r}: the prize of {target.name!r}, {target.prize!r}, is "
+                "no multiple of it"
+            )
+
+
+def _is_multiple(prize: Fraction, step: Fraction) -> bool:
+    return abs(prize - step * round(prize / step)) <= WHOLE * prize
+
+
+def how_often(instance: Instance) -> dict[str, int]:
+    """How often all chasers together may go to a body, by its name: where there is a limit."""
+    often = {target.name: 1 for target in instance.targets}
+    for station in instance.stations:
+        if station.max_refuellings is not None:
+            often[station.name] = station.max_refuellings
+    return often
+
+
+def gains(instance: Instance, certificate: Certificate) -> list[Fraction]:
+    """What each body is worth to walks: its worth less its multiplier."""
+    worths = [Fraction(0)] * instance.first_target
+    for target in instance.targets:
+        extra = certificate.required_worth if target.required else 0.0
+        worths.append(Fraction(target.prize) + Fraction(extra))
+    multipliers = (Fraction(certificate.multipliers.get(name, 0.0)) for name in instance.names)
+    return [worth - less for worth, less in zip(worths, multipliers, strict=True)]
+
+
+def trivial_bound(instance: Instance) -> float:
+    """The prizes of as many targets as all chasers may service, required ones first; or −inf."""
+    targets = sorted(instance.targets, key=lambda each: (each.required, each.prize), reverse=True)
+    only_kits = all(target.removal == "kit" for target in instance.targets)
+    together = 0
+    for chaser in instance.chasers:
+        limits = [len(targets), chaser.max_targets, chaser.kits if only_kits else None]
+        together += min(limit for limit in limits if limit is not None)
+    if any(target.required for target in targets[together:]):
+        return -math.inf
+    return math.fsum(target.prize for target in targets[:together])
+
+
+def bound_of(instance: Instance, certificate: Certificate) -> float:
+    """What no plan exceeds if the walks collect less than they are said to; −inf for no plan.
+
+    Every plan is worth less than the sum of the multipliers, each as often as its body may be gone
+    to, and, for each chaser, the most of its walks. What its required targets are worth beyond
+    their prizes goes off that. Or it is what :mod:`.floors` prove.
+    """
+    trivial = trivial_bound(instance)
+    if certificate.floors is not None:
+        return _shown(instance, certificate, worth_of_floors(instance, certificate), trivial)
+    if not certificate.walks:
+        return trivial
+    often = how_often(instance)
+    paid = (often[name] * Fraction(each) for name, each in certificate.multipliers.items())
+    below = sum(paid, Fraction(0))
+    below += sum(
+        (len(walks.chasers) * Fraction(walks.most) for walks in certificate.walks), Fraction(0)
+    )
+    return _shown(instance, certificate, below, trivial)
+
+
+def _shown(instance: Instance, certificate: Certificate, below: Fraction, trivial: float) -> float:
+    """The prizes of plans that are worth less than a number."""
+    required = sum(target.required for target in instance.targets)
+    below -= required * Fraction(certificate.required_worth)
+    if below <= 0:
+        return -math.inf
+    least = min((target.prize for target in instance.targets if target.prize), default=0.0)
+    if below <= Fraction(least):
+        return min(trivial, 0.0)  # nobody collects a part of a prize
+    if certificate.prize_step is None:
+        return min(trivial, math.nextafter(float(below), math.inf))
+    step = Fraction(certificate.prize_step)
+    # The largest whole number of steps that is less, however prizes miss their multiples.
+    steps = math.ceil((below + missed_by(instance, step)) / step) - 1
+    return min(trivial, float(steps * step))
+
+
+def missed_by(instance: Instance, step: Fraction) -> Fraction:
+    """By how much prizes together miss multiples of a step, at most."""
+    prizes = [Fraction(target.prize) for target in instance.targets]
+    return sum((abs(prize - step * round(prize / step)) for prize in prizes), Fraction(0))
+
+
+def difference_of(instance: Instance, certificate: Certificate) -> float:
+    """Objectives that differ by no more are the same.
+
+    Half a step of what the certificate shows that all prizes are multiples of; without one, a share
+    of the sum of all prizes.
+    """
+    total = math.fsum(target.prize for target in instance.targets)
+    if certificate.prize_step is None:
+        return SHARE * total
+    return 0.5 * certificate.prize_step

@@ -1,0 +1,361 @@
+"""Whether any walk collects as much as is said: labels forwards in time, one for each walk.
+
+A *label* is the beginning of a walk: where it is and since when, exact ΔV left, kits aboard, what
+it has collected, how many targets it has serviced, and which it remembers. Labels are gone through
+in order of time. One is dropped if another one at its body is there no later, has as much left, has
+collected as much with no more services, and remembers nothing else: whatever the one can do later
+the other can, if it has as many kits, or more of kits that weigh nothing. And one is not made whose
+value and the most that is still to be had (:mod:`.ahead`) together stay below what is asked for. If
+labels run out, no walk collects as much.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import SLACK_S
+from ...kernels.core.compile import inlined, kernel
+from .ahead import still
+from .cargo import after_service, is_unused
+
+FINE = 30
+"""What labels have collected is counted in units finer by so many bits than those of values."""
+
+WORD = 63
+"""Targets remembered in one number."""
+
+BLOCK = 64
+"""Labels that are compared at once; such loops become vectors."""
+
+NONE, FOUND, FULL = 0, 1, 2
+
+
+class Labels(NamedTuple):
+    """Beginnings of walks.
+
+    Attributes
+    ----------
+    body, kits, visits, came_from : (labels,) int32
+    time, left : (labels,) float64
+        Ready since [s], and what is left of the tank, with the slack of the model [m/s].
+    value : (labels,) int64
+        Collected [fine units].
+    memory : (labels, words) int64
+        Bit j % 63 of word j // 63: may not go to target j.
+    following : (labels,) int64
+        Next label that will be ready in the same step, −1 for none.
+    """
+
+    body: npt.NDArray[np.int32]
+    kits: npt.NDArray[np.int32]
+    visits: npt.NDArray[np.int32]
+    came_from: npt.NDArray[np.int32]
+    time: npt.NDArray[np.float64]
+    left: npt.NDArray[np.float64]
+    value: npt.NDArray[np.int64]
+    memory: npt.NDArray[np.int64]
+    following: npt.NDArray[np.int64]
+
+
+class Kept(NamedTuple):
+    """The labels at each body that later ones are compared with, by the kits aboard.
+
+    *Places* are bodies · (most kits + 1) + kits.
+
+    Attributes
+    ----------
+    size : (places,) int64
+    left : (places, room) float64
+    value : (places, room) int64
+    visits, came_from : (places, room) int32
+    memory : (places, words, room) int64
+    """
+
+    size: npt.NDArray[np.int64]
+    left: npt.NDArray[np.float64]
+    value: npt.NDArray[np.int64]
+    visits: npt.NDArray[np.int32]
+    came_from: npt.NDArray[np.int32]
+    memory: npt.NDArray[np.int64]
+
+
+class Question(NamedTuple):
+    """What is asked of walks.
+
+    Attributes
+    ----------
+    gain : (bodies,) int64
+        What a service is worth less its multiplier, rounded up [fine units].
+    need : int
+        What a walk is to collect [fine units].
+    neighbourhoods : (bodies, words) int64
+        What a walk that comes to a body still remembers.
+    counts : bool
+        Whether services are to be counted.
+    """
+
+    gain: npt.NDArray[np.int64]
+    need: int
+    neighbourhoods: npt.NDArray[np.int64]
+    counts: bool
+
+
+@inlined
+def _first_at(times, time):
+    """First place in ascending times at or after a time."""
+    low, high = 0, times.size
+    while low < high:
+        middle = (low + high) // 2
+        if times[middle] < time:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@kernel
+def _is_dominated(cargo, kept, body, kits, left, value, visits, memory):
+    """Whether a label that is ready by now makes another one superfluous."""
+    place = body * cargo.full.size + kits
+    # One with a kit more weighs more, and what it has left is worth less once that is gone.
+    beyond = place + 1 if cargo.heavy else (body + 1) * cargo.full.size
+    for each in range(place, beyond):
+        if _is_dominated_at(kept, each, left, value, visits, memory):
+            return True
+    return False
+
+
+@kernel
+def _is_dominated_at(kept, place, left, value, visits, memory):
+    """Whether one of some place does."""
+    words = memory.size
+    lefts, values, counts = kept.left[place], kept.value[place], kept.visits[place]
+    memories = kept.memory[place]
+    for begin in range(0, kept.size[place], BLOCK):
+        end = min(begin + BLOCK, kept.size[place])
+        found = False
+        if words == 1:
+            beyond, own = ~memory[0], memories[0]
+            for k in range(begin, end):
+                found |= (
+                    (lefts[k] >= left) & (values[k] >= value) & (counts[k] <= visits)
+                    & (own[k] & beyond == 0)
+                )  # fmt: skip
+        else:
+            for k in range(begin, end):
+                if lefts[k] >= left and values[k] >= value and counts[k] <= visits:
+                    more = np.int64(0)
+                    for w in range(words):
+                        more |= memories[w, k] & ~memory[w]
+                    found |= more == 0
+        if found:
+            return True
+    return False
+
+
+@inlined
+def _move(kept, place, k, to):
+    """Move one that is kept at a place to another number."""
+    kept.left[place, to] = kept.left[place, k]
+    kept.value[place, to] = kept.value[place, k]
+    kept.visits[place, to] = kept.visits[place, k]
+    kept.came_from[place, to] = kept.came_from[place, k]
+    for w in range(kept.memory.shape[1]):
+        kept.memory[place, w, to] = kept.memory[place, w, k]
+
+
+@kernel
+def _forget_poorer(kept, place, left, value, visits, memory):
+    """Drop those kept at a place that make nothing superfluous that a label ready by now does not.
+
+    They were there before it, but for all that comes later both are there in time.
+    """
+    size = 0
+    for k in range(kept.size[place]):
+        poorer = kept.left[place, k] <= left and kept.value[place, k] <= value
+        poorer = poorer and kept.visits[place, k] >= visits
+        for w in range(memory.size):
+            poorer = poorer and memory[w] & ~kept.memory[place, w, k] == 0
+        if not poorer:
+            _move(kept, place, k, size)
+            size += 1
+    kept.size[place] = size
+
+
+@kernel
+def _forget_late(ahead, question, kept, place, step):
+    """Drop those kept at a place for whom it is too late: they dominate nothing that is not."""
+    layers, size = ahead.best.shape[0], 0
+    body, kits = place // layers, place % layers
+    for k in range(kept.size[place]):
+        most = still(ahead, step, body, kits, kept.left[place, k], kept.came_from[place, k])
+        if kept.value[place, k] + (most << FINE) >= question.need:
+            _move(kept, place, k, size)
+            size += 1
+    kept.size[place] = size
+
+
+@inlined
+def _rest(cargo, to_station, j, kits, left):
+    """What is left after the stay at j of who has so much left on arrival; less than 0 for none."""
+    if left < 0.0:
+        return left
+    if to_station:
+        return cargo.full[kits]
+    return after_service(cargo, j, kits, left)
+
+
+@kernel
+def _extend(legs, ahead, question, labels, kept, head, count, label, memory):
+    """Make the labels that go on from one; returns how many there are then.
+
+    Parameters
+    ----------
+    head : (steps + 1,) int64
+        First label of each step, −1 for none; updated.
+    count : int
+        Labels made so far.
+    memory : (words,) int64
+        Desk.
+
+    Returns
+    -------
+    count : int
+        Less than 0 if there is no room for all: those made already will dominate their doubles.
+    """
+    bodies, words = question.gain.size, memory.size
+    i, time, left = labels.body[label], labels.time[label], labels.left[label]
+    kits, cargo = labels.kits[label], legs.terms.cargo
+    came_from = np.int32(-1) if legs.terms.is_station[i] else i
+    for j in range(bodies):
+        pair = i * bodies + j
+        low, high = legs.first[pair], legs.first[pair + 1]
+        to_station = legs.terms.is_station[j]
+        if low == high:
+            continue
+        if not to_station and (
+            labels.memory[label, j // WORD] >> (j % WORD) & 1
+            or labels.visits[label] == legs.terms.most_targets
+            or kits < cargo.takes[j]
+        ):
+            continue
+        aboard = kits - cargo.takes[j]
+        value = labels.value[label] + question.gain[j]
+        visits = labels.visits[label] + (1 if question.counts and not to_station else 0)
+        for w in range(words):
+            memory[w] = labels.memory[label, w] & question.neighbourhoods[j, w]
+        if came_from >= 0:
+            memory[i // WORD] |= np.int64(1) << (i % WORD)
+        best = np.inf
+        for leg in range(low + _first_at(legs.end[low:high], time - SLACK_S), high):
+            cost = legs.delta_v[leg]
+            if legs.departure[leg] < time - SLACK_S or cost >= best or cost > left:
+                continue
+            step = _first_at(ahead.last, legs.end[leg] - SLACK_S)
+            # Not even with the cheapest of all later ones: then with none of them.
+            most_left = _rest(cargo, to_station, j, kits, left - legs.cheapest[leg])
+            if most_left < 0.0:
+                break
+            most = still(ahead, step, j, aboard, most_left, came_from)
+            if value + (most << FINE) < question.need:
+                break
+            best = cost
+            rest = _rest(cargo, to_station, j, kits, left - cost)
+            if rest < 0.0:
+                continue
+            most = still(ahead, step, j, aboard, rest, came_from)
+            if value + (most << FINE) < question.need:
+                continue
+            if _is_dominated(cargo, kept, j, aboard, rest, value, visits, memory):
+                continue
+            if count == labels.body.size:
+                return -count
+            labels.body[count], labels.kits[count], labels.visits[count] = j, aboard, visits
+            labels.came_from[count] = came_from
+            labels.time[count], labels.left[count] = legs.end[leg], rest
+            labels.value[count] = value
+            for w in range(words):
+                labels.memory[count, w] = memory[w]
+            labels.following[count], head[step] = head[step], count
+            count += 1
+    return count
+
+
+@kernel
+def search(legs, ahead, question, labels, kept, head, cursor, ready):
+    """Go through all labels, step by step.
+
+    Parameters
+    ----------
+    head : (steps + 1,) int64
+        First label that will be ready in each step; updated.
+    cursor : (4,) int64
+        Step, labels made, and those of the step that were gone through of how many; updated.
+    ready : (labels,) int64
+        Desk: the labels of the step in order of time.
+
+    Returns
+    -------
+    state : int
+        NONE if labels have run out, FOUND if one of them collects as much as is asked for, FULL if
+        there is no room.
+    """
+    cargo, memory = legs.terms.cargo, np.empty(labels.memory.shape[1], np.int64)
+    while cursor[0] < head.size:
+        step = cursor[0]
+        if cursor[3] < 0:
+            size, label = 0, head[step]
+            while label >= 0:
+                ready[size] = label
+                size += 1
+                label = labels.following[label]
+            times = np.empty(size)
+            for k in range(size):
+                times[k] = labels.time[ready[k]]
+            order = np.argsort(times)
+            chosen = np.empty(size, np.int64)
+            for k in range(size):
+                chosen[k] = ready[order[k]]
+            for k in range(size):
+                ready[k] = chosen[k]
+            for place in range(kept.size.size):
+                _forget_late(ahead, question, kept, place, step)
+            cursor[2], cursor[3] = 0, size
+        while cursor[2] < cursor[3]:
+            label = ready[cursor[2]]
+            body, kits = labels.body[label], labels.kits[label]
+            if not _is_dominated(
+                cargo, kept, body, kits, labels.left[label], labels.value[label],
+                labels.visits[label], labels.memory[label],
+            ):  # fmt: skip
+                ends = legs.terms.may_end[body] and not is_unused(cargo, kits)
+                if ends and labels.value[label] >= question.need:
+                    return FOUND
+                place = body * cargo.full.size + kits
+                for w in range(memory.size):
+                    memory[w] = labels.memory[label, w]
+                _forget_poorer(
+                    kept, place, labels.left[label], labels.value[label], labels.visits[label],
+                    memory,
+                )  # fmt: skip
+                at = kept.size[place]
+                if at == kept.left.shape[1]:
+                    return FULL
+                count = _extend(legs, ahead, question, labels, kept, head, cursor[1], label, memory)
+                cursor[1] = abs(count)
+                if count < 0:
+                    return FULL
+                kept.left[place, at] = labels.left[label]
+                kept.value[place, at] = labels.value[label]
+                kept.visits[place, at] = labels.visits[label]
+                kept.came_from[place, at] = labels.came_from[label]
+                for w in range(memory.size):
+                    kept.memory[place, w, at] = labels.memory[label, w]
+                kept.size[place] = at + 1
+            cursor[2] += 1
+        cursor[0] += 1
+        cursor[3] = -1
+    return NONE

@@ -1,0 +1,74 @@
+"""The legs that one chaser may fly, as plain arrays."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.errors import InputError
+from ...legs.connections import Connecting
+from ...problem.chasers import Chaser
+from ...problem.instance import Instance
+from .terms import Terms, flown_from, terms_of
+
+FloatArray = npt.NDArray[np.float64]
+
+LEAST_S = 1e-4
+"""Walks are gone through in order of time, so legs take some: far more than the slack [s]."""
+
+
+class Legs(NamedTuple):
+    """Legs by pair of bodies, each pair's in order of the end of their stay, then of ΔV.
+
+    Attributes
+    ----------
+    terms : Terms
+        What they keep to.
+    first : (bodies² + 1,) int64
+        First leg of each pair, number origin · bodies + destination.
+    pair : (legs,) int64
+    departure, end, delta_v : (legs,) float64
+        [s], end of service, or of the tow that follows it [s], [m/s].
+    cheapest : (legs,) float64
+        Least ΔV of the leg and those of its pair that end later [m/s].
+    shortest : float
+        Least time from departure to the end of the stay [s].
+    """
+
+    terms: Terms
+    first: npt.NDArray[np.int64]
+    pair: npt.NDArray[np.int64]
+    departure: FloatArray
+    end: FloatArray
+    delta_v: FloatArray
+    cheapest: FloatArray
+    shortest: float
+
+
+def legs_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Legs:
+    """The legs of a chaser that end in time and that its tank can pay for."""
+    terms = terms_of(instance, chaser, connecting)
+    bodies = terms.bodies
+    columns: list[tuple[FloatArray, FloatArray, FloatArray]] = []
+    sizes = np.zeros(bodies * bodies + 1, dtype=np.int64)
+    for i in range(bodies):
+        for j, departure, end, delta_v in flown_from(i, terms, connecting):
+            order = np.lexsort((delta_v, end))
+            columns.append((departure[order], end[order], delta_v[order]))
+            sizes[i * bodies + j + 1] = order.size
+    departure, end, delta_v = (
+        np.concatenate([np.empty(0), *parts]) for parts in zip(*columns, strict=True)
+    )
+    first = np.cumsum(sizes)
+    cheapest = delta_v.copy()
+    for low, high in pairwise(first):
+        cheapest[low:high] = np.minimum.accumulate(cheapest[low:high][::-1])[::-1]
+    pair = np.repeat(np.arange(bodies * bodies), np.diff(first))
+    shortest = float(np.min(end - departure, initial=math.inf))
+    if shortest < LEAST_S:
+        raise InputError(f"not yet verifiable: there are legs that take {shortest:g} s")
+    return Legs(terms, first, pair, departure, end, delta_v, cheapest, shortest)

@@ -1,0 +1,88 @@
+"""What the verifier knows of the rules: what it does not know is refused, and not ignored."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from ...common.errors import InputError
+from ...common.records import Record
+from ...problem.bodies import Station, Target
+from ...problem.chasers import Chaser
+from ...problem.instance import Instance
+from ...problem.settings import MissionSettings
+
+KNOWN: dict[type[Record], frozenset[str]] = {
+    Instance: frozenset({
+        "format", "name", "epoch", "dynamics", "stations", "targets", "chasers", "mission",
+        "transfer", "objective", "keep_out_zones", "frame",
+    }),
+    Station: frozenset({
+        "name", "orbit", "max_refuellings", "max_propellant_kg", "object_id",
+    }),
+    Target: frozenset({
+        "name", "orbit", "prize", "required", "window_s", "mass_kg", "removal", "object_id",
+    }),
+    Chaser: frozenset({
+        "name", "start", "available_s", "end", "max_targets", "tank", "kits", "kit_mass_kg",
+        "expense",
+    }),
+    MissionSettings: frozenset({
+        "duration_s", "service_revolutions", "service_s", "refuel_revolutions",
+        "disposal_altitude_m", "launch_separation_s",
+    }),
+}  # fmt: skip
+"""Fields whose meaning the verifier knows. What is in ``transfer`` makes connections, and what is
+in ``objective`` decides between plans that collect as much. How much propellant a station has is
+ignored: walks may take any amount. A frame and designators of objects change nothing."""
+
+REMOVALS = frozenset({"visit", "kit", "tow"})
+"""Ways to service a target that the verifier knows."""
+
+
+def refuse_unknown(instance: Instance) -> None:
+    """Refuse an instance with rules that cannot be verified yet.
+
+    Raises
+    ------
+    InputError
+        The sentence says which rule.
+    """
+    for where, record in _records(instance):
+        for field, about in type(record).model_fields.items():
+            if field not in KNOWN[type(record)] and getattr(record, field) != about.default:
+                raise InputError(f"not yet verifiable: {where} with a field {field}")
+    for target in instance.targets:
+        if target.removal not in REMOVALS:
+            raise InputError(
+                f"not yet verifiable: {target.name!r} has the removal {target.removal!r}"
+            )
+
+
+def kept_apart(instance: Instance) -> tuple[Chaser, ...]:
+    """The chasers, each available from when it may be launched at the earliest.
+
+    They are launched in the order of the file, each so long after the one before as the instance
+    says, whether that one is used or not.
+    """
+    apart_s, earliest_s, found = instance.mission.launch_separation_s or 0.0, -math.inf, []
+    for chaser in instance.chasers:
+        since, until = chaser.available_s
+        if chaser.is_launched:
+            since = max(since, earliest_s)
+            earliest_s = since + apart_s
+        # Not validated once more: nobody may be available who is launched too late.
+        found.append(chaser.model_copy(update={"available_s": (since, until)}))
+    return tuple(found)
+
+
+def _records(instance: Instance) -> Iterator[tuple[str, Record]]:
+    """All parts of an instance that rules stand in, and what to call them."""
+    yield "an instance", instance
+    yield "a mission", instance.mission
+    for station in instance.stations:
+        yield "a station", station
+    for target in instance.targets:
+        yield "a target", target
+    for chaser in instance.chasers:
+        yield "a chaser", chaser

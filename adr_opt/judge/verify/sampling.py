@@ -1,0 +1,157 @@
+"""Connections, sampled: flown again by the physics of `check`, and compared with all there are.
+
+A bound says something about all plans only if all connections are there. So for some departures all
+sequences are worked out once more, plainly (:mod:`.sequences`), and each has to be matched by a
+connection that leaves no earlier, arrives no later and costs no more, up to the resolution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from ...kernels.legs import burns as burn_kernels
+from ...legs.connections import Connecting, Connections
+from ...plan.plan import Burn, Leg
+from ...problem.instance import Instance
+from ..check.leg import Physics, check_transfer
+from ..check.verdict import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S
+from .sequences import Way, ways_after
+
+DEPARTURES_SHARE = 0.1
+"""Departures looked at, for each connection flown again."""
+
+PAIRS = 200
+"""Connections of no more pairs are drawn from; those of a pair may take a while to work out."""
+
+ROUNDED_S = 16.0 + 2e-3
+"""Where planes drift, departures of connections are rounded down by no more than this [s]."""
+
+NO_RULES = frozenset({"burns", "eccentricity", "given"})
+"""Violations that are about how a leg is written down."""
+
+
+class Sampled(NamedTuple):
+    """What was looked at.
+
+    Attributes
+    ----------
+    connections, departures : int
+    faults : tuple of str
+        Of each kind the first, if any.
+    """
+
+    connections: int
+    departures: int
+    faults: tuple[str, ...]
+
+
+def sample_connections(
+    instance: Instance, connecting: Connecting, number: int, seed: int
+) -> Sampled:
+    """Fly some connections again, and look for better ones at some departures.
+
+    Parameters
+    ----------
+    instance : Instance
+    connecting : Connecting
+    number : int
+        Connections to fly, drawn from a few pairs.
+    seed : int
+    """
+    rng = np.random.default_rng(seed)
+    names, launches = instance.names, instance.launches
+    pairs = [
+        (i, j)
+        for i in range(len(names))
+        for j in range(len(names))
+        if i != j and i not in launches and j not in launches
+    ]
+    if not pairs or number == 0:
+        return Sampled(0, 0, ())
+    drawn = rng.permutation(len(pairs))[:PAIRS]
+    physics, resolution = Physics.of(instance), connecting.planning_resolution_m_s
+    flown = departures = 0
+    wrong: list[str] = []
+    missing: list[str] = []
+    for turn, at in enumerate(drawn):
+        i, j = pairs[at]
+        found = connecting.of_pair(i, j, resolution)
+        # What was spent before the start goes off the tank with the first leg: no cost of it.
+        found = replace(found, delta_v=found.delta_v - connecting.spent_m_s(i))
+        share = -(-(number - flown) // (len(drawn) - turn))
+        size = min(share, found.departure.size)
+        for c in rng.choice(found.departure.size, size, replace=False):
+            wrong += _faults(instance, physics, found, i, j, int(c))
+        flown += size
+        for _ in range(max(1, round(DEPARTURES_SHARE * share))):
+            time = float(rng.uniform(0.0, instance.mission.duration_s))
+            ways = list(ways_after(instance, physics, i, j, time))
+            departures += bool(ways)
+            missing += [
+                f"no connection from {names[i]!r} to {names[j]!r} is as good as the one that "
+                f"leaves at {way.departure:.6g} s, arrives at {way.arrival:.6g} s and costs "
+                f"{way.delta_v:.6g} m/s"
+                for way in ways
+                if not _is_matched(instance, found, way, resolution)
+            ]
+    return Sampled(flown, departures, (*wrong[:1], *missing[:1]))
+
+
+def _faults(
+    instance: Instance, physics: Physics, found: Connections, i: int, j: int, c: int
+) -> Iterator[str]:
+    """What `check` has to say of a connection."""
+    names = instance.names
+    departure, arrival = float(found.departure[c]), float(found.arrival[c])
+    laps, delta_v = int(found.revolutions[c]), float(found.delta_v[c])
+    leaves, burns = departure, tuple[Burn, ...]()
+    said = (
+        f"the connection from {names[i]!r} to {names[j]!r} that leaves at {departure!r} s "
+        f"cannot be flown"
+    )
+    kind: Literal["given", "drift", "short"] = "drift" if laps < 0 else "short"
+    if physics.given is not None:
+        kind = "given"
+    if kind == "short":
+        # The least ΔV for eccentric ends has no burns, so none of it is asked for here.
+        times, vectors, phases = burn_kernels.burns_between(
+            physics.left[i], physics.elements[j], 0.0, physics.rule, departure, arrival, laps
+        )
+        leaves = float(times[0])
+        if not np.isfinite(np.column_stack([times, vectors])).all():
+            yield f"{said}: no crossing of the line of nodes leads to its arrival"
+            return
+        burns = tuple(
+            Burn(
+                time_s=float(time),
+                delta_v_m_s=(float(vector[0]), float(vector[1]), float(vector[2])),
+                phase=burn_kernels.PHASES[phase],  # type: ignore[arg-type]
+            )
+            for time, vector, phase in zip(times, vectors, phases, strict=True)
+        )
+    leg = Leg(
+        kind=kind, origin=names[i], destination=names[j], ready_s=departure, departure_s=leaves,
+        arrival_s=arrival, end_s=arrival, delta_v_m_s=delta_v, delta_v_left_m_s=0.0,
+        phasing_revolutions=max(laps, 0), burns=burns,
+    )  # fmt: skip
+    for violation in check_transfer(instance, physics, 1, leg, i, j, departure):
+        if violation.rule not in NO_RULES:
+            yield f"{said}: {violation.rule}: {violation.message}"
+
+
+def _is_matched(instance: Instance, found: Connections, way: Way, resolution: float) -> bool:
+    """Whether a way need not be there or something as good is."""
+    if way.delta_v > instance.largest_tank_m_s or way.arrival > instance.mission.duration_s:
+        return True
+    early = way.early + (ROUNDED_S if instance.nodes_drift else TIME_TOLERANCE_S)
+    most = way.delta_v + resolution + DELTA_V_TOLERANCE_M_S
+    as_good = (
+        (found.departure >= way.departure - early)
+        & (found.arrival <= way.arrival + TIME_TOLERANCE_S)
+        & (found.delta_v <= most)
+    )
+    return bool(as_good.any())

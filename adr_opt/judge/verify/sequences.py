@@ -1,0 +1,209 @@
+"""All ways to go from a body to another one that leave soon after a time, by `check`'s physics."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from ...kernels.legs import co_elliptic, precession, zones
+from ...kernels.orbits import ephemeris
+from ...problem.instance import Instance
+from ..check.drift import drift_cost
+from ..check.eccentric import Sequence, matching_cost
+from ..check.leg import Physics
+
+MOST_STEPS, CLOSE_S = 60, 1e-6
+"""Steps of a fixed point where planes drift, and when it is found [s]."""
+
+STEADY_RAD = 0.2
+"""Sequences that carry their line of nodes further need not be there: a fixed point with so few
+steps as planning can afford may not find them, nor who flies them find them again [rad]."""
+
+NEAREST_RAD = 1e-4
+"""Nor need those between planes that are nearer at the departure, whose line of nodes the flight
+itself makes: of objects in one plane, say, one of which was towed [rad]."""
+
+
+class Way(NamedTuple):
+    """A transfer: when it leaves and arrives [s], and what it costs [m/s].
+
+    ``early`` is by how much another one may leave before it and still be as good [s].
+    """
+
+    departure: float
+    arrival: float
+    delta_v: float
+    early: float = 0.0
+
+
+class _Event(NamedTuple):
+    """When the chaser crosses the plane of the target [s], number, and the line of nodes [rad]."""
+
+    time: float
+    half_turns: int
+    alpha_i: float
+    alpha_j: float
+    theta: float
+
+
+class _Found(NamedTuple):
+    """A sequence.
+
+    Number of the crossing on which it meets the target, k, when it leaves and is at the stand-off
+    [s], phasing radius [m], turn and by how much the flight moves the line of nodes [rad].
+    """
+
+    crossing: int
+    laps: int
+    departure: float
+    met: float
+    radius: float
+    theta: float
+    moved: float
+
+
+def ways_after(instance: Instance, physics: Physics, i: int, j: int, time: float) -> Iterator[Way]:
+    """What has to be there of the next event after a time, of given connections all rows after it.
+
+    Where events are kept apart, which of them are left is no matter of physics: then there are none
+    of those, and only those that drift.
+    """
+    if physics.given is not None:
+        rows = physics.given.of_pair(instance.names[i], instance.names[j])
+        yield from (Way(*row) for row in np.transpose(rows).tolist() if row[0] >= time)
+        return
+    settings = instance.transfer
+    if settings.departure_spacing_s == 0.0:
+        yield from _short(instance, physics, i, j, time)
+    if instance.dynamics == "j2" and settings.max_drift_s > 0.0 and not instance.keep_out_zones:
+        step = settings.drift_step_s
+        leaves = math.ceil(time / step) * step
+        for number in range(1, int(settings.max_drift_s / step + 1e-9) + 1):
+            lands = leaves + number * step
+            if lands > instance.mission.duration_s:
+                break
+            cost, _ = drift_cost(physics.left[i], physics.elements[j], physics.rule, leaves, lands)
+            yield Way(leaves, lands, cost)
+
+
+def _short(instance: Instance, physics: Physics, i: int, j: int, time: float) -> Iterator[Way]:
+    """Of the co-elliptic sequences of the next event those that have to be there.
+
+    Where planes drift, the flight itself moves the line of nodes a little, so that the sequences of
+    an event leave apart, and those that meet the target on one crossing meet it apart. Connections
+    have *the cheapest of each crossing*, and sequences of one event count as *leaving together*:
+    then one that meets the target on an earlier crossing is as good if it costs no more.
+    """
+    rule = physics.rule
+    pair = co_elliptic.prepare(physics.left[i], physics.elements[j], 0.0, rule)
+    approach = rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
+    ends = physics.left[i], physics.elements[j]
+    cheapest: dict[int, tuple[Way, bool]] = {}
+    settled = _drifting if instance.dynamics == "j2" else _fixed
+    for crossing, laps, departure, met, radius, theta, moved in settled(pair, rule, time):
+        if zones.is_blocked(pair, rule, laps, radius, departure):
+            continue
+        arrival = met + approach
+        sequence = Sequence(departure, arrival, laps, radius, theta)
+        turned = 4.0 * math.sin(0.5 * theta) ** 2
+        circles = float(co_elliptic.turned_delta_v(pair, rule, laps, radius, turned, 0.0))
+        delta_v = max(circles, matching_cost(*ends, rule, departure, sequence))
+        if crossing not in cheapest or delta_v < cheapest[crossing][0].delta_v:
+            cheapest[crossing] = Way(departure, arrival, delta_v), moved < STEADY_RAD
+    first = math.inf
+    for crossing in sorted(cheapest):
+        way, is_steady = cheapest[crossing]
+        first = min(first, way.departure)
+        if is_steady:
+            yield way._replace(early=way.departure - first)
+
+
+def _limits(pair: co_elliptic.Pair, laps: int) -> tuple[float, float]:
+    """How long a flight with k revolutions may take [s]."""
+    return pair.shortest + laps * pair.shortest_lap, pair.longest + laps * pair.longest_lap
+
+
+def _crossings(
+    pair: co_elliptic.Pair, rule: co_elliptic.TransferRule, departure: float, met: float
+) -> Iterator[tuple[int, int, float]]:
+    """Number, k and time of all on which a chaser may meet the target, and one more either way.
+
+    They are whole laps from one of them.
+    """
+    lap = 2.0 * math.pi / pair.rate_j
+    for laps in range(rule.max_phasing_revolutions + 1):
+        low, high = _limits(pair, laps)
+        begin = math.ceil((departure + low - met) / lap) - 1
+        end = math.floor((departure + high - met) / lap) + 1
+        for crossing in range(begin, end + 1):
+            yield crossing, laps, met + crossing * lap
+
+
+def _fixed(pair: co_elliptic.Pair, rule: co_elliptic.TransferRule, time: float) -> Iterator[_Found]:
+    """All sequences of the next event where planes stay: they leave at once."""
+    half_turns = math.ceil((pair.phase_i + pair.rate_i * time) / math.pi)
+    departure = (half_turns * math.pi - pair.phase_i) / pair.rate_i
+    behind = math.pi * (half_turns + 1) + rule.standoff / pair.radius_j - pair.phase_j
+    for crossing, laps, met in _crossings(pair, rule, departure, behind / pair.rate_j):
+        low, high = _limits(pair, laps)
+        if low <= met - departure <= high:
+            radius = float(co_elliptic.phasing_radius(pair, rule, laps, met - departure))
+            yield _Found(crossing, laps, departure, met, radius, pair.theta, 0.0)
+
+
+def _drifting(
+    pair: co_elliptic.Pair, rule: co_elliptic.TransferRule, time: float
+) -> Iterator[_Found]:
+    """The same where nodes drift: each has a line of nodes of its own, by a fixed point.
+
+    It begins at the event, and where the target would be met if the flight itself did nothing to
+    the line.
+    """
+    event = _next_event(pair, time)
+    if event is None or event.theta < NEAREST_RAD:
+        return
+    behind = event.alpha_j + math.pi * (event.half_turns + 1) + rule.standoff / pair.radius_j
+    behind -= pair.latitude_j
+    for crossing, laps, about in _crossings(pair, rule, event.time, behind / pair.rate_j):
+        departure, met = event.time, about
+        for _ in range(MOST_STEPS):
+            radius = float(co_elliptic.phasing_radius(pair, rule, laps, met - departure))
+            apart = pair.lag + pair.lag_rate * departure
+            apart += precession.carried(pair, rule, laps, radius, met - departure)
+            alpha_i, alpha_j, theta = ephemeris.relative_node(
+                pair.inclination_i, 0.0, pair.inclination_j, apart
+            )
+            moved_i = math.remainder(alpha_i - event.alpha_i, 2.0 * math.pi)
+            moved_j = math.remainder(alpha_j - event.alpha_j, 2.0 * math.pi)
+            left, there = event.time + moved_i / pair.rate_i, about + moved_j / pair.rate_j
+            if not math.isfinite(left + there):
+                break  # no phasing orbit takes so long
+            step = abs(left - departure) + abs(there - met)
+            departure, met = left, there
+            if step < CLOSE_S:
+                low, high = _limits(pair, laps)
+                if departure >= 0.0 and low <= met - departure <= high:
+                    moved = max(abs(moved_i), abs(moved_j))
+                    yield _Found(crossing, laps, departure, met, radius, theta, moved)
+                break
+
+
+def _next_event(pair: co_elliptic.Pair, time: float) -> _Event | None:
+    """The next time that the chaser crosses the plane of the target; None where none is found."""
+    there, half_turns = time, 0
+    for step in range(MOST_STEPS):
+        alpha_i, alpha_j, theta = ephemeris.relative_node(
+            pair.inclination_i, 0.0, pair.inclination_j, pair.lag + pair.lag_rate * there
+        )
+        past = (pair.latitude_i + pair.rate_i * there - alpha_i) / math.pi
+        if step == 0:
+            half_turns = math.ceil(past)
+        # The node that was left for may be counted a whole turn away by now.
+        late = math.remainder(half_turns - past, 2.0) * math.pi / pair.rate_i
+        there += late
+        if abs(late) < CLOSE_S:
+            return _Event(there, round(past), alpha_i, alpha_j, theta)
+    return None

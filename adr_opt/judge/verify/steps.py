@@ -1,0 +1,307 @@
+"""Whether walks of a large field collect as much as is said: in steps of time, body by body.
+
+Where there are too many legs for labels (:mod:`.walks`) the pass backwards in time that labels look
+ahead by (:mod:`.ahead`) is all there is. It is coarser than walks are, always so that they may do
+more: times are in *steps* of one length, ΔV in *slots*, and a walk remembers where it comes from
+and nothing else. So what it says that nobody collects, nobody does.
+
+A leg is four whole numbers in one, and each body's legs are worked out, counted and packed before
+those of the next one, so that hundreds of millions find room.
+
+Either walks know how much is left of a tank, or ΔV has a price: a walk begins with the price of
+what there is in the tank, pays for each leg, and gets the price of a full tank at every refuelling.
+Every plan is such a walk, and what it got for its tanks is no less than what it paid.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import SLACK_S
+from ...common.errors import InputError
+from ...common.memory import available_bytes
+from ...kernels.core.compile import kernel
+from ...legs.connections import Connecting
+from .ahead import SLOT_SLACK, put, slots_in
+from .terms import Terms, flown_from
+
+DEPARTURE, DESTINATION, AHEAD, FIELD = 48, 32, 16, 0xFFFF
+"""A leg: step of departure, destination, steps to landing, slots; 16 bits each."""
+
+MOST = 2**15 - 2
+"""Steps, bodies, and slots."""
+
+MEMORY_SHARE = 0.8
+"""Part of the free memory that legs and values may take."""
+
+
+class Counting(NamedTuple):
+    """How walks are counted.
+
+    Attributes
+    ----------
+    kind : type
+        Integers of values: ones of 32 bits where there is one for each slot.
+    largest : int
+        No sum of gains is larger, packed with the next body; none of losses either.
+    never : int
+        Packed value of what is not possible.
+    """
+
+    kind: Any
+    largest: int
+    never: int
+
+
+OF_TANKS = Counting(np.int32, 2**28, -(2**30))
+OF_PRICES = Counting(np.int64, 2**60, -(2**62))
+
+
+@kernel
+def _packed(departure, end, delta_v, j, length, slot, slots, steps, earliest, legs):
+    """Pack the legs of one pair, in order of departure, that no later one makes superfluous.
+
+    Parameters
+    ----------
+    earliest : (slots,) int64
+        Scratch: when one lands at the earliest who leaves no sooner and costs no more.
+    legs : (legs,) int64
+        Written from the front.
+
+    Returns
+    -------
+    count : int
+    shortest : int
+        Least steps of one of them.
+    """
+    count, shortest = 0, steps + 1
+    earliest[:] = steps + 1
+    for leg in range(departure.size - 1, -1, -1):
+        left = max(0, math.floor(departure[leg] / length))
+        lands = min(max(0, math.floor((end[leg] - SLACK_S) / length)), steps)
+        cost = int(max(0.0, math.floor(delta_v[leg] / slot - SLOT_SLACK)))
+        if earliest[cost] <= lands:
+            continue
+        for dearer in range(cost, slots):
+            if earliest[dearer] <= lands:
+                break
+            earliest[dearer] = lands
+        shortest = min(shortest, lands - left)
+        legs[count] = (
+            (np.int64(left) << DEPARTURE)
+            | (np.int64(j) << DESTINATION)
+            | (np.int64(max(lands - left, 0)) << AHEAD)
+            | np.int64(cost)
+        )
+        count += 1
+    return count, shortest
+
+
+@kernel
+def _sweep(
+    legs, behind, i, came_from, code, toll, is_station, top, mask, never, high, low, best, second
+):  # fmt: skip
+    """Values of the steps ``low`` to ``high`` − 1 of a body; returns what legs are still to come.
+
+    Parameters
+    ----------
+    legs : (legs,) int64
+        Those of the body, in order of departure.
+    behind : int
+        So many of them depart before ``high``.
+    came_from : values
+        The body, to which walks do not go straight back, or nothing at a station.
+    code : (bodies,) values
+        What each body gives, packed with it.
+    toll : values
+        Of a slot, packed; 0 where walks know how much is left.
+    top : int
+        Slot of a full tank; −1 where ΔV has a price.
+    best, second : (bodies, steps + 1, slots) values
+    """
+    for step in range(high - 1, low - 1, -1):
+        own, other = best[i, step], second[i, step]
+        own[:] = best[i, step + 1]
+        other[:] = second[i, step + 1]
+        while behind > 0 and legs[behind - 1] >> DEPARTURE >= step:
+            behind -= 1
+            leg = legs[behind]
+            j, cost = (leg >> DESTINATION) & FIELD, leg & FIELD
+            lands = step + ((leg >> AHEAD) & FIELD)
+            landed, landed_second = best[j, lands], second[j, lands]
+            if top >= 0:
+                put(
+                    own, other, landed, landed_second, top if is_station[j] else -1, code[j], mask,
+                    came_from, cost, never,
+                )  # fmt: skip
+            else:
+                put(
+                    own, other, landed, landed_second, -1, code[j] - cost * toll, mask, came_from,
+                    0, never,
+                )  # fmt: skip
+    return behind
+
+
+def most_in_steps(
+    terms: Terms,
+    connecting: Connecting,
+    gains: Sequence[Fraction],
+    length_s: float,
+    slot_m_s: float,
+    worth_per_m_s: Fraction | None,
+) -> tuple[Fraction | None, int]:
+    """No walk collects more than this; None if there is no walk at all.
+
+    Parameters
+    ----------
+    terms : Terms
+    connecting : Connecting
+    gains : sequence of Fraction
+        What the service of each body is worth, less its multiplier.
+    length_s, slot_m_s : float
+        Of a step [s], and of a slot of ΔV [m/s].
+    worth_per_m_s : Fraction, optional
+        Price of ΔV; by default walks know how much is left of a tank.
+
+    Returns
+    -------
+    most : Fraction or None
+    legs : int
+        How many were gone through.
+
+    Raises
+    ------
+    InputError
+        Steps or slots are too short or too long for the instance, they would take more memory than
+        there is, or services change what is left of a tank and ΔV is looked at all the same.
+    """
+    steps = math.floor(max(terms.last, 0.0) / length_s) + 2
+    slots = slots_in(float(terms.cargo.full[0]), slot_m_s) + 1
+    if max(steps, slots, terms.bodies) > MOST:
+        raise InputError(
+            f"not verifiable: {steps} steps, {slots} slots and {terms.bodies} bodies are too many; "
+            "none may be above 32766"
+        )
+    if worth_per_m_s != 0 and (np.any(terms.cargo.share != 1.0) or np.any(terms.cargo.lost)):
+        raise InputError(
+            "field walks: where services change what is left of a tank, walks in steps must have "
+            "worth_per_m_s = 0"
+        )
+    counting, width = (OF_TANKS, slots) if worth_per_m_s is None else (OF_PRICES, 1)
+    size = terms.bodies * (steps + 1) * width
+    _find_room(2.0 * np.dtype(counting.kind).itemsize * size)
+    legs, shortest = _legs(terms, connecting, length_s, slot_m_s, slots, steps)
+    count = sum(each.size for each in legs)
+    price = Fraction(0) if worth_per_m_s is None else worth_per_m_s * Fraction(slot_m_s)
+    unit, units, toll = _in_units(gains, price, slots, steps // max(1, shortest) + 2, counting)
+    bits, kind = _bits(terms.bodies), counting.kind
+    mask = kind((1 << bits) - 1)
+    begun = slots_in(float(terms.begun[-1]), slot_m_s)
+    worths = list(units)
+    for body in np.flatnonzero(terms.is_station):
+        worths[body] += toll * (slots - 1)
+    code = np.array([(worth << bits) + body for body, worth in enumerate(worths)], dtype=kind)
+    shape = terms.bodies, steps + 1, width
+    best, second = np.empty(shape, dtype=kind), np.empty(shape, dtype=kind)
+    best[:, steps] = np.where(terms.may_end, mask, counting.never)[:, None]
+    second[:, steps] = counting.never
+    behind = [each.size for each in legs]
+    high = steps
+    while high > 0:
+        low = max(0, high - shortest)  # no leg that departs in these steps lands in one of them
+        for i in range(terms.bodies):
+            behind[i] = _sweep(
+                legs[i], behind[i], i, kind(-1 if terms.is_station[i] else i), code,
+                kind(toll << bits), terms.is_station, slots - 1 if worth_per_m_s is None else -1,
+                mask, kind(counting.never), high, low, best, second,
+            )  # fmt: skip
+        high = low
+    found = [
+        int(best[body, _step(float(terms.ready[body]) - SLACK_S, length_s), min(begun, width - 1)])
+        + ((units[body] << bits) if body != terms.home else 0)
+        for body in terms.starts.tolist()
+    ]
+    most = max(found)
+    if most < counting.never // 2:
+        return None, count
+    return Fraction(unit) * ((most >> bits) + toll * begun), count
+
+
+def _bits(bodies: int) -> int:
+    """Of a number that no body has."""
+    return int(bodies).bit_length()
+
+
+def _step(time_s: float, length_s: float) -> int:
+    return max(0, math.floor(time_s / length_s))
+
+
+def _find_room(size: float) -> None:
+    """See that there is so much memory.
+
+    Raises
+    ------
+    InputError
+    """
+    if size > MEMORY_SHARE * available_bytes():
+        raise InputError(
+            f"not verifiable here: it takes {size / 2**30:.3g} GiB, and "
+            f"{available_bytes() / 2**30:.3g} GiB of memory are free"
+        )
+
+
+def _legs(
+    terms: Terms, connecting: Connecting, length_s: float, slot_m_s: float, slots: int, steps: int
+) -> tuple[list[npt.NDArray[np.int64]], int]:
+    """The legs of each body, in order of departure, and the least steps of any.
+
+    Raises
+    ------
+    InputError
+        A leg ends in the step that it leaves in, or there is no room for all of them.
+    """
+    earliest, legs, shortest = np.empty(slots, dtype=np.int64), [], steps + 1
+    for i in range(terms.bodies):
+        parts = [np.empty(0, dtype=np.int64)]
+        for j, departure, end, delta_v in flown_from(i, terms, connecting):
+            assert np.all(departure[1:] >= departure[:-1])  # what is superfluous depends on it
+            part = np.empty(departure.size, dtype=np.int64)
+            count, least = _packed(
+                departure, end, delta_v, j, length_s, slot_m_s, slots, steps, earliest, part
+            )
+            shortest = min(shortest, least)
+            parts.append(part[:count].copy())
+        legs.append(np.sort(np.concatenate(parts)))
+        held = sum(each.nbytes for each in legs)
+        _find_room(held * (terms.bodies - i - 1) / (i + 1))
+    if shortest < 1:
+        raise InputError(
+            f"field time_step_s = {length_s!r}: there are legs that do not take as long"
+        )
+    return legs, shortest
+
+
+def _in_units(
+    gains: Sequence[Fraction], price: Fraction, slots: int, most_legs: int, counting: Counting
+) -> tuple[float, list[int], int]:
+    """What a unit is worth, what bodies are worth in units, and what a slot of ΔV is.
+
+    Gains are rounded up and tolls down, so that walks collect more than they would.
+    """
+    tank = price * (slots - 1)
+    largest = max([Fraction(0), *gains]) + tank
+    most = counting.largest >> _bits(len(gains))
+    # Below the largest by so much nobody comes to a body who need not.
+    each = most // (most_legs + 1)
+    share = largest / each or Fraction(1)
+    unit = 2.0 ** math.ceil(math.log2(share)) if share > 0 else 1.0
+    size = Fraction(unit)
+    toll = math.floor(price / size) if slots > 1 else 0  # nothing costs a whole slot
+    units = [max(math.ceil(gain / size), -each) for gain in gains]
+    return unit, units, toll

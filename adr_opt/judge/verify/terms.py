@@ -1,0 +1,174 @@
+"""What one chaser is held to: the rules of a mission, read from the instance once more."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import SLACK_S
+from ...kernels.orbits.ephemeris import LATITUDE_RATE
+from ...legs.connections import Connecting
+from ...problem.chasers import AtStation, Chaser
+from ...problem.instance import Instance
+from ..check.tow import towed_bodies
+from .cargo import Cargo, cargo_of
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class Terms(NamedTuple):
+    """When a chaser may be where, and with what.
+
+    Attributes
+    ----------
+    home : int
+        Where it begins.
+    may_follow : (bodies, bodies) bool
+        Whether legs lead from one body (row) to another one.
+    begin, last : float
+        From when it is there, and until when [s].
+    opens, closes : (bodies,) float64
+        Windows of services [s].
+    service, tows : (bodies,) float64
+        How long they are, and the tows that follow them [s].
+    is_station, may_end : (bodies,) bool
+        Where tanks are filled, and where the chaser may end.
+    starts : (starts,) int64
+        Its home, and the targets that it may be launched onto.
+    ready : (bodies,) float64
+        Since when, at each of these [s].
+    cargo : Cargo
+    begun : (most kits + 1,) float64
+        What there is in the tank at the start, with so many kits: a full one where the first leg
+        pays for what it lacks [m/s].
+    most_targets : int
+        So many services are to be counted.
+    """
+
+    home: int
+    may_follow: npt.NDArray[np.bool_]
+    begin: float
+    last: float
+    opens: FloatArray
+    closes: FloatArray
+    service: FloatArray
+    tows: FloatArray
+    is_station: npt.NDArray[np.bool_]
+    may_end: npt.NDArray[np.bool_]
+    starts: npt.NDArray[np.int64]
+    ready: FloatArray
+    cargo: Cargo
+    begun: FloatArray
+    most_targets: int
+
+    @property
+    def bodies(self) -> int:
+        """How many there are."""
+        return int(self.service.size)
+
+
+def terms_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Terms:
+    """The terms of a chaser."""
+    names, first_target = instance.names, instance.first_target
+    bodies, stations = len(names), len(instance.stations)
+    service, tows = services_s(instance), np.zeros(bodies)
+    towed = towed_bodies(instance, instance.orbits())
+    for name, tow in towed.items():
+        tows[names.index(name)] = tow.time_s
+    begin, over = chaser.available_s
+    last = min(instance.mission.duration_s, math.inf if over is None else over)
+    opens, closes = np.full(bodies, -math.inf), np.full(bodies, last)
+    for body, target in enumerate(instance.targets, start=first_target):
+        opened, closed = target.window_s
+        opens[body] = opened
+        closes[body] = min(last, math.inf if closed is None else closed)
+    for body, station in enumerate(instance.stations):
+        if station.max_refuellings == 0:
+            closes[body] = -math.inf
+    cargo, home = cargo_of(instance, chaser, towed), names.index(chaser.start_name)
+    may_follow = _may_follow(bodies, home, stations, first_target)
+    if chaser.is_launched:  # it begins at its first target
+        may_follow[home] = False
+    may_end = np.ones(bodies, dtype=np.bool_)
+    if isinstance(chaser.end, AtStation):
+        may_end[:] = [name == chaser.end.station for name in names]
+    most = _most_targets(instance, chaser)
+    starts, ready = np.array([home]), np.full(bodies, begin)
+    begun = cargo.full if connecting.spent_m_s(home) else cargo.begun
+    if chaser.is_launched:
+        begun = cargo.begun  # no leg leads onto the first target
+        served = np.maximum(begin - SLACK_S, opens) + service
+        ready = served + tows
+        in_time = (served <= closes + SLACK_S) & (ready <= last + SLACK_S)
+        in_time &= np.arange(bodies) >= first_target
+        starts = np.append(starts, np.flatnonzero(in_time)[: bodies if most else 0])
+    return Terms(
+        home, may_follow, begin, last, opens, closes, service, tows,
+        np.arange(bodies) < stations, may_end, starts, ready, cargo, begun, most,
+    )  # fmt: skip
+
+
+def flown_from(
+    i: int, terms: Terms, connecting: Connecting
+) -> Iterator[tuple[int, FloatArray, FloatArray, FloatArray]]:
+    """What leads on from a body in time and within a tank, by destination.
+
+    Yields
+    ------
+    destination : int
+    departure, end, delta_v : (legs,) float64
+        In order of departure; the end is that of the service, or of the tow that follows it [s],
+        [s], [m/s].
+    """
+    # In two-body motion no connection is left out; elsewhere what saves no more than the
+    # resolution is no part of the instance.
+    resolution = connecting.planning_resolution_m_s
+    for j in np.flatnonzero(terms.may_follow[i]).tolist():
+        found = connecting.of_pair(i, j, resolution)
+        served = np.maximum(found.arrival, terms.opens[j]) + terms.service[j]
+        end = served + terms.tows[j]
+        fits = (served <= terms.closes[j] + SLACK_S) & (end <= terms.last + SLACK_S)
+        fits &= found.departure >= terms.begin - SLACK_S
+        fits &= found.delta_v <= terms.cargo.full[0]  # a tank is worth most with nothing aboard
+        yield j, found.departure[fits], end[fits], found.delta_v[fits]
+
+
+def services_s(instance: Instance) -> FloatArray:
+    """How long a chaser stays at each body [s]."""
+    mission, service = instance.mission, np.zeros(len(instance.names))
+    for body, row in enumerate(instance.orbits()):
+        at_target = body >= instance.first_target
+        if at_target and mission.service_s is not None:
+            service[body] = mission.service_s
+            continue
+        revolutions = mission.service_revolutions if at_target else mission.refuel_revolutions
+        if revolutions:  # a body without an orbit has no period, and none is asked for
+            service[body] = revolutions * 2.0 * math.pi / float(row[LATITUDE_RATE])
+    return service
+
+
+def _may_follow(bodies: int, home: int, stations: int, first_target: int) -> npt.NDArray[np.bool_]:
+    """Whether a chaser goes from one body (row) to another: to a station only from a target.
+
+    Nobody goes to an orbit where chasers start, or leaves from that of another one.
+    """
+    body = np.arange(bodies)
+    is_target, is_station = body >= first_target, body < stations
+    leaves = is_target | is_station | (body == home)
+    may: npt.NDArray[np.bool_] = np.outer(leaves, is_target) | np.outer(is_target, is_station)
+    may[body, body] = False
+    return may
+
+
+def _most_targets(instance: Instance, chaser: Chaser) -> int:
+    """So many targets it may service; all of them where the kits that it takes along say it."""
+    limits = [len(instance.targets), chaser.max_targets]
+    if all(target.removal == "kit" for target in instance.targets):
+        if chaser.kit_mass_kg > 0.0:
+            return len(instance.targets)
+        limits.append(chaser.kits)
+    return min(limit for limit in limits if limit is not None)

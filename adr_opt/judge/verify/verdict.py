@@ -1,0 +1,222 @@
+"""Whether a plan is as good as its certificate says, found out by a program of its own.
+
+Nothing here is shared with planners and proofs but the connections of the timetable, and some of
+these are flown again by the physics of `check`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from ...common.errors import InputError
+from ...legs.connections import Connecting
+from ...plan.certificate import Certificate, ProvenWalks, sha256_of
+from ...plan.plan import MODEL, Plan
+from ...problem.instance import AnyInstance, Instance, instance_of
+from ..check.verdict import check
+from .claim import bound_of, check_names, difference_of, gains
+from .legs import legs_of
+from .rules import kept_apart, refuse_unknown
+from .sampling import Sampled, sample_connections
+from .steps import most_in_steps
+from .terms import terms_of
+from .walks import walks_reach
+
+CONNECTIONS = 1000
+"""So many connections are flown again."""
+
+MOST_CONNECTIONS = 1_000_000
+"""More than these are a typing error: they would take days."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What was found out.
+
+    Attributes
+    ----------
+    reasons : tuple of str
+        Why the certificate is refused; none if it is verified.
+    upper_bound : float
+        What no plan exceeds, as far as it was verified; −inf if there is no plan, +inf if nothing
+        was.
+    objective : float or None
+        What the plan collects.
+    labels : int
+        How many labels that took.
+    connections, departures : int
+        Connections flown again, and departures at which all sequences were.
+    legs : int
+        How many legs were gone through where walks are counted in steps of time.
+    difference : float
+        Objectives that differ by no more are the same: less than the step that prizes have in
+        common.
+    """
+
+    reasons: tuple[str, ...]
+    upper_bound: float
+    objective: float | None
+    labels: int
+    connections: int
+    departures: int
+    legs: int = 0
+    difference: float = 0.0
+
+    @property
+    def gap(self) -> float | None:
+        """What the plan may lack of the best one, as a share of the bound."""
+        if self.objective is None or not math.isfinite(self.upper_bound):
+            return None
+        lacking = max(0.0, self.upper_bound - self.objective)
+        return lacking / self.upper_bound if lacking > self.difference else 0.0
+
+    @property
+    def verified(self) -> bool:
+        """Whether all that is claimed follows."""
+        return not self.reasons
+
+
+def verify(
+    instance: AnyInstance,
+    plan: Plan | None,
+    certificate: Certificate,
+    *,
+    connections: int = CONNECTIONS,
+    seed: int = 0,
+) -> Verdict:
+    """Verify a certificate, and what a plan states of itself.
+
+    Parameters
+    ----------
+    instance : Instance, path or dict
+    plan : Plan or None
+        None to verify the bound alone.
+    certificate : Certificate
+    connections : int
+        So many connections are flown again by the physics of `check`, drawn by the seed, and for a
+        tenth as many departures it is asked whether there is a better one.
+    seed : int
+
+    Raises
+    ------
+    InputError
+        Something belongs to another instance, or it has rules that cannot be verified yet; or
+        there are more connections to fly than :data:`MOST_CONNECTIONS`.
+    """
+    if not 0 <= connections <= MOST_CONNECTIONS:
+        raise InputError(f"connections = {connections}: must be from 0 to {MOST_CONNECTIONS}")
+    instance = instance_of(instance)
+    check_names(instance, certificate)
+    refuse_unknown(instance)
+    reasons = _of_former_model(instance, certificate)
+    reasons += [] if plan is None else _judge(instance, plan, certificate)
+    if reasons:  # no proof makes a wrong plan right
+        return Verdict(tuple(reasons), math.inf, None, 0, 0, 0)
+    connecting = Connecting(instance)
+    sampled = Sampled(0, 0, ())
+    if certificate.walks:
+        sampled = sample_connections(instance, connecting, connections, seed)
+    reasons += sampled.faults
+    labels, legs, refuted = 0, 0, False
+    for walks in certificate.walks:
+        made, gone, reached = _asked(instance, connecting, certificate, walks)
+        labels, legs = labels + made, legs + gone
+        if reached is not None:
+            reasons.append(reached)
+            refuted = True
+    bound = math.inf if refuted else bound_of(instance, certificate)
+    difference = difference_of(instance, certificate)
+    if not refuted:
+        reasons += _compare(plan, certificate, bound, difference)
+    objective = None if plan is None else plan.objective
+    return Verdict(
+        tuple(reasons), bound, objective, labels, sampled.connections, sampled.departures, legs,
+        difference,
+    )  # fmt: skip
+
+
+def _of_former_model(instance: Instance, certificate: Certificate) -> list[str]:
+    if certificate.model == MODEL or not instance.transfer.max_drift_s:
+        return []
+    return [
+        f"it is of version {certificate.model} of the model, in which phase cost nothing in legs "
+        "that drift: prove anew"
+    ]
+
+
+def _judge(instance: Instance, plan: Plan, certificate: Certificate) -> list[str]:
+    """What is wrong with the plan itself."""
+    reasons = [f"the plan is not legal: {violation}" for violation in check(instance, plan)[:1]]
+    stated = certificate.plan_sha256
+    if not reasons and stated is not None and stated != sha256_of(plan):
+        reasons.append("the certificate was written beside another plan, or the plan was changed")
+    return reasons
+
+
+def _asked(
+    instance: Instance, connecting: Connecting, certificate: Certificate, walks: ProvenWalks
+) -> tuple[int, int, str | None]:
+    """Labels and legs that it took, and what is wrong if a walk collects what none is said to."""
+    number = {name: body for body, name in enumerate(instance.names)}
+    neighbourhoods = np.zeros((len(number), len(number)), dtype=np.bool_)
+    for at, names in walks.neighbourhoods.items():
+        neighbourhoods[number[at], [number[name] for name in names]] = True
+    made, gone, seen = 0, 0, []
+    for chaser in kept_apart(instance):
+        alike = chaser.model_copy(update={"name": ""})
+        if chaser.name not in walks.chasers or alike in seen:
+            continue
+        if instance.given is None:  # given connections lead from a start by its name
+            seen.append(alike)
+        worths, most = gains(instance, certificate), Fraction(walks.most)
+        slot_m_s = certificate.delta_v_slot_m_s
+        if certificate.time_step_s is not None:
+            price = None if walks.worth_per_m_s is None else Fraction(walks.worth_per_m_s)
+            terms = terms_of(instance, chaser, connecting)
+            found, count = most_in_steps(
+                terms, connecting, worths, certificate.time_step_s, slot_m_s, price
+            )
+            reached = found is not None and found >= most
+            gone += count
+        else:
+            legs = legs_of(instance, chaser, connecting)
+            reached, count = walks_reach(legs, worths, neighbourhoods, most, slot_m_s)
+            made += count
+        if reached:
+            said = f"a walk of {chaser.name!r} collects {walks.most:g} less multipliers"
+            return made, gone, f"{said}, and none is said to"
+    return made, gone, None
+
+
+def _compare(
+    plan: Plan | None, certificate: Certificate, bound: float, difference: float
+) -> list[str]:
+    """What is claimed beyond what follows."""
+    reasons = []
+    said = "no plan exists" if bound == -math.inf else f"no plan collects more than {bound:.15g}"
+    if _is_less(certificate.upper_bound, bound, difference):
+        claim = certificate.upper_bound
+        stated = "that there is no plan" if claim is None else f"{claim:.15g}"
+        reasons.append(f"the certificate states {stated}; what follows is that {said}")
+    if plan is None:
+        return reasons
+    if plan.upper_bound is not None and _is_less(plan.upper_bound, bound, difference):
+        reasons.append(
+            f"the plan states the bound {plan.upper_bound:.15g}; what follows is that {said}"
+        )
+    if plan.status in ("optimal", "feasible") and bound < plan.objective - difference:
+        reasons.append(f"the plan collects {plan.objective:.15g}, but {said}: one of both is wrong")
+    elif plan.status == "optimal" and plan.objective < bound - difference:
+        reasons.append(f"the plan is said to be optimal; what follows is that {said}")
+    return reasons
+
+
+def _is_less(claim: float | None, bound: float, difference: float) -> bool:
+    """Whether a claim says more than what follows."""
+    if bound == -math.inf:
+        return False
+    return claim is None or claim < bound - difference

@@ -1,0 +1,151 @@
+"""Whether a walk of a chaser collects as much as is said, from multipliers and neighbourhoods.
+
+*Walks* are what plans are relaxed to. A walk keeps to all rules of its chaser but one: it may come
+back to a target that it has forgotten. When it goes from a body i to a body j it goes on
+remembering those targets that stand in the neighbourhood of j, and i if that is a target. So every
+plan is a walk, whatever the neighbourhoods, and what holds for walks holds for plans.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import SLACK_S
+from .ahead import look_ahead
+from .cargo import after_service
+from .labels import FINE, FOUND, FULL, WORD, Kept, Labels, Question, search
+from .legs import Legs
+
+Array = npt.NDArray[Any]
+
+FIRST_LABELS, FIRST_KEPT = 1 << 18, 1 << 9
+"""Room to begin with: for labels, and for those to compare with at each body."""
+
+
+class Asked(NamedTuple):
+    """The answer.
+
+    Attributes
+    ----------
+    reached : bool
+        Whether there is a walk that collects as much.
+    labels : int
+        How many it took to know.
+    """
+
+    reached: bool
+    labels: int
+
+
+def walks_reach(
+    legs: Legs,
+    gains: Sequence[Fraction],
+    neighbourhoods: npt.NDArray[np.bool_],
+    most: Fraction,
+    slot_m_s: float,
+) -> Asked:
+    """Whether a walk collects ``most``.
+
+    Parameters
+    ----------
+    legs : Legs
+    gains : sequence of Fraction
+        What the service of each body is worth, less its multiplier.
+    neighbourhoods : (bodies, bodies) bool
+        Whether a walk that comes to a body (row) still remembers another one (column).
+    most : Fraction
+    slot_m_s : float
+        In which ΔV is counted where labels look ahead: how many there are depends on it, and
+        nothing else [m/s].
+    """
+    ahead = look_ahead(legs, gains, slot_m_s)
+    # Exact sums: what is worth something is worth no less in units, and what is asked for no more.
+    unit = Fraction(ahead.unit) / (1 << FINE)
+    worth = [max(math.ceil(gain / unit), -(2**58)) for gain in gains]
+    need = min(max(math.floor(most / unit), -(2**60)), 2**60)
+    words = (len(gains) - 1) // WORD + 1
+    remembered = np.zeros((len(gains), words), dtype=np.int64)
+    for i, j in np.argwhere(neighbourhoods):
+        remembered[i, j // WORD] |= 1 << (j % WORD)
+    counts = legs.terms.most_targets < int(np.count_nonzero(~legs.terms.is_station))
+    question = Question(np.array(worth), need, remembered, counts)
+    labels = _labels_room(FIRST_LABELS, words)
+    kept = _kept_room(len(gains) * legs.terms.cargo.full.size, words, FIRST_KEPT)
+    head = np.full(ahead.last.size + 1, -1)
+    cursor = _begin(legs, ahead.last, question, labels, head)
+    ready = np.empty(FIRST_LABELS, dtype=np.int64)
+    while True:
+        state = search(legs, ahead, question, labels, kept, head, cursor, ready)
+        if state != FULL:
+            return Asked(state == FOUND, int(cursor[1]))
+        if cursor[1] == labels.body.size:
+            more = _labels_room(2 * labels.body.size, words)
+            arrays: Iterable[tuple[Array, Array]] = zip(more, labels, strict=True)
+            for new, old in arrays:
+                new[: old.shape[0]] = old
+            labels, ready = more, np.append(ready, ready)
+        else:
+            wider = _kept_room(kept.size.size, words, 2 * kept.left.shape[1])
+            wider.size[:] = kept.size
+            arrays = zip(wider[1:], kept[1:], strict=True)
+            for new, old in arrays:
+                new[..., : old.shape[-1]] = old
+            kept = wider
+
+
+def _begin(
+    legs: Legs,
+    last: npt.NDArray[np.float64],
+    question: Question,
+    labels: Labels,
+    head: npt.NDArray[np.int64],
+) -> npt.NDArray[np.int64]:
+    """The first labels, and the cursor of the search.
+
+    Of kits that weigh something there are as many aboard as will be left behind, be it any number.
+    """
+    cargo, at = legs.terms.cargo, 0
+    most_kits = cargo.full.size - 1
+    for body in legs.terms.starts.tolist():
+        is_launch = body != legs.terms.home
+        takes = int(cargo.takes[body]) if is_launch else 0
+        for kits in range(takes if cargo.heavy else most_kits, most_kits + 1):
+            left = float(legs.terms.begun[kits])
+            if is_launch:  # who is launched onto a target has serviced it by then
+                left = float(after_service(cargo, body, kits, left)) if kits >= takes else -1.0
+            if left < 0.0:
+                continue
+            labels.body[at], labels.came_from[at] = body, -1
+            labels.time[at], labels.left[at] = legs.terms.ready[body], left
+            labels.kits[at], labels.visits[at] = kits - takes, int(question.counts and is_launch)
+            labels.value[at] = question.gain[body] if is_launch else 0
+            labels.memory[at] = 0
+            step = int(np.searchsorted(last, legs.terms.ready[body] - SLACK_S))
+            labels.following[at], head[step] = head[step], at
+            at += 1
+    return np.array([0, at, 0, -1])
+
+
+def _labels_room(size: int, words: int) -> Labels:
+    """Room for labels."""
+    body, kits, visits, came_from = (np.empty(size, dtype=np.int32) for _ in range(4))
+    time, left = np.empty(size), np.empty(size)
+    value, following = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
+    memory = np.empty((size, words), dtype=np.int64)
+    return Labels(body, kits, visits, came_from, time, left, value, memory, following)
+
+
+def _kept_room(places: int, words: int, size: int) -> Kept:
+    """Room for labels to compare with."""
+    visits, came_from = (np.empty((places, size), dtype=np.int32) for _ in range(2))
+    return Kept(
+        np.zeros(places, dtype=np.int64), np.empty((places, size)),
+        np.empty((places, size), dtype=np.int64), visits, came_from,
+        np.empty((places, words, size), dtype=np.int64),
+    )  # fmt: skip

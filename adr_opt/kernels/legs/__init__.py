@@ -1,0 +1,1 @@
+"""Legs between two bodies, compiled."""

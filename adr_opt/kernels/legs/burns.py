@@ -1,0 +1,185 @@
+"""The burns of a transfer as inertial vectors."""
+
+import math
+
+import numpy as np
+
+from ...common.constants import MU_M3_S2
+from ..core.compile import kernel
+from ..orbits import eccentricity, ephemeris
+from . import co_elliptic, precession
+
+HOHMANN_1, PHASING, CO_ELLIPTIC, TERMINAL, APPROACH, DRIFT = range(6)
+PHASES = ("hohmann-1", "phasing", "co-elliptic", "terminal", "approach", "drift")
+
+
+@kernel
+def half_ellipse_speeds(r1, r2):
+    """Speeds at the two ends of a half ellipse, by vis-viva [m/s]."""
+    start = math.sqrt(2.0 * MU_M3_S2 * r2 / (r1 * (r1 + r2)))
+    return start, start * r1 / r2
+
+
+@kernel
+def combine(vector, a, u, b, v):
+    """Write a u + b v: in a loop, because array expressions take long to compile."""
+    for axis in range(3):
+        vector[axis] = a * u[axis] + b * v[axis]
+
+
+@kernel
+def burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r):
+    """The burns of one sequence in time order.
+
+    Parameters
+    ----------
+    orbit_i, orbit_j : (4,) float64
+        Rows of :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
+    pair : adr_opt.kernels.legs.co_elliptic.Pair
+    rule : adr_opt.kernels.legs.co_elliptic.TransferRule
+    departure : float
+        When the chaser is at the line of nodes [s].
+    revolutions : int
+        k.
+    r : float
+        Phasing radius [m].
+
+    Returns
+    -------
+    times : (burns,) float64
+        [s]; six burns for k = 0, seven else.
+    vectors : (burns, 3) float64
+        [m/s], inertial.
+    phases : (burns,) int64
+        Index into :data:`PHASES`: the phase that the burn begins; the second terminal burn ends
+        it, at the stand-off, and the second approach burn ends the approach, at the target.
+    """
+    count = 7 if revolutions > 0 else 6
+    times = np.empty(count)
+    vectors = np.empty((count, 3))
+    phases = np.empty(count, dtype=np.int64)
+
+    ri, rj = pair.radius_i, pair.radius_j
+    rc = r + rule.first_leg_fraction * (rj - r)
+    v1, v1_end = half_ellipse_speeds(ri, r)
+    v2, v2_end = half_ellipse_speeds(r, rc)
+    v3, v3_end = half_ellipse_speeds(rc, rj)
+    circle = math.sqrt(MU_M3_S2 / r) if revolutions > 0 else v2
+    clock = math.pi / co_elliptic.SQRT_MU
+    a1, a2, a3 = 0.5 * (ri + r), 0.5 * (r + rc), 0.5 * (rc + rj)
+    # Nodes shift on every arc; without J2 all of this is 0.
+    turned_1 = pair.shift_i / (a1 * a1 + pair.widening_i)
+    turned_k = 2.0 * revolutions * pair.shift_j / (r * r + pair.widening_j)
+    turned_2 = pair.shift_j / (a2 * a2 + pair.widening_j)
+    turned_3 = pair.shift_j / (a3 * a3 + pair.widening_j)
+
+    position, velocity = ephemeris.state(orbit_i, departure)
+    outward, ahead = position, velocity
+    for axis in range(3):
+        outward[axis] /= ri
+        ahead[axis] /= pair.speed_i
+    now = departure
+    times[0], phases[0] = now, HOHMANN_1
+    combine(vectors[0], v1 - pair.speed_i, ahead, 0.0, ahead)
+    # Half a revolution turns both directions round.
+    ephemeris.turn(outward, turned_1)
+    ephemeris.turn(ahead, turned_1)
+    now += clock * a1 * math.sqrt(a1) * co_elliptic.pace(a1, pair.widening_i)
+    times[1], phases[1] = now, CO_ELLIPTIC
+    met = now + revolutions * co_elliptic.lap_time(r, pair.widening_j)[0]
+    met += clock * a2 * math.sqrt(a2) * co_elliptic.pace(a2, pair.widening_j)
+    met += clock * a3 * math.sqrt(a3) * co_elliptic.pace(a3, pair.widening_j)
+    # Into the plane that the remaining arcs carry onto the target's.
+    raan = ephemeris.node_at(orbit_j, met) - turned_k - turned_2 - turned_3
+    _, _, normal = ephemeris.frame(orbit_j[ephemeris.INCLINATION], raan)
+    after = np.empty(3)
+    for axis in range(3):
+        second, third = (axis + 1) % 3, (axis + 2) % 3
+        after[axis] = normal[second] * outward[third] - normal[third] * outward[second]
+    length = math.sqrt(after[0] ** 2 + after[1] ** 2 + after[2] ** 2)
+    for axis in range(3):
+        after[axis] /= length
+    combine(vectors[1], v1_end, ahead, -circle, after)
+    b = 2
+    if revolutions > 0:
+        phases[1] = PHASING
+        now += revolutions * co_elliptic.lap_time(r, pair.widening_j)[0]
+        ephemeris.turn(outward, turned_k)
+        ephemeris.turn(after, turned_k)
+        times[2], phases[2] = now, CO_ELLIPTIC
+        combine(vectors[2], circle - v2, after, 0.0, after)
+        b = 3
+    now += clock * a2 * math.sqrt(a2) * co_elliptic.pace(a2, pair.widening_j)
+    ephemeris.turn(outward, turned_2)
+    ephemeris.turn(after, turned_2)
+    times[b], phases[b] = now, TERMINAL
+    combine(vectors[b], v3 - v2_end, after, 0.0, after)
+    now += clock * a3 * math.sqrt(a3) * co_elliptic.pace(a3, pair.widening_j)
+    ephemeris.turn(outward, turned_3)
+    ephemeris.turn(after, turned_3)
+    times[b + 1], phases[b + 1] = now, TERMINAL
+    combine(vectors[b + 1], v3_end - pair.speed_j, after, 0.0, after)
+
+    # Half of a 2:1 relative ellipse: a radial impulse n L/4 towards the Earth at its beginning
+    # and the same at its end (Clohessy–Wiltshire).
+    impulse = 0.25 * pair.speed_j / rj * rule.standoff
+    times[b + 2], phases[b + 2] = now, APPROACH
+    combine(vectors[b + 2], impulse, outward, 0.0, after)
+    now += rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j
+    at_target, _ = ephemeris.state(orbit_j, now)
+    times[b + 3], phases[b + 3] = now, APPROACH
+    combine(vectors[b + 3], -impulse / rj, at_target, 0.0, after)
+    return times, vectors, phases
+
+
+@kernel
+def eccentric_share(orbit_i, orbit_j, extra_delta_v, rule, departure, arrival, revolutions):
+    """What of the ΔV of a connection its burns do not account for: what eccentricity adds [m/s].
+
+    Parameters
+    ----------
+    orbit_i, orbit_j, extra_delta_v, rule
+        As :func:`.co_elliptic.prepare` takes them.
+    departure, arrival : float
+        When it really leaves, and when it arrives [s].
+    revolutions : int
+    """
+    pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule)
+    flight = arrival - rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j - departure
+    r = co_elliptic.phasing_radius(pair, rule, revolutions, flight)
+    turn = pair.turn
+    if rule.oblateness != 0.0:
+        lag = pair.lag + pair.lag_rate * departure
+        lag += precession.carried(pair, rule, revolutions, r, flight)
+        _, _, theta = precession.line(pair, lag)
+        turn = 4.0 * math.sin(0.5 * theta) ** 2
+    matching = eccentricity.matching(pair, departure)
+    return co_elliptic.eccentric_share(pair, rule, revolutions, r, turn, matching)
+
+
+@kernel
+def burns_between(orbit_i, orbit_j, extra_delta_v, rule, departure, arrival, revolutions):
+    """The burns of a connection.
+
+    Parameters
+    ----------
+    orbit_i, orbit_j, extra_delta_v, rule
+        As :func:`.co_elliptic.prepare` takes them.
+    departure, arrival : float
+        [s].
+    revolutions : int
+
+    Returns
+    -------
+    times, vectors, phases
+        As of :func:`burns`.
+    """
+    pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule)
+    stand_off = arrival - rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j
+    if rule.oblateness != 0.0:
+        departure = precession.leaving(pair, rule, revolutions, departure, stand_off)
+    flight = stand_off - departure
+    r = co_elliptic.phasing_radius(pair, rule, revolutions, flight)
+    times, vectors, phases = burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r)
+    times[times.size - 1] = arrival  # to the last digit
+    return times, vectors, phases

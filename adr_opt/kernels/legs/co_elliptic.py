@@ -1,0 +1,375 @@
+"""One transfer: the co-elliptic sequence (MODEL section 2).
+
+Vocabulary. The chaser leaves body *i* at the line of nodes, flies half an ellipse to the
+*phasing radius* r_x, turns there into plane *j*, waits k revolutions on the circle, flies half
+an ellipse to the co-elliptic radius r_c and half an ellipse to a point L behind body *j*; the
+*approach*, half a safety ellipse, closes the rest.
+
+All orbits are circles here; what eccentric ones add is in
+:mod:`adr_opt.kernels.orbits.eccentricity`.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ...common.constants import MU_M3_S2, SLACK_S
+from ..core.compile import inlined, kernel
+from ..orbits import eccentricity, ephemeris
+
+TWO_PI = 2.0 * math.pi
+SQRT_MU = math.sqrt(MU_M3_S2)
+
+
+class TransferRule(NamedTuple):
+    """Parameters of every transfer of an instance, with its keep-out zones.
+
+    Attributes
+    ----------
+    first_leg_fraction : float
+        f: the share of r_j − r_x that is closed on the way to the co-elliptic radius.
+    standoff : float
+        L: distance behind the target at which the approach begins [m].
+    approach_revolutions : float
+        Length of the safety ellipse, 0.5 plus whole inspection laps [periods of the target].
+    max_phasing_revolutions : int
+        Largest k.
+    min_radius, max_radius : float
+        Limits of the phasing radius [m].
+    time_value : float
+        w: what a second is worth [m/s per s].
+    zones : (zones, 4) float64
+        Closed keep-out bands: min radius [m], max radius [m], start [s], end [s].
+    oblateness : float
+        J2 R², 0 for two bodies [m²].
+    """
+
+    first_leg_fraction: float
+    standoff: float
+    approach_revolutions: float
+    max_phasing_revolutions: int
+    min_radius: float
+    max_radius: float
+    time_value: float
+    zones: np.ndarray
+    oblateness: float
+
+
+class Pair(NamedTuple):
+    """What a transfer i → j needs and what does not depend on the departure."""
+
+    radius_i: float
+    radius_j: float
+    alpha_i: float
+    alpha_j: float
+    theta: float
+    phase_i: float  # u_i − α_i at t = 0 [rad]
+    phase_j: float
+    rate_i: float  # of the arguments of latitude [rad/s]
+    rate_j: float
+    speed_i: float  # circular speeds [m/s]
+    speed_j: float
+    turn: float  # 4 sin²(θ/2): the square of the chord of the turn
+    fixed_delta_v: float  # approach [m/s]
+    floor_delta_v: float  # no sequence of this pair costs less [m/s]
+    reference: float  # radius of the expansions below [m]
+    flight: float  # T, T′ and T″ without phasing, at the reference
+    flight_1: float
+    flight_2: float
+    lap: float  # one phasing revolution and its derivatives, at the reference
+    lap_1: float
+    lap_2: float
+    shortest: float  # T without phasing at the least radius less a slack, and one revolution there
+    shortest_lap: float
+    longest: float  # the same at the greatest radius, and a slack more
+    longest_lap: float
+    inclination_i: float  # [rad]
+    inclination_j: float
+    lag: float  # Ω_j − Ω_i at t = 0 [rad]
+    lag_rate: float  # [rad/s]
+    node_rate_j: float
+    latitude_i: float  # u at t = 0 [rad]
+    latitude_j: float
+    widening_i: float  # 3/2 J2 R² (4 cos² i − 1): what a² has to it in the latitude's rate [m²]
+    widening_j: float
+    shift_i: float  # −3/2 π J2 R² cos i: a node's shift in half a revolution, but for a² [rad m²]
+    shift_j: float
+    matching: float  # v |Δe| / 2, or 0 where perigees drift [m/s]
+    eccentricity_i: float  # where perigees drift, else 0
+    eccentricity_j: float
+    perigee_lag: float  # ω_j − ω_i at t = 0 [rad]
+    perigee_lag_rate: float  # [rad/s]
+
+
+@inlined
+def pace(axis, widening):
+    """How much longer than a period two-body motion takes to the same latitude; 1 without J2."""
+    return 1.0 if widening == 0.0 else 1.0 / (1.0 + widening / (axis * axis))
+
+
+@inlined
+def flight_time(radius_i, radius_j, widening_i, widening_j, fraction, r):
+    """T(r_x) without phasing revolutions, and its first two derivatives (MODEL section 2).
+
+    Parameters
+    ----------
+    radius_i, radius_j : float
+        Radii of origin and destination [m].
+    widening_i, widening_j : float
+        As in :class:`Pair` [m²].
+    fraction : float
+        f of the co-elliptic radius r_c = r + f (r_j − r).
+    r : float
+        Phasing radius [m].
+
+    Returns
+    -------
+    time, first, second : float
+        [s], [s/m], [s/m²]; of the derivatives what J2 adds is kept to its first order, and to none.
+    """
+    half = 0.5 * (1.0 - fraction)
+    a1 = 0.5 * (radius_i + r)
+    a2 = r + 0.5 * fraction * (radius_j - r)
+    a3 = half * r + 0.5 * (1.0 + fraction) * radius_j
+    b2 = 1.0 - 0.5 * fraction
+    s1, s2, s3 = math.sqrt(a1), math.sqrt(a2), math.sqrt(a3)
+    scale = math.pi / SQRT_MU
+    first = 1.5 * scale * (0.5 * s1 + b2 * s2 + half * s3)
+    second = 0.75 * scale * (0.25 / s1 + b2 * b2 / s2 + half * half / s3)
+    if widening_j == 0.0 and widening_i == 0.0:
+        time = scale * (a1 * s1 + a2 * s2 + a3 * s3)
+    else:
+        time = a1 * s1 * pace(a1, widening_i) + a2 * s2 * pace(a2, widening_j)
+        time = scale * (time + a3 * s3 * pace(a3, widening_j))
+        first *= 1.0 + widening_j / (3.0 * r * r)
+    return time, first, second
+
+
+@inlined
+def lap_time(r, widening):
+    """Period of the phasing circle and its first two derivatives."""
+    root = math.sqrt(r)
+    scale = TWO_PI / SQRT_MU
+    first = 1.5 * scale * root
+    if widening != 0.0:
+        first *= 1.0 + widening / (3.0 * r * r)
+    return scale * r * root * pace(r, widening), first, 0.75 * scale / root
+
+
+@kernel
+def prepare(orbit_i, orbit_j, extra_delta_v, rule):
+    """Everything about the transfer i → j that does not depend on the departure.
+
+    Parameters
+    ----------
+    orbit_i, orbit_j : (4,) float64
+        Rows of :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
+    extra_delta_v : float
+        What matching the eccentricity vectors alone would cost, zero between circles [m/s]. Under
+        J2 it depends on the time, and is :func:`adr_opt.kernels.orbits.eccentricity.matching`.
+    rule : TransferRule
+
+    Returns
+    -------
+    Pair
+    """
+    ri, rj = orbit_i[ephemeris.RADIUS], orbit_j[ephemeris.RADIUS]
+    alpha_i, alpha_j, theta = ephemeris.relative_node(
+        orbit_i[ephemeris.INCLINATION],
+        orbit_i[ephemeris.RAAN],
+        orbit_j[ephemeris.INCLINATION],
+        orbit_j[ephemeris.RAAN],
+    )
+    inclination_i, inclination_j = orbit_i[ephemeris.INCLINATION], orbit_j[ephemeris.INCLINATION]
+    cosine_i, cosine_j = math.cos(inclination_i), math.cos(inclination_j)
+    strength = 1.5 * rule.oblateness
+    wide_i = strength * (4.0 * cosine_i * cosine_i - 1.0)
+    wide_j = strength * (4.0 * cosine_j * cosine_j - 1.0)
+    drifts = rule.oblateness != 0.0
+    fixed = 0.5 * ephemeris.mean_motion(rj) * rule.standoff
+    eccentricity_i = eccentricity_j = matching_alone = 0.0
+    if drifts:
+        eccentricity_i, eccentricity_j = (
+            orbit_i[ephemeris.ECCENTRICITY],
+            orbit_j[ephemeris.ECCENTRICITY],
+        )
+    else:
+        matching_alone = extra_delta_v
+    # The turning burn takes the velocity v₁ of arc 1 to a velocity at the angle θ: it is at least
+    # the distance of v₁ from that direction, v₁ sin θ (v₁ itself beyond a right angle), and v₁ is
+    # least at the greatest radius.
+    slowest = math.sqrt(2.0 * MU_M3_S2 * ri / (rule.max_radius * (ri + rule.max_radius)))
+    turn_floor = slowest * (math.sin(theta) if theta < 0.5 * math.pi else 1.0)
+    if drifts:
+        turn_floor = 0.0  # planes drift towards each other
+    f = rule.first_leg_fraction
+    reference = 0.5 * (ri + rj)
+    flight, flight_1, flight_2 = flight_time(ri, rj, wide_i, wide_j, f, reference)
+    lap, lap_1, lap_2 = lap_time(reference, wide_j)
+    return Pair(
+        ri,
+        rj,
+        alpha_i,
+        alpha_j,
+        theta,
+        orbit_i[ephemeris.ARGUMENT_OF_LATITUDE] - alpha_i,
+        orbit_j[ephemeris.ARGUMENT_OF_LATITUDE] - alpha_j,
+        orbit_i[ephemeris.LATITUDE_RATE],
+        orbit_j[ephemeris.LATITUDE_RATE],
+        math.sqrt(MU_M3_S2 / ri),
+        math.sqrt(MU_M3_S2 / rj),
+        4.0 * math.sin(0.5 * theta) ** 2,
+        fixed,
+        fixed + max(turn_floor, matching_alone) * (1.0 - 1e-12),
+        reference,
+        flight,
+        flight_1,
+        flight_2,
+        lap,
+        lap_1,
+        lap_2,
+        flight_time(ri, rj, wide_i, wide_j, f, rule.min_radius)[0] - SLACK_S,
+        lap_time(rule.min_radius, wide_j)[0],
+        flight_time(ri, rj, wide_i, wide_j, f, rule.max_radius)[0] + SLACK_S,
+        lap_time(rule.max_radius, wide_j)[0],
+        inclination_i,
+        inclination_j,
+        orbit_j[ephemeris.RAAN] - orbit_i[ephemeris.RAAN],
+        orbit_j[ephemeris.RAAN_RATE] - orbit_i[ephemeris.RAAN_RATE],
+        orbit_j[ephemeris.RAAN_RATE],
+        orbit_i[ephemeris.ARGUMENT_OF_LATITUDE],
+        orbit_j[ephemeris.ARGUMENT_OF_LATITUDE],
+        wide_i,
+        wide_j,
+        -strength * math.pi * cosine_i,
+        -strength * math.pi * cosine_j,
+        matching_alone,
+        eccentricity_i,
+        eccentricity_j,
+        orbit_j[ephemeris.PERIGEE] - orbit_i[ephemeris.PERIGEE],
+        orbit_j[ephemeris.PERIGEE_RATE] - orbit_i[ephemeris.PERIGEE_RATE],
+    )
+
+
+@kernel
+def first_departure(pair):
+    """The first departure event at or after t = 0, and how many half turns past N it lies.
+
+    Returns
+    -------
+    time : float
+        [s], less than half a period of i, and before 0 by no more than the slack: a chaser that is
+        ready at 0 takes that event too.
+    half_turns : int
+        Angle of the chaser from N at that event, in half revolutions.
+    """
+    half_turns = math.ceil((pair.phase_i - SLACK_S * pair.rate_i) / math.pi)
+    return (half_turns * math.pi - pair.phase_i) / pair.rate_i, int(half_turns)
+
+
+@kernel
+def target_lead(pair, departure, half_turns):
+    """Δ: how far the target leads the chaser at the departure event, in [0, 2π) [rad]."""
+    lead = pair.phase_j + pair.rate_j * departure - math.pi * (half_turns % 2)
+    lead -= TWO_PI * math.floor(lead / TWO_PI)
+    return lead if lead < TWO_PI else 0.0
+
+
+@inlined
+def phasing_radius(pair, rule, revolutions, time):
+    """The radius r_x at which the sequence with k revolutions takes the given time [m].
+
+    T(r_x) is increasing and nearly linear over the altitude limits: a quadratic inversion about
+    the mean radius, then Halley steps. They converge cubically, so a step below 1e-5 leaves an
+    error at the rounding level. Under J2, of which derivatives know the first order, a step has to
+    be less.
+    """
+    k = float(revolutions)
+    small = 1e-5 if pair.widening_i == 0.0 and pair.widening_j == 0.0 else 1e-9
+    slope = pair.flight_1 + k * pair.lap_1
+    d = (time - pair.flight - k * pair.lap) / slope
+    d -= 0.5 * (pair.flight_2 + k * pair.lap_2) / slope * d * d
+    r = pair.reference + d
+    for _ in range(8):
+        t0, t1, t2 = flight_time(
+            pair.radius_i, pair.radius_j, pair.widening_i, pair.widening_j,
+            rule.first_leg_fraction, r,
+        )  # fmt: skip
+        if revolutions > 0:
+            p0, p1, p2 = lap_time(r, pair.widening_j)
+            t0 += k * p0
+            t1 += k * p1
+            t2 += k * p2
+        error = t0 - time
+        step = error / (t1 - 0.5 * t2 * error / t1)
+        r -= step
+        if abs(step) < small * r:
+            break
+    return r
+
+
+@inlined
+def burn_parts(pair, rule, revolutions, r):
+    """Four numbers that make up the ΔV of a sequence, each without a bend in r (MODEL section 2).
+
+    Returns
+    -------
+    climb : float
+        First burn, against the velocity if negative [m/s].
+    rest : float
+        All burns after the turn likewise: they have one sense [m/s].
+    chord : float
+        How much faster the chaser comes to the turn than it leaves [m/s].
+    square : float
+        The product of the two speeds [m²/s²].
+    """
+    ri, rj = pair.radius_i, pair.radius_j
+    rc = r + rule.first_leg_fraction * (rj - r)
+    # Each half ellipse by its speed at departure; the arrival speed follows from r₁ v₁ = r₂ v₂.
+    v1 = math.sqrt(2.0 * MU_M3_S2 * r / (ri * (ri + r)))
+    v2 = math.sqrt(2.0 * MU_M3_S2 * rc / (r * (r + rc)))
+    v3 = math.sqrt(2.0 * MU_M3_S2 * rj / (rc * (rc + rj)))
+    arrival = v1 * ri / r
+    rest = (v3 - v2 * r / rc) + (pair.speed_j - v3 * rc / rj)
+    circle = v2
+    if revolutions > 0:
+        circle = math.sqrt(MU_M3_S2 / r)
+        rest += v2 - circle
+    return v1 - pair.speed_i, rest, arrival - circle, arrival * circle
+
+
+@inlined
+def sequence_delta_v(pair, rule, revolutions, r):
+    """ΔV of the sequence with phasing radius r, by vis-viva (MODEL section 2) [m/s]."""
+    return turned_delta_v(pair, rule, revolutions, r, pair.turn, pair.matching)
+
+
+@inlined
+def turned_delta_v(pair, rule, revolutions, r, turn, matching):
+    """The same for another turn, 4 sin²(θ/2), and another v |Δe| / 2 [m/s]."""
+    climb, rest, chord, square = burn_parts(pair, rule, revolutions, r)
+    return whole(climb, rest, chord, square * turn, matching) + pair.fixed_delta_v
+
+
+@inlined
+def whole(climb, rest, chord, turned, matching):
+    """ΔV of a sequence, but for the approach [m/s].
+
+    Parameters
+    ----------
+    climb, rest, chord : float
+        As of :func:`burn_parts` [m/s].
+    turned, matching : float
+        As :func:`adr_opt.kernels.orbits.eccentricity.whole` takes them [m²/s²], [m/s].
+    """
+    # (v₁ − v₂)² + 4 v₁ v₂ sin²(θ/2) is the cosine formula without its cancellation.
+    circles = abs(climb) + abs(rest) + math.sqrt(chord * chord + turned)
+    return eccentricity.whole(circles, turned, matching)
+
+
+@kernel
+def eccentric_share(pair, rule, revolutions, r, turn, matching):
+    """What of a sequence's ΔV its burns between circles do not account for [m/s]."""
+    circles = turned_delta_v(pair, rule, revolutions, r, turn, 0.0)
+    return turned_delta_v(pair, rule, revolutions, r, turn, matching) - circles

@@ -1,0 +1,164 @@
+"""The optimum of a drift leg if the target is met with any phase: Newton steps in y and z."""
+
+import math
+from typing import NamedTuple
+
+from ...common.constants import MU_M3_S2
+from ..core.compile import inlined
+from . import drift_linear
+
+MOST_STEPS = 40
+
+SMOOTH_M_S = 0.02
+"""The search rounds the tips of N₁ and N₂ off by it [m/s]."""
+
+NEAR_M_S, NEAR_SPAN_S = 0.03, 30.0 * 86400.0
+"""How far the optimum may be off after the last step; less for legs that are longer than that,
+whose teeth are closer. What is left of a step is about its square over N₁ or N₂, .."""
+
+TIP_ROOM_M_S = 3.0
+""".. which are to be more than this: about their tips that is not so."""
+
+CLOSE_M_S, TINY_M_S = 0.002, 1e-9
+"""A last step that may be taken anywhere, and one that is none."""
+
+GAIN_M_S = 5e-3
+"""The last step saves no more than this where the form is so flat that steps say little."""
+
+
+class Free(NamedTuple):
+    """The optimum if the target is met with any phase.
+
+    Attributes
+    ----------
+    climb, tilt : float
+        b_y and b_z [m/s].
+    least : float
+        ΔV is not below it but for what follows from :data:`SMOOTH_M_S` [m/s].
+    follow : float
+        How much b_z changes with b_y.
+    room : float
+        The lesser of N₁ and N₂, 0 at an altitude limit: form and slopes bend within it [m/s].
+    """
+
+    climb: float
+    tilt: float
+    least: float
+    follow: float
+    room: float
+
+
+@inlined
+def first_guess(pair, task):
+    """The optimum of free phase to first order: b_y and b_z [m/s]."""
+    linear = pair.linear
+    node = linear.speed * linear.sine * task.lag
+    climb = drift_linear.climb_of(linear, task.span, node)
+    _, tilt = drift_linear.split_at(linear, task.span, node, climb)
+    return climb, tilt
+
+
+@inlined
+def free_phase(pair, task, climb, tilt):
+    """The optimum if the target is met with any phase, about: b_y and b_z [m/s].
+
+    Parameters
+    ----------
+    pair : DriftPair
+    task : Task
+    climb, tilt : float
+        To begin with [m/s].
+
+    Returns
+    -------
+    Free
+    """
+    linear = pair.linear
+    worth, per_speed = linear.speed * linear.sine, 1.0 / linear.speed
+    round_off = task.shape * task.shape + SMOOTH_M_S * SMOOTH_M_S
+    cosine, sine = pair.cosine_i, pair.sine_i
+    half = pair.half
+    drifting = task.span - pair.approach - half * (1.0 + pair.fraction)
+    # The arcs beside the drift orbit are halfway to it.
+    known = task.lag + pair.node_rate_i * (task.span - 0.5 * half)
+    known -= pair.node_rate_j * (half * (0.5 + pair.fraction) + pair.approach)
+    climb = min(max(climb, pair.least_climb), pair.most_climb)
+    before, step_y, step_z = math.inf, 0.0, 0.0
+    near = NEAR_M_S * min(1.0, NEAR_SPAN_S / task.span)
+    close = min(near, CLOSE_M_S)
+    least = follow = room = 0.0
+    climb_was, tilt_was, is_first = climb, tilt, False
+    first_left = second_left = True
+    for _ in range(MOST_STEPS):
+        # 1 / r and the mean motion are as the square and the cube of the speed.
+        speed = pair.speed_i - climb
+        inverse = speed * speed * (1.0 / MU_M3_S2)
+        pull = -1.5 * pair.oblateness * inverse * inverse * inverse * speed * drifting
+        more = tilt * per_speed
+        square = more * more
+        even = 1.0 - square * (0.5 - square * (1.0 / 24.0))
+        odd = more * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0)))
+        c, s = cosine * even - sine * odd, sine * even + cosine * odd
+        node = worth * (known - pull * c)
+        rest, left = pair.climb - climb, linear.tilt - tilt
+        first = math.sqrt(climb * climb + tilt * tilt + round_off)
+        second = math.sqrt(rest * rest + left * left + round_off)
+        turn = first + second
+        value = 0.5 * (node * node + turn * turn)
+        if value > before * (1.0 + 1e-12):
+            # Too far: to the nearer tip, which the optimum may be at, or half of the way back.
+            if (is_first and first_left) or (not is_first and second_left):
+                if is_first:
+                    climb, tilt, first_left = 0.0, 0.0, False
+                else:
+                    climb, tilt, second_left = pair.climb, linear.tilt, False
+                climb = min(max(climb, pair.least_climb), pair.most_climb)
+                continue
+            step_y, step_z = 0.5 * step_y, 0.5 * step_z
+            if abs(step_y) + abs(step_z) < TINY_M_S:
+                climb, tilt = climb_was, tilt_was
+                break
+            climb, tilt = climb_was + step_y, tilt_was + step_z
+            continue
+        climb_was, tilt_was = climb, tilt
+        before, is_first = value, first < second
+        # Rates of nodes are as the seventh power of the speed.
+        per_drift_speed = 1.0 / speed
+        by_radius = 7.0 * per_drift_speed
+        node_y, node_z = worth * pull * c * by_radius, worth * pull * s * per_speed
+        inverse_1, inverse_2 = 1.0 / first, 1.0 / second
+        turn_y = climb * inverse_1 - rest * inverse_2
+        turn_z = tilt * inverse_1 - left * inverse_2
+        cube_1 = inverse_1 * inverse_1 * inverse_1
+        cube_2 = inverse_2 * inverse_2 * inverse_2
+        gradient_y = node * node_y + turn * turn_y
+        gradient_z = node * node_z + turn * turn_z
+        yy = node_y * node_y + turn_y * turn_y
+        yz = node_y * node_z + turn_y * turn_z
+        zz = node_z * node_z + turn_z * turn_z
+        yy += turn * ((tilt * tilt + round_off) * cube_1 + (left * left + round_off) * cube_2)
+        yz -= turn * (climb * tilt * cube_1 + rest * left * cube_2)
+        zz += turn * ((climb * climb + round_off) * cube_1 + (rest * rest + round_off) * cube_2)
+        # What bends the node, where that leaves the form convex.
+        bent_y = yy - 6.0 * node * node_y * per_drift_speed
+        bent_z = zz + node * worth * pull * c * per_speed * per_speed
+        bent_yz = yz - node * node_z * by_radius
+        if bent_y > 0.1 * yy and bent_y * bent_z - bent_yz * bent_yz > 0.1 * (yy * zz - yz * yz):
+            yy, zz, yz = bent_y, bent_z, bent_yz
+        per_determinant = 1.0 / (yy * zz - yz * yz)
+        step_y = (yz * gradient_z - zz * gradient_y) * per_determinant
+        step_z = (yz * gradient_y - yy * gradient_z) * per_determinant
+        new = min(max(climb + step_y, pair.least_climb), pair.most_climb)
+        at_limit = new != climb + step_y
+        if at_limit:
+            step_y = new - climb
+            step_z = -(gradient_z + yz * step_y) / zz
+        gain = -(gradient_y * step_y + gradient_z * step_z)
+        least = math.sqrt(2.0 * max(value - gain, 0.0))
+        climb, tilt = climb + step_y, tilt + step_z
+        follow, room = -yz / zz, 0.0 if at_limit else min(first, second)
+        size = abs(step_y) + abs(step_z)
+        is_sure = gain < GAIN_M_S * (abs(node) + turn)
+        if size < close or (is_sure and size * size < near * (room - TIP_ROOM_M_S)):
+            break
+    return Free(climb, tilt, least, follow, room)

@@ -1,0 +1,195 @@
+"""Drift legs on a grid of times: of all departures and arrivals those that no other dominates.
+
+A leg is priced with its phase (:mod:`.drift_laps`) only where the optimum of free phase is cheap
+enough to be listed. From one arrival to the next that optimum changes by no more than the node
+moves on any drift orbit that could be paid for, so arrivals that are too dear are skipped.
+"""
+
+import math
+
+import numpy as np
+
+from ..core.compile import kernel
+from ..core.lists import chosen, wider
+from ..orbits import ephemeris
+from . import drift_linear
+from .drift_free import first_guess, free_phase
+from .drift_laps import split
+from .drift_pair import margin, radius_of, task_of
+
+SLACK_M_S = 0.3
+"""ΔV with phase may be that much less than :mod:`.drift_free` says: its tips are rounded off, and
+arcs beside the drift orbit are taken as halfway to it."""
+
+
+@kernel
+def is_blocked(pair, zones, departure, arrival, climb):
+    """Whether a keep-out zone forbids a drift leg.
+
+    When its arcs are flown is settled later, so a zone forbids the leg if it is closed at some
+    moment of it, in a band that any of its orbits may touch.
+
+    Parameters
+    ----------
+    pair : DriftPair
+    zones : (zones, 4) float64
+        As in :class:`.co_elliptic.TransferRule`.
+    departure, arrival : float
+        [s].
+    climb : float
+        b_y of its split [m/s].
+    """
+    linear = pair.linear
+    drifting = radius_of(pair, climb)
+    off = margin(drifting - linear.radius_i)
+    low = min(min(linear.radius_i, linear.radius_j), drifting - off)
+    high = max(max(linear.radius_i, linear.radius_j), drifting + off)
+    for z in range(zones.shape[0]):
+        if (
+            zones[z, 0] <= high
+            and zones[z, 1] >= low
+            and zones[z, 2] <= arrival
+            and zones[z, 3] >= departure
+        ):
+            return True
+    return False
+
+
+@kernel
+def _change(pair, step, budget):
+    """How much the optimum of free phase may change from one arrival of a grid to the next [m/s].
+
+    Only optima that cost no more than a budget have to be found: their first burn changes size and
+    inclination by no more than half of the budget and of all there is to change.
+    """
+    linear = pair.linear
+    most = 0.5 * (budget + math.hypot(pair.climb, linear.tilt))
+    fastest = 0.0
+    for up in (-1.0, 1.0):
+        climb = min(max(up * most, pair.least_climb), pair.most_climb)
+        radius = radius_of(pair, climb)
+        for tilted in (-1.0, 1.0):
+            inclination = pair.inclination_i + tilted * most / linear.speed
+            rate = ephemeris.node_rate(radius, min(max(inclination, 0.0), math.pi), pair.oblateness)
+            fastest = max(fastest, abs(rate - pair.node_rate_j))
+    shape = 0.5 * linear.speed * abs(linear.perigee_lag_rate)
+    shape *= min(linear.eccentricity_i, linear.eccentricity_j)
+    return step * (linear.speed * linear.sine * fastest + shape)
+
+
+@kernel
+def of_pair(
+    pair, zones, step, longest, duration, most, resolution, departure, arrival, delta_v, kept
+):
+    """The transfers of a pair that no other one dominates: long ones on a grid of times, and short.
+
+    Parameters
+    ----------
+    pair : DriftPair
+    zones : (zones, 4) float64
+        As in :class:`.co_elliptic.TransferRule`.
+    step, longest : float
+        Of the grid, and the longest time of a long transfer [s].
+    duration : float
+        The last arrival [s].
+    most : float
+        Dearer ones are left out [m/s].
+    resolution : float
+        A transfer that saves no more than this is dominated [m/s].
+    departure, arrival, delta_v : (short,) float64
+        Short transfers, none of which dominates another, in order of departure [s], [s], [m/s].
+    kept : (short,) bool
+        Written: those that no long one dominates.
+
+    Returns
+    -------
+    departures, arrivals : (long,) int32
+        Numbers of times of the grid; in order of departure, then of arrival.
+    costs : (long,) float64
+        [m/s].
+    """
+    times = math.floor(duration / step) + 1
+    furthest = min(math.floor(longest / step), times - 1)
+    # The least cost of all that leave later and arrive by then.
+    stair, shape = np.empty(times), np.empty(times)
+    for t in range(times):
+        stair[t], shape[t] = math.inf, drift_linear.shape_left(pair.linear, t * step)
+    room = 1024
+    departures, arrivals = np.empty(room, np.int32), np.empty(room, np.int32)
+    costs_found = np.empty(room)
+    count, short = 0, departure.size - 1
+    # Whatever is drifted, radius and inclination have to be changed in all.
+    floor = math.hypot(pair.climb, pair.linear.tilt)
+    budget, change = most, _change(pair, step, most)
+    for begin in range(times - 1, -1, -1):
+        while short >= 0 and departure[short] >= begin * step:
+            kept[short] = True
+            for t in range(begin + 1, min(math.floor(arrival[short] / step), times - 1) + 1):
+                kept[short] = kept[short] and delta_v[short] < stair[t] - resolution
+            there = math.ceil(arrival[short] / step)
+            if there < times:
+                stair[there] = min(stair[there], delta_v[short])
+            short -= 1
+        if floor > most:
+            continue
+        last = min(begin + furthest, times - 1)
+        cheapest = most + resolution
+        looked, lag = begin + 1, math.inf
+        climb = tilt = before_climb = before_tilt = 0.0
+        last_t, before_t = begin, -1
+        for t in range(begin + 1, last + 1):
+            cheapest = min(cheapest, stair[t])
+            if t < looked:
+                continue
+            below = cheapest - resolution
+            if below <= floor:
+                break
+            leg = task_of(pair, begin * step, t * step, shape[t])
+            if not abs(leg.lag - lag) < 0.1:
+                start_climb, start_tilt = first_guess(pair, leg)
+                before_t = -1
+            elif before_t < 0:
+                start_climb, start_tilt, before_t = climb, tilt, last_t
+            else:
+                # The optimum goes on as it went.
+                more = (t - last_t) / (last_t - before_t)
+                start_climb = climb + more * (climb - before_climb)
+                start_tilt = tilt + more * (tilt - before_tilt)
+                before_t = last_t
+            before_climb, before_tilt = climb, tilt
+            free = free_phase(pair, leg, start_climb, start_tilt)
+            climb, tilt, least = free.climb, free.tilt, free.least
+            lag, last_t = leg.lag, t
+            if least - SLACK_M_S >= below:
+                if below < 0.7 * budget or below > budget:
+                    budget, change = below, _change(pair, step, below)
+                looked = t + max(1, math.floor((least - SLACK_M_S - below) / change))
+                continue
+            way = split(pair, leg, free)
+            if way.delta_v < below:
+                if zones.shape[0] > 0 and is_blocked(
+                    pair, zones, begin * step, t * step, way.climb
+                ):
+                    continue
+                if count == departures.size:
+                    departures, arrivals = wider(departures, count), wider(arrivals, count)
+                    costs_found = wider(costs_found, count)
+                departures[count], arrivals[count] = begin, t
+                cheapest = costs_found[count] = stair[t] = way.delta_v
+                count += 1
+    # From the last departure to the first, each by arrival: turned round departure by departure.
+    order = np.empty(count, np.int64)
+    high, at = count, 0
+    while high > 0:
+        low = high - 1
+        while low > 0 and departures[low - 1] == departures[high - 1]:
+            low -= 1
+        for c in range(low, high):
+            order[at] = c
+            at += 1
+        high = low
+    return (
+        chosen(departures, order, count),
+        chosen(arrivals, order, count),
+        chosen(costs_found, order, count),
+    )

@@ -1,0 +1,171 @@
+"""Drift legs that meet the target: after a whole number of laps more or less than it makes.
+
+Drift orbits that do are a comb about the optimum of free phase. A leg takes the cheaper of the two
+teeth beside it.
+"""
+
+import math
+from typing import NamedTuple
+
+from ..core.compile import inlined
+from .drift_arcs import coast, moved
+from .drift_pair import TURN, climb_to, radius_of
+
+MOST_STEPS = 40
+"""Steps of a Newton iteration."""
+
+CLOSE_M, SHORT_S = 100.0, 86400.0
+"""The last step of a radius is no longer, or so many times as legs are longer than a day: what is
+left to go is of the fourth order in it."""
+
+CLOSE_M_S = 5e-5
+"""A step of an inclination that saves no more is not taken [m/s]."""
+
+TIP_M_S = 1e-6
+"""N₁ and N₂ are not less where they are divided by [m/s]."""
+
+NEARER, FAR = 0.25, 8.0
+"""A tooth is taken without a look at the next one where the optimum is within this share of the way
+to it, and N₁ and N₂ are this many times as large as that way: costs are then nearly a parabola."""
+
+
+class Split(NamedTuple):
+    """How a drift leg is split: ΔV, and what the first burn changes of size, inclination and node.
+
+    All in m/s; infinite ΔV if no tooth lies between the altitude limits.
+    """
+
+    delta_v: float
+    climb: float
+    tilt: float
+    along: float
+
+
+@inlined
+def tooth(pair, task, radius, arcs, laps):
+    """The drift orbit that makes a number of laps, near one whose arcs are given.
+
+    Parameters
+    ----------
+    laps : float
+        A whole number: turns that the chaser gains beyond ``task.ahead``.
+
+    Returns
+    -------
+    radius : float
+        [m]; NaN if it is not found.
+    arcs : Coast
+    """
+    wanted = task.ahead + TURN * laps
+    for _ in range(MOST_STEPS):
+        share = (wanted - arcs.phase) / (arcs.phase_slope * radius)
+        # The phase falls about with the radius to the power of −1.5: the inverse of that series.
+        share *= 1.0 + share * (1.25 + share * (5.0 / 3.0))
+        step = min(max(share, -0.2), 0.2) * radius
+        # What is left is of the fourth order in the step, and of the first in how far that series
+        # is off, which the arcs beside the drift make it.
+        if abs(step) < CLOSE_M * max(1.0, task.span / SHORT_S):
+            return radius + step, moved(arcs, radius, step)
+        radius += step
+        arcs = coast(pair, task.span, radius)
+    return math.nan, arcs
+
+
+@inlined
+def _tilt_at(pair, task, arcs, climb, tilt):
+    """The best z with a given drift orbit, near one that is given, and the split that it makes.
+
+    Minimises (X² + (N₁ + N₂)²) / 2, which is convex but for the curvature of a cosine: Newton
+    steps. Between points where the slope is known to change its sign the interval is halved instead
+    where a step leaves it, or is not half of the step before: about a tip, where the slope jumps,
+    steps may go to and fro for ever.
+    """
+    linear = pair.linear
+    per_speed = 1.0 / linear.speed
+    worth = linear.speed * linear.sine
+    rest, shape = pair.climb - climb, task.shape
+    flat_1, flat_2 = climb * climb + shape * shape, rest * rest + shape * shape
+    # The node left, as a polynomial of what the inclination changes: cosines of i_i + δ on the
+    # drift orbit, halfway to it before, and halfway from it to i_j after it.
+    c, s = pair.cosine_i, pair.sine_i
+    p0 = (arcs.node_drift + arcs.node_out) * c + arcs.node_back * pair.cosine
+    p0 += arcs.node_end * pair.cosine_j + pair.node_rate_j * pair.approach
+    p0 -= task.lag + pair.node_rate_i * task.span
+    p1 = -arcs.node_drift * s - 0.5 * (arcs.node_out * s + arcs.node_back * linear.sine)
+    p2 = -0.5 * arcs.node_drift * c - 0.125 * (arcs.node_out * c + arcs.node_back * pair.cosine)
+    p3 = arcs.node_drift * s / 6.0 + (arcs.node_out * s + arcs.node_back * linear.sine) / 48.0
+    p4, p5 = arcs.node_drift * c / 24.0, -arcs.node_drift * s / 120.0
+    low, high, before = -math.inf, math.inf, math.inf
+    node = first = second = 0.0
+    for _ in range(MOST_STEPS):
+        more = tilt * per_speed
+        node = -worth * (p0 + more * (p1 + more * (p2 + more * (p3 + more * (p4 + more * p5)))))
+        slope = p1 + more * (2.0 * p2 + more * (3.0 * p3 + more * (4.0 * p4 + more * 5.0 * p5)))
+        slope *= -worth * per_speed
+        left = linear.tilt - tilt
+        first, second = math.sqrt(flat_1 + tilt * tilt), math.sqrt(flat_2 + left * left)
+        turn = first + second
+        # At the tips of N₁ and N₂ the slope of one is that of the side that is come from.
+        inverse_1, inverse_2 = 1.0 / max(first, TIP_M_S), 1.0 / max(second, TIP_M_S)
+        inner = tilt * inverse_1 - left * inverse_2
+        gradient = node * slope + turn * inner
+        hessian = flat_1 * inverse_1 * inverse_1 * inverse_1
+        hessian += flat_2 * inverse_2 * inverse_2 * inverse_2
+        hessian = slope * slope + inner * inner + turn * hessian
+        hessian -= 2.0 * node * worth * per_speed * per_speed * (p2 + 3.0 * more * p3)
+        if gradient > 0.0:
+            high = tilt
+        else:
+            low = tilt
+        step = (
+            -gradient / hessian if hessian > 0.0 else -math.copysign(0.1 * linear.speed, gradient)
+        )
+        step = min(max(step, -0.1 * linear.speed), 0.1 * linear.speed)
+        to_and_fro = abs(step) > 0.5 * before and high - low < math.inf
+        if to_and_fro or not low < tilt + step < high:
+            step = 0.5 * (low + high) - tilt
+        # A step gains so much: it is not taken where that is less than anybody looks at.
+        if not gradient * gradient > 2.0 * CLOSE_M_S * abs(hessian) * (abs(node) + turn):
+            break
+        before = abs(step)
+        tilt += step
+    along = node * first / turn if turn > 0.0 else 0.0
+    return Split(math.sqrt(node * node + turn * turn), climb, tilt, along)
+
+
+@inlined
+def split(pair, task, free):
+    """The cheaper of the two teeth about an optimum of free phase.
+
+    Parameters
+    ----------
+    pair : DriftPair
+    task : Task
+    free : Free
+
+    Returns
+    -------
+    Split
+    """
+    best = Split(math.inf, free.climb, free.tilt, 0.0)
+    radius = radius_of(pair, free.climb)
+    arcs = coast(pair, task.span, radius)
+    if arcs.drift <= 0.0:
+        return best
+    laps = (arcs.phase - task.ahead) / TURN
+    least, most = radius_of(pair, pair.least_climb), radius_of(pair, pair.most_climb)
+    nearer = float(math.floor(laps + 0.5))
+    other = nearer + 1.0 if laps > nearer else nearer - 1.0
+    for number in (nearer, other):
+        found, there = tooth(pair, task, radius, arcs, number)
+        if not (least <= found <= most) or there.drift <= 0.0:
+            continue
+        climb = climb_to(pair, found)
+        away = climb - free.climb
+        tilt = free.tilt + free.follow * away if FAR * abs(away) < free.room else free.tilt
+        way = _tilt_at(pair, task, there, climb, tilt)
+        if way.delta_v < best.delta_v:
+            best = way
+        if abs(laps - nearer) < NEARER and FAR * (1.0 - NEARER) / NEARER * abs(away) < free.room:
+            break
+    return best

@@ -1,0 +1,184 @@
+"""Drift legs: what does not depend on their times, and what a leg between two times asks for."""
+
+import math
+from typing import NamedTuple
+
+from ...common.constants import MU_M3_S2
+from ..core.compile import inlined, kernel
+from ..orbits import ephemeris
+from . import drift_linear
+from .drift_linear import LinearPair
+
+MARGIN_M, MARGIN_SHARE = 60e3, 0.3
+"""See :func:`margin`."""
+
+TURN = 2.0 * math.pi
+
+
+class DriftPair(NamedTuple):
+    """What a drift leg i → j needs and what does not depend on its times.
+
+    Attributes
+    ----------
+    linear : LinearPair
+        The same to first order, which holds radii, speed and what is to change.
+    speed_i, climb, least_climb, most_climb : float
+        Circular speed at the origin; v_y, and between which y keeps the drift orbit within the
+        altitude limits [m/s].
+    inclination_i, inclination_j : float
+        [rad].
+    cosine, cosine_i, sine_i, cosine_j : float
+        cos ī, cos i_i, sin i_i and cos i_j.
+    node_rate_i, node_rate_j : float
+        Of the chaser that has left and stays, and of the target [rad/s].
+    latitude, latitude_rate_i, latitude_rate_j : float
+        u_j − u_i at t = 0 [rad], and the rates of both [rad/s].
+    lead : float
+        How far the stand-off is behind the target [rad].
+    approach : float
+        Time from the stand-off to the target [s].
+    half : float
+        Time of half a turn halfway between both orbits [s].
+    fraction : float
+        f: share of r_j − r that is closed on the way to the co-elliptic orbit.
+    oblateness : float
+        J2 R² [m²].
+    """
+
+    linear: LinearPair
+    speed_i: float
+    climb: float
+    least_climb: float
+    most_climb: float
+    inclination_i: float
+    inclination_j: float
+    cosine: float
+    cosine_i: float
+    sine_i: float
+    cosine_j: float
+    node_rate_i: float
+    node_rate_j: float
+    latitude: float
+    latitude_rate_i: float
+    latitude_rate_j: float
+    lead: float
+    approach: float
+    half: float
+    fraction: float
+    oblateness: float
+
+
+class Task(NamedTuple):
+    """A drift leg between two times, as it is to be split.
+
+    Attributes
+    ----------
+    span : float
+        T [s].
+    lag : float
+        What is left of the node on arrival if nothing is done before, by the turn taken [rad].
+    ahead : float
+        λ_j(t_f − approach) − lead − λ_i(t_s) [rad].
+    shape : float
+        E [m/s].
+    """
+
+    span: float
+    lag: float
+    ahead: float
+    shape: float
+
+
+@kernel
+def prepare(orbit_i, orbit_j, rule):
+    """Everything about drift legs i → j that does not depend on their times.
+
+    Parameters
+    ----------
+    orbit_i, orbit_j : (columns,) float64
+        Rows of :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`, the first one of a body as
+        it is left.
+    rule : TransferRule
+
+    Returns
+    -------
+    DriftPair
+    """
+    linear = drift_linear.prepare(
+        orbit_i, orbit_j, rule.min_radius, rule.max_radius, rule.oblateness
+    )
+    inclination_i, inclination_j = orbit_i[ephemeris.INCLINATION], orbit_j[ephemeris.INCLINATION]
+    inclination = 0.5 * (inclination_i + inclination_j)
+    mean_radius = 0.5 * (orbit_i[ephemeris.RADIUS] + orbit_j[ephemeris.RADIUS])
+    speed_i = math.sqrt(MU_M3_S2 / orbit_i[ephemeris.RADIUS])
+    return DriftPair(
+        linear,
+        speed_i,
+        speed_i - math.sqrt(MU_M3_S2 / orbit_j[ephemeris.RADIUS]),
+        speed_i - math.sqrt(MU_M3_S2 / rule.min_radius),
+        speed_i - math.sqrt(MU_M3_S2 / rule.max_radius),
+        inclination_i,
+        inclination_j,
+        math.cos(inclination),
+        math.cos(inclination_i),
+        math.sin(inclination_i),
+        math.cos(inclination_j),
+        ephemeris.coasting_node_rate(orbit_i),
+        orbit_j[ephemeris.RAAN_RATE],
+        orbit_j[ephemeris.ARGUMENT_OF_LATITUDE] - orbit_i[ephemeris.ARGUMENT_OF_LATITUDE],
+        orbit_i[ephemeris.LATITUDE_RATE],
+        orbit_j[ephemeris.LATITUDE_RATE],
+        rule.standoff / orbit_j[ephemeris.RADIUS],
+        rule.approach_revolutions * ephemeris.revolution(orbit_j),
+        math.pi / ephemeris.latitude_rate(mean_radius, inclination, rule.oblateness),
+        rule.first_leg_fraction,
+        rule.oblateness,
+    )
+
+
+@inlined
+def task_of(pair, departure, arrival, shape):
+    """The leg between two times whose eccentricity vectors ask for E [m/s].
+
+    The node is turned the nearer way, as it is if half of size and inclination is changed at either
+    end.
+    """
+    linear, span = pair.linear, arrival - departure
+    lag = linear.lag + linear.lag_rate * arrival + linear.lag_by_departure * departure
+    worth = linear.speed * linear.sine
+    if worth > 0.0:
+        half = linear.by_radius * linear.climb + linear.by_inclination * linear.tilt
+        left = lag + 0.5 * span * half / worth
+        lag -= TURN * math.ceil((left - math.pi) / TURN)
+    met = arrival - pair.approach
+    ahead = pair.latitude + pair.latitude_rate_j * met - pair.latitude_rate_i * departure
+    ahead += pair.cosine * (lag + pair.node_rate_i * span - pair.node_rate_j * pair.approach)
+    return Task(span, lag, ahead - pair.lead, shape)
+
+
+@kernel
+def task(pair, departure, arrival):
+    """The leg between two times [s]."""
+    return task_of(pair, departure, arrival, drift_linear.shape_left(pair.linear, arrival))
+
+
+@inlined
+def radius_of(pair, climb):
+    """Radius of the drift orbit that y leads to [m]."""
+    speed = pair.speed_i - climb
+    return MU_M3_S2 / (speed * speed)
+
+
+@inlined
+def climb_to(pair, radius):
+    """The y that leads to a radius [m/s]."""
+    return pair.speed_i - math.sqrt(MU_M3_S2 / radius)
+
+
+@inlined
+def margin(change):
+    """How far the radius of a drift orbit that differs by so much may be off what is planned [m].
+
+    The flight may take another tooth, and leave or arrive at another crossing.
+    """
+    return MARGIN_M + MARGIN_SHARE * abs(change)

@@ -1,0 +1,136 @@
+"""Connections between planes that drift: short transfers at events, long ones on a grid of times.
+
+As :mod:`.connections` for two bodies, but that nothing is regular any more: short ones
+(:mod:`.short_transfers`) and long ones (:mod:`.drift`) are sifted and then put into one list.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.compile import kernel
+from ..core.lists import chosen, ranks, rising
+from . import co_elliptic, drift_grid, drift_pair
+from .connections import Found
+from .short_transfers import short
+
+
+class Times(NamedTuple):
+    """When transfers may leave, and how long they may take.
+
+    Attributes
+    ----------
+    interval : float
+        Between departure events of a pair, at least [s].
+    step, longest : float
+        Of the grid of long transfers, and the longest of them, 0 for none [s].
+    most : float
+        Transfers that cost more are of no use to anybody [m/s].
+    """
+
+    interval: float
+    step: float
+    longest: float
+    most: float
+
+
+@kernel
+def _by_departure(departure, arrival, order):
+    """Put an order by departure, and of those that leave together by arrival.
+
+    It is nearly so already: only sequences of events beside each other can change places.
+    """
+    for place in range(1, order.size):
+        new, at = order[place], place
+        while at > 0 and (
+            departure[order[at - 1]] > departure[new]
+            or (
+                departure[order[at - 1]] == departure[new] and arrival[order[at - 1]] > arrival[new]
+            )
+        ):
+            order[at] = order[at - 1]
+            at -= 1
+        order[at] = new
+
+
+@kernel
+def _merged(departure, arrival, cost, laps, kept, leaves, lands, long_cost, step):
+    """Short and long transfers in one list, by departure and then by arrival: a :class:`Found`."""
+    rank = ranks(arrival)
+    order = rising(arrival, arrival.size)
+    highest = 0 if lands.size == 0 else lands.max()
+    # So many short transfers arrive before a time of the grid, at as many different times at most.
+    before = np.empty(highest + 1, np.int32)
+    place = 0
+    for t in range(highest + 1):
+        while place < order.size and arrival[order[place]] < t * step:
+            place += 1
+        before[t] = 0 if place == 0 else rank[order[place - 1]] + 1
+    shorts = 0
+    for c in range(kept.size):
+        shorts += kept[c]
+    size = shorts + leaves.size
+    departures, arrivals, costs = np.empty(size), np.empty(size), np.empty(size)
+    revolutions, crossing = np.empty(size, np.int8), np.empty(size, np.int32)
+    short, long = 0, 0
+    for at in range(size):
+        while short < kept.size and not kept[short]:
+            short += 1
+        is_long = long < leaves.size and (
+            short == kept.size
+            or leaves[long] * step < departure[short]
+            or (leaves[long] * step == departure[short] and lands[long] * step < arrival[short])
+        )
+        if is_long:
+            departures[at], arrivals[at] = leaves[long] * step, lands[long] * step
+            costs[at], revolutions[at] = long_cost[long], -1
+            crossing[at] = lands[long] + before[lands[long]]
+            long += 1
+        else:
+            departures[at], arrivals[at] = departure[short], arrival[short]
+            costs[at], revolutions[at] = cost[short], laps[short]
+            crossing[at] = rank[short] + min(math.ceil(arrival[short] / step), highest + 1)
+            short += 1
+    return Found(departures, arrivals, costs, revolutions, crossing)
+
+
+@kernel
+def of_pair(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolution):
+    """All connections of a pair that no other one dominates.
+
+    Parameters
+    ----------
+    orbit_i, orbit_j : (columns,) float64
+        Rows of :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
+    extra_delta_v : float
+        As :func:`.co_elliptic.prepare` takes it [m/s].
+    rule : TransferRule
+        Its time value is not looked at.
+    times : Times
+    duration : float
+        Connections that arrive later are left out [s].
+    resolution : float
+        A connection that saves no more than this is dominated [m/s].
+
+    Returns
+    -------
+    Found
+        Long transfers have −1 revolutions.
+    """
+    pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule)
+    found, order = short(pair, rule, duration, times.interval, times.most, resolution)
+    shorts = order.size
+    _by_departure(found.departure, found.arrival, order)
+    departure = chosen(found.departure, order, shorts)
+    arrival = chosen(found.arrival, order, shorts)
+    cost, laps = chosen(found.delta_v, order, shorts), chosen(found.revolutions, order, shorts)
+    if times.longest < times.step:
+        return Found(departure, arrival, cost, laps, ranks(arrival))
+    drifts = drift_pair.prepare(orbit_i, orbit_j, rule)
+    kept = np.empty(shorts, np.bool_)
+    leaves, lands, long_cost = drift_grid.of_pair(
+        drifts, rule.zones, times.step, times.longest, duration, times.most, resolution,
+        departure, arrival, cost, kept,
+    )  # fmt: skip
+    return _merged(departure, arrival, cost, laps, kept, leaves, lands, long_cost, times.step)

@@ -1,0 +1,288 @@
+"""Fixed points of the sequences between drifting planes, many at once.
+
+What :func:`.precession.settle` finds one by one, with an inversion and a line of nodes at every
+step, follows from one number here: s, by how much the difference of the RAANs that a sequence is
+flown for differs from that of its event. With s both ends are known, since the tangents of the
+angles by which the line of nodes moves are rational in sin s and cos s; and with the flight time
+between the ends ε is, read off the curves of the pair (:mod:`.phasing`). So s is the fixed point of
+products and sums without a branch, and the compiler makes vectors of them. Two steps, drawn on by
+Aitken's rule, leave an error of rounding; what is left is measured, and a sequence that it is
+too much for is said to be unsure.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ...common.constants import SLACK_S
+from ..core.compile import inlined, kernel
+from ..core.lists import rising
+from ..core.memory import borrowed
+from ..orbits import eccentricity
+from .co_elliptic import TWO_PI
+from .phasing import NODES
+
+BLOCK = 128
+"""Events that are laid out at once. Offsets within an array are known to the compiler, so that it
+sees that no two of its fields overlap."""
+
+BAND_S = 300.0
+"""A sequence whose flight time without ε is so far from what its revolutions allow is left out."""
+
+FLAT_RAD = 3e-4
+"""Where planes are so near, or so near to opposite, too many digits are lost [rad]."""
+
+SMALL = 1.7
+"""Tangents of angles up to so much are followed by a series."""
+
+TERMS = np.array([(-1.0) ** term / (2.0 * term + 1.0) for term in range(14)])
+"""Of the arc tangent: what is left out of it is less than rounding."""
+
+SURE = 0.03
+"""A step that is less than so much of the step before is on the way to a fixed point."""
+
+ERROR_S = 1e-9
+"""By which the ends of a sequence may be off [s]."""
+
+ASIDE_S = 100.0
+"""Before and after an event, where what eccentricities cost is looked up [s]."""
+
+LANES = 8
+"""Numbers of the widest vectors."""
+
+(
+    BASE, SINE, COSINE, ACROSS_I, ALONG_I, ACROSS_J, ALONG_J, TURN,
+    MATCHING, MATCHING_1, MATCHING_2, EARLIEST, ERROR,
+) = range(13)  # fmt: skip
+COST, REVOLUTIONS, LEFT, MET = range(4)
+
+
+class Grid(NamedTuple):
+    """The cheapest sequences of a block of events, by when they meet the target.
+
+    Attributes
+    ----------
+    facts : (fields · BLOCK,) float64
+        Of the events: flight time of the first row without ε [s], sine and cosine of δ, and how the
+        line of nodes moves in both planes; 4 sin²(θ/2); the square of what matching alone costs,
+        as a parabola over the time from the event; the earliest departure and the greatest error
+        of s.
+    found : (rows, 4 · BLOCK) float64
+        ΔV, +inf for none and −inf where one is unsure [m/s]; revolutions; and how long after the
+        event they leave, and after the time of the row they meet [s]. Rows are a revolution of the
+        target apart.
+    place : (BLOCK,) int64
+        Where in these arrays an event is: they are in order of the flight time of the first row.
+    curves : (revolutions + 1, 6 · NODES) float64
+        Nodes and coefficients of :class:`.phasing.Curves`, in one row for each k.
+    """
+
+    facts: np.ndarray
+    found: np.ndarray
+    place: np.ndarray
+    curves: np.ndarray
+
+
+@kernel
+def grid_of(curves, rows):
+    """A grid with room for a block and so many rows, of the curves of a pair."""
+    flat = np.empty((curves.time.shape[0], 6 * NODES))
+    for k in range(flat.shape[0]):
+        for n in range(NODES):
+            flat[k, n] = curves.time[k, n]
+            for part in range(5):
+                flat[k, (part + 1) * NODES + n] = curves.coefficients[k, part, n]
+    return Grid(np.zeros(13 * BLOCK), np.zeros((rows, 4 * BLOCK)), np.empty(BLOCK, np.int64), flat)
+
+
+@inlined
+def _enter(pair, facts, e, time, base, lag):
+    """Write an event into a place of a grid: its time, the flight time of its first row, and δ."""
+    sine_i, sine_j = math.sin(pair.inclination_i), math.sin(pair.inclination_j)
+    cosine_i, cosine_j = math.cos(pair.inclination_i), math.cos(pair.inclination_j)
+    half = math.sin(0.5 * lag) ** 2
+    sine = math.sin(lag)
+    # The line of nodes in each plane, as in orbits.relative_node; its length is sin θ.
+    apart = math.sin(pair.inclination_j - pair.inclination_i)
+    across_i, along_i = apart - 2.0 * cosine_i * sine_j * half, sine_j * sine
+    across_j, along_j = apart + 2.0 * cosine_j * sine_i * half, sine_i * sine
+    square = across_i * across_i + along_i * along_i
+    facts[BASE * BLOCK + e], facts[SINE * BLOCK + e] = base, sine
+    facts[COSINE * BLOCK + e] = math.cos(lag)
+    facts[ACROSS_I * BLOCK + e] = across_i * sine_j / square
+    facts[ALONG_I * BLOCK + e] = along_i * sine_j / square
+    facts[ACROSS_J * BLOCK + e] = across_j * sine_i / square
+    facts[ALONG_J * BLOCK + e] = along_j * sine_i / square
+    tilt = 4.0 * math.sin(0.5 * (pair.inclination_j - pair.inclination_i)) ** 2
+    facts[TURN * BLOCK + e] = tilt + 4.0 * sine_i * sine_j * half
+    before = eccentricity.matching(pair, time - ASIDE_S) ** 2
+    there = eccentricity.matching(pair, time) ** 2
+    after = eccentricity.matching(pair, time + ASIDE_S) ** 2
+    facts[MATCHING * BLOCK + e] = there
+    facts[MATCHING_1 * BLOCK + e] = 0.5 * (after - before) / ASIDE_S
+    facts[MATCHING_2 * BLOCK + e] = 0.5 * (after - 2.0 * there + before) / (ASIDE_S * ASIDE_S)
+    facts[EARLIEST * BLOCK + e] = -SLACK_S - time
+    # Nowhere does the line move faster against s than by so much, but for a share of SMALL.
+    speed = (sine_j / pair.rate_i + sine_i / pair.rate_j) / math.sqrt(square)
+    facts[ERROR * BLOCK + e] = ERROR_S / speed
+
+
+@inlined
+def _angle(sine, cosine):
+    """The angle of a direction that need not be of length one, by that of its quarter.
+
+    Even and odd terms are added up beside each other, which is faster.
+    """
+    half = sine / (cosine + math.sqrt(cosine * cosine + sine * sine))
+    quarter = half / (1.0 + math.sqrt(1.0 + half * half))
+    square = quarter * quarter
+    fourth, even, odd = square * square, 0.0, 0.0
+    for term in range(12, -1, -2):
+        even = even * fourth + TERMS[term]
+        odd = odd * fourth + TERMS[term + 1]
+    return 4.0 * quarter * (even + odd * square)
+
+
+@inlined
+def _ends(facts, e, s, rate_i, rate_j, cosine_i, cosine_j):
+    """How much later than its event a sequence leaves and meets the target for s [s].
+
+    Returns
+    -------
+    left, met : float
+        [s].
+    versine : float
+        By how much 1 − cos δ grows.
+    narrow : bool
+        Whether both angles are small enough for that.
+    """
+    half = 0.5 * s
+    q = half * half
+    sine = half * (1.0 - q * (1.0 / 6.0) * (1.0 - q * 0.05 * (1.0 - q * (1.0 / 42.0))))
+    cosine = 1.0 - 0.5 * q * (1.0 - q * (1.0 / 12.0) * (1.0 - q * (1.0 / 30.0)))
+    at_sine, at_cosine = facts[SINE * BLOCK + e], facts[COSINE * BLOCK + e]
+    moved = 2.0 * sine * (at_cosine * cosine - at_sine * sine)
+    versine = 2.0 * sine * (at_sine * cosine + at_cosine * sine)
+    across, along = facts[ACROSS_I * BLOCK + e], facts[ALONG_I * BLOCK + e]
+    sine_i = across * moved + cosine_i * along * versine
+    into_i = 1.0 + along * moved - cosine_i * across * versine
+    across, along = facts[ACROSS_J * BLOCK + e], facts[ALONG_J * BLOCK + e]
+    sine_j = across * moved - cosine_j * along * versine
+    into_j = 1.0 + along * moved + cosine_j * across * versine
+    narrow = (abs(sine_i) <= SMALL * into_i) & (abs(sine_j) <= SMALL * into_j)
+    return _angle(sine_i, into_i) / rate_i, _angle(sine_j, into_j) / rate_j, versine, narrow
+
+
+@inlined
+def _shift(curve, time):
+    """ε at a flight time."""
+    shift = 0.0
+    for n in range(NODES - 1, -1, -1):
+        shift = shift * (time - curve[n]) + curve[5 * NODES + n]
+    return shift
+
+
+@kernel
+def _lower(
+    facts, curve, found, size, later, k, low, high,
+    rate_i, rate_j, cosine_i, cosine_j, lag_rate, sines, fixed,
+):  # fmt: skip
+    """Lower a part of a row to sequences with k revolutions; one loop that becomes vectors."""
+    for e in range(size):
+        base = facts[BASE * BLOCK + e] + later
+        # s = g(s): g(0), g there, on by Aitken's rule, and a step of the secant method.
+        s0 = _shift(curve, base)
+        left, met, versine, narrow = _ends(facts, e, s0, rate_i, rate_j, cosine_i, cosine_j)
+        s1 = lag_rate * left + _shift(curve, base + met - left)
+        bend = 2.0 * s0 - s1
+        s2 = s1 if bend == 0.0 else s1 + (s1 - s0) * (s1 - s0) / bend
+        left, met, versine, narrow = _ends(facts, e, s2, rate_i, rate_j, cosine_i, cosine_j)
+        s3 = lag_rate * left + _shift(curve, base + met - left)
+        steep = 0.0 if s2 == s0 else (s3 - s1) / (s2 - s0)
+        s = s2 + (s3 - s2) / (1.0 - steep)
+        left, met, versine, narrow = _ends(facts, e, s, rate_i, rate_j, cosine_i, cosine_j)
+        time = base + met - left
+        shift = _shift(curve, time)
+        climb = rest = chord = square = 0.0
+        for n in range(NODES - 1, -1, -1):
+            after = time - curve[n]
+            climb = climb * after + curve[NODES + n]
+            rest = rest * after + curve[2 * NODES + n]
+            chord = chord * after + curve[3 * NODES + n]
+            square = square * after + curve[4 * NODES + n]
+        error = facts[ERROR * BLOCK + e]
+        sure = (
+            (abs(lag_rate * left + shift - s) <= error)
+            & (abs(s1 - s0) <= SURE * abs(s0) + error)
+            & narrow
+        )
+        turned = square * (facts[TURN * BLOCK + e] + sines * versine)
+        matching = facts[MATCHING * BLOCK + e] + left * (
+            facts[MATCHING_1 * BLOCK + e] + left * facts[MATCHING_2 * BLOCK + e]
+        )
+        circles = abs(climb) + abs(rest) + math.sqrt(chord * chord + turned)
+        cost = max(circles, math.sqrt(max(matching, 0.0) + turned)) + fixed
+        there = sure & (low <= time) & (time <= high) & (left >= facts[EARLIEST * BLOCK + e])
+        cost = cost if there else math.inf
+        unsure = (not sure) & (low - BAND_S <= base) & (base <= high + BAND_S)
+        cost = -math.inf if unsure else cost
+        # Read whether or not they are kept: without a branch.
+        best, best_k = found[COST * BLOCK + e], found[REVOLUTIONS * BLOCK + e]
+        best_left, best_met = found[LEFT * BLOCK + e], found[MET * BLOCK + e]
+        better = cost < best
+        found[COST * BLOCK + e] = cost if better else best
+        found[REVOLUTIONS * BLOCK + e] = k if better else best_k
+        found[LEFT * BLOCK + e] = left if better else best_left
+        found[MET * BLOCK + e] = met if better else best_met
+
+
+@kernel
+def lay_out(pair, grid, numbers, bases, rows):
+    """Find the cheapest sequences of some events.
+
+    Parameters
+    ----------
+    pair : Pair
+    grid : Grid
+        Written.
+    numbers : (events, 2 or more) float64
+        Of at most ``BLOCK`` events: when they are [s], and δ [rad].
+    bases : (events,) float64
+        Their flight times in the first row without ε: from ``pair.shortest − BAND_S`` on, less than
+        a revolution of the target [s].
+    rows : int
+        So many rows are wanted.
+    """
+    grid, size = borrowed(grid), bases.size
+    lap, first = TWO_PI / pair.rate_j, pair.shortest - BAND_S
+    order, base = rising(bases, size), np.empty(size)
+    for place in range(size):
+        e = order[place]
+        grid.place[e], base[place] = place, bases[e]
+        _enter(pair, grid.facts, place, numbers[e, 0], bases[e], numbers[e, 1])
+    for row in range(rows):
+        for e in range(COST * BLOCK, COST * BLOCK + size):
+            grid.found[row, e] = math.inf
+    sines = 2.0 * math.sin(pair.inclination_i) * math.sin(pair.inclination_j)
+    cosine_i, cosine_j = math.cos(pair.inclination_i), math.cos(pair.inclination_j)
+    for k in range(grid.curves.shape[0]):
+        low = pair.shortest + k * pair.shortest_lap
+        high = pair.longest + k * pair.longest_lap
+        row = max(int((low - BAND_S - first) / lap), 0)
+        while row < rows and first + row * lap <= high + BAND_S:
+            begin, end = 0, size
+            while begin < end and base[begin] + row * lap < low - BAND_S:
+                begin += 1
+            while begin < end and base[end - 1] + row * lap > high + BAND_S:
+                end -= 1
+            if begin < end:
+                # Whole vectors: the rest of a loop that is none would take as long as all of it.
+                begin = begin // LANES * LANES
+                _lower(
+                    grid.facts[begin:], grid.curves[k], grid.found[row, begin:],
+                    (end - begin + LANES - 1) // LANES * LANES, row * lap, float(k), low, high,
+                    pair.rate_i, pair.rate_j, cosine_i, cosine_j, pair.lag_rate, sines,
+                    pair.fixed_delta_v,
+                )  # fmt: skip
+            row += 1

@@ -1,0 +1,300 @@
+"""Short transfers between planes that drift (MODEL section 2, under J2).
+
+The co-elliptic sequence of :mod:`.co_elliptic` with the rates of each arc. The turn goes into the
+plane that the remaining arcs carry onto the target's plane on arrival. So the line of nodes is that
+of planes whose RAANs differ by
+
+    δ = Ω_j(t_d) − Ω_i(t_d) + ε,    ε = Ω̇_j T − Σ over the arcs flown of the shifts of their nodes,
+
+which depends a little on the sequence that is flown, and so do the time of departure and that of
+arrival: the chaser is at the line when it leaves, and the target when it is met. Both follow by
+fixed point, with a contraction of some thousandths but where planes nearly coincide.
+
+*Events* are counted by half turns: number h is the one at which the chaser would be at the line of
+nodes if ε were 0. The sequences of an event leave within seconds of it. Without J2 ε is 0, and all
+is as in :mod:`.co_elliptic`.
+"""
+
+import math
+from typing import NamedTuple
+
+from ...common.constants import SLACK_S
+from ..core.compile import inlined, kernel
+from ..orbits import eccentricity, ephemeris
+from . import co_elliptic
+from .co_elliptic import TWO_PI
+
+MOST_STEPS = 8
+"""Steps of a fixed point; where planes nearly coincide so few are not enough for a sequence, and
+there is none."""
+
+CLOSE_S = 1e-6
+"""A fixed point is found when a step is less: the next one would be less by far [s]."""
+
+STEP_S = 16.0
+"""Departures are rounded down to whole steps after their event [s]."""
+
+ROUNDING_S = 1e-3
+"""A departure so little before a step counts as at it [s]."""
+
+BRACKETS = 8
+"""A departure is looked for in so many parts of a step."""
+
+STEP_RAD = 1e-6
+"""By which a difference of RAANs is moved to see how the line of nodes moves with it [rad]."""
+
+
+class Event(NamedTuple):
+    """A departure event.
+
+    Attributes
+    ----------
+    half_turns : int
+    time : float
+        When the chaser would leave if ε were 0 [s].
+    lag : float
+        δ then [rad].
+    alpha_i, alpha_j : float
+        Arguments of latitude of the line of nodes in the two planes [rad].
+    theta : float
+        Angle between the planes [rad].
+    """
+
+    half_turns: int
+    time: float
+    lag: float
+    alpha_i: float
+    alpha_j: float
+    theta: float
+
+
+@inlined
+def near(angle, other):
+    """An angle less the whole turns that take it nearest to another one."""
+    return angle - TWO_PI * math.floor((angle - other) / TWO_PI + 0.5)
+
+
+@kernel
+def carried(pair, rule, revolutions, r, time):
+    """ε of the sequence with k revolutions at a phasing radius, which takes a time [rad]."""
+    rc = r + rule.first_leg_fraction * (pair.radius_j - r)
+    a1, a2, a3 = 0.5 * (pair.radius_i + r), 0.5 * (r + rc), 0.5 * (rc + pair.radius_j)
+    arcs = 1.0 / (a2 * a2 + pair.widening_j) + 1.0 / (a3 * a3 + pair.widening_j)
+    arcs += 2.0 * revolutions / (r * r + pair.widening_j)
+    first = pair.shift_i / (a1 * a1 + pair.widening_i)
+    return pair.node_rate_j * time - pair.shift_j * arcs - first
+
+
+@inlined
+def line(pair, lag):
+    """Arguments of latitude of the line of nodes in both planes, and the angle between them."""
+    return ephemeris.relative_node(pair.inclination_i, 0.0, pair.inclination_j, lag)
+
+
+@kernel
+def event_at(pair, half_turns, time, alpha_i, alpha_j):
+    """The event of a number of half turns.
+
+    Parameters
+    ----------
+    pair : Pair
+    half_turns : int
+    time, alpha_i, alpha_j : float
+        About when it is, and about where the line of nodes is in the two planes.
+
+    Returns
+    -------
+    Event
+    """
+    lag, theta = 0.0, 0.0
+    for _ in range(MOST_STEPS):
+        lag = pair.lag + pair.lag_rate * time
+        found_i, found_j, theta = line(pair, lag)
+        alpha_i, alpha_j = near(found_i, alpha_i), near(found_j, alpha_j)
+        before = time
+        time = (alpha_i + math.pi * half_turns - pair.latitude_i) / pair.rate_i
+        if abs(time - before) < CLOSE_S:
+            break
+    return Event(half_turns, time, lag, alpha_i, alpha_j, theta)
+
+
+@inlined
+def turning(pair, lag, alpha_i, alpha_j):
+    """By how much the arguments of latitude of the line of nodes change with δ."""
+    moved_i, moved_j, _ = line(pair, lag + STEP_RAD)
+    return (near(moved_i, alpha_i) - alpha_i) / STEP_RAD, (
+        near(moved_j, alpha_j) - alpha_j
+    ) / STEP_RAD
+
+
+@kernel
+def first_event(pair):
+    """The first event at or after t = 0, up to the slack."""
+    alpha_i, alpha_j, _ = line(pair, pair.lag)
+    half_turns = math.ceil((pair.latitude_i - alpha_i) / math.pi - 1e-9) - 1
+    event = event_at(pair, half_turns, 0.0, alpha_i, alpha_j)
+    while event.time < -SLACK_S:
+        half_turns += 1
+        event = event_at(pair, half_turns, event.time, event.alpha_i, event.alpha_j)
+    return event
+
+
+@kernel
+def later_event(pair, event, steps, after):
+    """The event so many half turns after another one, and about so many seconds."""
+    return event_at(
+        pair, event.half_turns + steps, event.time + after, event.alpha_i, event.alpha_j
+    )
+
+
+@inlined
+def meeting(pair, rule, half_turns, alpha_j, time):
+    """When the target lets the chaser arrive at the stand-off, as near as it can to a time [s]."""
+    latitude = alpha_j + math.pi * (half_turns + 1) + rule.standoff / pair.radius_j
+    behind = latitude - pair.latitude_j - pair.rate_j * time
+    return time + (behind - TWO_PI * math.floor(behind / TWO_PI + 0.5)) / pair.rate_j
+
+
+class Settled(NamedTuple):
+    """A sequence: when it leaves and is at the stand-off [s], r_x [m], 4 sin²(θ/2) and ΔV [m/s].
+
+    ΔV is +inf where there is none; ``steps`` is how many it took to find it.
+    """
+
+    departure: float
+    stand_off: float
+    radius: float
+    turn: float
+    delta_v: float
+    steps: int
+
+
+@kernel
+def settle(pair, rule, half_turns, revolutions, departure, stand_off, alpha_i, alpha_j):
+    """The sequence of an event with k revolutions that arrives about a time, exactly.
+
+    Parameters
+    ----------
+    pair : Pair
+    rule : TransferRule
+    half_turns, revolutions : int
+    departure, stand_off, alpha_i, alpha_j : float
+        Where to begin from.
+
+    Returns
+    -------
+    Settled
+    """
+    r, theta = pair.reference, 0.0
+    steps = MOST_STEPS + 1
+    for number in range(MOST_STEPS):
+        time = stand_off - departure
+        r = co_elliptic.phasing_radius(pair, rule, revolutions, time)
+        lag = pair.lag + pair.lag_rate * departure + carried(pair, rule, revolutions, r, time)
+        found_i, found_j, theta = line(pair, lag)
+        alpha_i, alpha_j = near(found_i, alpha_i), near(found_j, alpha_j)
+        left = (alpha_i + math.pi * half_turns - pair.latitude_i) / pair.rate_i
+        met = meeting(pair, rule, half_turns, alpha_j, stand_off)
+        step = abs(left - departure) + abs(met - stand_off)
+        departure, stand_off = left, met
+        if step < CLOSE_S:
+            steps = number + 1
+            break
+    turn = 4.0 * math.sin(0.5 * theta) ** 2
+    time = stand_off - departure
+    low = pair.shortest + revolutions * pair.shortest_lap
+    high = pair.longest + revolutions * pair.longest_lap
+    if steps > MOST_STEPS or not low <= time <= high:
+        return Settled(departure, stand_off, r, turn, math.inf, steps)
+    return Settled(
+        departure, stand_off, r, turn,
+        co_elliptic.turned_delta_v(
+            pair, rule, revolutions, r, turn, eccentricity.matching(pair, departure)
+        ),
+        steps,
+    )  # fmt: skip
+
+
+@inlined
+def _past_line(pair, rule, revolutions, departure, stand_off):
+    """How long after the nearest crossing of its line a sequence would leave, if so [s].
+
+    Returns
+    -------
+    past : float
+        [s].
+    half_turns : int
+        Number of that crossing.
+    alpha_j : float
+        Argument of latitude of the line in the target's plane [rad].
+    """
+    time = stand_off - departure
+    r = co_elliptic.phasing_radius(pair, rule, revolutions, time)
+    lag = pair.lag + pair.lag_rate * departure + carried(pair, rule, revolutions, r, time)
+    alpha_i, alpha_j, _ = line(pair, lag)
+    turned = pair.latitude_i + pair.rate_i * departure - alpha_i
+    half_turns = math.floor(turned / math.pi + 0.5)
+    return (turned - math.pi * half_turns) / pair.rate_i, half_turns, alpha_j
+
+
+@kernel
+def leaving(pair, rule, revolutions, ready, stand_off):
+    """When a sequence leaves that arrives at a time: the first crossing of its line from then on.
+
+    By the secant method, or where that does not lead there, by bisection.
+
+    Parameters
+    ----------
+    pair : Pair
+    rule : TransferRule
+    revolutions : int
+        k.
+    ready : float
+        The chaser leaves then or within a step of departures [s].
+    stand_off : float
+        Arrival at the stand-off [s].
+
+    Returns
+    -------
+    float
+        [s]; not a number if there is none.
+    """
+    width = (STEP_S + 2.0 * ROUNDING_S) / BRACKETS
+    for bracket in range(-1, BRACKETS):
+        low = ready - ROUNDING_S + bracket * width
+        high = low + width
+        if bracket < 0:
+            # Mostly the line moves at an even rate, and the way back to it is soon gone.
+            departure, before, past_before = ready, ready, 0.0
+            past, half_turns, alpha_j = _past_line(pair, rule, revolutions, ready, stand_off)
+            for step in range(MOST_STEPS):
+                grown = past - past_before
+                steep = 1.0 if step == 0 or grown == 0.0 else (departure - before) / grown
+                before, past_before = departure, past
+                departure -= past * steep
+                if abs(past) < CLOSE_S:
+                    break
+                past, half_turns, alpha_j = _past_line(
+                    pair, rule, revolutions, departure, stand_off
+                )
+            if not ready - ROUNDING_S <= departure <= ready + STEP_S + ROUNDING_S:
+                continue
+        else:
+            past_low = _past_line(pair, rule, revolutions, low, stand_off)[0]
+            past_high = _past_line(pair, rule, revolutions, high, stand_off)[0]
+            # From half a revolution after one crossing to as much before the next is a leap.
+            if past_low * past_high > 0.0 or abs(past_high - past_low) * pair.rate_i > 1.0:
+                continue
+            departure = 0.5 * (low + high)
+            while high - low > CLOSE_S * CLOSE_S and low < departure < high:
+                past = _past_line(pair, rule, revolutions, departure, stand_off)[0]
+                if past * past_low > 0.0:
+                    low = departure
+                else:
+                    high = departure
+                departure = 0.5 * (low + high)
+            past, half_turns, alpha_j = _past_line(pair, rule, revolutions, departure, stand_off)
+        met = meeting(pair, rule, half_turns, alpha_j, stand_off)
+        if abs(met - stand_off) < ROUNDING_S and abs(past) < CLOSE_S:
+            return departure
+    return math.nan

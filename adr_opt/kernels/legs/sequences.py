@@ -1,0 +1,76 @@
+"""The sequence of a departure event that is worth most to whoever has to choose one.
+
+With Δ the lead of the target at departure, the phase condition reads n_j T = 3π − Δ + δ + 2π s,
+s = k + m: the flight time depends on (k, m) through s alone. So the search runs over s with T
+ascending, and inside over the few k whose phasing radius lies within the altitude limits. Since w·T
+grows by w·P_j with every s, it stops as soon as w·T plus a floor of the ΔV exceeds the best cost
+found: no later sequence can win.
+"""
+
+import math
+from typing import NamedTuple
+
+from ...common.constants import SLACK_M_S
+from ..core.compile import kernel
+from .co_elliptic import TWO_PI, phasing_radius, sequence_delta_v
+from .zones import is_blocked
+
+
+class Sequence(NamedTuple):
+    """The sequence flown: ``delta_v`` is +inf where there is none."""
+
+    delta_v: float  # [m/s]
+    flight_time: float  # departure to stand-off [s]
+    revolutions: int  # k
+    phasing_radius: float  # r_x [m]
+
+
+@kernel
+def best_sequence(pair, rule, departure, lead, earliest, latest, most=math.inf):
+    """The sequence of a departure event with the least ΔV + w·T (MODEL sections 2 and 4).
+
+    Parameters
+    ----------
+    pair : Pair
+    rule : TransferRule
+    departure : float
+        Time of the departure event; only keep-out zones depend on it [s].
+    lead : float
+        Δ, the target's lead over the chaser at departure, in [0, 2π) [rad].
+    earliest, latest : float
+        A sequence that takes less time than ``earliest`` has to wait at its end, so that T is that
+        much; one that takes more than ``latest`` is out of the question [s].
+    most : float
+        So is one whose ΔV + w·T is no less than this [m/s].
+
+    Returns
+    -------
+    Sequence
+        Ties, up to the slack, go to the shorter time, then to the smaller k; ``delta_v`` is +inf
+        if every sequence is out of limits or blocked.
+    """
+    best_cost, best_delta_v, best_time, best_k, best_r = most, math.inf, math.inf, -1, math.nan
+    w = rule.time_value
+    k_max = rule.max_phasing_revolutions
+    phase = 3.0 * math.pi - lead + rule.standoff / pair.radius_j
+    s = math.ceil((pair.shortest * pair.rate_j - phase) / TWO_PI)
+    last = min(pair.longest + k_max * pair.longest_lap, latest)
+    while True:
+        time = (phase + TWO_PI * s) / pair.rate_j
+        s += 1
+        worth = w * max(time, earliest)
+        # Dearer than the best by time alone, or longer than any sequence: so is all that follows.
+        if time > last or worth + pair.floor_delta_v > best_cost:
+            break
+        # The k whose range of times [T(r_min), T(r_max)] holds this time.
+        k = max(0, math.ceil((time - pair.longest) / pair.longest_lap))
+        while k <= k_max and pair.shortest + k * pair.shortest_lap <= time:
+            r = phasing_radius(pair, rule, k, time)
+            delta_v = sequence_delta_v(pair, rule, k, r)
+            cost = delta_v + worth
+            if cost < best_cost - SLACK_M_S and not (
+                rule.zones.shape[0] > 0 and is_blocked(pair, rule, k, r, departure)
+            ):
+                best_cost, best_delta_v, best_time, best_k, best_r = cost, delta_v, time, k, r
+            k += 1
+    return Sequence(best_delta_v, best_time, best_k, best_r)

@@ -1,0 +1,345 @@
+"""Short transfers between planes that drift, at events, sifted.
+
+Nothing is regular here as it is between two bodies: the lines of nodes move, so events are found
+one by one (:mod:`.precession`); sequences of one event leave within seconds of it, and those that
+meet the target on one crossing arrive within seconds of each other. To be found in one row of a
+network, departures are rounded down to whole steps from the event: who takes the connection has to
+be ready by then, and leaves up to a step later.
+
+Sequences are settled many at a time (:mod:`.fixed_points`). Those that are not sure there, or would
+have to wait for a zone, are settled one by one, and only where an estimate says that one may be
+worth it: its ε is read off at the flight time that it would have without, and moves both ends in
+proportion.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ...common.constants import SLACK_S
+from ..core.compile import inlined, kernel
+from ..core.memory import borrowed
+from ..orbits import eccentricity
+from . import co_elliptic, fixed_points, phasing, precession, zones
+from .co_elliptic import TWO_PI
+from .fixed_points import BAND_S, BLOCK, COST, FLAT_RAD, LEFT, MET, REVOLUTIONS
+
+SURE_STEPS = 3
+"""A fixed point that takes no more is found again from anywhere near."""
+
+NEAR_RAD = 0.003
+"""Where planes are so near, that is not sure [rad]."""
+
+STEEPEST = 4.0
+"""By how many times a node's rate ε changes at most with the flight time, about."""
+
+RESTLESS = 0.3
+"""Nor where the line of nodes moves so fast against the chaser."""
+
+ERROR_M_S, BEND_M_S = 0.05, 400.0
+"""How far the estimate of a ΔV may be off: so much, and so much times (ε/θ)²."""
+
+
+@kernel
+def events_of(pair, duration, spacing):
+    """The departure events of a mission, not closer than a spacing [s].
+
+    Returns
+    -------
+    half_turns : (events,) int64
+    numbers : (events, 5) float64
+        The other fields of :class:`.precession.Event`.
+    """
+    steps = max(1, math.ceil(spacing * pair.rate_i / math.pi - 1e-9))
+    most = int(max(duration, 0.0) * pair.rate_i / math.pi / steps) + 3
+    half_turns, numbers = np.empty(most, np.int64), np.empty((most, 5))
+    event = precession.first_event(pair)
+    count, after = 0, steps * math.pi / pair.rate_i
+    while event.time <= duration and count < most:
+        half_turns[count] = event.half_turns
+        numbers[count, 0], numbers[count, 1] = event.time, event.lag
+        numbers[count, 2], numbers[count, 3] = event.alpha_i, event.alpha_j
+        numbers[count, 4] = event.theta
+        count += 1
+        later = precession.later_event(pair, event, steps, after)
+        event, after = later, later.time - event.time
+    return half_turns[:count], numbers[:count]
+
+
+@inlined
+def listed_at(event, departure):
+    """By when a chaser has to be ready that leaves at a time near an event [s]."""
+    steps = math.floor((departure - event + precession.ROUNDING_S) / precession.STEP_S)
+    return min(departure, event + steps * precession.STEP_S)
+
+
+@kernel
+def _found_again(pair, rule, revolutions, event, departure, stand_off):
+    """Whether he who flies a sequence finds its departure again."""
+    ready = max(listed_at(event, departure), 0.0)
+    again = precession.leaving(pair, rule, revolutions, ready, stand_off)
+    return abs(again - departure) < precession.ROUNDING_S
+
+
+class Shorts(NamedTuple):
+    """Short transfers of a pair, in order of events from the last to the first, then of arrival.
+
+    Attributes
+    ----------
+    departure, arrival, delta_v : (transfers,) float64
+        [s], [s], [m/s].
+    revolutions : (transfers,) int8
+    """
+
+    departure: np.ndarray
+    arrival: np.ndarray
+    delta_v: np.ndarray
+    revolutions: np.ndarray
+
+
+class Known(NamedTuple):
+    """By crossing of the target, what later departures cost that arrive there, and until when.
+
+    Attributes
+    ----------
+    delta_v : (crossings,) float64
+        The least of them, +inf for none [m/s].
+    until : (crossings,) float64
+        [s].
+    """
+
+    delta_v: np.ndarray
+    until: np.ndarray
+
+
+@kernel
+def _settled(pair, rule, curves, half_turns, number, met, below):
+    """The cheapest sequence of an event that meets the target about a time, found one by one.
+
+    Parameters
+    ----------
+    pair : Pair
+    rule : TransferRule
+    curves : Curves
+    half_turns : int
+        Of the event.
+    number : (5,) float64
+        What else :func:`events_of` says of it.
+    met : float
+        When the chaser would be at the stand-off without ε [s].
+    below : float
+        It has to cost less [m/s].
+
+    Returns
+    -------
+    delta_v : float
+        +inf for none [m/s].
+    revolutions : int
+    departure, stand_off : float
+        The departure exactly [s].
+    """
+    event, lag, alpha_i, alpha_j = number[0], number[1], number[2], number[3]
+    theta = number[4]
+    turn_i, turn_j = precession.turning(pair, lag, alpha_i, alpha_j)
+    sines = 4.0 * math.sin(pair.inclination_i) * math.sin(pair.inclination_j)
+    tilt = 4.0 * math.sin(0.5 * (pair.inclination_j - pair.inclination_i)) ** 2
+    matching = eccentricity.matching(pair, event)
+    moves = turn_j / pair.rate_j - turn_i / pair.rate_i
+    base = met - event
+    best, best_k, best_d, best_a = math.inf, -1, 0.0, 0.0
+    for k in range(rule.max_phasing_revolutions + 1):
+        if pair.shortest + k * pair.shortest_lap > base + BAND_S:
+            break
+        if pair.longest + k * pair.longest_lap < base - BAND_S:
+            continue
+        left, there = event, met
+        if curves.time.shape[0] > 0:
+            shift = phasing.parts_at(curves, k, base)[4]
+            time = base + moves * shift
+            climb, rest, chord, square, shift = phasing.parts_at(curves, k, time)
+            angle = tilt + sines * math.sin(0.5 * (lag + shift)) ** 2
+            estimate = co_elliptic.whole(climb, rest, chord, square * angle, matching)
+            estimate += pair.fixed_delta_v
+            if estimate - ERROR_M_S - BEND_M_S * (shift / theta) ** 2 >= min(below, best):
+                continue
+            left += turn_i * shift / pair.rate_i
+            there += turn_j * shift / pair.rate_j
+        found = precession.settle(pair, rule, half_turns, k, left, there, alpha_i, alpha_j)
+        if found.delta_v >= min(below, best):
+            continue
+        if found.departure < -SLACK_S or abs(found.stand_off - met) > math.pi / pair.rate_j:
+            continue
+        if rule.zones.shape[0] > 0 and zones.is_blocked(
+            pair, rule, k, found.radius, found.departure
+        ):
+            continue
+        if (found.steps > SURE_STEPS or theta < NEAR_RAD) and not _found_again(
+            pair, rule, k, event, found.departure, found.stand_off
+        ):
+            continue
+        best, best_k = found.delta_v, k
+        best_d, best_a = found.departure, found.stand_off
+    return best, best_k, best_d, best_a
+
+
+@kernel
+def _sift(
+    pair, rule, curves, grid, half_turns, number, place, base, duration, most, resolution,
+    known, shorts, count,
+):  # fmt: skip
+    """Add the sequences of an event that none of a later departure dominates; how many there are.
+
+    Parameters
+    ----------
+    pair : Pair
+    rule : TransferRule
+    curves : Curves
+    grid : Grid
+        With the event in it.
+    half_turns, number
+        As :func:`_settled` takes them.
+    place : int
+        Of the event in the grid, −1 if its sequences have to be settled one by one.
+    base : float
+        Flight time of the first row without ε [s].
+    duration, most, resolution : float
+        As :func:`short` takes them.
+    known : Known
+        Brought up to date.
+    shorts : Shorts
+        Written from number ``count`` on.
+    count : int
+    """
+    grid, known, shorts = borrowed(grid), borrowed(known), borrowed(shorts)
+    event, lap = number[0], TWO_PI / pair.rate_j
+    approach = rule.approach_revolutions * lap
+    longest = pair.longest + rule.max_phasing_revolutions * pair.longest_lap
+    latest = min(longest, duration - event - approach) + BAND_S
+    turned = pair.latitude_j + pair.rate_j * (event + base) - rule.standoff / pair.radius_j
+    first = math.floor((turned - number[3]) / math.pi + 0.5) + 1
+    zoned, cheapest = rule.zones.shape[0] > 0, most + resolution
+    # About how fast the line of nodes moves while the chaser gets ready, against the chaser.
+    pace = abs(pair.lag_rate) + STEEPEST * abs(pair.node_rate_j)
+    pace *= math.sin(pair.inclination_j) / (number[4] * pair.rate_i)
+    near = number[4] < NEAR_RAD or pace > RESTLESS
+    for row in range(grid.found.shape[0]):
+        met = event + base + row * lap
+        if met - event > latest:
+            break
+        below = cheapest - resolution
+        best, best_k, departure, stand_off = -math.inf, 0, event, met
+        if place >= 0:
+            best = grid.found[row, COST * BLOCK + place]
+            best_k = int(grid.found[row, REVOLUTIONS * BLOCK + place])
+            departure += grid.found[row, LEFT * BLOCK + place]
+            stand_off += grid.found[row, MET * BLOCK + place]
+        alone = best == -math.inf
+        if best < below and not alone:
+            alone = (zoned and zones.any_closed(rule.zones, departure, stand_off + approach)) or (
+                near and not _found_again(pair, rule, best_k, event, departure, stand_off)
+            )
+        if alone:
+            best, best_k, departure, stand_off = _settled(
+                pair, rule, curves, half_turns, number, met, below
+            )
+        better, arrival = best < below, stand_off + approach
+        crossing = min(max(first + 2 * row, 1), known.until.size - 1)
+        for c in range(max(crossing - 3, 0), crossing + 1):
+            if not better or known.until[c] <= arrival + SLACK_S:
+                cheapest = min(cheapest, known.delta_v[c])
+        if better and best < cheapest - resolution and arrival <= duration:
+            shorts.departure[count] = max(listed_at(event, departure), 0.0)
+            shorts.arrival[count], shorts.delta_v[count] = arrival, best
+            shorts.revolutions[count] = best_k
+            count += 1
+            cheapest = best
+            until = known.until[crossing]
+            known.until[crossing] = (
+                arrival if known.delta_v[crossing] == math.inf else max(until, arrival)
+            )
+            known.delta_v[crossing] = min(known.delta_v[crossing], best)
+    return count
+
+
+@inlined
+def least_speed(pair, rule):
+    """No chaser is slower where it turns, which costs that much times the sine at least [m/s]."""
+    return (1.0 - 1e-9) * pair.speed_i * math.sqrt(
+        2.0 * pair.radius_i * pair.radius_i
+        / (rule.max_radius * (pair.radius_i + rule.max_radius))
+    )  # fmt: skip
+
+
+@kernel
+def short(pair, rule, duration, spacing, most, resolution):
+    """The short transfers of a pair that no other one dominates.
+
+    Parameters
+    ----------
+    pair : Pair
+    rule : TransferRule
+    duration : float
+        Those that arrive later are left out [s].
+    spacing : float
+        Between departure events, at least [s].
+    most : float
+        Dearer ones are left out [m/s].
+    resolution : float
+        A transfer that saves no more than this is dominated [m/s].
+
+    Returns
+    -------
+    shorts : Shorts
+        With room for more.
+    order : (transfers,) int64
+        Those that there are, event by event and then by arrival.
+    """
+    half_turns, numbers = events_of(pair, duration, spacing)
+    curves, lap = phasing.curves_of(pair, rule), TWO_PI / pair.rate_j
+    least_turn = least_speed(pair, rule)
+    # Events whose planes are near enough, and their flight times in the first row.
+    size, bases = 0, np.empty(half_turns.size)
+    for e in range(half_turns.size):
+        if least_turn * math.sin(min(0.9 * numbers[e, 4], 0.5 * math.pi)) > most:
+            continue
+        for field in range(5):
+            numbers[size, field] = numbers[e, field]
+        half_turns[size] = half_turns[e]
+        about = numbers[e, 0] + pair.shortest - BAND_S + 0.5 * lap
+        met = precession.meeting(pair, rule, half_turns[e], numbers[e, 3], about)
+        bases[size] = met - numbers[e, 0]
+        size += 1
+    span = pair.longest + rule.max_phasing_revolutions * pair.longest_lap - pair.shortest
+    rows = int((span + 2.0 * BAND_S) / lap + 1e-6) + 1
+    crossings = int(max(duration, 0.0) / lap * 2.0) + 8
+    known = Known(np.empty(crossings), np.empty(crossings))
+    for c in range(crossings):
+        known.delta_v[c], known.until[c] = math.inf, math.inf
+    room = rows * size
+    shorts = Shorts(np.empty(room), np.empty(room), np.empty(room), np.empty(room, np.int8))
+    grid, count, ends = fixed_points.grid_of(curves, rows), 0, np.empty(size + 1, np.int64)
+    ends[size] = 0
+    approach = rule.approach_revolutions * lap
+    for end in range(size, 0, -BLOCK):
+        begin = max(end - BLOCK, 0)
+        in_time = duration - numbers[begin, 0] - approach - pair.shortest + 2.0 * BAND_S
+        fixed_points.lay_out(
+            pair, grid, numbers[begin:end], bases[begin:end],
+            min(int(max(in_time, 0.0) / lap + 1e-6) + 1, rows),
+        )  # fmt: skip
+        for e in range(end - 1, begin - 1, -1):
+            theta = numbers[e, 4]
+            sure = curves.time.shape[0] > 0 and FLAT_RAD <= theta <= math.pi - FLAT_RAD
+            count = _sift(
+                pair, rule, curves, grid, half_turns[e], numbers[e],
+                grid.place[e - begin] if sure else -1, bases[e],
+                duration, most, resolution, known, shorts, count,
+            )  # fmt: skip
+            ends[e] = count
+    order, place = np.empty(count, np.int64), 0
+    for e in range(size):
+        for c in range(ends[e + 1], ends[e]):
+            order[place] = c
+            place += 1
+    return shorts, order

@@ -1,0 +1,1 @@
+"""Orbits and motion, compiled."""

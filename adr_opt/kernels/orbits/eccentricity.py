@@ -1,0 +1,89 @@
+"""What eccentric ends add to a sequence, which flies between circles (docs/model.md).
+
+The circles leave out the eccentricity vectors, which differ by Δe. Burns that are flown for other
+reasons change them on the way, at no cost as long as there are enough of them; but to change them
+and turn the plane takes about hypot(v |Δe| / 2, 2 v sin θ/2). So a sequence costs that where it is
+more than what it costs between circles.
+
+Δe is the difference once one plane is turned into the other about their line of nodes, and v the
+geometric mean of the two circular speeds. Where nothing drifts v |Δe| / 2 is a number of the pair;
+where perigees do, it depends on the time.
+"""
+
+import math
+
+import numpy as np
+
+from ...common.constants import MU_M3_S2
+from ..core.compile import inlined, kernel
+from . import ephemeris
+
+
+@inlined
+def whole(circles, turned, matching):
+    """ΔV of a sequence between eccentric ends, but for the approach [m/s].
+
+    Parameters
+    ----------
+    circles : float
+        ΔV between circles [m/s].
+    turned : float
+        4 v₁ v₂ sin²(θ/2) [m²/s²].
+    matching : float
+        v |Δe| / 2 [m/s]. With 0 nothing but the sequence between circles counts, to the last digit.
+    """
+    return max(circles, math.sqrt(matching * matching + turned))
+
+
+@inlined
+def _alone(speed, eccentricity_i, eccentricity_j, perigee_lag, inclination_i, inclination_j, lag):
+    """Half of v |Δe| with what ω_j − ω_i and Ω_j − Ω_i are at a time [m/s]."""
+    angle = perigee_lag + ephemeris.along_turn(inclination_i, inclination_j, lag)
+    return 0.5 * speed * ephemeris.chord(eccentricity_i, eccentricity_j, angle)
+
+
+@inlined
+def matching(pair, time):
+    """What matching alone would cost when a sequence leaves, v |Δe| / 2 [m/s]."""
+    if pair.eccentricity_i == 0.0 and pair.eccentricity_j == 0.0:
+        return pair.matching
+    return _alone(
+        math.sqrt(pair.speed_i * pair.speed_j),
+        pair.eccentricity_i,
+        pair.eccentricity_j,
+        pair.perigee_lag + pair.perigee_lag_rate * time,
+        pair.inclination_i,
+        pair.inclination_j,
+        pair.lag + pair.lag_rate * time,
+    )
+
+
+@kernel
+def matchings(bodies):
+    """The same of all pairs, with the orbits as they are at t = 0 [m/s].
+
+    Parameters
+    ----------
+    bodies : (bodies, columns) float64
+        Rows of :data:`.ephemeris.ORBIT_COLUMNS`.
+
+    Returns
+    -------
+    (origin, destination) float64
+    """
+    count = bodies.shape[0]
+    costs = np.zeros((count, count))
+    for i in range(count):
+        for j in range(i):
+            costs[i, j] = costs[j, i] = _alone(
+                math.sqrt(
+                    MU_M3_S2 / math.sqrt(bodies[i, ephemeris.RADIUS] * bodies[j, ephemeris.RADIUS])
+                ),
+                bodies[i, ephemeris.ECCENTRICITY],
+                bodies[j, ephemeris.ECCENTRICITY],
+                bodies[j, ephemeris.PERIGEE] - bodies[i, ephemeris.PERIGEE],
+                bodies[i, ephemeris.INCLINATION],
+                bodies[j, ephemeris.INCLINATION],
+                bodies[j, ephemeris.RAAN] - bodies[i, ephemeris.RAAN],
+            )
+    return costs

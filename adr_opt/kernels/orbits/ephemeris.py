@@ -1,0 +1,245 @@
+"""Where bodies are at a time: the ephemeris, frames, relative nodes and states.
+
+A body is a row of :data:`ORBIT_COLUMNS`, angles at t = 0. It moves on a circle whose node and
+argument of latitude advance at the rates of the row: those of two-body motion, or the secular ones
+of J2 (MODEL section 1). Who asks for elements or states at a time asks here.
+"""
+
+import math
+
+import numpy as np
+
+from ...common.constants import MU_M3_S2
+from ..core.compile import inlined, kernel
+
+ORBIT_COLUMNS = (
+    "radius", "inclination", "raan", "argument_of_latitude", "raan_rate", "latitude_rate",
+    "eccentricity", "perigee", "perigee_rate",
+)  # fmt: skip
+(
+    RADIUS, INCLINATION, RAAN, ARGUMENT_OF_LATITUDE, RAAN_RATE, LATITUDE_RATE,
+    ECCENTRICITY, PERIGEE, PERIGEE_RATE,
+) = range(9)  # fmt: skip
+
+COASTING_RAAN_RATE = len(ORBIT_COLUMNS)
+"""One column more in rows of bodies as they are left: how fast the node of the chaser moves after
+that, where it leaves from another orbit than the body's; see :mod:`adr_opt.plan.tows` [rad/s]."""
+
+COPLANAR_RAD = 1e-9
+"""Nearer than this to equal or opposite, two planes have a line of nodes of free choice [rad]."""
+
+
+@kernel
+def mean_motion(radius):
+    """Angular rate of a circular orbit [rad/s]."""
+    return math.sqrt(MU_M3_S2 / radius) / radius
+
+
+@kernel
+def node_rate(radius, inclination, oblateness):
+    """Secular rate of the node of a circular orbit (MODEL section 1) [rad/s].
+
+    Parameters
+    ----------
+    radius, inclination : float
+        [m], [rad].
+    oblateness : float
+        J2 R², 0 for two bodies [m²].
+    """
+    return -1.5 * oblateness / radius**2 * mean_motion(radius) * math.cos(inclination)
+
+
+@kernel
+def latitude_rate(radius, inclination, oblateness):
+    """Secular rate of the argument of latitude of a circular orbit (MODEL section 1) [rad/s]."""
+    widening = 1.5 * oblateness / radius**2 * (4.0 * math.cos(inclination) ** 2 - 1.0)
+    return mean_motion(radius) * (1.0 + widening)
+
+
+@kernel
+def secular_rates(axis, eccentricity, inclination, oblateness):
+    """Secular rates of a mean orbit (MODEL section 1).
+
+    Parameters
+    ----------
+    axis, eccentricity, inclination : float
+        [m], –, [rad].
+    oblateness : float
+        J2 R², 0 for two bodies [m²].
+
+    Returns
+    -------
+    node, perigee, anomaly : float
+        Of RAAN, argument of perigee and mean anomaly [rad/s].
+    """
+    n = mean_motion(axis)
+    square = 1.0 - eccentricity * eccentricity
+    strength = 1.5 * oblateness / (axis * square) ** 2 * n
+    cosine = math.cos(inclination)
+    return (
+        -strength * cosine,
+        0.5 * strength * (5.0 * cosine * cosine - 1.0),
+        n + 0.5 * strength * math.sqrt(square) * (3.0 * cosine * cosine - 1.0),
+    )
+
+
+@inlined
+def node_at(orbit, time):
+    """RAAN of a body at a time [rad]."""
+    return orbit[RAAN] + orbit[RAAN_RATE] * time
+
+
+@inlined
+def coasting_node_rate(orbit):
+    """Rate of the node of who has left a body and stays on the orbit that he left from [rad/s]."""
+    if orbit.size > COASTING_RAAN_RATE:
+        return orbit[COASTING_RAAN_RATE]
+    return orbit[RAAN_RATE]
+
+
+@inlined
+def latitude_at(orbit, time):
+    """Argument of latitude of a body at a time [rad]."""
+    return orbit[ARGUMENT_OF_LATITUDE] + orbit[LATITUDE_RATE] * time
+
+
+@inlined
+def revolution(orbit):
+    """How long a body takes from node to node [s]."""
+    return 2.0 * math.pi / orbit[LATITUDE_RATE]
+
+
+@kernel
+def chord(eccentricity_i, eccentricity_j, angle):
+    """|e_j e^{iω_j} − e_i e^{iω_i}| for perigees an angle apart, without its cancellation."""
+    between = 4.0 * eccentricity_i * eccentricity_j * math.sin(0.5 * angle) ** 2
+    return math.sqrt((eccentricity_j - eccentricity_i) ** 2 + between)
+
+
+@inlined
+def along_turn(inclination_i, inclination_j, lag):
+    """α_i − α_j: what latitudes lose when their plane is turned about the line of nodes [rad].
+
+    By Napier's analogies in the triangle of the two nodes and the line: unlike the two latitudes of
+    the line themselves it is steady where planes nearly coincide.
+
+    Parameters
+    ----------
+    inclination_i, inclination_j, lag : float
+        Of the planes; Ω_j − Ω_i [rad].
+    """
+    across = math.sin(0.5 * lag) * math.cos(0.5 * (inclination_i + inclination_j))
+    return 2.0 * math.atan2(
+        across, math.cos(0.5 * lag) * math.cos(0.5 * (inclination_j - inclination_i))
+    )
+
+
+@kernel
+def period(radius):
+    """Period of a circular orbit [s]."""
+    return 2.0 * math.pi / mean_motion(radius)
+
+
+@kernel
+def frame(inclination, raan):
+    """Unit vectors of an orbital plane in the inertial frame.
+
+    Returns
+    -------
+    ascending, ahead, normal : (3,) float64
+        Towards the ascending node, a quarter of a revolution later, and along the angular
+        momentum.
+    """
+    ci, si = math.cos(inclination), math.sin(inclination)
+    co, so = math.cos(raan), math.sin(raan)
+    ascending = np.array([co, so, 0.0])
+    ahead = np.array([-so * ci, co * ci, si])
+    normal = np.array([so * si, -co * si, ci])
+    return ascending, ahead, normal
+
+
+@inlined
+def turn(vector, angle):
+    """Turn a vector about the axis of the Earth, in place."""
+    c, s = math.cos(angle), math.sin(angle)
+    x, y = vector[0], vector[1]
+    vector[0], vector[1] = c * x - s * y, s * x + c * y
+
+
+@kernel
+def relative_node(inclination_i, raan_i, inclination_j, raan_j):
+    """Line of nodes of two planes, N = h_i × h_j.
+
+    Returns
+    -------
+    alpha_i, alpha_j : float
+        Arguments of latitude of N in plane i and in plane j [rad].
+    theta : float
+        Angle between the planes [rad].
+
+    Notes
+    -----
+    The components of N in each plane are written out by spherical trigonometry in the
+    difference of the RAANs, so that nearly equal and nearly opposite planes lose no digits.
+
+    For planes closer than :data:`COPLANAR_RAD` any line will do. The model takes α = 0 in both
+    planes; that is one line only where the RAANs agree, which they need not do on two
+    equatorial orbits. Here α_i = 0, and α_j is the argument of latitude of the *same* line in
+    plane j: equal to the model's rule to 1e-9 rad wherever the inclination is not zero.
+    """
+    d = raan_j - raan_i
+    cd, sd = math.cos(d), math.sin(d)
+    ci, si = math.cos(inclination_i), math.sin(inclination_i)
+    cj, sj = math.cos(inclination_j), math.sin(inclination_j)
+    # h_j in the frame of plane i: x towards the ascending node, y ahead, z normal.
+    hj_x = sj * sd
+    # By the difference of the inclinations where the planes may be nearly equal, by their sum
+    # where they may be nearly opposite: each form is free of cancellation where it is used.
+    if cd >= 0.0:
+        sine_difference = math.sin(inclination_i - inclination_j)
+        versine = 2.0 * math.sin(0.5 * d) ** 2
+        hj_y = sine_difference + ci * sj * versine
+        hi_y = -sine_difference + cj * si * versine
+    else:
+        sine_sum = math.sin(inclination_i + inclination_j)
+        versine = 2.0 * math.cos(0.5 * d) ** 2
+        hj_y = sine_sum - ci * sj * versine
+        hi_y = sine_sum - cj * si * versine
+    hj_z = ci * cj + si * sj * cd
+    # h_i in the frame of plane j, by exchanging the roles.
+    hi_x = -si * sd
+    sine = math.hypot(hj_x, hj_y)
+    theta = math.atan2(sine, hj_z)
+    if theta < COPLANAR_RAD or theta > math.pi - COPLANAR_RAD:
+        return 0.0, math.atan2(-sd * cj, cd), theta
+    # z × h_j = (-h_y, h_x); and N = h_i × h_j = -(h_j × h_i).
+    return math.atan2(hj_x, -hj_y), math.atan2(-hi_x, hi_y), theta
+
+
+@kernel
+def state(orbit, time):
+    """Inertial position and velocity of a body.
+
+    The velocity is that of the circle, as if its plane stood still.
+
+    Parameters
+    ----------
+    orbit : (columns,) float64
+        One row of :data:`ORBIT_COLUMNS`.
+    time : float
+        Time since the epoch [s].
+
+    Returns
+    -------
+    position, velocity : (3,) float64
+        [m], [m/s].
+    """
+    n = mean_motion(orbit[RADIUS])
+    u = latitude_at(orbit, time)
+    ascending, ahead, _ = frame(orbit[INCLINATION], node_at(orbit, time))
+    position, velocity = np.empty(3), np.empty(3)
+    for axis in range(3):
+        outward = math.cos(u) * ascending[axis] + math.sin(u) * ahead[axis]
+        along = math.cos(u) * ahead[axis] - math.sin(u) * ascending[axis]
+        position[axis], velocity[axis] = orbit[RADIUS] * outward, orbit[RADIUS] * n * along
+    return position, velocity

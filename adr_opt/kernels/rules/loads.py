@@ -1,0 +1,187 @@
+"""What a chaser carries, and how that changes what its tank is worth (MODEL section 5).
+
+A tank by mass is counted as the ΔV that is left in it, v = g₀ Isp ln(m / m_f): the mass there is
+over the one without propellant. So a leg takes its ΔV off it, whatever is aboard, as of a tank
+that is counted in ΔV. Only a service changes the masses otherwise. Leaving a kit behind takes the
+same off both of them,
+
+    exp(v' / g₀ Isp) = (m_f exp(v / g₀ Isp) − m_kit) / (m_f − m_kit) ,
+
+and towing an object of mass D with burns of ΔV x, which are flown with the mass of both,
+
+    exp(v' / g₀ Isp) = A exp(v / g₀ Isp) − (1 − A) D / m_f ,    A = exp(−x / g₀ Isp) .
+
+Such maps of exp(v / g₀ Isp) that are affine, and rise, are all that planners know of masses: who is
+richer before a service is so after it.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ...common.constants import SLACK_M_S
+from ..core.compile import inlined
+
+
+class Loads(NamedTuple):
+    """What a chaser carries.
+
+    Attributes
+    ----------
+    exhaust : float
+        g₀ Isp [m/s].
+    takes : (bodies,) int64
+        Kits that the service of each body takes.
+    full : (most + 1,) float64
+        What a full tank is worth with so many kits aboard, with the slack of the model [m/s].
+    first : (most + 1,) float64
+        What there is of it at the start. The same, where the first leg pays for what is lacking.
+    scale, loss : (bodies, most + 1) float64
+        exp(v / g₀ Isp) becomes scale · exp(v / g₀ Isp) − loss by the service of a body with so many
+        kits aboard.
+    heavy : bool
+        Whether kits weigh anything.
+    flown : (bodies,) float64
+        ΔV that the service of each body takes itself: of tows; it counts to the cost [m/s].
+    """
+
+    exhaust: float
+    takes: np.ndarray
+    full: np.ndarray
+    first: np.ndarray
+    scale: np.ndarray
+    loss: np.ndarray
+    heavy: bool
+    flown: np.ndarray
+
+
+NOT_ENOUGH = -1.0
+"""What is left where a service cannot be made."""
+
+
+@inlined
+def full_tank(loads, budget, kits):
+    """What a full tank is worth with so many kits aboard [m/s]."""
+    if loads is None:
+        return budget
+    return loads.full[kits]
+
+
+@inlined
+def first_tank(loads, budget, kits):
+    """What there is in the tank at the start with so many kits aboard [m/s]."""
+    if loads is None:
+        return budget
+    return loads.first[kits]
+
+
+@inlined
+def after_service(loads, body, kits, left):
+    """What is left after a service, and how many kits.
+
+    Parameters
+    ----------
+    loads : Loads or None
+    body, kits : int
+    left : float
+        On arrival, with the slack of the model, which no service adds to [m/s].
+
+    Returns
+    -------
+    left : float
+        [m/s]; :data:`NOT_ENOUGH` where there is no kit or too little in the tank.
+    kits : int
+    """
+    if loads is None:
+        return left, kits
+    rest = kits - loads.takes[body]
+    if rest < 0:
+        return NOT_ENOUGH, rest
+    scale, loss = loads.scale[body, kits], loads.loss[body, kits]
+    if loss == 0.0 or (scale >= 1.0 and left <= SLACK_M_S):
+        return left, rest
+    ratio = scale * math.exp((left - SLACK_M_S) / loads.exhaust) - loss
+    if ratio <= 0.0:
+        return NOT_ENOUGH, rest
+    return loads.exhaust * math.log(ratio) + SLACK_M_S, rest
+
+
+@inlined
+def flown_in_service(loads, body):
+    """ΔV that a service takes itself [m/s]."""
+    if loads is None:
+        return 0.0
+    return loads.flown[body]
+
+
+@inlined
+def is_possible(loads, left):
+    """Whether a service could be made after which so much is left."""
+    if loads is None:
+        return True
+    return left >= 0.0
+
+
+@inlined
+def most_kits(loads):
+    """The most kits that it may take along."""
+    if loads is None:
+        return 0
+    return loads.full.size - 1
+
+
+@inlined
+def kits_after(loads, body, kits):
+    """Kits left after a service."""
+    if loads is None:
+        return kits
+    return kits - loads.takes[body]
+
+
+KITS_BIT = 16
+"""Labels keep the number of kits aboard above so many bits of the number of services."""
+
+
+@inlined
+def with_kits(loads, services, kits):
+    """Services and kits in one number; the services alone where loads do not count."""
+    if loads is None:
+        return services
+    return services + (kits << KITS_BIT)
+
+
+@inlined
+def kits_in(loads, packed):
+    """The kits of such a number."""
+    if loads is None:
+        return 0
+    return np.int64(packed) >> KITS_BIT
+
+
+@inlined
+def services_in(loads, packed):
+    """The services of such a number."""
+    if loads is None:
+        return packed
+    return packed & ((1 << KITS_BIT) - 1)
+
+
+@inlined
+def may_serve_for(loads, one, other):
+    """Whether one such number is as good as another one: no more services, and its kits will do."""
+    if loads is None:
+        return one <= other
+    fewer = services_in(loads, one) <= services_in(loads, other)
+    return fewer and may_stand_for(loads, kits_in(loads, one), kits_in(loads, other))
+
+
+@inlined
+def may_stand_for(loads, kits, other):
+    """Whether a chaser with so many kits can do what one with ``other`` kits can.
+
+    Of two that are as rich the one with fewer kits is the lighter one, and has fewer.
+    """
+    if loads is None:
+        return True
+    return kits == other or (kits > other and not loads.heavy)

@@ -1,0 +1,344 @@
+"""The mission rules: which moves are legal, and what one move does (MODEL section 5).
+
+The one place where they stand. Everything that plans, and the environment, asks these kernels;
+only ``check`` states them a second time, on purpose.
+
+A move goes to a body by the connection that the timetable's choice makes. :func:`step` is its
+resource extension: from the state before to the state after, and whether that is legal. Which
+targets are done is no part of the state, since search methods keep that in a form of their own;
+:func:`may_go` asks about it.
+
+The slack of the model (:mod:`adr_opt.common.constants`) is in the limits that :class:`Rules` holds
+and in the next event, and nowhere else: what is left of a tank includes it, so that it is granted
+once a tank and not once a leg, and every bound on moves under these rules holds with it.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.compile import inlined, kernel
+from ..core.memory import borrowed
+from ..tables import timetable
+from .loads import Loads, after_service, first_tank, flown_in_service, full_tank, most_kits
+
+
+class Rules(NamedTuple):
+    """A mission as the kernels see it.
+
+    Bodies are numbered stations first, then the orbit of the start if that is no station's, then
+    the targets.
+
+    Attributes
+    ----------
+    table : Table
+    service : (bodies,) float64
+        Time at each body after arrival: service, with the tow that follows, or refuelling at a
+        station [s].
+    opens, closes : (bodies,) float64
+        No service begins before, or ends after, with the slack [s].
+    prize : (bodies,) float64
+        What each target is worth to a planner; 0 for other bodies. Required targets are worth more
+        than all others together, see :class:`adr_opt.mission.problem.Mission`.
+    is_station, may_end : (bodies,) bool
+        Where the tank is filled, and where the mission may end.
+    stations, first_target : int
+        Number of stations, and of the first target.
+    start : int
+        Body at which the chaser is in the beginning.
+    ready : float
+        Since when [s].
+    most_targets : int
+        Targets that it may service.
+    returns : bool
+        Whether there are bodies where the mission may not end.
+    budget : float
+        Full ΔV budget with the slack of the model, which is no limit to be met exactly; where loads
+        count, the most that is ever left [m/s].
+    duration : float
+        End of the mission, with the slack [s].
+    shortest_sortie : float
+        Least time from the departure from a station to the end of a service [s].
+    loads : Loads or None
+        What the chaser carries; None where that makes no difference.
+    """
+
+    table: timetable.Table
+    service: np.ndarray
+    opens: np.ndarray
+    closes: np.ndarray
+    prize: np.ndarray
+    is_station: np.ndarray
+    may_end: np.ndarray
+    stations: int
+    first_target: int
+    start: int
+    ready: float
+    most_targets: int
+    returns: bool
+    budget: float
+    duration: float
+    shortest_sortie: float
+    loads: Loads | None = None
+
+
+class State(NamedTuple):
+    """Where a chaser is.
+
+    Attributes
+    ----------
+    body : int
+    time : float
+        Since when it is free there [s].
+    left : float
+        ΔV left [m/s].
+    since : int
+        Targets serviced since the last refuelling.
+    serviced : int
+        Targets serviced.
+    kits : int
+        Kits aboard.
+    """
+
+    body: int | np.int64
+    time: float
+    left: float
+    since: int | np.int64
+    serviced: int | np.int64
+    kits: int | np.int64
+
+
+@inlined
+def beginning(rules):
+    """The state in which a mission begins, with all kits that may be taken along."""
+    return beginning_with(rules, most_kits(rules.loads))
+
+
+@inlined
+def beginning_with(rules, kits):
+    """The state in which a mission begins with so many kits."""
+    left = first_tank(rules.loads, rules.budget, kits)
+    return State(np.int64(rules.start), rules.ready, left, np.int64(0), np.int64(0), np.int64(kits))
+
+
+@inlined
+def state_at(states, place):
+    """The state at a place of ``states``, arrays under the names of the fields of a state."""
+    return State(
+        np.int64(states.body[place]),
+        states.time[place],
+        states.left[place],
+        np.int64(states.since[place]),
+        np.int64(states.serviced[place]),
+        np.int64(0),
+    )
+
+
+@inlined
+def looked_at(rules):
+    """At how many destinations of each body searches look."""
+    return timetable.looked_at(rules.table, rules.service.size - rules.first_target)
+
+
+@inlined
+def destination(rules, body, time, place):
+    """One of the destinations that searches look at from a body: all targets, or the nearest then.
+
+    Among the nearest there are stations, too.
+    """
+    return timetable.destination(rules.table, rules.first_target, body, time, place)
+
+
+@inlined
+def fits(rules, body, time, left, destination):
+    """What a move costs, and whether it fits ΔV and time.
+
+    Parameters
+    ----------
+    rules : Rules
+    body : int
+        Where the chaser is.
+    time : float
+        Since when it is free [s].
+    left : float
+        ΔV left [m/s].
+    destination : int
+
+    Returns
+    -------
+    fits : bool
+    delta_v : float
+        [m/s], +inf where there is no transfer.
+    end : float
+        End of the service there [s].
+    """
+    delta_v, arrival = timetable.lookup(rules.table, body, destination, time)
+    end = max(arrival, rules.opens[destination]) + rules.service[destination]
+    in_time = end <= rules.closes[destination] and end <= rules.duration
+    return delta_v <= left and in_time, delta_v, end
+
+
+@inlined
+def step(rules, state, destination):
+    """Make a move: the resource extension function.
+
+    Parameters
+    ----------
+    rules : Rules
+    state : State
+    destination : int
+        Another body; whether it is a target that is done already is for :func:`may_go` to say.
+
+    Returns
+    -------
+    legal : bool
+    delta_v : float
+        Of the transfer and of a tow [m/s], +inf where there is no transfer.
+    after : State
+        The state after the move; of no meaning if it is not legal.
+    """
+    legal, delta_v, end = fits(rules, state.body, state.time, state.left, destination)
+    left, since, serviced = state.left - delta_v, state.since + 1, state.serviced + 1
+    kits = state.kits
+    if rules.is_station[destination]:
+        legal = legal and state.since > 0
+        left = full_tank(rules.loads, rules.budget, kits)
+        since, serviced = state.since - state.since, state.serviced
+    else:
+        left, kits = after_service(rules.loads, destination, kits, left)
+        delta_v += flown_in_service(rules.loads, destination)
+        legal = legal and state.serviced < rules.most_targets and left >= 0.0
+    if rules.returns and legal and not rules.may_end[destination]:
+        legal = _reaches_an_end(rules, destination, end, left)
+    return legal, delta_v, State(np.int64(destination), end, left, since, serviced, kits)
+
+
+@kernel
+def _reaches_an_end(rules, body, time, left):
+    """Whether a chaser can still go to where the mission may end."""
+    for s in range(rules.stations):
+        if rules.may_end[s] and s != body and fits(rules, body, time, left, s)[0]:
+            return True
+    return False
+
+
+@inlined
+def may_go(rules, state, visited, destination):
+    """Whether a body is another one, and no target that is done already, nor an orbit that is left.
+
+    Parameters
+    ----------
+    visited : (bodies,) bool
+        Targets that are done.
+    """
+    if destination == state.body:
+        return False
+    return rules.is_station[destination] or (
+        destination >= rules.first_target and not visited[destination]
+    )
+
+
+@inlined
+def has_way_back(rules, state):
+    """The guard: whether a chaser at a target can still refuel, or need not any more.
+
+    It need not when nothing could be serviced after refuelling, at any station, before the mission
+    ends. A mission without stations knows no guard.
+    """
+    worth_it = False
+    for s in range(rules.stations):
+        _, back, refuelled = fits(rules, state.body, state.time, state.left, s)
+        if back <= state.left:
+            return True
+        if refuelled <= rules.duration - rules.shortest_sortie:
+            worth_it = True
+    return not worth_it
+
+
+@kernel
+def shortest_sortie(table, service, budget, stations, first_target):
+    """Least time from the departure from a station to the end of a service [s]; +inf for none."""
+    shortest = math.inf
+    for s in range(stations):
+        for j in range(first_target, service.size):
+            for event in range(timetable.events(table, s, j)):
+                delta_v, arrival = timetable.entry_at(table, s, j, event)
+                if delta_v <= budget:
+                    departure = timetable.departure_at(table, s, j, event)
+                    shortest = min(shortest, arrival - departure + service[j])
+    return shortest
+
+
+@kernel
+def legal_moves(rules, state, visited, mask):
+    """All legal moves of a state.
+
+    Parameters
+    ----------
+    visited : (bodies,) bool
+    mask : (bodies,) bool
+        Written: True where the move is legal.
+
+    Returns
+    -------
+    count : int
+    """
+    rules = borrowed(rules)
+    count = 0
+    for j in range(rules.service.size):
+        legal = False
+        if may_go(rules, state, visited, j):
+            legal = step(rules, state, j)[0]
+        mask[j] = legal
+        count += legal
+    return count
+
+
+@kernel
+def replay(rules, sequence, state, visited, ends, lefts):
+    """Make the moves of a sequence one after the other as long as they are legal.
+
+    Parameters
+    ----------
+    sequence : (moves,) int64
+        Bodies in order, stations for refuelling.
+    state : State
+        To begin with.
+    visited : (bodies,) bool
+        Updated.
+    ends, lefts : (moves,) float64
+        Written: end of service [s] and ΔV left [m/s] after each move.
+
+    Returns
+    -------
+    made : int
+        Index of the first move that is not legal; the length of the sequence if all are.
+    delta_v : float
+        ΔV of the moves made [m/s].
+    state : State
+        The state after them.
+    """
+    rules = borrowed(rules)
+    total = 0.0
+    for index in range(sequence.size):
+        j = sequence[index]
+        if not may_go(rules, state, visited, j):
+            return index, total, state
+        legal, delta_v, after = step(rules, state, j)
+        if not legal:
+            return index, total, state
+        total += delta_v
+        visited[j] = not rules.is_station[j]
+        state = after
+        ends[index], lefts[index] = state.time, state.left
+    return sequence.size, total, state
+
+
+@kernel
+def collected(rules, sequence):
+    """Sum of the prizes of a sequence of bodies."""
+    total = 0.0
+    for j in sequence:
+        total += rules.prize[j]
+    return total

@@ -1,0 +1,178 @@
+"""The best schedule of an order of bodies: labels along the order, over all connections.
+
+An order says where to go, not when: at each body the chaser may wait for any connection to the next
+one. A *label* is a way to have got so far: (ready, ΔV left, cost). One that is ready no later, has
+no less left and cost no more makes another one superfluous, exactly, because a chaser may wait.
+So connections are gone through in order of departure, and each is taken by those labels only that
+are ready for it and that no other ready one beats in (ΔV left, cost).
+
+The cost is ΔV; or, where expenses count, the least mass that a chaser has to start with that ends
+here [kg], of what is left and the kits that are still aboard. A leg makes that one greater by what
+it weighs to have been flown so far: the mass without propellant, times exp(ΔV so far / g₀ Isp),
+times exp(ΔV / g₀ Isp) − 1. Of two ways that leave as many kits aboard, let one have no less left
+and need no more if it ended here. Whatever follows, it needs no more: for what has to be left for
+that the need of both is linear in the mass that has to be left, the first one needs no more at the
+least such mass, and at the greatest one that the second has it does not need its whole tank, as the
+second does.
+"""
+
+import numpy as np
+
+from ..core.compile import kernel
+from ..core.events import earliest_taken
+from ..core.lists import chosen, rising, wider
+from .loads import after_service
+
+
+@kernel
+def _into(staircase_left, staircase_cost, names, size, left, cost, name):
+    """Put (left, cost) into a staircase, where more left costs more; its size then, or −1.
+
+    −1 says that a stair is as good.
+    """
+    low, high = 0, size
+    while low < high:
+        middle = (low + high) // 2
+        if staircase_left[middle] < left:
+            low = middle + 1
+        else:
+            high = middle
+    # Stairs from ``low`` on have as much left: the first is the cheapest of them.
+    if low < size and staircase_cost[low] <= cost:
+        return -1
+    first = low
+    while first > 0 and staircase_cost[first - 1] >= cost:
+        first -= 1
+    last = low
+    if last < size and staircase_left[last] == left:
+        last += 1
+    shift = 1 - (last - first)
+    if shift > 0:
+        for q in range(size, first, -1):
+            staircase_left[q], staircase_cost[q] = staircase_left[q - 1], staircase_cost[q - 1]
+            names[q] = names[q - 1]
+    elif shift < 0:
+        for q in range(last, size):
+            staircase_left[q + shift], staircase_cost[q + shift] = (
+                staircase_left[q],
+                staircase_cost[q],
+            )
+            names[q + shift] = names[q]
+    staircase_left[first], staircase_cost[first], names[first] = left, cost, name
+    return size + shift
+
+
+@kernel
+def undominated(ready, left, cost, count):
+    """The labels that none dominates that is ready before.
+
+    Of labels that are ready together a later one may beat an earlier one: harmless.
+
+    Parameters
+    ----------
+    ready, left, cost : (count or more,) float64
+    count : int
+
+    Returns
+    -------
+    order : (count,) int64
+        In order of the time ready; the first ``kept`` of it count.
+    kept : int
+    """
+    order = rising(ready, count)
+    best_left, best_cost = np.empty(count), np.empty(count)
+    names = np.empty(count, np.int64)
+    size, kept = 0, 0
+    for place in range(count):
+        which = order[place]
+        grown = _into(best_left, best_cost, names, size, left[which], cost[which], which)
+        if grown >= 0:
+            size = grown
+            order[kept] = which
+            kept += 1
+    return order, kept
+
+
+@kernel
+def follow(
+    ready, left, cost, weight, connections, service, opens, closes, refill, loads, body, kits
+):  # fmt: skip
+    """Labels at the next body of an order.
+
+    Parameters
+    ----------
+    ready, left, cost : (labels,) float64
+        Labels at the body before, in order of the time ready [s], [m/s], [m/s or kg].
+    weight : (labels,) float64
+        What one of the price of a connection adds to the cost of each; empty for one.
+    connections : tuple of (connections,) float64
+        Departure [s], arrival [s], ΔV [m/s] and price of the pair, in order of departure.
+    service : float
+        Time at the next body [s].
+    opens, closes : float
+        Service there begins no earlier and ends no later [s].
+    refill : float
+        What the tank holds after a stop at the next body, −1 for what is left [m/s].
+    loads : Loads or None
+    body, kits : int
+        The next body, and the kits aboard on the way there.
+
+    Returns
+    -------
+    ready, left, cost : (labels,) float64
+        None dominates another, in order of the time ready.
+    parent, taken : (labels,) int64
+        Label before, and connection.
+    """
+    departure, arrival, delta_v, price = connections
+    alike = weight.size == 0
+    room = 256
+    ends, lefts, costs = np.empty(room), np.empty(room), np.empty(room)
+    parents, takens = np.empty(room, np.int64), np.empty(room, np.int64)
+    count = 0
+    front_left, front_cost = np.empty(ready.size), np.empty(ready.size)
+    front = np.empty(ready.size, np.int64)
+    size, label = 0, 0
+    for c in range(departure.size):
+        while label < ready.size and earliest_taken(ready[label]) <= departure[c]:
+            grown = _into(front_left, front_cost, front, size, left[label], cost[label], label)
+            if grown >= 0:
+                size = grown
+            label += 1
+        end = max(arrival[c], opens) + service
+        if end > closes:
+            continue
+        # The stairs that can afford it; where the tank is filled the cheapest of them is enough, if
+        # all pay as much.
+        low, high = 0, size
+        while low < high:
+            middle = (low + high) // 2
+            if front_left[middle] < delta_v[c]:
+                low = middle + 1
+            else:
+                high = middle
+        last = size if refill < 0.0 or not alike else min(low + 1, size)
+        for stair in range(low, last):
+            rest = refill
+            if refill < 0.0:
+                rest, _ = after_service(loads, body, kits, front_left[stair] - delta_v[c])
+                if rest < 0.0:
+                    continue
+            if count == room:
+                ends, lefts, costs = wider(ends, count), wider(lefts, count), wider(costs, count)
+                parents, takens = wider(parents, count), wider(takens, count)
+                room = ends.size
+            ends[count] = end
+            lefts[count] = rest
+            paid = price[c] if alike else weight[front[stair]] * price[c]
+            costs[count] = front_cost[stair] + paid
+            parents[count], takens[count] = front[stair], c
+            count += 1
+    order, kept = undominated(ends, lefts, costs, count)
+    return (
+        chosen(ends, order, kept),
+        chosen(lefts, order, kept),
+        chosen(costs, order, kept),
+        chosen(parents, order, kept),
+        chosen(takens, order, kept),
+    )

@@ -1,0 +1,1 @@
+"""Timetables: which legs leave when, compiled."""

@@ -1,0 +1,276 @@
+"""The timetable of a choice: the connection that is chosen at each departure event of each pair.
+
+Who is ready for an event may take any connection that departs then or later. A *choice* settles
+which: the one of least ΔV + w · arrival, where w is the value of time (MODEL section 4). Between
+two events nothing depends on the time but the wait, so a table over events is exact. How events are
+spaced and where entries lie is known to this module alone, to the one that makes tables
+(:mod:`.timetable_making`) and to the one that lays them side by side (:mod:`.stacked_timetables`):
+planners ask :func:`next_event` and :func:`lookup`.
+
+The events of two-body motion are half a period apart, and are counted. Where nodes drift they are
+not; then a table holds when the connections depart that are ever chosen, and nothing else.
+
+A table need not hold all pairs. Those that it does not hold have no event. Where there are so many
+bodies that nobody has the memory for all pairs, each origin has room for its nearest destinations
+alone, and :attr:`Table.slot` tells their places; or it holds none at all (:mod:`.on_demand`).
+
+Hints are worked out for ready times a fixed step apart, see :func:`steps_begun`.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.compile import inlined, kernel
+from ..core.events import counted_event, earliest_taken
+from . import on_demand
+
+LEAST_STEPS = 500
+"""Where events are not regular, the duration is divided into so many steps at least."""
+
+
+class Table(NamedTuple):
+    """Exact ΔV and arrival of the connection chosen at every departure event.
+
+    Attributes
+    ----------
+    first : (bodies, slots) float64
+        Time of the first departure event of the pair (origin, destination) [s].
+    spacing : (bodies,) float64
+        Time between events of an origin: half its period, or its multiple; where events are not
+        regular, the step of the times that hints are worked out for [s].
+    total : (bodies, slots) int32
+        Number of events at or before the end of the mission; 0 on the diagonal, and of a pair that
+        the table does not hold.
+    entries : (bodies, events, slots, 2) float64
+        ΔV [m/s] and arrival, the end of the approach [s], of (origin, event, destination);
+        both +inf where no connection departs at the event or later. Destinations lie side by side
+        because planners ask for all of them at one time, and their events then have equal or
+        adjacent numbers.
+    departure : (bodies, events, slots) float64
+        When an event is [s]; without events where they are regular.
+    slot : (bodies, bodies) int16
+        Slot of each destination at an origin, −1 for none; without bodies where each destination
+        has the slot of its number.
+    source : Source or None
+        Where nothing is held, and rows are worked out on demand: then there are no slots and no
+        events, and :func:`lookup` is all that can be asked.
+    """
+
+    first: np.ndarray
+    spacing: np.ndarray
+    total: np.ndarray
+    entries: np.ndarray
+    departure: np.ndarray
+    slot: np.ndarray
+    source: on_demand.Source | None = None
+
+
+NO_SLOTS = np.empty((0, 0), dtype=np.int16)
+"""Each destination has the slot of its number."""
+
+NO_SLOTS.setflags(write=False)  # as in a finished table, or kernels would be compiled for both
+
+
+@inlined
+def slot_of(table, i, j):
+    """The slot of a destination at an origin; −1 for none."""
+    if table.slot.shape[0] > 0:
+        return np.int64(table.slot[i, j])
+    return np.int64(j)
+
+
+def source_of(table: Table) -> on_demand.Source | None:
+    """What rows are worked out from where the table holds nothing."""
+    return table.source
+
+
+@inlined
+def asks(table):
+    """Whether the table holds nothing, and rows are worked out on demand."""
+    return _is_there(table.source)
+
+
+@inlined
+def _is_there(source):
+    return source is not None
+
+
+@inlined
+def looked_at(table, targets):
+    """At how many destinations of each body searches look, be it at all targets."""
+    return _ranks(table.source, targets)
+
+
+@inlined
+def _ranks(source, targets):
+    if source is None:
+        return targets
+    return source.near.shape[2]
+
+
+@inlined
+def destination(table, first_target, body, time, rank):
+    """One of them: a target by its number, or one of the nearest at a time, stations among them."""
+    return _ranked(table.source, first_target, body, time, rank)
+
+
+@inlined
+def _ranked(source, first_target, body, time, rank):
+    if source is None:
+        return np.int64(first_target + rank)
+    period = min(int(time / source.period), source.near.shape[0] - 1)
+    return np.int64(source.near[period, body, rank])
+
+
+def size_of(bodies: int, most: int, slots: int) -> int:
+    """Bytes that such a table takes."""
+    return bodies * slots * (16 * most + 12) + (2 * bodies**2 if slots < bodies else 0)
+
+
+def most_events(table: Table) -> int:
+    """For how many departure events of a pair there is room."""
+    return int(table.entries.shape[-3])
+
+
+def most_steps(table: Table) -> int:
+    """For how many times hints are worked out: numbers of :func:`steps_begun` from 0 on."""
+    most = most_events(table)
+    return most if is_regular(table) else max(most, LEAST_STEPS) + 1
+
+
+def is_regular(table: Table) -> bool:
+    """Whether events are a fixed time apart."""
+    return int(table.departure.shape[-2]) == 0
+
+
+def count_entries(table: Table) -> int:
+    """How many departure events all pairs have."""
+    return int(table.total.sum())
+
+
+def shortest_spacing(table: Table) -> float:
+    """Least time between two departure events of a pair [s]."""
+    if is_regular(table):
+        return float(table.spacing.min())
+    steps = np.diff(table.departure, axis=1)
+    return float(np.min(steps, where=np.isfinite(steps), initial=math.inf))
+
+
+@inlined
+def events(table, i, j):
+    """Number of departure events of the pair, numbered from 0 in time order."""
+    slot = slot_of(table, i, j)
+    return table.total[i, slot] if slot >= 0 else np.int32(0)
+
+
+@inlined
+def departure_at(table, i, j, event):
+    """Time of a departure event of the pair [s]."""
+    slot = slot_of(table, i, j)
+    if table.departure.shape[1] > 0:
+        return table.departure[i, event, slot]
+    return table.first[i, slot] + event * table.spacing[i]
+
+
+@inlined
+def entry_at(table, i, j, event):
+    """ΔV [m/s] and arrival [s] of the transfer that leaves at an event; +inf for none."""
+    slot = slot_of(table, i, j)
+    return table.entries[i, event, slot, 0], table.entries[i, event, slot, 1]
+
+
+@inlined
+def _next_in(table, i, slot, ready):
+    """The event of a slot that a chaser takes."""
+    earliest = earliest_taken(ready)
+    if table.departure.shape[1] > 0:
+        low, high = 0, table.total[i, slot]
+        while low < high:
+            middle = (low + high) // 2
+            if table.departure[i, middle, slot] < earliest:
+                low = middle + 1
+            else:
+                high = middle
+        return low
+    return counted_event(table.first[i, slot], table.spacing[i], table.total[i, slot], earliest)
+
+
+@inlined
+def next_event(table, i, j, ready):
+    """The event that a chaser takes; :func:`events` of the pair if there is none left."""
+    slot = slot_of(table, i, j)
+    return _next_in(table, i, slot, ready) if slot >= 0 else 0
+
+
+@inlined
+def lookup(table, i, j, time):
+    """The transfer of a chaser that is ready at body i at a time and wants body j.
+
+    Returns
+    -------
+    delta_v : float
+        [m/s]; +inf where there is no transfer.
+    arrival : float
+        End of the approach, before service [s].
+    """
+    return _looked_up(table.source, table, i, j, time)
+
+
+@inlined
+def _looked_up(source, table, i, j, time):
+    if source is not None:
+        return on_demand.chosen(source, i, j, time)
+    slot = slot_of(table, i, j)
+    if slot < 0:
+        return math.inf, math.inf
+    m = _next_in(table, i, slot, time)
+    if m >= table.total[i, slot]:
+        return math.inf, math.inf
+    return table.entries[i, m, slot, 0], table.entries[i, m, slot, 1]
+
+
+@inlined
+def steps_begun(table, i, time):
+    """How many steps of a body have begun at a time.
+
+    A step is its half period, from event to event of any pair; where events are not regular, the
+    same part of the mission for all bodies.
+    """
+    return math.ceil(time / table.spacing[i])
+
+
+@inlined
+def after_steps(table, i, number):
+    """When they have [s]."""
+    return number * table.spacing[i]
+
+
+@kernel
+def transfer_exists(table):
+    """Whether a body can be reached at all, by index: from any body, at any event."""
+    bodies = table.spacing.size
+    found = np.zeros(bodies, dtype=np.bool_)
+    for i in range(bodies):
+        for j in range(bodies):
+            # Who is ready for the first event may wait for all others.
+            if not found[j] and events(table, i, j) > 0:
+                found[j] = math.isfinite(entry_at(table, i, j, 0)[0])
+    return found
+
+
+@kernel
+def sample(table, departures, delta_v, duration):
+    """Sample the table on a list of ready times, into arrays (departure, origin, destination)."""
+    bodies = table.spacing.size
+    for d in range(departures.size):
+        for i in range(bodies):
+            for j in range(bodies):
+                if i == j:
+                    delta_v[d, i, j] = 0.0
+                    duration[d, i, j] = 0.0
+                else:
+                    dv, arrival = lookup(table, i, j, departures[d])
+                    delta_v[d, i, j] = dv
+                    duration[d, i, j] = arrival - departures[d]

@@ -1,0 +1,261 @@
+"""How timetables are made: which pairs come when, and what is chosen of their connections."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.compile import kernel
+from ..core.events import earliest_taken
+from ..legs import co_elliptic, sequences
+from ..legs.connections import Found
+from ..orbits import ephemeris
+from .on_demand import Source
+from .timetable import LEAST_STEPS, NO_SLOTS, Table, slot_of
+
+
+class Limits(NamedTuple):
+    """What the mission says of the time at each body; the slack of the model is in it.
+
+    Attributes
+    ----------
+    service : (bodies,) float64
+        Time at the body: service, with the tow that follows, or refuelling at a station [s].
+    opens, closes : (bodies,) float64
+        No service begins before, or ends after [s].
+    ready : float
+        Since when the chaser is there, without slack [s].
+    duration : float
+        End of the mission [s].
+    """
+
+    service: np.ndarray
+    opens: np.ndarray
+    closes: np.ndarray
+    ready: float
+    duration: float
+
+
+class Pairs(NamedTuple):
+    """In which order pairs of bodies are worked out: the nearest first.
+
+    Attributes
+    ----------
+    origins : (bodies,) int64
+        All bodies, those first that are wanted first.
+    near : (bodies, slots) int32
+        Destinations of each body, the nearest first.
+    """
+
+    origins: np.ndarray
+    near: np.ndarray
+
+
+WAVE = 16
+"""So many destinations of all origins are worked out before the next ones of any."""
+
+
+@kernel
+def pair_at(number, pairs):
+    """Origin, and rank of the destination, of a pair by its number: by waves, see :data:`WAVE`."""
+    bodies, ranks = pairs.near.shape
+    wave = number // (bodies * WAVE)
+    rest = number - wave * bodies * WAVE
+    width = min(WAVE, ranks - wave * WAVE)
+    return pairs.origins[rest // width], wave * WAVE + rest % width
+
+
+@kernel
+def fill(first, last, pairs, leaving, bodies, extra_delta_v, rule, limits, table):
+    """Fill the pairs from number ``first`` to before ``last``; all may be filled in parallel.
+
+    Parameters
+    ----------
+    first, last : int
+    pairs : Pairs
+        Each once.
+    leaving, bodies : (bodies, columns) float64
+        Rows of :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`, of bodies as they are left
+        and as they are arrived at.
+    extra_delta_v : (bodies, bodies) float64
+        What matching the eccentricity vectors alone would cost [m/s].
+    rule : TransferRule
+    limits : Limits
+    table : Table
+        Written in place, these pairs only.
+    """
+    most = table.entries.shape[1]
+    for number in range(first, last):
+        i, rank = pair_at(number, pairs)
+        j = np.int64(pairs.near[i, rank])
+        slot = slot_of(table, i, j)
+        half_period = 0.5 * ephemeris.revolution(leaving[i])
+        pair = co_elliptic.prepare(leaving[i], bodies[j], extra_delta_v[i, j], rule)
+        start, half_turns = co_elliptic.first_departure(pair)
+        table.first[i, slot] = start
+        approach = rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j
+        # The arrival that service has to wait for, and the last that leaves time for it.
+        opens = limits.opens[j] - approach
+        closes = limits.closes[j] - limits.service[j] - approach
+        m = 0
+        while m < most:
+            departure = start + m * half_period
+            if departure > limits.duration:
+                break
+            if departure < earliest_taken(limits.ready):
+                # Before anybody is there; who asks waits for what leaves later.
+                table.entries[i, m, slot, 0] = math.inf
+                table.entries[i, m, slot, 1] = math.inf
+                m += 1
+                continue
+            lead = co_elliptic.target_lead(pair, departure, half_turns + m)
+            best = sequences.best_sequence(
+                pair, rule, departure, lead, opens - departure, closes - departure
+            )
+            table.entries[i, m, slot, 0] = best.delta_v
+            table.entries[i, m, slot, 1] = departure + best.flight_time + approach
+            m += 1
+        table.total[i, slot] = m
+        for event in range(m, most):
+            table.entries[i, event, slot, 0] = math.inf
+            table.entries[i, event, slot, 1] = math.inf
+        # Who is ready may wait for what leaves later: the best of each event and all after it.
+        for event in range(m - 2, -1, -1):
+            here, later = table.entries[i, event, slot], table.entries[i, event + 1, slot]
+            longer = max(later[1], limits.opens[j]) - max(here[1], limits.opens[j])
+            # Of two infinities the difference is no number, and not less.
+            if here[0] == math.inf or later[0] + rule.time_value * longer < here[0]:
+                here[0], here[1] = later[0], later[1]
+
+
+@kernel
+def choose(found, limits, j, time_value, taken):
+    """The connections of a pair that are ever chosen, in order of departure; how many.
+
+    Whoever is ready between the departure before and that of a connection takes it. Nobody is
+    before the mission's time of that.
+
+    Parameters
+    ----------
+    found : adr_opt.kernels.legs.connections.Found
+    limits : Limits
+    j : int
+        Destination.
+    time_value : float
+        [m/s per s].
+    taken : (connections,) int64
+        Written from the end.
+    """
+    count = 0
+    best = math.inf
+    for c in range(found.departure.size - 1, -1, -1):
+        begins = max(found.arrival[c], limits.opens[j])
+        if begins + limits.service[j] > limits.closes[j] or found.departure[c] > limits.duration:
+            continue
+        if found.departure[c] < earliest_taken(limits.ready):
+            break
+        cost = found.delta_v[c] + time_value * begins
+        # Of those that leave together one is chosen; an earlier one has to be better.
+        if cost < best:
+            best = cost
+            last = taken.size - count
+            if count == 0 or found.departure[taken[last]] > found.departure[c]:
+                count += 1
+            taken[taken.size - count] = c
+    return count
+
+
+def pack(
+    bodies: int, chosen: dict[tuple[int, int], Found], duration: float, slot: np.ndarray
+) -> Table:
+    """A table whose events are not regular.
+
+    Parameters
+    ----------
+    bodies : int
+    chosen : dict of (origin, destination) to Found
+        For each pair the connections chosen, in order of departure.
+    duration : float
+        Of the mission [s].
+    slot : (bodies, bodies) int16
+        As in :class:`Table`.
+    """
+    most = max([1, *(found.departure.size for found in chosen.values())])
+    table = allocate(bodies, most, slot, regular=False)
+    table.first[:], table.entries[:] = 0.0, math.inf
+    table.departure[:] = math.inf
+    table.spacing[:] = max(duration, 1.0) / max(most, LEAST_STEPS) * (1.0 + 1e-9)
+    for (i, j), found in chosen.items():
+        count, at = found.departure.size, slot[i, j] if slot.size else j
+        table.total[i, at] = count
+        table.departure[i, :count, at] = found.departure
+        table.entries[i, :count, at, 0] = found.delta_v
+        table.entries[i, :count, at, 1] = found.arrival
+        table.first[i, at] = table.departure[i, 0, at] if count else 0.0
+    return table
+
+
+def slots_of(pairs: Pairs) -> np.ndarray:
+    """Where the destinations of each body lie, as :attr:`Table.slot` says."""
+    bodies, ranks = pairs.near.shape
+    if ranks >= bodies - 1:
+        return NO_SLOTS
+    slot = np.full((bodies, bodies), -1, dtype=np.int16)
+    np.put_along_axis(slot, pairs.near, np.arange(ranks, dtype=np.int16)[None, :], axis=1)
+    slot.setflags(write=False)
+    return slot
+
+
+def allocate(bodies: int, most: int, slot: np.ndarray, *, regular: bool = True) -> Table:
+    """A table of so many bodies and at most so many events of each; nothing is in it yet."""
+    slots = bodies if slot.size == 0 else int(slot.max()) + 1
+    return Table(
+        first=np.zeros((bodies, slots)),
+        spacing=np.empty(bodies),
+        total=np.zeros((bodies, slots), dtype=np.int32),
+        entries=np.empty((bodies, most, slots, 2)),
+        departure=np.empty((bodies, 0 if regular else most, slots)),
+        slot=slot,
+    )
+
+
+def without_entries(bodies: int, source: Source) -> Table:
+    """A table that holds nothing: rows are worked out on demand."""
+    return Table(
+        first=np.empty((0, 0)),
+        spacing=np.empty(bodies),
+        total=np.empty((0, 0), dtype=np.int32),
+        entries=np.empty((0, 0, 0, 2)),
+        departure=np.empty((0, 0, 0)),
+        slot=np.empty((1, 1), dtype=np.int16),
+        source=source,
+    )
+
+
+def part_of(table: Table, limits: Limits, bodies: np.ndarray) -> tuple[Table, Limits]:
+    """A table of all pairs, and its limits, for some of the bodies in an order of theirs.
+
+    What is chosen of a pair depends on no other body. The same arrays where it is all of them.
+    """
+    if bodies.size == table.spacing.size and bool((bodies == np.arange(bodies.size)).all()):
+        return table, limits
+    part = Table(
+        first=table.first[np.ix_(bodies, bodies)],
+        spacing=table.spacing[bodies],
+        total=table.total[np.ix_(bodies, bodies)],
+        entries=table.entries[bodies][:, :, bodies],
+        departure=table.departure[bodies][:, :, bodies],
+        slot=NO_SLOTS,
+    )
+    service, opens, closes = limits.service[bodies], limits.opens[bodies], limits.closes[bodies]
+    return part, Limits(service, opens, closes, limits.ready, limits.duration)
+
+
+@kernel
+def space(bodies, table):
+    """Set the time between events, where they are regular, and that no body leads to itself."""
+    for i in range(bodies.shape[0]):
+        table.spacing[i] = 0.5 * ephemeris.revolution(bodies[i])
+        if table.slot.shape[0] == 0:
+            for event in range(table.entries.shape[1]):
+                table.entries[i, event, i, 0] = table.entries[i, event, i, 1] = math.inf

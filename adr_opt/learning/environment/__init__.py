@@ -1,0 +1,51 @@
+"""The mission as a reinforcement-learning environment (extra ``[rl]``).
+
+Importing this package registers ``adr_opt/Mission-v0`` with Gymnasium. :class:`MissionEnv` is one
+mission; :class:`MissionVecEnv` hundreds of them in Numba, for Stable-Baselines3.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ...common.errors import MissingExtra
+
+try:
+    import gymnasium
+except ImportError:
+    raise MissingExtra("the environment", "gymnasium", "rl") from None
+
+from ..episodes.board import OBSERVATIONS
+from .fields import PUBLISHED, VARIED, Fields, Limits
+from .mission_env import MissionEnv
+from .spaces import space
+
+if TYPE_CHECKING:
+    from .vector import MissionVecEnv
+
+__all__ = [
+    "ID",
+    "OBSERVATIONS",
+    "PUBLISHED",
+    "VARIED",
+    "Fields",
+    "Limits",
+    "MissionEnv",
+    "MissionVecEnv",
+    "space",
+]
+
+ID = "adr_opt/Mission-v0"
+
+gymnasium.register(id=ID, entry_point="adr_opt.learning.environment.mission_env:MissionEnv")
+
+
+def __getattr__(name: str) -> Any:
+    """:class:`MissionVecEnv` needs Stable-Baselines3 and PyTorch, the rest does not."""
+    if name == "MissionVecEnv":
+        try:
+            from .vector import MissionVecEnv
+        except ImportError:
+            raise MissingExtra("MissionVecEnv", "stable-baselines3", "rl") from None
+        return MissionVecEnv
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,118 @@
+"""Fields drawn ahead, with their timetables, and shared by the environments of a process."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from weakref import WeakValueDictionary
+
+import numpy as np
+
+from ...mission.problem import Mission
+from ...problem.instance import Instance
+from ..episodes import FieldPool
+from .fields import Fields, Limits
+
+
+def ready(instance: Instance) -> Mission:
+    """A mission with all that an episode needs, worked out on one thread."""
+    mission = Mission(instance, threads=1)
+    _ = mission.rules
+    # What the table was chosen from takes many times its memory and is not needed here.
+    mission.connecting.kept.limit(0.0)
+    return mission
+
+
+def work_out(instances: Sequence[Instance], bodies: int, workers: ThreadPoolExecutor) -> FieldPool:
+    """A pool of fields, one in each slot, with some room for fields of more departure events.
+
+    Parameters
+    ----------
+    instances : sequence of Instance
+        All with the same dynamics.
+    bodies : int
+        Room for this many bodies in each slot, the station included.
+    workers : ThreadPoolExecutor
+        Works out the timetables.
+    """
+    regular = not Mission(instances[0]).connecting.drifts
+    missions = workers.map(ready, instances)
+    if regular:
+        # The lowest body has the most departure events; fields drawn later may be a little lower.
+        lowest = ready(min(instances, key=lambda instance: instance.orbits()[:, 0].min()))
+        events = lowest.timetable.most_events
+        events += 4 + events // 32
+    else:
+        # One field does not tell how many events another one has.
+        made = list(missions)
+        events = max(mission.timetable.most_events for mission in made)
+        events += 4 + events // 4
+        missions = iter(made)
+    pool = FieldPool(len(instances), bodies, events, regular=regular)
+    for slot, mission in enumerate(missions):
+        pool.install(slot, mission)
+    return pool
+
+
+class DrawnFields:
+    """Fields of a distribution with their timetables, the same for the same seed.
+
+    Where planes drift, connections depend on the tank, so each field comes with a budget and a
+    duration of its own. Otherwise it is worked out for the longest mission, and every episode
+    draws both.
+
+    Parameters
+    ----------
+    fields : Fields
+    slots : int
+        Number of fields.
+    seed : int
+
+    Attributes
+    ----------
+    pool : FieldPool
+        Shared; nothing is installed in it any more.
+    """
+
+    def __init__(self, fields: Fields, slots: int, seed: int) -> None:
+        rng = np.random.default_rng(seed)
+        instances = [fields.draw_field(rng) for _ in range(slots)]
+        self._fields = fields
+        self._fixed_limits = Mission(instances[0]).connecting.drifts
+        if self._fixed_limits:
+            instances = [_limited(each, fields.draw_limits(rng)) for each in instances]
+        with ThreadPoolExecutor(os.cpu_count() or 1, thread_name_prefix="fields") as workers:
+            self.pool = work_out(instances, fields.most_targets + 1, workers)
+
+    def draw(self, rng: np.random.Generator) -> tuple[int, Instance, Limits]:
+        """Draw a slot of the pool, with its field and the limits of one mission on it."""
+        slot = int(rng.integers(len(self.pool.instances)))
+        field = self.pool.instances[slot]
+        assert field is not None
+        if self._fixed_limits:
+            tank = field.chaser.tank
+            return slot, field, Limits(tank.delta_v_m_s, field.mission.duration_s)
+        return slot, field, self._fields.draw_limits(rng)
+
+
+def _limited(instance: Instance, limits: Limits) -> Instance:
+    return instance.with_limits(limits.duration_s, limits.delta_v_m_s)
+
+
+_known: WeakValueDictionary[tuple[Fields, int, int], DrawnFields] = WeakValueDictionary()
+_drawing = threading.Lock()
+
+
+def shared(fields: Fields, slots: int, seed: int) -> DrawnFields:
+    """The drawn fields that all environments of this process share, worked out on first use.
+
+    They are dropped with the last environment that plays on them.
+    """
+    key = fields, slots, seed
+    with _drawing:
+        drawn = _known.get(key)
+        if drawn is None:
+            drawn = _known[key] = DrawnFields(*key)
+        return drawn

@@ -1,0 +1,242 @@
+"""Which missions an environment draws: a family, and how far its numbers may vary."""
+
+from __future__ import annotations
+
+import operator
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import DAY_S
+from ...common.errors import InputError
+from ...problem.instance import Instance
+from ...sources.generator import family, generate
+
+FIRST_SEED, LAST_SEED = 1_000_000, 2**31 - 1
+"""Fields drawn at random have seeds from here, so that the instances of the library, and every
+seed below a million, remain unseen by a policy that was trained on random fields."""
+
+
+Range = tuple[float, float]
+Dynamics = Literal["two-body", "j2"]
+
+
+def _between(value: Any, least: float, most: float) -> bool:
+    try:
+        return bool(least <= value <= most)
+    except TypeError:
+        return False
+
+
+@dataclass(frozen=True)
+class Limits:
+    """ΔV budget and duration of one mission.
+
+    Attributes
+    ----------
+    delta_v_m_s, duration_s : float
+
+    Raises
+    ------
+    InputError
+        A number that is not finite or not positive.
+    """
+
+    delta_v_m_s: float
+    duration_s: float
+
+    def __post_init__(self) -> None:
+        for name in ("delta_v_m_s", "duration_s"):
+            if not _between(getattr(self, name), 1e-300, 1e300):
+                raise InputError(f"{name} = {getattr(self, name)!r}: must be a positive number")
+
+
+@dataclass(frozen=True)
+class Fields:
+    """A distribution of missions.
+
+    Attributes
+    ----------
+    family : str
+        Family of the generator; it sets what the ranges leave open.
+    targets : (int, int), optional
+        Least and most targets, both possible; the family's number if None.
+    zones : (int, int)
+        Least and most keep-out zones.
+    delta_v_m_s, duration_s : (float, float), optional
+        Least and largest ΔV budget [m/s] and duration [s], drawn uniformly for every mission; the
+        family's if None.
+    limits : tuple of Limits
+        Pairs of budget and duration that are drawn besides; plain pairs become :class:`Limits`.
+    share_of_limits : float
+        How often one of ``limits`` is drawn, each equally often, instead of the ranges.
+    share_of_family : float
+        How often a field keeps the family's number of targets instead of drawing one.
+    dynamics : {"two-body", "j2"}, optional
+        The family's if None.
+
+    Raises
+    ------
+    InputError
+        A range that is empty or not positive, or a share that is no share.
+    """
+
+    family: str = "nominal"
+    targets: tuple[int, int] | None = None
+    zones: tuple[int, int] = (0, 0)
+    delta_v_m_s: Range | None = None
+    duration_s: Range | None = None
+    limits: tuple[Limits, ...] = ()
+    share_of_limits: float = 0.0
+    share_of_family: float = 0.0
+    dynamics: Dynamics | None = None
+
+    def __post_init__(self) -> None:
+        family(self.family)
+        try:
+            pairs = tuple(
+                limits if isinstance(limits, Limits) else Limits(*limits) for limits in self.limits
+            )
+        except TypeError:
+            raise InputError(
+                f"limits = {self.limits!r}: give pairs of ΔV budget and duration"
+            ) from None
+        object.__setattr__(self, "limits", pairs)
+        for name in ("targets", "zones", "delta_v_m_s", "duration_s"):
+            span = getattr(self, name)
+            if span is None:
+                continue
+            least = {"targets": 1, "zones": 0}.get(name, 1e-9)
+            whole = name in ("targets", "zones")
+            try:
+                low, high = span
+                good = least <= low <= high < float("inf")
+                if whole:
+                    good = good and (operator.index(low), operator.index(high)) == (low, high)
+            except (TypeError, ValueError):
+                good = False
+            if not good:
+                what = "whole numbers" if whole else "numbers"
+                raise InputError(
+                    f"{name} = {span!r}: give a pair of {what} (least, largest), least at least "
+                    f"{least:g}"
+                )
+        for name in ("share_of_limits", "share_of_family"):
+            if not _between(getattr(self, name), 0.0, 1.0):
+                raise InputError(f"{name} = {getattr(self, name)!r}: must be between 0 and 1")
+        if self.dynamics is not None and self.dynamics not in get_args(Dynamics):
+            known = " or ".join(map(repr, get_args(Dynamics)))
+            raise InputError(f"dynamics = {self.dynamics!r}: must be {known}, or None")
+        if self.share_of_limits > 0.0 and not self.limits:
+            raise InputError("share_of_limits is positive, but there are no limits to draw from")
+
+    @classmethod
+    def from_options(cls, options: dict[str, Any] | None, base: Fields) -> Fields:
+        """A distribution changed by a dictionary, as ``reset(options=…)`` brings it.
+
+        Raises
+        ------
+        InputError
+            An option that does not exist.
+        """
+        known = [field.name for field in fields(cls)]
+        for name in options or {}:
+            if name not in known:
+                raise InputError(f"option {name!r} is unknown; use one of: {', '.join(known)}")
+        return replace(base, **(options or {}))
+
+    @property
+    def most_targets(self) -> int:
+        """Most targets that a field can have."""
+        most = family(self.family).targets[1]
+        if self.targets is None:
+            return most
+        return max(self.targets[1], most) if self.share_of_family > 0.0 else self.targets[1]
+
+    @property
+    def longest_s(self) -> float:
+        """Longest duration that a mission can have [s]."""
+        longest = [limit.duration_s for limit in self.limits]
+        if self.share_of_limits < 1.0:
+            base = family(self.family).duration_s
+            longest.append(base if self.duration_s is None else self.duration_s[1])
+        return max(longest)
+
+    @property
+    def largest_delta_v_m_s(self) -> float:
+        """Largest ΔV budget that a mission can have [m/s]."""
+        budgets = [limit.delta_v_m_s for limit in self.limits]
+        if self.share_of_limits < 1.0:
+            base = family(self.family).delta_v_m_s
+            budgets.append(base if self.delta_v_m_s is None else self.delta_v_m_s[1])
+        return max(budgets)
+
+    def draw_field(self, rng: np.random.Generator) -> Instance:
+        """A field for the longest mission with the largest budget; what is drawn is no more."""
+        seed = int(rng.integers(FIRST_SEED, LAST_SEED))
+        targets = None
+        if self.targets is not None and rng.random() >= self.share_of_family:
+            targets = int(rng.integers(self.targets[0], self.targets[1] + 1))
+        zones = int(rng.integers(self.zones[0], self.zones[1] + 1))
+        field = generate(self.family, seed, targets=targets, zones=zones)
+        if self.dynamics is not None:
+            field = field.replace(dynamics=self.dynamics)
+        return field.with_limits(duration_s=self.longest_s, delta_v_m_s=self.largest_delta_v_m_s)
+
+    def draw_limits(self, rng: np.random.Generator) -> Limits:
+        """ΔV budget and duration of one mission."""
+        budgets, durations = self.draw_many_limits(rng, 1)
+        return Limits(float(budgets[0]), float(durations[0]))
+
+    def draw_many_limits(
+        self, rng: np.random.Generator, count: int
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """ΔV budgets [m/s] and durations [s] of ``count`` missions, each of shape (count,)."""
+        base = family(self.family)
+        budgets = np.full(count, base.delta_v_m_s)
+        durations = np.full(count, base.duration_s)
+        if self.delta_v_m_s is not None:
+            budgets = rng.uniform(*self.delta_v_m_s, size=count)
+        if self.duration_s is not None:
+            durations = rng.uniform(*self.duration_s, size=count)
+        if self.share_of_limits > 0.0:
+            chosen = np.flatnonzero(rng.random(count) < self.share_of_limits)
+            for index, which in zip(
+                chosen.tolist(), rng.integers(len(self.limits), size=chosen.size), strict=True
+            ):
+                budgets[index] = self.limits[which].delta_v_m_s
+                durations[index] = self.limits[which].duration_s
+        return budgets, durations
+
+
+def check_kind(given: Any) -> None:
+    """Refuse what is no distribution of missions.
+
+    Raises
+    ------
+    InputError
+    """
+    if not isinstance(given, Fields):
+        raise InputError(f"fields = {given!r}: must be an adr_opt.learning.environment.Fields")
+
+
+PUBLISHED = Fields()
+"""The published scenario: 50 targets, 7 days, 3 km/s."""
+
+VARIED = Fields(
+    targets=(20, 60),
+    share_of_family=0.6,
+    delta_v_m_s=(700.0, 4000.0),
+    duration_s=(1.5 * DAY_S, 7.0 * DAY_S),
+    limits=(
+        Limits(3000.0, 7.0 * DAY_S),
+        Limits(3000.0, 7.0 * DAY_S),
+        Limits(3000.0, 3.0 * DAY_S),
+        Limits(1000.0, 7.0 * DAY_S),
+    ),
+    share_of_limits=0.75,
+)
+"""Domain randomisation over budget, duration and number of targets, the three benchmark families
+among them; what the ``set`` policy is trained on."""

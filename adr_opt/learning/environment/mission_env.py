@@ -1,0 +1,316 @@
+"""One mission as a Gymnasium environment."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from gymnasium import spaces
+
+from ...common.constants import SLACK_M_S
+from ...common.errors import InputError
+from ...kernels.episodes import episodes as kernels
+from ...mission.problem import Mission
+from ...problem.instance import Instance
+from ..episodes import Board, FieldPool, Observation, new_episodes, playing_time_s, start
+from .drawn import DrawnFields, shared
+from .fields import PUBLISHED, Fields, check_kind
+from .rendering import picture, sentence
+from .spaces import space
+
+MOST_REDRAWS = 100
+
+POOL = 32
+"""Number of fields that are drawn ahead, if the caller does not say."""
+
+NONE_BEGUN = "no mission has begun; call reset first"
+
+
+class MissionEnv(gymnasium.Env[Observation, np.int64]):
+    """Collect as much prize as possible before ΔV and time run out.
+
+    ## Action Space
+
+    ``Discrete(N + 1)``: the targets in the order of the instance, then the station (refuelling).
+    :meth:`action_masks` and ``info["action_mask"]`` say which actions are legal; there is at least
+    one until the episode ends.
+
+    ## Observation Space
+
+    By name, see :func:`.space`: ``transfer``, ``lookahead``, ``published``, and with
+    prizes ``transfer-prizes`` and ``lookahead-prizes``.
+
+    ## Rewards
+
+    The prize of a serviced target in mean prizes of the field (of those targets that have one), 0
+    for refuelling, −1 for an illegal action. Equal prizes are rewards of +1, as published.
+
+    ## Starting State
+
+    Docked at the station at t = 0 with a full ΔV budget. Without an ``instance``, every reset
+    draws one of ``pool`` fields that were themselves drawn from ``fields``, and a budget and a
+    duration. The first reset works out their timetables, and all environments of a process share
+    them. ``options`` change ``fields`` for one reset (``{"targets": (20, 30), "zones": (0, 6)}``),
+    which then works out a field of its own, or give one ``{"instance": …}``. A field with fewer
+    targets than the action space leaves the last target actions without use.
+
+    ## Episode End
+
+    ``terminated`` when no legal move is left, or by an illegal action. ``truncated`` never.
+
+    ## Arguments
+
+    ```python
+    gymnasium.make("adr_opt/Mission-v0", observation="transfer",
+    fields=adr_opt.learning.environment.VARIED) gymnasium.make("adr_opt/Mission-v0",
+    instance=adr_opt.load("my.json")) ```
+
+    ## Version History
+
+    v0: first version.
+
+    Parameters
+    ----------
+    instance : Instance, optional
+        Play this one at every reset.
+    fields : Fields
+        Where missions are drawn from otherwise.
+    pool : int
+        Number of fields that are drawn ahead; 0 to draw and work out another one at every reset.
+    pool_seed : int
+        Determines those fields; the seed of :meth:`reset` determines which of them is played.
+    observation : str
+        One of :data:`adr_opt.learning.episodes.OBSERVATIONS`.
+    render_mode : {"ansi", "rgb_array"}, optional
+
+    Attributes
+    ----------
+    sequence : list of int
+        Bodies of the moves made so far, the station is 0: what
+        :func:`adr_opt.mission.result.certify` makes a plan of.
+
+    Raises
+    ------
+    InputError
+        Unknown observation or render mode, or at a reset a mission that episodes cannot play: see
+        :func:`adr_opt.learning.episodes.check_playable`.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["ansi", "rgb_array"], "render_fps": 2}  # noqa: RUF012
+
+    def __init__(
+        self,
+        instance: Instance | None = None,
+        *,
+        fields: Fields = PUBLISHED,
+        pool: int = POOL,
+        pool_seed: int = 0,
+        observation: str = "transfer",
+        render_mode: str | None = None,
+    ) -> None:
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            known = ", ".join(self.metadata["render_modes"])
+            raise InputError(f"render_mode {render_mode!r} is unknown; use one of: {known}")
+        _check_kind(instance)
+        check_kind(fields)
+        for name, value in (("pool", pool), ("pool_seed", pool_seed)):
+            if not isinstance(value, (int, np.integer)) or value < 0:
+                raise InputError(f"{name} = {value!r}: must be a whole number from 0 on")
+        self.render_mode = render_mode
+        self.fields = fields
+        self._fixed = instance
+        targets = fields.most_targets if instance is None else len(instance.targets)
+        if instance is not None:
+            _ = instance.chaser  # an episode is that of one; several are refused
+        if targets == 0:
+            raise InputError("the instance has no targets; there is nothing to decide")
+        self.observation_space = space(observation, targets)
+        self.action_space = spaces.Discrete(targets + 1)
+        self._targets = targets
+        self._ahead = int(pool), int(pool_seed)
+        self._drawn: DrawnFields | None = None
+        self._own: tuple[Mission, FieldPool] | None = None
+        self._played: Callable[[], Mission] | None = None
+        self._mission: Mission | None = None
+        self._pool: FieldPool | None = None
+        self._episodes = new_episodes(1, targets + 1)
+        self._board = Board(observation, 1, targets)
+        self._over = True
+        self.sequence: list[int] = []
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begin a mission.
+
+        Parameters
+        ----------
+        seed : int, optional
+            Seeds the draws of this reset and of those after it.
+        options : dict, optional
+            ``instance``, or fields of :class:`.Fields`.
+
+        Raises
+        ------
+        InputError
+            Unknown option, an option beside an instance, more targets than the action space has, or
+            no legal first move.
+        """
+        super().reset(seed=seed)
+        if not isinstance(options or {}, Mapping):
+            raise InputError(f"options = {options!r}: must be a dictionary")
+        changes = dict(options or {})
+        fixed = changes.pop("instance", self._fixed)
+        fields = Fields.from_options(changes, self.fields)
+        _check_kind(fixed)
+        if fixed is not None and changes:
+            raise InputError(
+                f"option {next(iter(changes))!r} changes what missions are drawn from, but an "
+                "instance is given"
+            )
+        for _ in range(MOST_REDRAWS):
+            if fixed is not None:
+                name = self._begin(fixed)
+            elif changes or not self._ahead[0]:
+                limits = fields.draw_limits(self.np_random)
+                field = fields.draw_field(self.np_random)
+                name = self._begin(field.with_limits(limits.duration_s, limits.delta_v_m_s))
+            else:
+                name = self._begin_drawn()
+            self._over = not self._board.legal[0]
+            if not self._over:
+                return self._board.copy(0), self._info()
+            if fixed is not None:
+                break
+        raise InputError(
+            f"{name}: no move is legal at the start; it needs targets, more duration_s or "
+            "delta_v_m_s, or fewer keep-out zones"
+        )
+
+    def _begin(self, instance: Instance) -> str:
+        """Begin a mission that has a timetable of its own; the name of its instance."""
+        if len(instance.targets) > self._targets:
+            raise InputError(
+                f"{instance.name} has {len(instance.targets)} targets, more than the "
+                f"{self._targets} of the action space; make the environment with this instance"
+            )
+        if self._own is None or not self._own[0].instance.same(instance):
+            mission = Mission(instance)
+            pool = FieldPool.for_one(mission, self._targets + 1)
+            pool.install(0, mission)
+            self._own = mission, pool
+        mission, pool = self._own
+        budget = instance.chaser.tank.delta_v_m_s
+        self._start(pool, 0, budget, playing_time_s(instance), lambda: mission)
+        return instance.name
+
+    def _begin_drawn(self) -> str:
+        """Begin a mission on one of the fields drawn ahead; the name of the field."""
+        if self._drawn is None:
+            self._drawn = shared(self.fields, *self._ahead)
+        slot, field, limits = self._drawn.draw(self.np_random)
+
+        def played() -> Mission:
+            return Mission(field.with_limits(limits.duration_s, limits.delta_v_m_s))
+
+        self._start(self._drawn.pool, slot, limits.delta_v_m_s, limits.duration_s, played)
+        return field.name
+
+    def _start(
+        self,
+        pool: FieldPool,
+        slot: int,
+        delta_v_m_s: float,
+        duration_s: float,
+        played: Callable[[], Mission],
+    ) -> None:
+        self._pool, self._played, self._mission = pool, played, None
+        start(pool, self._episodes, 0, slot, delta_v_m_s, duration_s)
+        self._board.observe(pool.arrays, self._episodes, 0, 1)
+        self.sequence = []
+
+    def step(
+        self, action: int | np.integer[Any]
+    ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Make one move.
+
+        Raises
+        ------
+        InputError
+            The episode is over, or has not begun, or the action is not a whole number.
+        """
+        if self._over or self._pool is None:
+            raise InputError("the episode is over; call reset before the next step")
+        try:
+            actions = np.array([operator.index(action)], dtype=np.int64)
+        except (TypeError, OverflowError):
+            raise InputError(
+                f"action {action!r}: must be a whole number from 0 to {self._targets}"
+            ) from None
+        rewards = np.zeros(1, dtype=np.float32)
+        kernels.act(self._pool.arrays, self._episodes, 0, 1, actions, rewards)
+        reward = float(rewards[0])
+        if reward >= 0.0:
+            self.sequence.append(int(kernels.body_of(int(actions[0]), self._targets)))
+        self._board.observe(self._pool.arrays, self._episodes, 0, 1)
+        self._over = reward < 0.0 or not self._board.legal[0]
+        return self._board.copy(0), reward, self._over, False, self._info()
+
+    def action_masks(self) -> npt.NDArray[np.bool_]:
+        """Legal actions, shape (actions,): what sb3-contrib asks for.
+
+        Raises
+        ------
+        InputError
+            None has begun.
+        """
+        if self._pool is None:
+            raise InputError(NONE_BEGUN)
+        mask: npt.NDArray[np.bool_] = self._board.mask[0].copy()
+        return mask
+
+    def _info(self) -> dict[str, Any]:
+        episodes = self._episodes
+        return {
+            "action_mask": self._board.mask[0].astype(np.int8),
+            "serviced": int(episodes.serviced[0]),
+            "refuelled": int(episodes.refuelled[0]),
+            "collected": float(episodes.collected[0]),
+            "time_s": float(episodes.time[0]),
+            "delta_v_left_m_s": float(episodes.left[0] - SLACK_M_S),
+        }
+
+    @property
+    def mission(self) -> Mission:
+        """The mission that is played, with its budget and duration.
+
+        For an episode on a field that was drawn ahead it is made when it is first asked for, and
+        works out a timetable of its own when it is first planned with.
+
+        Raises
+        ------
+        InputError
+            None has begun.
+        """
+        if self._played is None:
+            raise InputError(NONE_BEGUN)
+        if self._mission is None:
+            self._mission = self._played()
+        return self._mission
+
+    def render(self) -> Any:
+        """The state as text (``ansi``) or as a picture (``rgb_array``)."""
+        if self.render_mode is None or self._pool is None:
+            return None
+        state = {**self._info(), "body": int(self._episodes.body[0])}
+        draw = sentence if self.render_mode == "ansi" else picture
+        return draw(self.mission, state, self._episodes.visited[0])
+
+
+def _check_kind(instance: Any) -> None:
+    if instance is not None and not isinstance(instance, Instance):
+        raise InputError(f"instance = {instance!r}: must be an adr_opt.Instance; load it first")

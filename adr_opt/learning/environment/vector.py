@@ -1,0 +1,340 @@
+"""Many missions at once, as a vectorised environment of Stable-Baselines3."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from gymnasium import spaces
+from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvStepReturn
+
+from ...common.errors import InputError
+from ...kernels.episodes import episodes as kernels
+from ...mission.problem import Mission
+from ..episodes import Board, Observation, new_episodes
+from .drawn import ready, work_out
+from .fields import PUBLISHED, Fields, check_kind
+from .spaces import space
+
+MOST_REDRAWS = 1000
+
+FEW = 32
+"""So few missions are not worth a second thread."""
+
+
+class MissionVecEnv(VecEnv):
+    """Hundreds of missions at once, stepped by kernels on a pool of timetables.
+
+    The same rules, observations and rewards as ``adr_opt/Mission-v0``. Fields with fewer targets
+    than the largest leave the last target actions without use; the station is always the last
+    action. An episode that ends is followed by a new one at once, as Stable-Baselines3 expects;
+    ``info["terminal_observation"]`` holds what was seen last.
+
+    Parameters
+    ----------
+    count : int
+        Missions at once.
+    fields : Fields
+        Where fields, budgets and durations are drawn from.
+    observation : str
+        One of :data:`adr_opt.learning.episodes.OBSERVATIONS`.
+    slots : int
+        Fields in the pool.
+    refresh_every : int
+        One field is replaced by a new one after so many steps of a single mission, counted over
+        all of them; 0 keeps the pool. A field leaves when the last mission on it is over, and one
+        after the other, so it may take longer. The new one is worked out in the background while
+        missions go on, and waited for if it is late, so that a seed determines everything.
+    threads : int
+        Threads that work out the pool and step the missions; nothing depends on their number.
+    reward_scale : float
+        Factor of every reward.
+    seed : int
+
+    Attributes
+    ----------
+    threads : int
+        May be lowered at any time.
+    pool : FieldPool
+    episodes : Episodes
+        The states of the missions, see :class:`adr_opt.kernels.episodes.episodes.Episodes`.
+
+    Raises
+    ------
+    InputError
+        A number out of range, or an unknown observation.
+    """
+
+    def __init__(
+        self,
+        count: int = 256,
+        fields: Fields = PUBLISHED,
+        *,
+        observation: str = "transfer",
+        slots: int = 64,
+        refresh_every: int = 0,
+        threads: int = 1,
+        reward_scale: float = 1.0,
+        seed: int = 0,
+    ) -> None:
+        for name, value, least in (
+            ("count", count, 1),
+            ("slots", slots, 2 if refresh_every else 1),
+            ("refresh_every", refresh_every, 0),
+            ("threads", threads, 1),
+            ("seed", seed, 0),
+        ):
+            if not isinstance(value, (int, np.integer)) or value < least:
+                raise InputError(f"{name} = {value!r}: must be a whole number from {least} on")
+        check_kind(fields)
+        if not math.isfinite(reward_scale):
+            raise InputError(f"reward_scale = {reward_scale!r}: must be a finite number")
+        self.fields = fields
+        self._targets = fields.most_targets
+        self.render_mode = None
+        super().__init__(
+            count, space(observation, self._targets), spaces.Discrete(self._targets + 1)
+        )
+        # Two boards in turn: what a step returned stays as it is while the next step is taken.
+        self._board = Board(observation, count, self._targets)
+        self._other = Board(observation, count, self._targets)
+        self._rewards = np.zeros(count, dtype=np.float32)
+        self._scale = np.float32(reward_scale)
+        self._refresh_every = refresh_every
+        self._slots = slots
+        self.threads = threads
+        self._workers = ThreadPoolExecutor(threads, thread_name_prefix="missions")
+        self._builder = ThreadPoolExecutor(1, thread_name_prefix="fields")
+        self._actions: npt.NDArray[np.int64] | None = None
+        self._coming: Future[Mission] | None = None
+        self._begin(seed)
+
+    def _begin(self, seed: int) -> None:
+        """Draw the pool and everything that follows from a seed."""
+        if self._coming is not None:
+            self._coming.result()
+        field_seed, episode_seed = np.random.SeedSequence(seed).spawn(2)
+        self._field_rng = np.random.default_rng(field_seed)
+        self._rng = np.random.default_rng(episode_seed)
+        instances = [self.fields.draw_field(self._field_rng) for _ in range(self._slots)]
+        self.pool = work_out(instances, self._targets + 1, self._workers)
+        self.episodes = new_episodes(self.num_envs, self._targets + 1)
+        self.episodes.slot[:] = -1
+        self._users = np.zeros(self._slots, dtype=np.int64)
+        self._retiring = -1
+        self._next_slot = 0
+        self._steps = 0
+        self._coming = None
+        self._fresh = True
+        self._begun = False
+        self._seed = seed
+
+    # -- what Stable-Baselines3 asks for ---------------------------------------------------------
+
+    def reset(self) -> Observation:
+        """Begin all missions anew; after :meth:`seed` with another pool."""
+        if any(self._options):
+            self._reset_options()
+            raise InputError("a MissionVecEnv takes no options; make it with other fields instead")
+        seed = self._seeds[0]
+        self._reset_seeds()
+        if seed is not None and (seed != self._seed or not self._fresh):
+            self._begin(int(seed))
+        self._fresh = False
+        self._actions = None
+        self._renew(np.arange(self.num_envs, dtype=np.int32))
+        self._begun = True
+        return self._board.copy()
+
+    def step_async(self, actions: npt.NDArray[np.int64]) -> None:
+        """Keep the actions for :meth:`step_wait`.
+
+        Raises
+        ------
+        InputError
+            Not one whole number for each mission, or no mission has begun.
+        """
+        if not self._begun:
+            raise InputError("no mission has begun; call reset before the first step")
+        taken = np.asarray(actions)
+        if taken.shape != (self.num_envs,) or taken.dtype.kind not in "iu":
+            raise InputError(
+                f"actions of shape {taken.shape} and type {taken.dtype}: give one whole number "
+                f"for each of the {self.num_envs} missions"
+            )
+        self._actions = np.ascontiguousarray(taken, dtype=np.int64)
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Take the actions; finished missions begin anew.
+
+        The observations are those arrays that the kernels write; the step after the next one
+        overwrites them.
+        """
+        if self._actions is None:
+            raise InputError("no actions are waiting; call step_async first")
+        self._other.order = self._board.order
+        self._board, self._other = self._other, self._board
+        self._share(self._take, self.num_envs)
+        self._actions = None
+        rewards = self._rewards * self._scale
+        done = (self._rewards < 0.0) | (self._board.legal == 0)
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        ended = np.flatnonzero(done).astype(np.int32)
+        if ended.size:
+            self._last_words(ended, infos)
+            self._renew(ended)
+        self._refresh()
+        return self._board.arrays, rewards, done, infos
+
+    def _share(self, work: Callable[[int, int], None], count: int) -> None:
+        """Do a work for 0 to ``count`` − 1 in parts, one for each thread."""
+        bounds = [count * part // self.threads for part in range(self.threads + 1)]
+        others = [
+            self._workers.submit(work, *part) for part in pairwise(bounds[1:]) if part[0] < part[1]
+        ]
+        work(0, bounds[1])
+        for other in others:
+            other.result()
+
+    def _take(self, first: int, last: int) -> None:
+        """Act and look, in the order of the fields."""
+        board, pool = self._board, self.pool.arrays
+        kernels.act(pool, self.episodes, first, last, self._actions, self._rewards, board.order)
+        board.observe(pool, self.episodes, first, last)
+
+    def _last_words(self, ended: npt.NDArray[np.int32], infos: list[dict[str, Any]]) -> None:
+        """What Stable-Baselines3 wants to know of episodes that have ended."""
+        episodes = self.episodes
+        seen = self._board.copy(ended)
+        serviced = episodes.serviced[ended].tolist()
+        collected = episodes.collected[ended].tolist()
+        refuelled = episodes.refuelled[ended].tolist()
+        illegal = (self._rewards[ended] < 0.0).tolist()
+        delta_v = episodes.delta_v[ended].tolist()
+        budget, duration = episodes.budget[ended].tolist(), episodes.duration[ended].tolist()
+        targets = (self.pool.arrays.bodies[episodes.slot[ended]] - 1).tolist()
+        for row, index in enumerate(ended.tolist()):
+            last = (
+                {name: part[row] for name, part in seen.items()}
+                if isinstance(seen, dict)
+                else seen[row]
+            )
+            infos[index] = {
+                "terminal_observation": last,
+                "TimeLimit.truncated": False,
+                "episode": {
+                    "r": collected[row] - illegal[row],
+                    "l": serviced[row] + refuelled[row] + illegal[row],
+                    "t": 0.0,
+                },
+                "serviced": serviced[row],
+                "collected": collected[row],
+                "delta_v_m_s": delta_v[row],
+                "budget_m_s": budget[row],
+                "duration_s": duration[row],
+                "targets": targets[row],
+            }
+
+    # -- fields ----------------------------------------------------------------------------------
+
+    def _renew(self, which: npt.NDArray[np.int32]) -> None:
+        """Begin missions on fields of the pool, drawn again if they have no legal first move."""
+        board = self._board
+        for _ in range(MOST_REDRAWS):
+            before = self.episodes.slot[which]
+            np.subtract.at(self._users, before[before >= 0], 1)
+            slots = self._rng.integers(self._slots, size=which.size)
+            # Nobody enters a field that is about to be replaced.
+            slots[slots == self._retiring] = (self._retiring + 1) % self._slots
+            np.add.at(self._users, slots, 1)
+            budgets, durations = self.fields.draw_many_limits(self._rng, which.size)
+            kernels.begin_many(self.pool.arrays, self.episodes, which, slots, budgets, durations)
+            self._look(which)
+            which = which[board.legal[which] == 0]
+            if not which.size:
+                # Missions of one field side by side: their table is then in the cache.
+                board.order = np.argsort(self.episodes.slot, kind="stable").astype(np.int32)
+                return
+        raise InputError("the drawn missions allow no move at all; raise delta_v_m_s or duration_s")
+
+    def _look(self, which: npt.NDArray[np.int32]) -> None:
+        """Write the observations of some missions."""
+        if which.size < FEW:
+            self._board.observe_these(self.pool.arrays, self.episodes, which)
+            return
+        in_order = which[np.argsort(self.episodes.slot[which], kind="stable")]
+
+        def look(first: int, last: int) -> None:
+            self._board.observe_these(self.pool.arrays, self.episodes, in_order[first:last])
+
+        self._share(look, which.size)
+
+    def _refresh(self) -> None:
+        """Replace the oldest field when it is time and no mission is on it any more."""
+        if not self._refresh_every:
+            return
+        self._steps += self.num_envs
+        if self._coming is None and self._steps >= self._refresh_every:
+            self._steps -= self._refresh_every
+            self._retiring = self._next_slot
+            # Drawn here and now, worked out elsewhere: the order of the draws is certain.
+            self._coming = self._builder.submit(ready, self.fields.draw_field(self._field_rng))
+        if self._coming is not None and not self._users[self._retiring]:
+            mission = self._coming.result()
+            # A field with so many events that there is no room for them is passed over.
+            if self.pool.fits(mission):
+                self.pool.install(self._retiring, mission)
+            self._next_slot = (self._retiring + 1) % self._slots
+            self._retiring = -1
+            self._coming = None
+
+    def action_masks(self) -> npt.NDArray[np.bool_]:
+        """Legal actions of all missions, shape (missions, actions)."""
+        return self._board.mask.copy()
+
+    # -- the rest of the protocol ----------------------------------------------------------------
+
+    def close(self) -> None:
+        """End the threads."""
+        self._workers.shutdown(wait=True, cancel_futures=True)
+        self._builder.shutdown(wait=True, cancel_futures=True)
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """An attribute, the same for every mission."""
+        return [getattr(self, attr_name) for _ in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Set an attribute of all missions at once.
+
+        Raises
+        ------
+        InputError
+            Only some missions are named: they have no attributes of their own.
+        """
+        if len(list(self._get_indices(indices))) != self.num_envs:
+            raise InputError(
+                f"attribute {attr_name!r} is one for all missions; set it without indices"
+            )
+        setattr(self, attr_name, value)
+
+    def env_method(
+        self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any
+    ) -> list[Any]:
+        """``action_masks`` of the missions; they have no other method of their own."""
+        if method_name != "action_masks":
+            raise AttributeError(f"missions of a MissionVecEnv have no method {method_name!r}")
+        mask = self.action_masks()
+        return [mask[index] for index in self._get_indices(indices)]
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
+        """No mission is wrapped."""
+        return [False for _ in self._get_indices(indices)]
+
+    def get_images(self) -> Sequence[Any]:
+        """No pictures; ``adr_opt/Mission-v0`` draws them."""
+        return [None] * self.num_envs

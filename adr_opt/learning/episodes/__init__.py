@@ -1,0 +1,25 @@
+"""Many missions at once: fields side by side, states, observations.
+
+What the environment (:mod:`adr_opt.learning.environment`) and the learned planner stand on; needs
+NumPy and Numba alone.
+"""
+
+from .board import OBSERVATIONS, Board, Observation, check_observation, move_fields, published_size
+from .pool import FieldPool, check_playable, in_mean_prizes, new_episodes, playing_time_s, start
+from .practice import practise
+
+__all__ = [
+    "OBSERVATIONS",
+    "Board",
+    "FieldPool",
+    "Observation",
+    "check_observation",
+    "check_playable",
+    "in_mean_prizes",
+    "move_fields",
+    "new_episodes",
+    "playing_time_s",
+    "practise",
+    "published_size",
+    "start",
+]

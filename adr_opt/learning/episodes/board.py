@@ -1,0 +1,138 @@
+"""Observations by name, in the arrays that the kernels write."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.errors import InputError
+from ...kernels.episodes import lookahead
+from ...kernels.episodes import observation as kernels
+from ...kernels.episodes.episodes import Episodes, Pool
+from ...kernels.episodes.published import observe_published
+
+Array = npt.NDArray[np.float32]
+Observation = dict[str, Array] | Array
+
+OBSERVATIONS = ("transfer", "lookahead", "published", "transfer-prizes", "lookahead-prizes")
+"""``transfer`` is the quick one, ``lookahead`` knows more and takes longer, ``published`` is for
+comparison with the study. These see no prizes; the last two do, and are the first two otherwise."""
+
+MOVES, MISSION = "moves", "mission"
+
+
+def check_observation(name: str) -> None:
+    """Refuse an unknown observation.
+
+    Raises
+    ------
+    InputError
+        The sentence lists the known ones.
+    """
+    if name not in OBSERVATIONS:
+        raise InputError(f"observation {name!r} is unknown; use one of: {', '.join(OBSERVATIONS)}")
+
+
+def move_fields(name: str) -> tuple[str, ...]:
+    """Names of the numbers of a move in an observation by moves."""
+    if not sees_prizes(name):
+        return kernels.MOVE_FIELDS + (lookahead.CHAIN_FIELDS if follows_chains(name) else ())
+    more = lookahead.CHAIN_PRIZE_FIELDS if follows_chains(name) else ()
+    return (*kernels.MOVE_FIELDS, kernels.PRIZE_FIELD, *more)
+
+
+def sees_prizes(name: str) -> bool:
+    """Whether an observation says what each target is worth."""
+    return name.endswith("-prizes")
+
+
+def follows_chains(name: str) -> bool:
+    """Whether an observation says where moves lead."""
+    return name.startswith("lookahead")
+
+
+def published_size(targets: int) -> int:
+    """Numbers in the observation ``published``: visited, 2 globals, 6 elements of each body."""
+    return 7 * targets + 8
+
+
+class Board:
+    """The arrays of one observation of many episodes.
+
+    Parameters
+    ----------
+    name : str
+        Observation.
+    count : int
+        Episodes.
+    targets : int
+
+    Attributes
+    ----------
+    mask : (count, targets + 1) bool
+        Legal actions.
+    legal : (count,) int32
+        Their numbers.
+    order : (count,) int32
+        Order in which :meth:`observe` takes the episodes; that of their numbers at first.
+    promises : Promises or None
+        What chains promise, where the observation follows them; no part of it.
+    """
+
+    def __init__(self, name: str, count: int, targets: int) -> None:
+        self.name = name
+        self.mask = np.zeros((count, targets + 1), dtype=np.bool_)
+        self.legal = np.zeros(count, dtype=np.int32)
+        self.order = np.arange(count, dtype=np.int32)
+        self.promises: lookahead.Promises | None = None
+        if follows_chains(name):
+            self.promises = lookahead.Promises(*np.zeros((3, count, targets + 1)))
+        if name == "published":
+            self._flat = np.zeros((count, published_size(targets)), dtype=np.float32)
+        else:
+            moves, mission = len(move_fields(name)), len(kernels.MISSION_FIELDS)
+            self._moves = np.zeros((count, targets + 1, moves), dtype=np.float32)
+            self._mission = np.zeros((count, mission), dtype=np.float32)
+
+    def observe(self, pool: Pool, episodes: Episodes, first: int, last: int) -> None:
+        """Write mask and observation of the episodes ``order[first:last]``."""
+        self._observe(pool, episodes, self.order, first, last)
+
+    def observe_these(self, pool: Pool, episodes: Episodes, which: npt.NDArray[np.int32]) -> None:
+        """Write mask and observation of some episodes."""
+        self._observe(pool, episodes, which, 0, which.size)
+
+    def _observe(
+        self,
+        pool: Pool,
+        episodes: Episodes,
+        order: npt.NDArray[np.int32],
+        first: int,
+        last: int,
+    ) -> None:
+        if self.name == "published":
+            observe_published(pool, episodes, order, first, last, self._flat, self.mask, self.legal)
+            return
+        prized = sees_prizes(self.name)
+        into = (self._moves, self._mission, self.mask, self.legal, prized)
+        if self.promises is None:
+            kernels.observe_transfer(pool, episodes, order, first, last, *into)
+        else:
+            lookahead.observe_lookahead(pool, episodes, order, first, last, *into, self.promises)
+
+    @property
+    def arrays(self) -> Observation:
+        """The arrays themselves, in the structure of the space."""
+        if self.name == "published":
+            return self._flat
+        return {MISSION: self._mission, MOVES: self._moves}
+
+    def copy(self, index: int | npt.NDArray[np.int32] | None = None) -> Observation:
+        """A copy of all observations, or of those of one or of some episodes."""
+        arrays = self.arrays
+        if isinstance(arrays, dict):
+            return {
+                name: array.copy() if index is None else np.array(array[index])
+                for name, array in arrays.items()
+            }
+        return arrays.copy() if index is None else np.array(arrays[index])

@@ -1,0 +1,199 @@
+"""A pool of fields with their timetables, for many episodes at once."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.errors import InputError
+from ...common.wording import counted
+from ...kernels.episodes import outlook as outlook_kernels
+from ...kernels.episodes.episodes import CLOSES, OPENS, PRIZE, SERVICE, Episodes, Pool, begin
+from ...kernels.episodes.outlook import HOME
+from ...kernels.orbits.ephemeris import ORBIT_COLUMNS
+from ...kernels.tables import stacked_timetables
+from ...kernels.tables import timetable as timetable_kernels
+from ...mission.problem import Mission
+from ...plan.cargo import what_counts
+from ...problem.instance import Instance
+
+
+class FieldPool:
+    """Fields side by side in arrays that the kernels take.
+
+    Parameters
+    ----------
+    slots : int
+        Number of fields.
+    bodies : int
+        Room for so many bodies, the station included.
+    events : int
+        Room for so many departure events of one body.
+    regular : bool
+        Whether the events of all fields are regular, as they are in two-body motion.
+
+    Attributes
+    ----------
+    arrays : Pool
+        Written by :meth:`install` alone.
+    instances : list of Instance or None
+        What stands in each slot.
+    """
+
+    def __init__(self, slots: int, bodies: int, events: int, *, regular: bool = True) -> None:
+        tables, home = stacked_timetables.allocate_slots(slots, bodies, events, regular=regular)
+        steps = timetable_kernels.most_steps(tables)
+        self.arrays = Pool(
+            bodies=np.zeros(slots, dtype=np.int32),
+            orbits=np.zeros((slots, bodies, len(ORBIT_COLUMNS))),
+            limits=np.zeros((slots, 4, bodies)),
+            is_station=np.arange(bodies) < 1,
+            tables=tables,
+            angle=np.zeros((slots, bodies, bodies), dtype=np.float32),
+            near=np.full((slots, bodies, outlook_kernels.NEAR), -1, dtype=np.int16),
+            near_angle=np.zeros((slots, bodies, outlook_kernels.NEAR), dtype=np.float32),
+            ahead=np.zeros((slots, bodies, steps, outlook_kernels.LINE), dtype=np.uint16),
+            home=home,
+            rate=np.zeros((slots, bodies)),
+        )
+        self.instances: list[Instance | None] = [None] * slots
+
+    @classmethod
+    def of(cls, mission: Mission) -> FieldPool:
+        """A pool with one slot that holds one mission."""
+        pool = cls.for_one(mission, len(mission.names))
+        pool.install(0, mission)
+        return pool
+
+    @classmethod
+    def for_one(cls, mission: Mission, bodies: int) -> FieldPool:
+        """An empty pool with one slot for a mission, and room for so many bodies."""
+        timetable = mission.timetable
+        return cls(1, bodies, timetable.most_events, regular=not timetable.connecting.drifts)
+
+    def fits(self, mission: Mission) -> bool:
+        """Whether there is room for a mission, and its events are spaced as those of the others."""
+        tables = self.arrays.tables
+        return (
+            len(mission.names) <= self.arrays.is_station.size
+            and mission.timetable.most_events <= timetable_kernels.most_events(tables)
+            and mission.connecting.drifts != timetable_kernels.is_regular(tables)
+        )
+
+    def install(self, slot: int, mission: Mission) -> None:
+        """Put a mission into a slot, which no running episode may be using.
+
+        Raises
+        ------
+        InputError
+            Not a mission that can be played, see :func:`check_playable`.
+        """
+        check_playable(mission)
+        arrays = self.arrays
+        table = mission.timetable.table
+        bodies = len(mission.names)
+        orbits = mission.transfer_inputs[1]
+        arrays.bodies[slot] = bodies
+        arrays.orbits[slot, :bodies] = orbits
+        limits = arrays.limits[slot]
+        limits[SERVICE, :bodies] = mission.rules.service
+        limits[OPENS, :bodies] = mission.rules.opens
+        limits[CLOSES, :bodies] = mission.rules.closes
+        limits[PRIZE] = 0.0
+        limits[PRIZE, :bodies] = in_mean_prizes(mission)
+        stacked_timetables.put(arrays.tables, slot, table)
+        outlook_kernels.fill(
+            orbits,
+            table,
+            mission.rules.service,
+            outlook_kernels.Outlook(
+                arrays.angle[slot],
+                arrays.near[slot],
+                arrays.near_angle[slot],
+                arrays.ahead[slot],
+                stacked_timetables.Column(*(part[slot] for part in arrays.home)),
+                arrays.rate[slot],
+            ),
+        )
+        self.instances[slot] = mission.instance
+
+
+def check_playable(mission: Mission) -> None:
+    """Refuse a mission that episodes cannot play.
+
+    Episodes begin at the only station, at t = 0, may service any number of targets, know no kits
+    and no tows, and may end anywhere. Windows, prizes and zones are as they are.
+
+    Raises
+    ------
+    InputError
+    """
+    rules = mission.rules
+    for odd, what in (
+        (rules.stations != 1, f"has {counted(rules.stations, 'station')}, not one"),
+        (rules.start != HOME, "does not begin at its station"),
+        (rules.first_target != 1, "has an orbit that is neither a station's nor a target's"),
+        (rules.ready > 0.0, "begins later than t = 0"),
+        (rules.most_targets < rules.service.size - 1, "limits the number of targets"),
+        (rules.loads is not None, f"has {what_counts(mission.instance)} that count"),
+        (any(each.is_limited for each in mission.instance.stations), "has stations that run empty"),
+        (rules.returns, "must end at a station"),
+        (not mission.instance.has_orbits, "has bodies without an orbit"),
+    ):
+        if odd:
+            raise InputError(
+                f"{mission.instance.name} {what}, which the environment and its policies do not "
+                "know; plan this mission with another method"
+            )
+
+
+def playing_time_s(instance: Instance) -> float:
+    """How long an episode may last: until the mission or the chaser's availability ends [s]."""
+    end = instance.chaser.available_s[1]
+    duration_s = instance.mission.duration_s
+    return duration_s if end is None else min(duration_s, end)
+
+
+def in_mean_prizes(mission: Mission) -> npt.NDArray[np.float64]:
+    """Prize of every body in mean prizes of the targets that have one, shape (bodies,)."""
+    prize = mission.rules.prize
+    worth = prize[prize > 0.0]
+    if not worth.size:
+        return np.zeros(prize.size)
+    # Equal prizes are 1 exactly, which a mean of theirs need not give.
+    mean = worth[0] if worth.min() == worth.max() else worth.mean()
+    scaled: npt.NDArray[np.float64] = prize / mean
+    return scaled
+
+
+def new_episodes(count: int, bodies: int) -> Episodes:
+    """Room for the states of ``count`` episodes; :func:`start` begins them."""
+    return Episodes(
+        slot=np.zeros(count, dtype=np.int32),
+        budget=np.zeros(count),
+        duration=np.zeros(count),
+        body=np.zeros(count, dtype=np.int32),
+        since=np.zeros(count, dtype=np.int32),
+        time=np.zeros(count),
+        left=np.zeros(count),
+        visited=np.zeros((count, bodies), dtype=np.bool_),
+        serviced=np.zeros(count, dtype=np.int32),
+        refuelled=np.zeros(count, dtype=np.int32),
+        delta_v=np.zeros(count),
+        collected=np.zeros(count),
+    )
+
+
+def start(
+    pool: FieldPool,
+    episodes: Episodes,
+    index: int,
+    slot: int,
+    delta_v_m_s: float,
+    duration_s: float,
+) -> None:
+    """Begin an episode on a slot of the pool."""
+    episodes.slot[index] = slot
+    episodes.budget[index] = delta_v_m_s
+    episodes.duration[index] = duration_s
+    begin(pool.arrays, episodes, index)

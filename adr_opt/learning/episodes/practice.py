@@ -1,0 +1,32 @@
+"""Play a little of a small mission, so that the kernels of the environment are compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...kernels.episodes import episodes as kernels
+from ...run.warm_up import practice_mission
+from .board import OBSERVATIONS, Board
+from .pool import FieldPool, new_episodes, playing_time_s, start
+
+
+def practise() -> None:
+    """Compile what both environments call, with every observation."""
+    for drifts in (False, True):
+        mission = practice_mission(drifts)
+        bodies, budget = len(mission.names), mission.chaser.tank.delta_v_m_s
+        duration_s = playing_time_s(mission.instance)
+        pool, episodes = FieldPool.of(mission), new_episodes(1, bodies)
+        which, slots = np.zeros(1, dtype=np.int32), np.zeros(1, dtype=np.int64)
+        rewards = np.zeros(1, dtype=np.float32)
+        for name in OBSERVATIONS:
+            board = Board(name, 1, bodies - 1)
+            start(pool, episodes, 0, 0, budget, duration_s)
+            board.observe(pool.arrays, episodes, 0, 1)
+            actions = board.mask.argmax(axis=1)
+            kernels.act(pool.arrays, episodes, 0, 1, actions, rewards)
+            kernels.act(pool.arrays, episodes, 0, 1, actions, rewards, board.order)
+            kernels.body_of(int(actions[0]), bodies - 1)
+            limits = np.array([budget]), np.array([duration_s])
+            kernels.begin_many(pool.arrays, episodes, which, slots, *limits)
+            board.observe_these(pool.arrays, episodes, which)

@@ -1,0 +1,1 @@
+"""How bodies are reached: connections and timetables."""

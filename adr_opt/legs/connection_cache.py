@@ -1,0 +1,70 @@
+"""Connections that are kept: all of them, or the last ones asked for where they do not fit."""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from collections.abc import Callable
+from threading import Lock
+
+from ..kernels.legs.connections import Found
+
+Pair = tuple[int, int]
+"""Numbers of origin and destination."""
+
+
+class Kept:
+    """The connections of pairs, each worked out when it is first asked for.
+
+    Beyond the room that there is those are dropped that nobody has asked for longest, and worked
+    out again should somebody ask. Threads may share it.
+
+    Parameters
+    ----------
+    room_bytes : float
+        Memory that they may take.
+
+    Attributes
+    ----------
+    room_bytes : float
+    bytes : int
+        Memory that they take.
+    """
+
+    def __init__(self, room_bytes: float = math.inf) -> None:
+        self.room_bytes = room_bytes
+        self.bytes = 0
+        self._found: OrderedDict[Pair, Found] = OrderedDict()
+        self._lock = Lock()
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    def limit(self, room_bytes: float) -> None:
+        """Change the room, and keep to it from now on; with none, nothing is kept any more."""
+        with self._lock:
+            self.room_bytes = room_bytes
+            self._shrink()
+
+    def get(self, pair: Pair, find: Callable[[], Found]) -> Found:
+        """The connections of a pair, worked out by ``find`` if they are not there."""
+        with self._lock:
+            known = self._found.get(pair)
+            if known is not None:
+                self._found.move_to_end(pair)
+                return known
+        made = find()
+        with self._lock:
+            if pair not in self._found:
+                self._found[pair] = made
+                self.bytes += _bytes_of(made)
+                self._shrink()
+        return made
+
+    def _shrink(self) -> None:
+        while self._found and self.bytes > self.room_bytes:
+            self.bytes -= _bytes_of(self._found.popitem(last=False)[1])
+
+
+def _bytes_of(found: Found) -> int:
+    return sum(column.nbytes for column in found)

@@ -1,0 +1,108 @@
+"""What transfers cost other than by the model, as refined legs have shown (MODEL section 10)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from ..kernels.legs.connections import Found
+
+Kind = Literal["short", "drift"]
+
+ADJECTIVES: dict[Kind, str] = {"short": "short", "drift": "drifting"}
+
+
+@dataclass(frozen=True)
+class Corrections:
+    """What the connections of a mission cost other than by the model; the same by default.
+
+    A connection costs the factor of its kind times the model's ΔV, plus the addition of its kind,
+    and all that times the share of its pair.
+
+    Attributes
+    ----------
+    shares : mapping of (origin, destination, kind) to float
+        What connections of a pair cost against others of their kind, by the names of the bodies;
+        positive, 1 by default, and +inf for those that nobody shall fly.
+    factors : mapping of kind to float
+        Positive; 1 by default.
+    additions_m_s : mapping of kind to float
+        Not negative; 0 by default [m/s].
+    """
+
+    shares: Mapping[tuple[str, str, Kind], float] = field(default_factory=dict)
+    factors: Mapping[Kind, float] = field(default_factory=dict)
+    additions_m_s: Mapping[Kind, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not all(share > 0.0 for share in self.shares.values()):
+            raise ValueError("shares: must be positive, or a transfer may cost nothing")
+        if not all(0.0 < factor < math.inf for factor in self.factors.values()):
+            raise ValueError("factors: must be positive and finite")
+        if not all(0.0 <= addition < math.inf for addition in self.additions_m_s.values()):
+            raise ValueError("additions_m_s: must be finite and not negative")
+
+    def __bool__(self) -> bool:
+        """Whether they change anything."""
+        factors = (*self.shares.values(), *self.factors.values())
+        return any(one != 1.0 for one in factors) or any(self.additions_m_s.values())
+
+    def applied(self, origin: str, destination: str, found: Found) -> Found:
+        """The connections of a pair at their corrected ΔV, without those nobody shall fly."""
+        if not self:
+            return found
+        delta_v = np.empty(found.delta_v.size)
+        drifts = found.revolutions < 0
+        for kind in ADJECTIVES:
+            mine = drifts if kind == "drift" else ~drifts
+            factor, addition = self._line(origin, destination, kind)
+            delta_v[mine] = factor * found.delta_v[mine] + addition
+        if np.isfinite(delta_v).all():
+            return found._replace(delta_v=delta_v)
+        flyable = np.isfinite(delta_v)
+        return Found(*(column[flyable] for column in found._replace(delta_v=delta_v)))
+
+    def corrected(self, origin: str, destination: str, kind: Kind, delta_v_m_s: float) -> float:
+        """What a connection costs that has a ΔV by the model [m/s]."""
+        factor, addition = self._line(origin, destination, kind)
+        return factor * delta_v_m_s + addition
+
+    def modelled(self, origin: str, destination: str, kind: Kind, delta_v_m_s: float) -> float:
+        """What a connection of a corrected ΔV costs by the model [m/s]."""
+        factor, addition = self._line(origin, destination, kind)
+        return (delta_v_m_s - addition) / factor
+
+    def of_kind(self, kind: Kind) -> tuple[float, float]:
+        """What the model's ΔV is multiplied by, and what is added [m/s], for any pair."""
+        return self.factors.get(kind, 1.0), self.additions_m_s.get(kind, 0.0)
+
+    def _line(self, origin: str, destination: str, kind: Kind) -> tuple[float, float]:
+        """The same for a pair that may be known."""
+        factor, addition = self.of_kind(kind)
+        share = self.shares.get((origin, destination, kind), 1.0)
+        # Without an addition an infinite share would make it no number.
+        return share * factor, share * addition if addition else 0.0
+
+    def __str__(self) -> str:
+        parts = []
+        for kind, adjective in ADJECTIVES.items():
+            factor, addition = self.of_kind(kind)
+            if factor != 1.0:
+                parts.append(f"the ΔV of {adjective} transfers times {factor:.4g}")
+            if addition:
+                parts.append(f"{addition:.1f} m/s more for {adjective} transfers")
+        known = [one for one in self.shares.values() if one not in (1.0, math.inf)]
+        barred = sum(one == math.inf for one in self.shares.values())
+        if known:
+            span = f"{min(known):.3g} to {max(known):.3g}"
+            parts.append(f"beside that {span} times as much between {len(known)} pairs of bodies")
+        if barred:
+            parts.append(f"no transfer between {barred} pairs that no trajectory was found for")
+        return ", ".join(parts) or "none"
+
+
+NO_CORRECTIONS = Corrections()

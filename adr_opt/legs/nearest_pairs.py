@@ -1,0 +1,185 @@
+"""Which pairs of bodies a timetable is built of, and in which order: the nearest first.
+
+A chaser hardly ever flies to a target that a hundred others are nearer than. So where time or
+memory is short of the timetable of all pairs, it is that of the nearest destinations of every body.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import KDTree
+
+from ..common.constants import MU_M3_S2
+from ..kernels.orbits.ephemeris import ECCENTRICITY, INCLINATION, PERIGEE, RAAN, RAAN_RATE, RADIUS
+from ..kernels.tables.timetable_making import WAVE, Pairs
+from ..problem.instance import Instance
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def all_pairs(bodies: int) -> Pairs:
+    """All pairs, in the order of numbers."""
+    others = np.arange(bodies - 1)[None, :] + (np.arange(bodies - 1) >= np.arange(bodies)[:, None])
+    return Pairs(np.arange(bodies), others.astype(np.int32))
+
+
+def begun(pairs: Pairs, built: int) -> Pairs:
+    """The pairs of the waves that were begun, where so many were built, from the first on."""
+    waves = max(1, math.ceil(built / max(1, pairs.origins.size * WAVE)))
+    return Pairs(pairs.origins, pairs.near[:, : waves * WAVE])
+
+
+def nearest_pairs(instance: Instance, first: Sequence[str], ranks: int) -> Pairs:
+    """Pairs in the order in which a planner wants them.
+
+    Parameters
+    ----------
+    instance : Instance
+    first : sequence of str
+        Bodies that are wanted before all others; the others come in order of their distance from
+        where chasers start. The nearest of each are found by :func:`_places`.
+    ranks : int
+        So many destinations of each body.
+
+    Returns
+    -------
+    Pairs
+        Stations and required targets are the first destinations of all, and targets without a
+        prize the last.
+    """
+    bodies = len(instance.names)
+    ranks, middle_s = min(ranks, bodies - 1), 0.5 * instance.mission.duration_s
+    near = _given_near(instance) if instance.given is not None else _near(instance, ranks, middle_s)
+    return Pairs(np.array(_from_start(instance, first)), near[:, :ranks].astype(np.int32))
+
+
+class Neighbours(NamedTuple):
+    """At which destinations of each body searches look.
+
+    Attributes
+    ----------
+    near : (periods, bodies, ranks) int32
+        The nearest first, in each of some periods of a mission.
+    period_s : float
+        How long each is [s].
+    """
+
+    near: npt.NDArray[np.int32]
+    period_s: float
+
+
+PERIODS = 12
+"""Where nodes drift, which bodies are near is found for so many parts of a mission."""
+
+
+def neighbours(instance: Instance, ranks: int) -> Neighbours:
+    """So many destinations of each body, as they lie in the middle of each period."""
+    periods = PERIODS if instance.oblateness_m2 else 1
+    ranks = min(ranks, len(instance.names) - 1)
+    length_s = max(instance.mission.duration_s, 1.0) / periods
+    middles = [(number + 0.5) * length_s for number in range(periods)]
+    near = np.stack([_near(instance, ranks, middle).astype(np.int32) for middle in middles])
+    return Neighbours(near, length_s)
+
+
+def _from_start(instance: Instance, first: Sequence[str]) -> list[int]:
+    """All bodies: stations and starts, those wanted first, then by the ΔV from a start.
+
+    Targets without a prize are last.
+    """
+    wanted = set(first)
+    unwanted = [name not in wanted for name in instance.names]
+    fixed = range(instance.first_target)
+    if instance.given is None:
+        places = _places(instance, 0.5 * instance.mission.duration_s)
+        away = [np.linalg.norm(places - places[home], axis=1) for home in set(instance.starts)]
+    else:
+        away = [_given_from(instance, home) for home in set(instance.starts)]
+    nearest = np.min(np.stack(away), axis=0)
+    order = np.lexsort((nearest, _is_worthless(instance), np.array(unwanted)))
+    return [*fixed, *(int(body) for body in order if body not in fixed)]
+
+
+def _is_worthless(instance: Instance) -> npt.NDArray[np.bool_]:
+    """Which bodies are targets without a prize."""
+    worthless = [target.prize == 0.0 and not target.required for target in instance.targets]
+    return np.array([*(False for _ in range(instance.first_target)), *worthless])
+
+
+def _places(instance: Instance, time_s: float) -> FloatArray:
+    """Points whose distances are about the ΔV between bodies, shape (bodies, 7) [m/s].
+
+    The normal of the plane times the speed (a turn costs v Δ), half the relative height times the
+    speed (a Hohmann transfer costs v Δa / 2a), and half the eccentricity vector times the speed.
+    Where nodes drift planes are as they are at a time.
+    """
+    orbits = instance.orbits()
+    node = orbits[:, RAAN] + orbits[:, RAAN_RATE] * time_s
+    inclination, radius = orbits[:, INCLINATION], orbits[:, RADIUS]
+    middle = float(np.median(radius))
+    speed = math.sqrt(MU_M3_S2 / middle)
+    normal = np.stack(
+        [np.sin(inclination) * np.sin(node), -np.sin(inclination) * np.cos(node),
+         np.cos(inclination)], axis=1
+    )  # fmt: skip
+    across = np.stack([np.cos(node), np.sin(node), np.zeros_like(node)], axis=1)
+    ahead = np.cross(normal, across)
+    perigee = orbits[:, PERIGEE]
+    shape = np.cos(perigee)[:, None] * across + np.sin(perigee)[:, None] * ahead
+    half = 0.5 * speed
+    return np.concatenate(
+        [speed * normal, (half / middle * radius)[:, None],
+         half * orbits[:, ECCENTRICITY, None] * shape], axis=1
+    )  # fmt: skip
+
+
+def _near(instance: Instance, ranks: int, time_s: float) -> npt.NDArray[np.int64]:
+    """So many destinations of each body, the nearest at a time first, shape (bodies, ranks)."""
+    places, bodies, first = _places(instance, time_s), len(instance.names), instance.first_target
+    stations, worthless = len(instance.stations), _is_worthless(instance)
+    # Stations are near to all, and so is what must be serviced; what is worth nothing, or is the
+    # start of a chaser, to none.
+    wanted = np.arange(bodies) < stations
+    wanted[first:] = [target.required for target in instance.targets]
+    some = np.flatnonzero(~wanted & ~worthless & (np.arange(bodies) >= first))
+    asked = min(ranks + 1, some.size)
+    rest = np.setdiff1d(np.arange(bodies), some)
+    rest = np.concatenate([rest[wanted[rest]], rest[~wanted[rest]]])
+    always = int(wanted.sum())
+    found = np.empty((bodies, 0), dtype=np.int64)
+    if asked:
+        found = some[KDTree(places[some]).query(places, k=np.arange(1, asked + 1), workers=-1)[1]]
+    everything = np.concatenate(
+        [np.tile(rest[:always], (bodies, 1)), found, np.tile(rest[always:], (bodies, 1))], axis=1
+    )
+    # Without itself, which is among the first of its own row.
+    itself = everything == np.arange(bodies)[:, None]
+    order = np.argsort(itself, axis=1, kind="stable")
+    near: npt.NDArray[np.int64] = np.take_along_axis(everything, order, axis=1)[:, :ranks]
+    return near
+
+
+def _given_from(instance: Instance, home: int) -> FloatArray:
+    """Least cost from a body to each one, where costs are given; +inf for no connection."""
+    given = instance.given
+    assert given is not None
+    there = [given.of_pair(instance.names[home], name)[2] for name in instance.names]
+    return np.array([each.min(initial=math.inf) for each in there])
+
+
+def _given_near(instance: Instance) -> npt.NDArray[np.int64]:
+    """All destinations of each body, the nearest first, where costs are given."""
+    bodies, worthless = len(instance.names), _is_worthless(instance)
+    rows = []
+    for i in range(bodies):
+        ranked = np.lexsort((_given_from(instance, i), worthless, np.arange(bodies) == i))
+        stations = ranked < len(instance.stations)
+        rows.append(np.concatenate([ranked[stations], ranked[~stations]]))
+    near = np.array(rows)
+    itself = near == np.arange(bodies)[:, None]
+    return np.take_along_axis(near, np.argsort(itself, axis=1, kind="stable"), axis=1)

@@ -1,0 +1,70 @@
+"""When a body may be serviced, and how long that takes, as arrays."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..common.constants import SLACK_S
+from ..common.records import Window
+from ..kernels.orbits.ephemeris import revolution
+from ..kernels.tables.timetable_making import Limits
+from ..plan.plan import Leg
+from ..plan.tows import tows_of
+from ..problem.instance import Instance
+
+
+def limits_of(instance: Instance, chaser: int | None = None) -> Limits:
+    """The times of an instance as the kernels take them; the arrays are read-only.
+
+    A tow follows the service at once, or later: the chaser is free only after it. So it counts to
+    the service, and to the window of that.
+
+    Parameters
+    ----------
+    instance : Instance
+    chaser : int, optional
+        Number of the one whose times they are; by default those in which some chaser is there.
+    """
+    mission, first = instance.mission, instance.first_target
+    # Nothing is counted in the period of a body without an orbit.
+    periods = np.nan_to_num(np.array([revolution(row) for row in instance.orbits()]))
+    service = mission.refuel_revolutions * periods
+    if mission.service_revolutions is not None:
+        service[first:] = mission.service_revolutions * periods[first:]
+    else:
+        service[first:] = mission.service_s
+    numbers = range(len(instance.chasers)) if chaser is None else [chaser]
+    available = [_seconds(instance.available_s[number]) for number in numbers]
+    begin, end = min(begin for begin, _ in available), max(end for _, end in available)
+    duration = min(mission.duration_s, end) + SLACK_S
+    opens, closes = np.full(periods.size, begin), np.full(periods.size, duration)
+    for body, target in enumerate(instance.targets, start=first):
+        opened, closed = _seconds(target.window_s)
+        opens[body], closes[body] = max(opened, begin), min(closed + SLACK_S, duration)
+    for body, station in enumerate(instance.stations):
+        if station.max_refuellings == 0:
+            closes[body] = -math.inf
+    for body, tow in tows_of(instance).items():
+        service[body] += tow.time_s
+        closed = _seconds(instance.targets[body - first].window_s)[1] + SLACK_S
+        closes[body] = min(closed + tow.time_s, duration)
+    for array in (service, opens, closes):
+        array.setflags(write=False)
+    return Limits(service, opens, closes, begin, duration)
+
+
+def service_begins(instance: Instance, leg: Leg) -> float:
+    """When the service at the end of a leg begins: on arrival, or once the window opens [s].
+
+    Of a plan that is wrong about its times no later than the leg ends.
+    """
+    opens = {target.name: target.window_s[0] for target in instance.targets}
+    return max(leg.arrival_s, min(opens.get(leg.destination, 0.0), leg.end_s))
+
+
+def _seconds(window: Window) -> tuple[float, float]:
+    """A window with +inf for one that never closes [s]."""
+    opens, closes = window
+    return opens, math.inf if closes is None else closes

@@ -1,0 +1,547 @@
+"""The timetable of an instance: exact ΔV and durations of every transfer at every time."""
+
+from __future__ import annotations
+
+import math
+import operator
+import os
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from copy import copy
+from dataclasses import replace
+from itertools import chain
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..common.card import Card, Shown
+from ..common.errors import InputError
+from ..kernels.tables import timetable as kernels
+from ..kernels.tables import timetable_making as making
+from ..kernels.tables.on_demand import Source
+from ..kernels.tables.timetable_making import Pairs
+from ..problem.given import Costs, of_function, of_matrices, of_rows
+from ..problem.instance import AnyInstance, Instance, instance_of
+from .connections import (
+    CHOICES,
+    AllConnections,
+    Choice,
+    Connecting,
+    Connections,
+    Pairwise,
+    weights_of,
+)
+from .corrections import NO_CORRECTIONS
+from .matrices import FloatArray, Matrices
+from .nearest_pairs import Neighbours, all_pairs, begun
+from .service_limits import limits_of
+from .timetable_size import estimate, too_large
+
+SLICE_ENTRIES = 20_000
+"""Entries computed in one go: some 20 ms, after which a build can be broken off."""
+
+
+class Timetable(Shown):
+    """The transfers of an instance: the one chosen at every time, and all connections of a pair.
+
+    What a chaser takes that is ready at a time, and does not look ahead, is a choice among all
+    connections that depart then or later (MODEL section 4); the table holds that of one value of
+    time, exactly.
+
+    Parameters
+    ----------
+    instance : Instance, path or dict
+    threads : int, optional
+        Threads to build with; all cores by default. The table does not depend on it.
+    pairs : Pairs, optional
+        Of which pairs, and in which order, where others need not be there; all by default.
+    most : int, optional
+        Of so many of them, from the first on.
+    enough : callable, optional
+        Asked every few ten milliseconds with the share that is built of the table of all pairs.
+        Once it says so, the table is that of the pairs that are there by then.
+    time_value_m_s_per_h : float, optional
+        What an hour is worth: of all connections that depart at a time or later, the table holds
+        the one with the least ΔV + value · (arrival − ready); the instance's by default [m/s].
+    connecting : Connecting, optional
+        Of the instance, if there is one already: what it keeps is not worked out again.
+    chaser : int, optional
+        Number of the one that the choice of transfers is for: when it is there. By default for the
+        times in which some chaser is.
+    asked : Neighbours, optional
+        Nothing is built: what is chosen is worked out when somebody asks (:attr:`is_asked`), and
+        these are the pairs that searches look at. Only where
+        :attr:`~.connections.Connecting.may_be_asked` says so.
+
+    Attributes
+    ----------
+    instance : Instance
+    pairs : Pairs
+    built : int
+        So many of the pairs are there, from the first on.
+    table : adr_opt.kernels.tables.timetable.Table
+        The read-only arrays, for kernels.
+    limits : adr_opt.kernels.tables.timetable_making.Limits
+        Times at the bodies.
+    names : tuple of str
+        Bodies, the stations first.
+
+    Raises
+    ------
+    InputError
+        There is not enough memory. Or a time value that is no number ≥ 0.
+    """
+
+    def __init__(
+        self,
+        instance: AnyInstance,
+        threads: int | None = None,
+        *,
+        pairs: Pairs | None = None,
+        most: int | None = None,
+        enough: Callable[[float], bool] = lambda share: False,
+        time_value_m_s_per_h: float | None = None,
+        connecting: Connecting | None = None,
+        chaser: int | None = None,
+        asked: Neighbours | None = None,
+    ) -> None:
+        instance = instance_of(instance)
+        if time_value_m_s_per_h is None:
+            time_value_m_s_per_h = instance.time_value_m_s_per_h
+        if not (math.isfinite(time_value_m_s_per_h) and time_value_m_s_per_h >= 0.0):
+            raise InputError(
+                f"time_value_m_s_per_h = {time_value_m_s_per_h!r}: must be a finite number ≥ 0"
+            )
+        corrections = NO_CORRECTIONS if connecting is None else connecting.corrections
+        size = estimate(instance)
+        if asked is not None:
+            pairs = Pairs(np.arange(size.bodies), np.empty((size.bodies, 0), dtype=np.int32))
+        if pairs is None:
+            if not size.fits:
+                raise InputError(too_large(instance, size))
+            pairs = all_pairs(size.bodies)
+        chosen = pairs
+        wanted = size.bodies * (size.bodies - 1)
+        limits = limits_of(instance, chaser)
+        most = chosen.near.size if most is None else most
+        threads = threads or os.cpu_count() or 1
+
+        def so_far(filled: int) -> bool:
+            return enough(filled / max(1, wanted))
+
+        if connecting is None or connecting.instance is not instance:
+            connecting = Connecting(instance, corrections)
+        if asked is not None:
+            assert connecting.may_be_asked
+            built = 0
+            rule = instance.transfer_rule(time_value_m_s_per_h)
+            interval = instance.transfer.departure_spacing_s
+            source = Source(
+                *connecting.inputs[:3], rule, limits, *asked, connecting.drifts, interval,
+                math.inf if connecting.times is None else connecting.times.most,
+            )  # fmt: skip
+            table = making.without_entries(size.bodies, source)
+            making.space(source.arriving, table)
+        elif not connecting.drifts:
+            table = making.allocate(size.bodies, size.events, making.slots_of(chosen))
+            given = (*connecting.inputs[:3], instance.transfer_rule(time_value_m_s_per_h))
+            making.space(given[0], table)
+            built = _in_slices(
+                lambda first, last: making.fill(first, last, chosen, *given, limits, table),
+                most, max(1, SLICE_ENTRIES // size.events), threads, so_far,
+            )  # fmt: skip
+        else:
+            chooser = connecting
+            if not len(chooser.kept):  # else there was room, and it is taken by now
+                chooser.kept.limit(min(size.room_bytes, chooser.kept.room_bytes))
+            built = _in_slices(
+                lambda first, last: chooser.choose_pairs(
+                    chosen, first, last, limits, time_value_m_s_per_h
+                ),
+                most, max(1, int(SLICE_ENTRIES / max(size.listed, size.events))), threads, so_far,
+            )  # fmt: skip
+            pairs = chosen = begun(chosen, built)
+            table = chooser.table(limits.duration, making.slots_of(chosen))
+        for array in table[:-1]:
+            array.setflags(write=False)
+        self.connecting = connecting
+        self.instance = instance
+        self.pairs = pairs
+        self.built = built
+        self.names = instance.names
+        self.table = table
+        self.limits = limits
+        self.time_value_m_s_per_h = time_value_m_s_per_h
+
+    def of_variant(self, instance: Instance, connecting: Connecting) -> Timetable:
+        """The same timetable for a variant of its instance, with nothing worked out again.
+
+        Parameters
+        ----------
+        instance : Instance
+            With other prizes, with other tanks, or with fewer targets, where that changes no
+            connection: :func:`adr_opt.run.reused_timetable.serves` says whether.
+        connecting : Connecting
+            Of that instance.
+
+        Raises
+        ------
+        ValueError
+            This is the timetable of some pairs only.
+        """
+        if not self.is_whole:
+            raise ValueError("only the timetable of all pairs has a part for every variant")
+        made = copy(self)
+        bodies = np.array(self.connecting.numbers_of(instance), dtype=np.int64)
+        connecting.counted_as(self.connecting)
+        made.connecting = connecting
+        made.table, made.limits = making.part_of(self.table, self.limits, bodies)
+        for array in (*made.table[:-1], *made.limits[:3]):
+            array.setflags(write=False)
+        made.instance, made.names = instance, instance.names
+        made.pairs = all_pairs(bodies.size)
+        made.built = bodies.size * (bodies.size - 1)
+        return made
+
+    def _card(self) -> Card:
+        from ..ui.cards.of_timetable import of_timetable
+
+        return of_timetable(self)
+
+    @classmethod
+    def from_connections(
+        cls, instance: Instance, connections: Any, *, file: str | None = None
+    ) -> Timetable:
+        """The timetable of an instance whose connections are given one by one.
+
+        Its :attr:`instance` knows of them: it can be planned, checked and saved.
+
+        Parameters
+        ----------
+        instance : Instance
+            Bodies, chasers and limits; connections are given in place of the model's.
+        connections : mapping of str to array
+            A dictionary of arrays, or a table of another library, with the columns ``origin`` and
+            ``destination`` (names or numbers of bodies), ``departure_s`` and ``arrival_s`` (since
+            the epoch) and ``delta_v_m_s`` (the cost, in m/s by convention); a row for each.
+        file : str, optional
+            What their file is called that ``instance.save`` writes, beside its own; by default as
+            the instance says, or "connections.parquet".
+
+        Raises
+        ------
+        InputError
+            An unknown body, a column that is missing, or a number that is not finite, is negative,
+            or leads back in time.
+        """
+        return cls(instance.with_given(of_rows(connections, instance.names), file))
+
+    @classmethod
+    def from_matrices(
+        cls,
+        instance: Instance,
+        departures: Sequence[float] | FloatArray,
+        duration: npt.ArrayLike,
+        cost: npt.ArrayLike,
+        *,
+        file: str | None = None,
+    ) -> Timetable:
+        """The timetable of an instance whose connections leave at some departures.
+
+        Who is ready between two departures waits for the next one.
+
+        Parameters
+        ----------
+        instance, file
+            As :meth:`from_connections` takes them.
+        departures : (departures,) float
+            Since the epoch, each later than the one before [s].
+        duration, cost : (departures, bodies, bodies) float
+            By departure, origin and destination: how long it takes [s] and what it costs [m/s by
+            convention]; +inf where there is no connection.
+
+        Raises
+        ------
+        InputError
+            As for :meth:`from_connections`, or departures that are not in order.
+        """
+        given = of_matrices(departures, duration, cost, instance.names)
+        return cls(instance.with_given(given, file))
+
+    @classmethod
+    def from_function(
+        cls,
+        instance: Instance,
+        f: Costs,
+        departures: Sequence[float] | FloatArray,
+        *,
+        resolution_m_s: float = 0.0,
+        file: str | None = None,
+    ) -> Timetable:
+        """The timetable of an instance whose connections a function knows.
+
+        Parameters
+        ----------
+        instance, file
+            As :meth:`from_connections` takes them.
+        f : callable
+            ``f(origin, destinations, departure)`` gives how long it takes [s] from a body to each
+            of some others, numbers of bodies in an array, and what it costs [m/s by convention]:
+            two arrays, (destinations,) or (choices, destinations); +inf for no connection. Python,
+            or compiled by Numba.
+        departures : (departures,) float
+            When it is asked, each later than the one before [s].
+        resolution_m_s : float
+            Of the connections found, those are dropped that save no more than this against another
+            one that departs no earlier and arrives no later.
+
+        Raises
+        ------
+        InputError
+            As for :meth:`from_matrices`.
+        """
+        given = of_function(f, departures, instance.names, resolution_m_s)
+        return cls(instance.with_given(given, file))
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether all pairs are there."""
+        return self.built == len(self.names) * (len(self.names) - 1)
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether nothing is held, and what is chosen is worked out when somebody asks."""
+        return kernels.source_of(self.table) is not None
+
+    def holds(self, origin: int, destination: int) -> bool:
+        """Whether planners that look at the table look at a pair."""
+        source = kernels.source_of(self.table)
+        if source is not None:
+            return bool((source.near[:, origin] == destination).any())
+        return self.is_whole or bool(kernels.events(self.table, origin, destination) > 0)
+
+    @property
+    def entries(self) -> int:
+        """Number of (pair, departure event) entries."""
+        return kernels.count_entries(self.table)
+
+    @property
+    def most_events(self) -> int:
+        """For how many departure events of a pair the table has room."""
+        return kernels.most_events(self.table)
+
+    def index(self, body: int | str) -> int:
+        """Index of a body given by index or name.
+
+        Raises
+        ------
+        InputError
+            There is no such body.
+        """
+        if isinstance(body, str):
+            try:
+                return self.names.index(body)
+            except ValueError:
+                raise InputError(f"body {body!r} is not in {self.instance.name!r}") from None
+        try:
+            index = operator.index(body)
+        except TypeError:
+            index = -1
+        if not 0 <= index < len(self.names):
+            raise InputError(
+                f"body {body!r} is not in {self.instance.name!r}; give a name, or a whole number "
+                f"from 0 to {len(self.names) - 1}"
+            )
+        return index
+
+    def lookup(
+        self, origin: int | str, destination: int | str, time_s: float
+    ) -> tuple[float, float]:
+        """The transfer chosen for a chaser that is ready at ``origin`` at ``time_s``.
+
+        Of all connections that depart then or later, when a chaser is there, and leave time for
+        service within the window of the destination, the one with the least ΔV + time value · (time
+        until service may begin).
+
+        Returns
+        -------
+        delta_v, arrival : float
+            [m/s], [s]; both +inf where there is no transfer, or the table does not hold the pair.
+
+        Raises
+        ------
+        InputError
+            An unknown body, or a time that is negative or not finite.
+        """
+        _check_number("time_s", time_s)
+        i, j = self.index(origin), self.index(destination)
+        delta_v, arrival = kernels.lookup(self.table, i, j, float(time_s))
+        return float(delta_v) - self.connecting.spent_m_s(i), float(arrival)
+
+    def connections(
+        self,
+        origin: int | str,
+        destination: int | str,
+        after: float = 0.0,
+        *,
+        resolution_m_s: float | None = None,
+    ) -> Connections:
+        """Every transfer of a pair that a chaser may want, who is free to wait.
+
+        Other than :meth:`lookup`, which tells one that a time value picks, these are *all*
+        sequences of all departure events but those that another one dominates: it departs no
+        earlier, arrives no later and costs no more (:mod:`adr_opt.kernels.legs.connections`). They
+        arrive before the end of the mission; windows are not looked at. Worked out for this pair
+        on every call.
+
+        Parameters
+        ----------
+        origin, destination : int or str
+            Bodies by index or name.
+        after : float
+            Only departures at or after this time since the epoch [s].
+        resolution_m_s : float, optional
+            A connection that saves no more than this counts as dominated; the instance's
+            ``delta_v_resolution_m_s`` by default, 0 for all that save anything [m/s].
+
+        Raises
+        ------
+        InputError
+            An unknown body, or a number that is negative or not finite.
+        """
+        if resolution_m_s is None:
+            resolution_m_s = self.instance.transfer.delta_v_resolution_m_s
+        for name, value in (("after", after), ("resolution_m_s", resolution_m_s)):
+            _check_number(name, value)
+        i, j = self.index(origin), self.index(destination)
+        found = self.connecting.of_pair(i, j, float(resolution_m_s)).after(after)
+        spent = self.connecting.spent_m_s(i)
+        return replace(found, delta_v=found.delta_v - spent) if spent else found
+
+    def all_connections(
+        self, after: float = 0.0, *, resolution_m_s: float | None = None
+    ) -> AllConnections:
+        """The :meth:`connections` of all pairs of bodies, in arrays.
+
+        Worked out on every call, in threads. Of 50 targets over a week there are five million, of
+        33 bytes each.
+
+        Parameters
+        ----------
+        after, resolution_m_s
+            As :meth:`connections` takes them.
+
+        Returns
+        -------
+        AllConnections
+            ``origin``, ``destination``, ``departure``, ``arrival``, ``delta_v``, ``revolutions``:
+            shape (connections,) each.
+
+        Raises
+        ------
+        InputError
+            A number is negative or not finite.
+        """
+        bodies = range(len(self.names))
+
+        def of_origin(i: int) -> list[Pairwise]:
+            return [
+                (i, j, self.connections(i, j, after, resolution_m_s=resolution_m_s))
+                for j in bodies
+                if j != i
+            ]
+
+        self.connections(0, 0, after, resolution_m_s=resolution_m_s)  # refuses what is wrong
+        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+            return AllConnections.joined(
+                self.names, chain.from_iterable(pool.map(of_origin, bodies))
+            )
+
+    def matrices(
+        self, departures: Sequence[float] | FloatArray, choose: Choice | None = None
+    ) -> Matrices:
+        """Sample ΔV and duration at ready times.
+
+        Parameters
+        ----------
+        departures : sequence of float
+            Times since the epoch at which the chaser is ready [s].
+        choose : {"earliest", "cheapest"} or float, optional
+            Choose one of all :meth:`connections` that depart at the ready time or later: the one
+            that arrives first, the one that costs least, or the one with the least ΔV plus so many
+            m/s per hour until arrival. Windows are not looked at. By default what :meth:`lookup`
+            tells, which looks at them. Waiting counts to the duration.
+
+        Raises
+        ------
+        InputError
+            A time is negative or not finite, or there is no such choice.
+        """
+        times = np.atleast_1d(np.asarray(departures, dtype=float))
+        if times.ndim != 1 or not np.all(np.isfinite(times) & (times >= 0.0)):
+            raise InputError("departures must be a list of finite times ≥ 0 in seconds")
+        size = len(self.names)
+        delta_v = np.empty((times.size, size, size))
+        duration = np.empty_like(delta_v)
+        if choose is None:
+            kernels.sample(self.table, times, delta_v, duration)
+            self._without_spent(delta_v)
+            words = f"{_words(self.time_value_m_s_per_h)}, service in time"
+            return Matrices(times, self.names, delta_v, duration, words)
+        weights = weights_of(choose)
+        self.connecting.choose(times, *weights, delta_v, duration)
+        self._without_spent(delta_v)
+        return Matrices(times, self.names, delta_v, duration, _words(choose))
+
+    def _without_spent(self, delta_v: FloatArray) -> None:
+        """Take out of costs by origin what was spent before the start."""
+        for i in range(len(self.names)):
+            others = np.arange(len(self.names)) != i
+            delta_v[:, i, others] -= self.connecting.spent_m_s(i)
+
+
+def _words(choose: Choice) -> str:
+    """Which transfers a choice stands for, as files state it."""
+    words = choose if choose in CHOICES else f"least ΔV + {float(choose):g} m/s per hour"
+    return f"{words}, waiting allowed"
+
+
+def _in_slices(
+    fill: Callable[[int, int], None],
+    pairs: int,
+    step: int,
+    threads: int,
+    enough: Callable[[int], bool],
+) -> int:
+    """Fill pairs slice by slice in threads; how many are filled, from the first on."""
+    if pairs == 0:
+        return 0
+    fill(0, 1)  # compiles once, before the threads
+    begun = done = 1
+    running: deque[tuple[int, Future[None]]] = deque()
+    with ThreadPoolExecutor(threads) as pool:
+        while not enough(done):
+            while begun < pairs and len(running) <= threads:
+                last = min(begun + step, pairs)
+                running.append((last, pool.submit(fill, begun, last)))
+                begun = last
+            if not running:
+                break
+            last, slice_ = running.popleft()
+            slice_.result()
+            done = last
+        for last, slice_ in running:
+            slice_.result()
+            done = last
+    return done
+
+
+def _check_number(name: str, value: float) -> None:
+    try:
+        good = math.isfinite(value) and value >= 0.0
+    except TypeError:
+        good = False
+    if not good:
+        raise InputError(f"{name} = {value!r}: must be a finite number ≥ 0")

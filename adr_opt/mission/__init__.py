@@ -1,0 +1,1 @@
+"""Missions as planners see them: rules, prizes, schedules, results."""

@@ -1,0 +1,234 @@
+"""From a sequence of bodies to a plan: legs, burns, and a reason for every target left out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ..common.constants import SLACK_M_S
+from ..common.errors import InputError
+from ..kernels.legs import burns as burn_kernels
+from ..legs.families import drift_burns
+from ..plan.plan import Burn, Leg, Reason, Unvisited
+from ..plan.plan import Tow as TowFlown
+from ..plan.routes import weighed
+from ..plan.tows import Tow, burn_vectors, tows_of
+from .problem import Mission
+from .schedule import left_at_start
+
+FloatArray = npt.NDArray[np.float64]
+
+APPROXIMATE = (
+    "some orbits are eccentric: the burns fly between circles of the same semi-major axes, and "
+    "delta_v_m_s includes what matching the eccentricity vectors costs beyond that, if it is flown "
+    "at its best; this is an approximation"
+)
+
+
+def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
+    """Price a sequence of bodies leg by leg.
+
+    Raises
+    ------
+    InputError
+        A move is illegal; the sentence says which.
+    """
+    moves = [int(j) for j in sequence]
+    timing = mission.time(moves)
+    if timing.made < len(moves):
+        raise InputError(
+            f"move {timing.made + 1} of the sequence, to {mission.names[moves[timing.made]]!r}, "
+            "breaks the mission rules"
+        )
+    priced: list[Leg] = []
+    i, ready = mission.rules.start, mission.rules.ready
+    tows = tows_of(mission.instance)
+    spared = 0.0  # of the tank by the model, other than by corrected connections
+    for at, j in enumerate(moves):
+        transfer = transfer_of(
+            mission, i, j, timing.departures[at], timing.arrivals[at], int(timing.revolutions[at])
+        )
+        delta_v = mission.connecting.modelled(
+            i, j, int(timing.revolutions[at]), float(timing.delta_vs[at])
+        )
+        spare = timing.delta_vs[at] - mission.connecting.spent_m_s(i) - delta_v
+        spared = 0.0 if mission.rules.is_station[j] else spared + spare
+        priced.append(
+            Leg(
+                kind=transfer.kind,
+                origin=mission.names[i],
+                destination=mission.names[j],
+                ready_s=float(ready),
+                departure_s=transfer.departure,
+                arrival_s=float(timing.arrivals[at]),
+                end_s=float(timing.ends[at]) - (tows[j].time_s if j in tows else 0.0),
+                delta_v_m_s=delta_v,
+                delta_v_left_m_s=float(timing.lefts[at] - SLACK_M_S + spared) + mission.reserve_m_s,
+                phasing_revolutions=max(int(timing.revolutions[at]), 0),
+                eccentricity_delta_v_m_s=transfer.shape,
+                burns=burns_of(transfer),
+            )
+        )
+        i, ready = j, timing.ends[at]
+    return weighed(mission.instance, mission.chaser, _towing(mission, tows, moves, priced))
+
+
+def _towing(
+    mission: Mission, tows: Mapping[int, Tow], moves: list[int], legs: list[Leg]
+) -> Iterator[Leg]:
+    """Legs with the tows that follow them: as late as the next leg allows."""
+    for at, (j, leg) in enumerate(zip(moves, legs, strict=True)):
+        tow = tows.get(j)
+        if tow is None:
+            yield leg
+            continue
+        start = leg.end_s if at + 1 == len(legs) else legs[at + 1].leaves_s - tow.time_s
+        yield leg.replace(tow=tow_flown(mission.transfer_inputs[1][j], tow, start))
+
+
+def tow_flown(orbit: FloatArray, tow: Tow, start_s: float) -> TowFlown:
+    """A tow that begins at a time, as plans state it.
+
+    Parameters
+    ----------
+    orbit : (columns,) float64
+        Row of the object, :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
+    """
+    end_s = start_s + tow.time_s
+    vectors = burn_vectors(orbit, tow, start_s)
+    burns = tuple(
+        Burn(time_s=time, delta_v_m_s=tuple(vector.tolist()), phase="tow")
+        for time, vector in zip((start_s, end_s), vectors, strict=True)
+    )
+    return TowFlown(start_s=start_s, end_s=end_s, delta_v_m_s=tow.delta_v_m_s, burns=burns)
+
+
+class Transfer(NamedTuple):
+    """How a connection is flown.
+
+    Attributes
+    ----------
+    kind : {"short", "drift", "launch", "given"}
+    departure : float
+        [s].
+    shape : float
+        Part of the ΔV that eccentricity adds, without burns [m/s].
+    burns : (times, vectors, phases)
+        As of :func:`adr_opt.kernels.legs.burns.burns`.
+    """
+
+    kind: Literal["short", "drift", "launch", "given"]
+    departure: float
+    shape: float
+    burns: tuple[FloatArray, FloatArray, Iterable[int]]
+
+
+def burns_of(transfer: Transfer) -> tuple[Burn, ...]:
+    """The burns of a transfer, as plans state them."""
+    return tuple(
+        Burn(
+            time_s=float(time),
+            delta_v_m_s=(float(vector[0]), float(vector[1]), float(vector[2])),
+            phase=burn_kernels.PHASES[phase],  # type: ignore[arg-type]
+        )
+        for time, vector, phase in zip(*transfer.burns, strict=True)
+    )
+
+
+def transfer_of(
+    mission: Mission, i: int, j: int, departure: float, arrival: float, revolutions: int
+) -> Transfer:
+    """How a connection of a mission is flown."""
+    nothing = np.empty(0)
+    if i in mission.instance.launches:
+        return Transfer("launch", float(departure), 0.0, (nothing, nothing, ()))
+    if mission.connecting.given is not None:
+        return Transfer("given", float(departure), 0.0, (nothing, nothing, ()))
+    leaving, orbits, extra, rule = mission.transfer_inputs
+    if revolutions < 0:
+        flight = drift_burns.flown(leaving[i], orbits[j], rule, departure, arrival)
+        shape = drift_burns.shape_m_s(leaving[i], orbits[j], rule, departure, arrival)
+        burns = flight.times, flight.vectors, drift_burns.PHASES
+        return Transfer("drift", float(departure), shape, burns)
+    flown = burn_kernels.burns_between(
+        leaving[i], orbits[j], extra[i, j], rule, departure, arrival, revolutions
+    )
+    shape = float(
+        burn_kernels.eccentric_share(
+            leaving[i], orbits[j], extra[i, j], rule, flown[0][0], arrival, revolutions
+        )
+    )
+    return Transfer("short", float(flown[0][0]), shape, flown)
+
+
+def unvisited(flown: Iterable[tuple[Mission, Iterable[int]]]) -> tuple[Unvisited, ...]:
+    """The targets that all sequences leave out, each with its reason (see :class:`Unvisited`).
+
+    Parameters
+    ----------
+    flown : iterable of (Mission, sequence of int)
+        What each chaser visits. Of several the one is asked that comes nearest to the target.
+    """
+    found: dict[str, Reason] = {}
+    visited: set[str] = set()
+    for mission, sequence in flown:
+        moves = [int(j) for j in sequence]
+        visited.update(mission.names[j] for j in moves)
+        for name, reason in _left_out(mission, moves):
+            if name not in found or _FURTHEST.index(reason) > _FURTHEST.index(found[name]):
+                found[name] = reason
+    return tuple(
+        Unvisited(target=name, reason=reason)
+        for name, reason in found.items()
+        if name not in visited
+    )
+
+
+_FURTHEST: tuple[Reason, ...] = (
+    "not-considered", "no-transfer", "duration", "delta-v", "capacity", "not-worth-it",
+)  # fmt: skip
+"""What keeps a chaser from a target, the harder first."""
+
+
+def _left_out(mission: Mission, moves: list[int]) -> Iterator[tuple[str, Reason]]:
+    """The targets that are not among the moves of a chaser, and why."""
+    timing = mission.time(moves)
+    rules = mission.rules
+    body = moves[-1] if moves else rules.start
+    time = float(timing.ends[-1]) if moves else rules.ready
+    left = float(timing.lefts[-1]) if moves else left_at_start(rules, 0)
+    heavy = mission.chaser.kit_mass_kg > 0.0
+    tows = tows_of(mission.instance)
+    for j in sorted(set(range(rules.first_target, len(mission.names))) - set(moves)):
+        reason: Reason
+        if not mission.timetable.holds(body, j):
+            yield mission.names[j], "not-considered"
+            continue
+        found = mission.schedules.connections(body, j).after(time)
+        ends = np.maximum(found.arrival, rules.opens[j]) + rules.service[j]
+        in_time = ends <= rules.closes[j]
+        if not in_time.any():
+            reason = "duration" if mission.has_transfer[j] else "no-transfer"
+        elif found.delta_v[in_time].min() > left:
+            reason = "delta-v"
+        elif _is_one_too_many(mission, moves, j):
+            reason = "capacity"
+        elif (heavy or j in tows) and mission.schedules.of((*moves, j)).made == len(moves):
+            reason = "delta-v"  # with its kit aboard from the start less is left; or to tow it
+        else:
+            reason = "not-worth-it"
+        yield mission.names[j], reason
+
+
+def _is_one_too_many(mission: Mission, moves: list[int], j: int) -> bool:
+    """Whether a chaser that makes these moves may not service one more, or has no kit for it."""
+    instance, chaser, first = mission.instance, mission.chaser, mission.rules.first_target
+    targets = [instance.targets[move - first] for move in (*moves, j) if move >= first]
+    kits = sum(target.removal == "kit" for target in targets)
+    out_of_kits = chaser.kits is not None and kits > chaser.kits
+    return len(targets) > mission.rules.most_targets or (
+        out_of_kits and targets[-1].removal == "kit"
+    )

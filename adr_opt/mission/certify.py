@@ -1,0 +1,105 @@
+"""Certificates of what methods have proven."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..common.errors import InputError
+from ..plan.certificate import Certificate, ProvenFloors, ProvenWalks, sha256_of
+from ..plan.plan import MODEL, InstanceReference
+from ..plan.station_limits import StationLimits
+from ..problem.instance import Instance
+from .evidence import Evidence, Walks
+from .prizes import Prizes
+from .result import Result
+
+
+def certificate_of(instance: Instance, result: Result) -> Certificate:
+    """The certificate of what a method has proven.
+
+    Where the last step of a proof is one that nobody could verify more quickly than repeat, it is
+    that of the bound before.
+
+    Parameters
+    ----------
+    instance : Instance
+    result : Result
+        Of the whole instance.
+
+    Raises
+    ------
+    InputError
+        Nothing was proven, or the method does not say what its bound rests on.
+    """
+    prizes, evidence = Prizes(instance), result.evidence
+    # Of as many targets as may be serviced the required ones are worth most. A bound that says no
+    # more than that goes without saying.
+    most = prizes.shown(prizes.total_worth)
+    bound = prizes.rounded_down(result.upper_bound)
+    if result.status == "optimal":
+        bound = min(bound, most)
+    if bound == math.inf:
+        raise InputError(f"{result.method} has proven nothing, so there is no certificate")
+    walks: tuple[ProvenWalks, ...] = ()
+    multipliers: dict[str, float] = {}
+    floors: ProvenFloors | None = None
+    if not prizes.meets(bound, most):
+        if evidence is None:
+            raise InputError(
+                f"{result.method} does not say what its bound rests on, so there is no certificate"
+            )
+        proven = _proven(prizes, evidence)
+        bound = bound if prizes.meets(bound, proven) else proven
+        walks = tuple(_stated(instance, each) for each in evidence.walks)
+        if evidence.floors is not None:
+            floors = ProvenFloors(
+                worth_per_s=evidence.floors.per_s, worth_per_m_s=evidence.floors.per_m_s
+            )
+        multipliers = {
+            instance.names[j]: float(evidence.multipliers[j])
+            for j in np.flatnonzero(evidence.multipliers)
+        }
+    return Certificate(
+        model=MODEL,
+        instance=InstanceReference(name=instance.name, sha256=prizes.sha256),
+        plan_sha256=None if result.plan is None else sha256_of(result.plan),
+        method=result.method,
+        upper_bound=max(float(bound), 0.0) if bound > -math.inf else None,
+        required_worth=float(prizes.bonus) if prizes.required else 0.0,
+        prize_step=prizes.prize_step or None,
+        delta_v_slot_m_s=20.0 if evidence is None else float(evidence.delta_v_slot_m_s),
+        time_step_s=evidence.time_step_s if walks and evidence is not None else None,
+        multipliers=multipliers,
+        walks=walks,
+        floors=floors,
+    )
+
+
+def _stated(instance: Instance, walks: Walks) -> ProvenWalks:
+    """What was proven of walks, by the names of bodies and chasers."""
+    names = instance.names
+    remembered = {
+        names[i]: tuple(names[j] for j in np.flatnonzero(row))
+        for i, row in enumerate(walks.neighbourhoods)
+        if row.any()
+    }
+    chasers = tuple(instance.chasers[number].name for number in walks.chasers)
+    return ProvenWalks(
+        chasers=chasers, most=float(walks.most), neighbourhoods=remembered,
+        worth_per_m_s=walks.per_m_s,
+    )  # fmt: skip
+
+
+def _proven(prizes: Prizes, evidence: Evidence) -> float:
+    """The bound that evidence shows."""
+    parts = [len(each.chasers) * each.most for each in evidence.walks]
+    paid = StationLimits(prizes.instance).total(evidence.multipliers)
+    below = math.fsum([paid, *parts]) if evidence.floors is None else evidence.floors.most
+    worth = prizes.rounded_down(below)
+    shown = prizes.shown(worth)
+    least = min((each.prize for each in prizes.instance.targets if each.prize), default=0.0)
+    if 0.0 <= shown < least:
+        return 0.0
+    return shown if shown >= 0.0 else -math.inf

@@ -1,0 +1,121 @@
+"""Why the next leg of an order cannot be flown: what it takes, what is left, and when it ends."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ..common.constants import DAY_S, HOUR_S
+from ..kernels.rules.loads import Loads
+from .problem import Mission
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class _Ways(NamedTuple):
+    """All ways to fly the leg, by arrays: what each takes, a tow included, and when it ends.
+
+    Attributes
+    ----------
+    needs_m_s, left_m_s : (ways,) float64
+        What is needed for it, and left before it.
+    end_s : (ways,) float64
+        End of the service, or of the tow.
+    """
+
+    needs_m_s: FloatArray
+    left_m_s: FloatArray
+    end_s: FloatArray
+
+
+def why_not_flown(mission: Mission, moves: list[int], made: int) -> str:
+    """What keeps a chaser from the next move of an order that keeps to the rules of orders.
+
+    Of all ways to have flown the moves before it, and of all connections. ΔV is named if some way
+    would be in time, time if some way can be paid, and both if neither is so, or either would do.
+    """
+    rules, j = mission.rules, moves[made]
+    name = repr(mission.names[j])
+    if rules.closes[j] == -math.inf:
+        return f"goes to {name}, where nobody is refuelled any more"
+    ways = _ways(mission, moves, made)
+    if not ways.end_s.size:
+        return f"goes to {name}, to which there is no transfer any more"
+    lacks_m_s = ways.needs_m_s - ways.left_m_s
+    in_time, paid = ways.end_s <= rules.closes[j], lacks_m_s <= 0.0
+    told = []
+    if in_time.any() or not paid.any():
+        nearest = int(np.argmin(np.where(in_time | ~in_time.any(), lacks_m_s, np.inf)))
+        tow = ", the tow included" if rules.loads is not None and rules.loads.flown[j] else ""
+        when = " to end in time" if in_time.any() and paid.any() else ""
+        told.append(
+            f"needs {ways.needs_m_s[nearest]:.6g} m/s{when}{tow}, but only "
+            f"{ways.left_m_s[nearest]:.6g} m/s are left"
+        )
+    if paid.any() or not in_time.any():
+        earliest_s = float(np.min(ways.end_s[paid | ~paid.any()]))
+        what = "what can be paid " if in_time.any() else ""
+        told.append(
+            f"{what}ends on {_day(earliest_s)} at the earliest{_after(mission, j, earliest_s)}"
+        )
+    return f"to {name} {', and '.join(told)}"
+
+
+def _ways(mission: Mission, moves: list[int], made: int) -> _Ways:
+    """Every connection of the leg from every way to be where it begins."""
+    rules, schedules, j = mission.rules, mission.schedules, moves[made]
+    whole = tuple(moves[: mission.in_order(tuple(moves))])
+    # The kits of all of the order are aboard, as when it was timed.
+    kits = schedules.kits_for(whole)
+    if rules.loads is not None:
+        kits = min(kits, rules.loads.full.size - 1)
+    before = tuple(moves[:made])
+    front = schedules.fronts(before, kits)[-1]
+    body = before[-1] if before else rules.start
+    extra_m_s = _for_service(rules.loads, j, kits - schedules.kits_for(before))
+    spent_m_s = mission.connecting.spent_m_s(body)
+    found = []
+    for ready_s, left_m_s in zip(front.ready, front.left, strict=True):
+        after = schedules.connections(body, j).after(float(ready_s))
+        ends_s = np.maximum(after.arrival, rules.opens[j]) + rules.service[j]
+        needs_m_s = after.delta_v + (extra_m_s - spent_m_s)
+        found.append((needs_m_s, np.full(ends_s.size, left_m_s - spent_m_s), ends_s))
+    return _Ways(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
+
+
+def _for_service(loads: Loads | None, body: int, kits: int) -> float:
+    """What has to be left on arrival for the service, that of a tow [m/s]."""
+    if loads is None:
+        return 0.0
+    scale, loss = loads.scale[body, kits], loads.loss[body, kits]
+    if loss == 0.0 or not math.isfinite(loads.exhaust):
+        return 0.0
+    return max(loads.exhaust * math.log((1.0 + loss) / scale), 0.0)
+
+
+def _after(mission: Mission, body: int, end_s: float) -> str:
+    """What an end is too late for."""
+    rules = mission.rules
+    closes_s = float(rules.closes[body])
+    if end_s <= rules.duration:
+        return f", {_lasting(end_s - closes_s)} after its window closes"
+    ends = "the mission"
+    if rules.duration < mission.instance.mission.duration_s:
+        ends = "its chaser is gone"
+    closed = ", and its window closes before" if closes_s < rules.duration else ""
+    return f", {_lasting(end_s - rules.duration)} after {ends}{closed}"
+
+
+def _day(time_s: float) -> str:
+    return f"day {time_s / DAY_S:.3f}"
+
+
+def _lasting(duration_s: float) -> str:
+    """A duration with the unit in which it is easiest to read."""
+    for unit_s, name in ((DAY_S, "d"), (HOUR_S, "h"), (60.0, "min")):
+        if duration_s >= unit_s:
+            return f"{duration_s / unit_s:.3g} {name}"
+    return f"{duration_s:.3g} s"

@@ -1,0 +1,350 @@
+"""When to fly an order of bodies: the schedule of least cost, exactly (MODEL section 4)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from copy import copy
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ..kernels.rules import schedule as kernels
+from ..kernels.rules.rules import Rules
+from ..legs.connections import Connecting, Connections
+from ..problem.chasers import Chaser, TankByMass
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+PAIRS_KEPT = 2_000
+"""Pairs whose connections are kept: some 50 kB each in a mission of a week."""
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """What happens when an order of bodies is visited as far as the rules allow, at least cost.
+
+    Attributes
+    ----------
+    made : int
+        Number of moves that can be made; less than the length of the order if it cannot be flown.
+    objective : float
+        Sum of the prizes of the moves made.
+    delta_v : float
+        Total ΔV of the moves made, tows included [m/s].
+    cost : float
+        What the mission minimises among plans of the same prizes: that ΔV and the price of the
+        time since the start [m/s], or the end of the last leg's service [s], or the expense of
+        the chaser.
+    departures, arrivals, ends : (made,) float64
+        Of each leg, and the end of the service that follows it [s].
+    delta_vs, lefts : (made,) float64
+        What each leg takes out of the tank, without tows: of the first one with what was spent
+        before the start; and what is left after its service, as the rules count it, with the slack
+        that a tank may be overdrawn by [m/s].
+    revolutions : (made,) int64
+        Phasing revolutions of each leg.
+    """
+
+    made: int
+    objective: float
+    delta_v: float
+    cost: float
+    departures: FloatArray
+    arrivals: FloatArray
+    ends: FloatArray
+    delta_vs: FloatArray
+    lefts: FloatArray
+    revolutions: IntArray
+
+
+class Front(NamedTuple):
+    """All ways worth having to be at the last body of an order: labels, none dominates another.
+
+    Attributes
+    ----------
+    ready, left, cost : (labels,) float64
+        Since when the chaser is free there [s], ascending; ΔV left [m/s]; ΔV of all legs and tows
+        [m/s], or, where expenses count, what it has to carry at the start if it ends here [kg].
+    parent, taken : (labels,) int64
+        Label at the body before, and the connection taken from there.
+    spent : (labels,) float64
+        ΔV of all legs where expenses count masses, else empty [m/s].
+    """
+
+    ready: FloatArray
+    left: FloatArray
+    cost: FloatArray
+    parent: IntArray
+    taken: IntArray
+    spent: FloatArray = np.empty(0)
+
+
+def left_at_start(rules: Rules, kits: int) -> float:
+    """What is in a tank at the start with so many kits aboard [m/s]."""
+    return rules.budget if rules.loads is None else float(rules.loads.first[kits])
+
+
+class Scheduler:
+    """Schedules orders of one mission; what two orders begin with in common is worked out once.
+
+    Parameters
+    ----------
+    connecting : Connecting
+        Of the instance.
+    rules : callable
+        Gives the rules of the mission, once they are needed.
+    cost : {"delta-v", "duration", "expense"}
+        What the best schedule of an order has least of.
+    chaser : Chaser
+        Who flies.
+    time_m_s_per_s : float
+        Price of the time from when the chaser may fly to the end of an order [m/s per s].
+    """
+
+    def __init__(
+        self,
+        connecting: Connecting,
+        rules: Callable[[], Rules],
+        cost: str,
+        chaser: Chaser,
+        time_m_s_per_s: float = 0.0,
+    ) -> None:
+        self._rules = rules
+        self._chaser = chaser
+        self._time_m_s_per_s = time_m_s_per_s
+        self._by_time = cost == "duration"
+        self._by_expense = cost == "expense"
+
+        def of_pair(i: int, j: int) -> Connections:
+            return connecting.of_pair(i, j, connecting.planning_resolution_m_s)
+
+        def least(i: int, j: int) -> float:
+            return float(self.connections(i, j).delta_v.min(initial=math.inf))
+
+        self._spent_m_s = connecting.spent_m_s
+        self.connections: Callable[[int, int], Connections] = lru_cache(PAIRS_KEPT)(of_pair)
+        self._least = lru_cache(None)(least)
+        # The order of the last call, the kits at its start, and its fronts. One object, so that
+        # threads may share it.
+        self._last: tuple[tuple[int, ...], int, tuple[Front, ...]] = ((), 0, ())
+
+    def under(self, rules: Rules, chaser: Chaser | None = None) -> Scheduler:
+        """The same under other rules, or of another chaser; connections are shared."""
+        made = copy(self)
+        made._rules = lambda: rules
+        made._chaser = chaser or self._chaser
+        made._last = ((), 0, ())
+        return made
+
+    def over(self, connections: Callable[[int, int], Connections]) -> Scheduler:
+        """The same over other connections: a function of origin and destination gives them."""
+        made = copy(self)
+        made.connections = connections
+        made._last = ((), 0, ())
+        return made
+
+    def kits_for(self, order: tuple[int, ...]) -> int:
+        """How many kits the services of an order take: so many are taken along."""
+        loads = self._rules().loads
+        return 0 if loads is None else int(loads.takes[list(order)].sum())
+
+    def ways(self, order: tuple[int, ...]) -> Iterator[tuple[int, Front]]:
+        """The labels after an order, for every number of kits that may be left then."""
+        loads = self._rules().loads
+        taken = self.kits_for(order)
+        for kits in range(taken, taken + 1 if loads is None else loads.full.size):
+            fronts = self.fronts(order, kits)
+            if len(fronts) > len(order):
+                yield kits - taken, fronts[-1]
+
+    def fronts(self, order: tuple[int, ...], kits: int | None = None) -> tuple[Front, ...]:
+        """The labels at the start and after each move, as far as the order can be flown.
+
+        Parameters
+        ----------
+        order : tuple of int
+            Bodies; its moves keep to the rules of the order.
+        kits : int, optional
+            That are taken along; as many as are needed by default.
+        """
+        rules = self._rules()
+        if kits is None:
+            kits = self.kits_for(order)
+            if rules.loads is not None:
+                kits = min(kits, rules.loads.full.size - 1)
+        before, with_kits, known = self._last
+        common = 0
+        while common < min(len(order), len(known) - 1) and order[common] == before[common]:
+            common += 1
+        fronts = list(known[: common + 1]) if kits == with_kits else []
+        if not fronts:
+            common = 0
+            fronts.append(self.beginning(kits))
+        aboard = kits - self.kits_for(order[:common])
+        for at in range(common, len(order)):
+            i = order[at - 1] if at else rules.start
+            j = order[at]
+            refuelled = any(rules.is_station[body] for body in order[:at])
+            front = self.extended(fronts[-1], i, j, aboard, refuelled=refuelled)
+            if not front.ready.size:
+                break
+            aboard -= self.kits_for((j,))
+            fronts.append(front)
+        self._last = order, kits, tuple(fronts)
+        return self._last[2]
+
+    def beginning(self, kits: int) -> Front:
+        """The label at the start, with so many kits aboard."""
+        rules, nothing, needed = self._rules(), np.zeros(1, dtype=np.int64), np.zeros(1)
+        left = left_at_start(rules, kits)
+        if self._weighs:
+            needed[0] = kits * self._chaser.kit_mass_kg
+        ready = np.array([rules.ready])
+        return Front(ready, np.array([left]), needed, nothing, nothing, np.zeros(1))
+
+    def extended(self, here: Front, i: int, j: int, aboard: int, *, refuelled: bool) -> Front:
+        """The labels after a move.
+
+        Parameters
+        ----------
+        here : Front
+            Those at body i.
+        i, j : int
+        aboard : int
+            Kits on the way.
+        refuelled : bool
+            Whether it has refuelled before.
+        """
+        rules, found, refill = self._rules(), self.connections(i, j), -1.0
+        loads = rules.loads
+        if rules.is_station[j]:
+            refill = rules.budget if loads is None else float(loads.full[aboard])
+        flown = 0.0 if loads is None else float(loads.flown[j])
+        weight, price = self._paid(here, found.delta_v, aboard, refuelled, j)
+        front = Front(
+            *kernels.follow(
+                here.ready, here.left, here.cost, weight,
+                (found.departure, found.arrival, found.delta_v, price),
+                rules.service[j], rules.opens[j], rules.closes[j], refill, loads, j, aboard,
+            )
+        )  # fmt: skip
+        if self._weighs:
+            spent = here.spent[front.parent] + found.delta_v[front.taken] + flown
+            front = front._replace(spent=spent)
+        return front
+
+    @property
+    def _weighs(self) -> bool:
+        """Whether cost is what the chaser carries."""
+        return self._by_expense and self._chaser.priced.counts_mass
+
+    def _paid(
+        self, here: Front, delta_v: FloatArray, aboard: int, refuelled: bool, body: int
+    ) -> tuple[FloatArray, FloatArray]:
+        """What connections add to the cost of labels: weights of these, prices of those.
+
+        Weights are empty where all are one. Where expenses count, legs after the first refuelling
+        cost nothing, as do all of a chaser whose expense does not go by mass. A tow that follows
+        is flown with the mass of the object as well.
+        """
+        loads = self._rules().loads
+        flown = 0.0 if loads is None else float(loads.flown[body])
+        if not self._by_expense:
+            return np.empty(0), delta_v + flown
+        tank = self._chaser.tank
+        if refuelled or not self._weighs or not isinstance(tank, TankByMass):
+            return np.empty(0), np.zeros(delta_v.size)
+        empty_kg = tank.dry_mass_kg + aboard * self._chaser.kit_mass_kg
+        exhaust = tank.exhaust_m_s
+        lifts, price = np.exp(delta_v / exhaust), np.expm1(delta_v / exhaust)
+        if loads is not None and flown > 0.0:
+            kept, lost = loads.scale[body, aboard], loads.loss[body, aboard]
+            both = 1.0 + lost / (1.0 - kept)  # the mass of both, in that without propellant
+            price = price + lifts * both * math.expm1(flown / exhaust)
+        return empty_kg * np.exp(here.spent / exhaust), price
+
+    def least_cost(self, order: tuple[int, ...]) -> float:
+        """No schedule of an order costs less: each leg at its least ΔV, and tows [m/s]; or 0."""
+        if self._by_time or self._by_expense:
+            return 0.0
+        rules = self._rules()
+        way = (rules.start, *order)
+        flown = 0.0 if rules.loads is None else math.fsum(rules.loads.flown[list(order)])
+        return math.fsum(self._least(i, j) for i, j in pairwise(way)) + flown - self._before(order)
+
+    def _before(self, order: tuple[int, ...]) -> float:
+        """What the first leg takes out of the tank because it was spent before the start [m/s]."""
+        return self._spent_m_s(self._rules().start) if order else 0.0
+
+    def paid(self, last: Front) -> FloatArray:
+        """The cost of labels if the order ends with them: with the price of the time until then.
+
+        That is paid at the end alone, so that on the way a label that is ready no later, has no
+        less left and has cost no more makes another one superfluous whatever time costs.
+        """
+        return last.cost + self._time_m_s_per_s * (last.ready - self._rules().ready)
+
+    def endings(self, order: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
+        """When an order can be over, and the least ΔV of that: of a later end less and less.
+
+        Returns
+        -------
+        ends : (endings,) float64
+            Ascending [s]; none where the order cannot be flown.
+        delta_vs : (endings,) float64
+            Descending, tows included [m/s].
+        """
+        fronts = self.fronts(order)
+        if not order or len(fronts) <= len(order):
+            return np.empty(0), np.empty(0)
+        last = fronts[-1]
+        by_end = np.lexsort((last.cost, last.ready))
+        ends, costs = last.ready[by_end], last.cost[by_end]
+        falls = costs < np.append(math.inf, np.minimum.accumulate(costs)[:-1])
+        return ends[falls], costs[falls] - self._before(order)
+
+    def of(self, order: tuple[int, ...]) -> Schedule:
+        """The schedule of least cost: the earliest end of least ΔV, or the other way round."""
+        fronts = self.fronts(order)
+        rules = self._rules()
+        made = len(fronts) - 1
+        last = fronts[-1]
+        paid = self.paid(last)
+        keys = (last.cost, last.ready) if self._by_time else (last.ready, paid)
+        label = int(np.lexsort(keys)[0])
+        before = self._before(order[:made])
+        total = float(last.cost[label]) - before
+        cost = float(paid[label]) - before
+        if self._by_time:
+            cost = float(last.ready[label]) if made else 0.0
+        elif self._by_expense:
+            cost = self._chaser.priced.of(float(last.cost[label])) if made else 0.0
+        departures, arrivals, ends, delta_vs, lefts = np.empty((5, made))
+        revolutions = np.empty(made, dtype=np.int64)
+        for at in range(made - 1, -1, -1):
+            front = fronts[at + 1]
+            found = self.connections(order[at - 1] if at else rules.start, order[at])
+            taken = front.taken[label]
+            departures[at], arrivals[at] = found.departure[taken], found.arrival[taken]
+            delta_vs[at], revolutions[at] = found.delta_v[taken], found.revolutions[taken]
+            ends[at], lefts[at] = front.ready[label], front.left[label]
+            label = front.parent[label]
+        objective = math.fsum(rules.prize[j] for j in order[:made])
+        return Schedule(
+            made,
+            objective,
+            math.fsum(delta_vs) - before if self._by_expense else total,
+            cost,
+            departures,
+            arrivals,
+            ends,
+            delta_vs,
+            lefts,
+            revolutions,
+        )

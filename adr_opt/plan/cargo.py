@@ -1,0 +1,255 @@
+"""What chasers carry and tow, and how a tank by mass goes with it (MODEL section 5)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..common.constants import SLACK_M_S
+from ..kernels.rules.loads import Loads, after_service
+from ..problem.chasers import Chaser, TankByMass
+from ..problem.instance import Instance
+from .tows import tow_by_name, tows_of
+
+LEAST_SHARE = 1e-9
+"""A mass is no less than so much of that without propellant, wherever a plan may have led it."""
+
+
+def most_targets(instance: Instance, chaser: Chaser) -> int | None:
+    """So many targets a chaser may service; None for all of them."""
+    limits = [chaser.max_targets]
+    if all(target.removal == "kit" for target in instance.targets):
+        limits.append(chaser.kits)
+    known = [limit for limit in limits if limit is not None]
+    return min(known) if known else None
+
+
+def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:
+    """What a chaser carries, as the kernels take it; None where that makes no difference.
+
+    Parameters
+    ----------
+    instance : Instance
+    chaser : Chaser
+    margin : float
+        Share of each tank that is kept back.
+    """
+    takes = np.zeros(len(instance.names), dtype=np.int64)
+    takes[instance.first_target :] = [target.removal == "kit" for target in instance.targets]
+    wanted, tows = int(takes.sum()), tows_of(instance)
+    heavy = wanted > 0 and chaser.kit_mass_kg > 0.0
+    most = min(wanted, wanted if chaser.kits is None else chaser.kits)
+    if not heavy and (most == wanted or wanted == len(instance.targets)):
+        if not tows and not chaser.lacks_by_mass:
+            return None
+        takes[:], most = 0, 0
+    allowed = most_targets(instance, chaser)
+    most = most if allowed is None else min(most, allowed)
+    cargo = chaser.kit_mass_kg * np.arange(most + 1)
+    full = [(1.0 - margin) * chaser.tank.full_m_s(float(mass)) + SLACK_M_S for mass in cargo]
+    first = list(full)
+    if chaser.lacks_by_mass:
+        lacking = [chaser.tank.spent_with_m_s(float(mass)) for mass in cargo]
+        first = [each - less for each, less in zip(full, lacking, strict=True)]
+    scale = np.ones((takes.size, most + 1))
+    loss = np.zeros_like(scale)
+    if heavy:
+        without_propellant = getattr(chaser.tank, "dry_mass_kg", 0.0) + cargo
+        lighter = without_propellant - chaser.kit_mass_kg
+        of_kit = np.divide(without_propellant, lighter, where=cargo > 0.0, out=np.ones(most + 1))
+        scale[takes == 1] = of_kit
+        loss[takes == 1] = of_kit - 1.0
+    flown = np.zeros(takes.size)
+    for body, tow in tows.items():
+        assert isinstance(chaser.tank, TankByMass)
+        kept = math.exp(-tow.delta_v_m_s / chaser.tank.exhaust_m_s)
+        scale[body] = kept
+        loss[body] = (1.0 - kept) * tow.object_kg / (chaser.tank.dry_mass_kg + cargo)
+        flown[body] = tow.delta_v_m_s
+    columns = takes, np.array(full), np.array(first), scale, loss
+    for column in (*columns, flown):
+        column.setflags(write=False)
+    return Loads(chaser.tank.exhaust_m_s, *columns, heavy, flown)
+
+
+def most_left_m_s(loads: Loads) -> float:
+    """The most that is ever left of a tank, with the slack of the model [m/s].
+
+    With a margin that may be more than a tank without kits is filled up to: what has been kept
+    back meanwhile is worth more than the same share of that, and what leaves the tank less.
+    """
+    taker, most = int(np.argmax(loads.takes)), 0.0
+    for kits in range(loads.full.size - 1, 0, -1):
+        most = max(most, float(loads.full[kits]))
+        most = float(after_service(loads, taker, kits, most)[0])
+    return max(most, float(loads.full[0]))
+
+
+class Aboard(NamedTuple):
+    """What a chaser has aboard after a leg and the service or refuelling that follows it.
+
+    Attributes
+    ----------
+    left_m_s : float
+        What is left of the tank; less than 0 if it was not enough [m/s]. Here, and of mass and
+        kits, where the destination is towed: after the tow.
+    mass_kg : float or None
+        Of the chaser with propellant and kits; None where the tank is not one by mass.
+    kits : int
+        So many more are left behind.
+    on_arrival_m_s : float
+        What was left before the service [m/s].
+    towing_kg, towing_m_s : float
+        What the tow took that follows it [kg], [m/s].
+    """
+
+    left_m_s: float
+    mass_kg: float | None
+    kits: int
+    on_arrival_m_s: float
+    towing_kg: float = 0.0
+    towing_m_s: float = 0.0
+
+
+def kits_of(instance: Instance, destinations: Iterable[str]) -> int:
+    """The kits that a route leaves behind, and so those that its chaser takes along."""
+    takers = {target.name for target in instance.targets if target.removal == "kit"}
+    return len(takers.intersection(destinations))
+
+
+def followed(
+    instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]
+) -> tuple[Aboard, ...]:
+    """What a chaser has aboard at the start, and after each leg.
+
+    Parameters
+    ----------
+    instance : Instance
+    chaser : Chaser
+    legs : sequence of (str, float)
+        Destination and ΔV [m/s] of each.
+    """
+    tank, kits = chaser.tank, kits_of(instance, (destination for destination, _ in legs))
+    takers = {target.name for target in instance.targets if target.removal == "kit"}
+    tows = tow_by_name(instance)
+    cargo_kg = kits * chaser.kit_mass_kg
+    left = tank.full_m_s(cargo_kg) - tank.spent_with_m_s(cargo_kg)
+    found = [Aboard(left, _mass_kg(chaser, kits, left), kits, left)]
+    for destination, delta_v in legs:
+        arrived = left = left - delta_v
+        towing_kg = towing_m_s = 0.0
+        if destination in instance.station_names:
+            left = tank.full_m_s(kits * chaser.kit_mass_kg)
+        elif destination in takers:
+            takers.remove(destination)
+            mass, kits = _mass_kg(chaser, kits, left), kits - 1
+            # What a tank lacks does not grow: nobody knows what masses would be then.
+            if mass is not None and chaser.kit_mass_kg > 0.0 and left > 0.0:
+                left = _left_m_s(chaser, kits, mass - chaser.kit_mass_kg)
+        elif destination in tows:
+            tow, mass = tows.pop(destination), _mass_kg(chaser, kits, left)
+            assert mass is not None
+            towing_m_s = tow.delta_v_m_s
+            towing_kg = (mass + tow.object_kg) * -math.expm1(-towing_m_s / tank.exhaust_m_s)
+            left = _left_m_s(chaser, kits, mass - towing_kg)
+        mass = _mass_kg(chaser, kits, left)
+        found.append(Aboard(left, mass, kits, arrived, towing_kg, towing_m_s))
+    return tuple(found)
+
+
+class Carried(NamedTuple):
+    """What a chaser carries along its route.
+
+    Attributes
+    ----------
+    mass_kg, propellant_kg : float or None
+        At the start, with all that is aboard; None where the tank is not one by mass.
+    kits : int
+        At the start; each of them is left behind.
+    used_kg, left_kg : float or None
+        Propellant of all legs and tows, and what is in the tank after the last one; less than 0 if
+        it was not enough.
+    end_mass_kg : float or None
+        After the last service.
+    """
+
+    mass_kg: float | None
+    propellant_kg: float | None
+    kits: int
+    used_kg: float | None
+    left_kg: float | None
+    end_mass_kg: float | None
+
+
+def carried(instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]) -> Carried:
+    """What a chaser carries along its route; see :func:`followed`."""
+    stages, tank = followed(instance, chaser, legs), chaser.tank
+    start, end = stages[0], stages[-1]
+    if not isinstance(tank, TankByMass) or start.mass_kg is None or end.mass_kg is None:
+        return Carried(None, None, start.kits, None, None, None)
+    used = sum(
+        (stage.mass_kg or 0.0) * -math.expm1(-delta_v / tank.exhaust_m_s)
+        for stage, (_, delta_v) in zip(stages, legs, strict=False)
+    )
+    used += sum(stage.towing_kg for stage in stages)
+    without = tank.dry_mass_kg + end.kits * chaser.kit_mass_kg
+    initial = tank.initial_propellant_kg
+    aboard = tank.propellant_kg if initial is None else initial
+    return Carried(start.mass_kg, aboard, start.kits, used, end.mass_kg - without, end.mass_kg)
+
+
+def what_counts(instance: Instance) -> str:
+    """What of an instance may make loads count, as a word: kits, tows or both."""
+    there = {target.removal for target in instance.targets}
+    words = [word for kind, word in (("kit", "kits"), ("tow", "tows")) if kind in there]
+    return " and ".join(words) or "kits"
+
+
+def carries(instance: Instance) -> bool:
+    """Whether masses or kits of any chaser are counted, so that there is something to tell."""
+    by_mass = any(isinstance(chaser.tank, TankByMass) for chaser in instance.chasers)
+    return by_mass or any(target.removal == "kit" for target in instance.targets)
+
+
+def tank_worths(
+    instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]
+) -> tuple[float, ...]:
+    """What each tank of a chaser is worth over the legs and tows that it flies from it [m/s].
+
+    That of a tank by mass goes with what is left behind or towed meanwhile, and when.
+    """
+    if not isinstance(chaser.tank, TankByMass):
+        refuellings = sum(destination in instance.station_names for destination, _ in legs)
+        full = chaser.tank.delta_v_m_s
+        return (full - chaser.tank.spent_m_s, *(full,) * refuellings)
+    stages = followed(instance, chaser, legs)
+    worths, used = [], 0.0
+    for (destination, delta_v), stage in zip(legs, stages[1:], strict=True):
+        used += delta_v
+        if destination in instance.station_names:
+            worths.append(used + stage.on_arrival_m_s)
+            used = 0.0
+        used += stage.towing_m_s
+    return (*worths, used + stages[-1].left_m_s)
+
+
+def _mass_kg(chaser: Chaser, kits: int, left_m_s: float) -> float | None:
+    """Mass with so many kits and so much left in the tank [kg]."""
+    tank = chaser.tank
+    if not isinstance(tank, TankByMass):
+        return None
+    without = tank.dry_mass_kg + kits * chaser.kit_mass_kg
+    return without * math.exp(left_m_s / tank.exhaust_m_s)
+
+
+def _left_m_s(chaser: Chaser, kits: int, mass_kg: float) -> float:
+    """What is left in the tank at a mass, with so many kits [m/s].
+
+    Of a mass that cannot be, which only a plan has that takes far more than there is, less by far.
+    """
+    assert isinstance(chaser.tank, TankByMass)
+    without = chaser.tank.dry_mass_kg + kits * chaser.kit_mass_kg
+    return chaser.tank.exhaust_m_s * math.log(max(mass_kg / without, LEAST_SHARE))

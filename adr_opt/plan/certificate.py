@@ -1,0 +1,144 @@
+"""The certificate file ``adr-opt-certificate/1``: what a bound rests on, for others to verify."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import os
+import zlib
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+
+from ..common.card import Card, Shown
+from ..common.errors import InputError
+from ..common.files import parse_model, read_text, to_text, write_bytes
+from ..common.records import Name, NonNegative, Positive, Record
+from .plan import FORMER_MODEL, InstanceReference, Model, Plan, without_former_model
+
+FORMAT: Literal["adr-opt-certificate/1"] = "adr-opt-certificate/1"
+
+LARGEST_WORTH = 1e100
+"""Sums are exact, whatever the numbers; this is far beyond any prize, and no float is exceeded."""
+
+Worth = Annotated[float, Field(ge=0.0, le=LARGEST_WORTH)]
+Names = Annotated[tuple[Name, ...], Field(strict=False)]
+
+
+class ProvenWalks(Record):
+    """What is said of the walks of chasers that can do the same.
+
+    No walk of one of ``chasers`` collects ``most``, where each service counts what the target is
+    worth less its multiplier, and each refuelling takes off that of the station. A walk may come
+    back to a target that it has forgotten: when it comes to a body, it goes on remembering those of
+    ``neighbourhoods`` there and the target that it comes from, and no others.
+
+    Where ``worth_per_m_s`` is given it does not have to keep to its tanks: it pays so much for ΔV,
+    and collects the price of what is in the tank at the start and after each refuelling.
+    """
+
+    chasers: Names
+    most: Annotated[float, Field(ge=-LARGEST_WORTH, le=LARGEST_WORTH)]
+    neighbourhoods: dict[Name, Names] = Field(default_factory=dict)
+    worth_per_m_s: Worth | None = None
+
+
+class ProvenFloors(Record):
+    """Prices of time and of ΔV.
+
+    With the least time t and the least ΔV c that a service takes from wherever it may be, no plan
+    is worth more than its time and its tank at these prices and, of each target, what it is worth
+    beyond t and c at them; where a refuelling takes no less than a tank is worth.
+    """
+
+    worth_per_s: Worth
+    worth_per_m_s: Worth
+
+
+class Certificate(Shown, Record):
+    """What a bound rests on.
+
+    No plan collects more than ``upper_bound``; null says that no plan keeps to all rules. A target
+    is worth its prize, and ``required_worth`` more if it is required. ``multipliers`` are those of
+    "each target at most once" and "each station ``max_refuellings`` times at most", 0 where none is
+    given; all prizes are multiples of ``prize_step``,
+    null for none. ``walks`` has every chaser once, or nothing where the prizes alone are the proof,
+    or the ``floors``: prices of time and of ΔV.
+    ``delta_v_slot_m_s`` is the slot of ΔV in which the method has looked ahead: what is true does
+    not depend on it, how long it takes to see it does. Where ``time_step_s`` is given time was
+    counted in such steps, so coarsely that no walk has to be gone through by itself. ``model`` is
+    the version of docs/model.md that connections are of.
+    ``plan_sha256`` is that of the plan file that was written beside it.
+    """
+
+    format: Literal["adr-opt-certificate/1"] = FORMAT
+    model: Model = FORMER_MODEL
+    instance: InstanceReference
+    plan_sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")] | None = None
+    method: Name
+    upper_bound: NonNegative | None
+    required_worth: Worth = 0.0
+    prize_step: Positive | None = None
+    delta_v_slot_m_s: Positive = 20.0
+    time_step_s: Positive | None = None
+    multipliers: dict[Name, Worth] = Field(default_factory=dict)
+    walks: Annotated[tuple[ProvenWalks, ...], Field(strict=False)] = ()
+    floors: ProvenFloors | None = None
+
+    @model_serializer(mode="wrap")
+    def _without_former_model(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without_former_model(write(self))
+
+    def _card(self) -> Card:
+        from ..ui.cards.of_refined import of_certificate
+
+        return of_certificate(self)
+
+    def to_json(self) -> str:
+        """The certificate file."""
+        return to_text(self.model_dump(mode="json"))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the certificate file, whole or not at all; packed if its name ends in ``.gz``."""
+        content = self.to_json().encode()
+        write_bytes(path, gzip.compress(content, mtime=0) if _is_packed(path) else content)
+
+
+def load_certificate(path: str | os.PathLike[str]) -> Certificate:
+    """Read a certificate file.
+
+    Raises
+    ------
+    InputError
+        No such file, not JSON, or not a valid certificate. Whether what it says is true is for
+        :func:`adr_opt.verify` to find out.
+    """
+    if not _is_packed(path):
+        return parse_model(read_text(path), Certificate, str(path))
+    try:
+        text = gzip.decompress(Path(path).read_bytes()).decode()
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; check the path") from None
+    except (OSError, EOFError, zlib.error, UnicodeDecodeError):
+        raise InputError(f"{path}: not a whole file packed by gzip; write it again") from None
+    return parse_model(text, Certificate, str(path))
+
+
+def _is_packed(path: str | os.PathLike[str]) -> bool:
+    return os.fspath(path).endswith(".gz")
+
+
+def sha256_of(plan: Plan) -> str:
+    """SHA-256 of the plan file that :meth:`Plan.to_json` gives, without what its flight came to.
+
+    A plan may be flown after the certificate is written.
+    """
+    planned = plan if plan.flown is None else plan.replace(flown=None)
+    return hashlib.sha256(planned.to_json().encode()).hexdigest()
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema of the certificate file."""
+    schema = Certificate.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -1,0 +1,92 @@
+"""What it takes to use chasers: by what they carry when they start, and by their days."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from ..problem.chasers import Chaser, TankByMass
+from ..problem.instance import Instance
+from .cargo import kits_of
+from .plan import Leg, Route, cost_of
+from .tows import tow_by_name
+
+
+def carried_kg(
+    instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]
+) -> float | None:
+    """Kits and the least propellant that a route takes along; None where nobody knows masses.
+
+    Counted backwards from the end of the first tank, where nothing but kits is left aboard that
+    are left behind later: the mass before a leg is the one after it times exp(ΔV / g₀ Isp), and a
+    kit comes on top where it is left. Before a tow it is what both masses need, less the object's.
+
+    Parameters
+    ----------
+    instance : Instance
+    chaser : Chaser
+    legs : sequence of (str, float)
+        Destination and ΔV [m/s] of each.
+    """
+    tank = chaser.tank
+    if not isinstance(tank, TankByMass):
+        return None
+    stops = [at for at, (body, _) in enumerate(legs) if body in instance.station_names]
+    first = legs[: stops[0] + 1] if stops else legs
+    takers = {target.name for target in instance.targets if target.removal == "kit"}
+    tows = tow_by_name(instance)
+    every = kits_of(instance, (body for body, _ in legs))
+    later = every - kits_of(instance, (body for body, _ in first))
+    mass = tank.dry_mass_kg + later * chaser.kit_mass_kg
+    for body, delta_v in reversed(first):
+        if body in takers:
+            mass += chaser.kit_mass_kg
+        elif body in tows:
+            tow = tows[body]
+            both = (mass + tow.object_kg) * math.exp(tow.delta_v_m_s / tank.exhaust_m_s)
+            mass = both - tow.object_kg
+        mass *= math.exp(delta_v / tank.exhaust_m_s)
+    return mass - tank.dry_mass_kg
+
+
+def expense_of(instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]) -> float:
+    """What a chaser takes that flies some legs; nothing for none."""
+    if not legs:
+        return 0.0
+    return chaser.priced.of(carried_kg(instance, chaser, legs) or 0.0)
+
+
+def cost_of_routes(instance: Instance, routes: Iterable[Route]) -> float:
+    """What routes cost together, as the instance counts it [m/s, s, or as of expenses]."""
+    routes = tuple(routes)
+    if instance.objective.cost != "expense":
+        return cost_of(instance.objective, legs_of(routes)) + time_paid_m_s(instance, routes)
+    numbers = _numbers(instance, routes)
+    return instance.objective.together(
+        expense_of(
+            instance, instance.chasers[numbers[route.chaser]],
+            [(leg.destination, leg.delta_v_m_s) for leg in route.legs],
+        )
+        for route in routes
+    )  # fmt: skip
+
+
+def time_paid_m_s(instance: Instance, routes: Sequence[Route]) -> float:
+    """What the days of routes cost, from when each chaser may fly to the end of its last stay."""
+    numbers, since_s = _numbers(instance, routes), instance.available_s
+    flown_s = [
+        route.legs[-1].done_s - since_s[numbers[route.chaser]][0] for route in routes if route.legs
+    ]
+    return instance.time_m_s_per_s * math.fsum(flown_s)
+
+
+def _numbers(instance: Instance, routes: Iterable[Route]) -> dict[str, int]:
+    """Numbers of the chasers of routes, by the names in these."""
+    if len(instance.chasers) == 1:  # a route of an only chaser is its own, whatever it is called
+        return dict.fromkeys((route.chaser for route in routes), 0)
+    return {chaser.name: number for number, chaser in enumerate(instance.chasers)}
+
+
+def legs_of(routes: Iterable[Route]) -> tuple[Leg, ...]:
+    """The legs of all routes, one route after the other."""
+    return tuple(leg for route in routes for leg in route.legs)

@@ -1,0 +1,323 @@
+"""The plan file ``adr-opt-plan/2``: what is flown, when, at what cost, and how good it is."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+from collections.abc import Iterable
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+
+from ..common.card import Card, Shown
+from ..common.files import read_model, to_text, write_text
+from ..common.records import DeltaV, Name, Record, Time, without
+from ..problem.instance import Instance
+from ..problem.settings import Objective
+from .plan_flight import PlanFlight
+
+FORMAT: Literal["adr-opt-plan/2"] = "adr-opt-plan/2"
+
+MODEL: Literal[3] = 3
+"""The version of docs/model.md that costs are worked out by."""
+
+FORMER_MODEL: Literal[2] = 2
+"""The version of plans and certificates that name none: phase cost nothing in legs that drift."""
+
+Model = Literal[2, 3]
+
+Status = Literal["optimal", "feasible", "infeasible", "unknown"]
+Reason = Literal["duration", "delta-v", "no-transfer", "capacity", "not-worth-it", "not-considered"]
+
+Vector = tuple[DeltaV, DeltaV, DeltaV]
+
+
+class InstanceReference(Record):
+    """Which instance a plan belongs to: its name and the SHA-256 of its file."""
+
+    name: Name
+    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+
+    def is_of(self, instance: Instance) -> bool:
+        """Whether an instance has this name and its file this SHA-256."""
+        return (self.name, self.sha256) == (instance.name, instance.sha256)
+
+
+class Burn(Record):
+    """An impulse in the inertial frame of the elements."""
+
+    time_s: Time
+    delta_v_m_s: Annotated[Vector, Field(strict=False)]
+    phase: Literal["hohmann-1", "phasing", "co-elliptic", "terminal", "approach", "drift", "tow"]
+
+    @property
+    def size_m_s(self) -> float:
+        """Its ΔV [m/s]."""
+        return math.hypot(*self.delta_v_m_s)
+
+
+class Tow(Record):
+    """How the object that was serviced is carried down to the disposal orbit (MODEL section 5).
+
+    From the first of its two burns at ``start_s`` to the second one at ``end_s``, when the object
+    is released. Before that the chaser waits with it, as long as the next transfer allows.
+    """
+
+    start_s: Time
+    end_s: Time
+    delta_v_m_s: DeltaV
+    burns: Annotated[tuple[Burn, ...], Field(strict=False)]
+
+
+class Leg(Shown, Record):
+    """One transfer with the service that follows it.
+
+    ``ready_s`` is when the chaser is free at the origin, ``departure_s`` the node crossing (of a
+    leg that drifts, when the time begins within which the phase is met), ``arrival_s`` the end of
+    the approach, ``end_s`` the end of service (refuelling, at the
+    station); ``delta_v_left_m_s`` is what is left then: the full budget after refuelling.
+    ``eccentricity_delta_v_m_s`` is the part of ``delta_v_m_s`` that matches eccentricity vectors;
+    it has no burn, because the burns fly between circles (MODEL section 1). ``kind`` is that of the
+    transfer: ``short`` is the co-elliptic sequence, ``drift`` waits on an orbit whose node moves
+    otherwise; its ``delta_v_m_s`` is that of the closed form, near the sum of its burns; ``launch``
+    puts a chaser that starts anywhere onto its first target, at once and for nothing; ``given`` is
+    a connection that somebody gave, which has no burns. ``mass_kg``, that of the chaser at
+    ``end_s`` with propellant and kits, is there for tanks by mass only. ``tow`` is there where the
+    destination is towed. It is no part of ``delta_v_m_s``, but what is left, and the mass, are
+    those after it; the next leg is ready as long after ``end_s`` as it takes.
+    """
+
+    kind: Literal["short", "drift", "launch", "given"] = "short"
+    origin: Name
+    destination: Name
+    ready_s: Time
+    departure_s: Time
+    arrival_s: Time
+    end_s: Time
+    delta_v_m_s: DeltaV
+    delta_v_left_m_s: float
+    mass_kg: float | None = None
+    tow: Tow | None = None
+    phasing_revolutions: int
+    eccentricity_delta_v_m_s: DeltaV = 0.0
+    burns: Annotated[tuple[Burn, ...], Field(strict=False)]
+
+    def _card(self) -> Card:
+        from ..ui.cards.of_plan import of_leg
+
+        return of_leg(self)
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        content: dict[str, Any] = write(self)
+        return {
+            name: value
+            for name, value in content.items()
+            if not (name in ("mass_kg", "tow") and value is None)
+        }
+
+    @property
+    def done_s(self) -> float:
+        """When it is over: its service, or the tow that follows [s]."""
+        return self.end_s if self.tow is None else self.tow.end_s
+
+    @property
+    def free_s(self) -> float:
+        """Since when the chaser may leave the destination: after the service, and a tow [s]."""
+        return self.end_s + (0.0 if self.tow is None else self.tow.end_s - self.tow.start_s)
+
+    @property
+    def spent_m_s(self) -> float:
+        """ΔV of the transfer and of the tow [m/s]."""
+        return self.delta_v_m_s + (0.0 if self.tow is None else self.tow.delta_v_m_s)
+
+    @property
+    def leaves_s(self) -> float:
+        """When the chaser leaves its origin: at the first burn, where there is one [s]."""
+        return self.burns[0].time_s if self.burns else self.departure_s
+
+    @property
+    def all_burns(self) -> tuple[Burn, ...]:
+        """Those of the transfer, and of the tow."""
+        return self.burns if self.tow is None else (*self.burns, *self.tow.burns)
+
+    @property
+    def docked_s(self) -> float:
+        """When it has docked: at the last burn, where there is one [s]."""
+        return self.burns[-1].time_s if self.burns else self.arrival_s
+
+    @property
+    def burns_delta_v_m_s(self) -> float:
+        """Sum of the burns: of a short leg ``delta_v_m_s`` less the part without burns [m/s]."""
+        return math.fsum(burn.size_m_s for burn in self.burns)
+
+
+class Route(Shown, Record):
+    """What one chaser flies, in order."""
+
+    chaser: Name
+    legs: Annotated[tuple[Leg, ...], Field(strict=False)]
+
+    def _card(self) -> Card:
+        from ..ui.cards.of_plan import of_route
+
+        return of_route(self)
+
+
+class Unvisited(Record):
+    """A target that the plan leaves out, and why.
+
+    The reason is read off the end of the plan: ``no-transfer`` if no body of the mission has a
+    connection to the target that leaves time for service, else ``duration`` if none from where the
+    plan ends does, or ``delta-v`` if all of those need more ΔV than is left, or ``capacity`` if the
+    chaser has no kit for it or services as many as it may, else ``not-worth-it``: one more leg
+    fits, and the plan does not fly it. ``not-considered`` is one to which nobody has looked for a
+    way from where the plan ends, because the time or the memory did not allow it; a note of the
+    plan says more.
+    """
+
+    target: Name
+    reason: Reason
+
+
+class Plan(Shown, Record):
+    """A mission plan with its certificate.
+
+    ``status`` speaks of ``objective``, the prize: ``upper_bound`` is what no plan exceeds.
+    ``cost_status`` speaks of ``cost`` at that prize: ``cost_bound`` is what no plan costs less than
+    that collects as much; the three are null where nobody asked for them. ``model`` is the version
+    of docs/model.md that its costs are of. ``flown`` says what came of flying it, where that was
+    done; files say nothing of it where it was not.
+    """
+
+    format: Literal["adr-opt-plan/2"] = FORMAT
+    model: Model = FORMER_MODEL
+    instance: InstanceReference
+    method: Name
+    seed: Annotated[int, Field(ge=0)]
+    status: Status
+    objective: float
+    upper_bound: float | None = None
+    gap: float | None = None
+    cost: float
+    cost_bound: float | None = None
+    cost_gap: float | None = None
+    cost_status: Status | None = None
+    runtime_s: Annotated[float, Field(ge=0.0)]
+    versions: dict[str, str] = Field(default_factory=dict)
+    notes: Annotated[tuple[str, ...], Field(strict=False)] = ()
+    routes: Annotated[tuple[Route, ...], Field(strict=False)] = ()
+    unvisited: Annotated[tuple[Unvisited, ...], Field(strict=False)] = ()
+    flown: PlanFlight | None = None
+
+    def _card(self) -> Card:
+        from ..ui.cards.of_plan import of_plan
+
+        return of_plan(self)
+
+    @model_serializer(mode="wrap")
+    def _without_former_model(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(without_former_model(write(self)), "flown")
+
+    @property
+    def has_former_drifts(self) -> bool:
+        """Whether legs drift that were planned as if phase cost nothing."""
+        return self.model < MODEL and any(leg.kind == "drift" for leg in self.legs)
+
+    @property
+    def legs(self) -> tuple[Leg, ...]:
+        """The legs of all routes, one route after the other."""
+        return tuple(leg for route in self.routes for leg in route.legs)
+
+    @property
+    def legs_sha256(self) -> str:
+        """What names the legs: a digest of all routes."""
+        routes = [route.model_dump(mode="json") for route in self.routes]
+        return hashlib.sha256(json.dumps(routes).encode()).hexdigest()
+
+    @property
+    def own_flight(self) -> PlanFlight | None:
+        """What it says of the flight of just these legs; None if it says nothing of them."""
+        flown = self.flown
+        return flown if flown is not None and flown.legs_sha256 == self.legs_sha256 else None
+
+    @property
+    def tows_before(self) -> dict[int, Tow]:
+        """The tow that each leg follows upon which leaves a disposal orbit, by number from 1."""
+        found, number = {}, 0
+        for route in self.routes:
+            before = None
+            for leg in route.legs:
+                number += 1
+                if before is not None:
+                    found[number] = before
+                before = leg.tow
+        return found
+
+    @property
+    def destinations(self) -> tuple[str, ...]:
+        """Names of the bodies in the order of the plan."""
+        return tuple(leg.destination for leg in self.legs)
+
+    @property
+    def orders(self) -> dict[str, tuple[str, ...]]:
+        """Names of the bodies in order, by the name of the chaser that goes to them."""
+        return {route.chaser: tuple(leg.destination for leg in route.legs) for route in self.routes}
+
+    @property
+    def delta_v_m_s(self) -> float:
+        """Total ΔV of all legs and tows [m/s]."""
+        return sum(leg.spent_m_s for leg in self.legs)
+
+    def to_json(self) -> str:
+        """The plan file."""
+        return to_text(self.to_dict())
+
+    def to_dict(self) -> dict[str, Any]:
+        """The plan file as plain data."""
+        return self.model_dump(mode="json")
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the plan file, whole or not at all."""
+        write_text(path, self.to_json())
+
+
+def without_former_model(content: dict[str, Any]) -> dict[str, Any]:
+    """The content of a file; the former model goes without saying, so that digests last."""
+    return {k: v for k, v in content.items() if k != "model" or v != FORMER_MODEL}
+
+
+def load_plan(path: str | os.PathLike[str]) -> Plan:
+    """Read a plan file.
+
+    Raises
+    ------
+    InputError
+        No such file, not JSON, or not a valid plan file. Whether the plan is legal is for
+        :func:`adr_opt.check` to say.
+    """
+    return read_model(path, Plan)
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema of the plan file."""
+    schema = Plan.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+def cost_of(objective: Objective, legs: Iterable[Leg]) -> float:
+    """What legs cost as an instance counts it: total ΔV [m/s], or when the last one ends [s].
+
+    Tows count.
+    What chasers take, and their days cost, is for :func:`.expense.cost_of_routes` to say.
+    """
+    if objective.cost == "duration":
+        return max((leg.done_s for leg in legs), default=0.0)
+    return float(sum(leg.spent_m_s for leg in legs))
+
+
+def relative_gap(objective: float, upper_bound: float) -> float:
+    """(upper bound − objective) / upper bound; 0 where both are 0."""
+    return (upper_bound - objective) / upper_bound if upper_bound > 0.0 else 0.0

@@ -1,0 +1,83 @@
+"""What a plan file says of its own flight: what its legs took, and what each tank had left then.
+
+It speaks of the legs that were flown. Their digest stands beside it, so that a plan whose legs were
+changed afterwards does not go for a flown one.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+
+from ..common.records import DeltaV, Name, Record, without
+
+Family = Literal["short", "drift", "tow"]
+
+
+class FamilyFlight(Record):
+    """What the legs of a family were planned with, and what they took; null where unknown."""
+
+    family: Family
+    legs: Annotated[int, Field(ge=0)]
+    planned_delta_v_m_s: DeltaV
+    flown_delta_v_m_s: DeltaV | None
+
+    def __str__(self) -> str:
+        noun = {"short": "short leg", "drift": "drift", "tow": "tow"}[self.family]
+        flown = "unknown" if self.flown_delta_v_m_s is None else f"{self.flown_delta_v_m_s:.1f}"
+        return (
+            f"{self.legs} {noun}{'' if self.legs == 1 else 's'} planned with "
+            f"{self.planned_delta_v_m_s:.1f} and flown with {flown} m/s"
+        )
+
+
+class TankLeft(Record):
+    """What one tank had left, below 0 where it was not enough; null where that is unknown."""
+
+    chaser: Name | None = None
+    tank: Annotated[int, Field(ge=1)]
+    left_m_s: DeltaV | None
+
+    @model_serializer(mode="wrap")
+    def _without_chaser(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "chaser")
+
+
+class PlanFlight(Record):
+    """How a plan was flown when it was made, and what came of it.
+
+    ``how`` is ``mean``: its burns in the mean motion of the instance, aimed at targets on their
+    true orbits, or ``refined``: burns of their own in integrated motion. ``legs_sha256`` is that of
+    the routes of the plan.
+    """
+
+    how: Literal["mean", "refined"]
+    gravity: Literal["two-body", "j2", "j3", "j4"]
+    legs_sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+    holds: bool
+    families: Annotated[tuple[FamilyFlight, ...], Field(strict=False)]
+    tanks: Annotated[tuple[TankLeft, ...], Field(strict=False)]
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return self.model_dump(mode="json")
+
+    def __str__(self) -> str:
+        where = {"two-body": "two-body motion", "j2": "mean motion under J2"}.get(self.gravity)
+        how = f"flown in {where}" if self.how == "mean" else f"refined in the field {self.gravity}"
+        families = ", ".join(map(str, self.families)) or "no legs"
+        return f"{how}: {families}; {left_in(self.tanks)}"
+
+
+def left_in(tanks: tuple[TankLeft, ...]) -> str:
+    """What is left in each tank, chaser after chaser, in words."""
+    if not tanks:
+        return "no tank is used"
+    chasers = dict.fromkeys(tank.chaser for tank in tanks)
+    parts = []
+    for chaser in chasers:
+        left = [tank.left_m_s for tank in tanks if tank.chaser == chaser]
+        told = ", ".join("unknown" if each is None else f"{each:.1f}" for each in left)
+        parts.append(told if chaser is None else f"{chaser} {told}")
+    return f"left in {'the tank' if len(tanks) == 1 else 'each tank'}: {'; '.join(parts)} m/s"

@@ -1,0 +1,305 @@
+"""The refined plan file ``adr-opt-refined/1``: a plan that holds in true dynamics."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
+
+from ..common.card import Card, Shown
+from ..common.files import read_model, read_text, to_text, write_text
+from ..common.records import DeltaV, Name, NonNegative, Record, Time
+from .plan import InstanceReference, Plan, Vector
+
+FORMAT: Literal["adr-opt-refined/1"] = "adr-opt-refined/1"
+
+ADDS_UP_M_S = 1e-6
+"""How far the ΔV of a leg may be from the sum of its burns."""
+
+Gravity = Literal["two-body", "j2", "j3", "j4"]
+Freedom = Literal["free", "planned"]
+Status = Literal["complete", "incomplete"]
+Phase = Literal[
+    "hohmann-1", "phasing", "co-elliptic", "terminal", "drift", "transfer", "approach", "tow"
+]  # fmt: skip
+
+Position = Annotated[
+    tuple[
+        Annotated[float, Field(ge=-1e9, le=1e9)],
+        Annotated[float, Field(ge=-1e9, le=1e9)],
+        Annotated[float, Field(ge=-1e9, le=1e9)],
+    ],
+    Field(strict=False),
+]
+Velocity = Annotated[Vector, Field(strict=False)]
+
+
+class PlanReference(Record):
+    """Which plan was refined: who made it, and the SHA-256 of its file."""
+
+    method: Name
+    seed: Annotated[int, Field(ge=0)]
+    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+
+
+class BodyState(Record):
+    """Where a body is at the epoch: an osculating state in the inertial frame of the elements."""
+
+    name: Name
+    position_m: Position
+    velocity_m_s: Velocity
+
+
+class RefinedBurn(Record):
+    """An impulse. ``phase`` is that of the plan's burn, or ``transfer`` where burns are free.
+
+    Those of tows have ``tow``.
+    """
+
+    time_s: Time
+    delta_v_m_s: Velocity
+    phase: Phase
+
+    @property
+    def size_m_s(self) -> float:
+        """Its ΔV [m/s]."""
+        return math.hypot(*self.delta_v_m_s)
+
+
+class RefinedState(Record):
+    """An osculating state of the chaser at an event, after the burn if there is one."""
+
+    event: Literal["departure", "burn", "stand-off", "arrival", "release"]
+    time_s: Time
+    position_m: Position
+    velocity_m_s: Velocity
+
+
+class RefinedTow(Record):
+    """How an object is carried down in true dynamics: from its own orbit, by two burns.
+
+    They are made at the plan's times and as large, against the motion that there is. ``released``
+    is where chaser and object are after the second one.
+    """
+
+    burns: Annotated[tuple[RefinedBurn, ...], Field(strict=False, min_length=2, max_length=2)]
+    released: RefinedState
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        begin, end = self.burns
+        if {begin.phase, end.phase} != {"tow"} or not begin.time_s <= end.time_s:
+            raise ValueError('field burns: must be two in time order, of phase "tow"')
+        if self.released.time_s != end.time_s:
+            raise ValueError(
+                f"field released: time_s = {self.released.time_s!r} is not that of the second "
+                f"burn; write {end.time_s!r}"
+            )
+        return self
+
+    @property
+    def delta_v_m_s(self) -> float:
+        """Of both burns [m/s]."""
+        return math.fsum(burn.size_m_s for burn in self.burns)
+
+
+class RefinedLeg(Record):
+    """One leg in true dynamics.
+
+    It begins docked with the origin, before the first burn; at ``standoff_s`` it is where the plan
+    wants it behind the destination, at rest relative to that point; at ``arrival_s`` it has docked.
+    The residuals are the larger ones of those two. ``planned_delta_v_m_s`` is that of the plan,
+    ``retargeted_delta_v_m_s`` that of the plan's own burns, kept near what they were, and
+    ``flown_delta_v_m_s`` the sum of ``burns``. ``chaser`` is who flies it, where there are several;
+    where there is one, files say nothing of it. ``tow`` is that of the destination after its
+    service, ``tow_before`` that of the origin, from whose end the leg begins; their burns count
+    in neither sum. Where there are none, files say nothing of them. ``after_launch`` says that the
+    chaser was launched onto the origin and towed it: a launch is no refined leg, so that this one
+    counts what ``tow_before`` takes.
+    """
+
+    leg: Annotated[int, Field(ge=1)]
+    chaser: Name | None = None
+    kind: Literal["short", "drift"]
+    origin: Name
+    destination: Name
+    ready_s: Time
+    standoff_s: Time
+    arrival_s: Time
+    end_s: Time
+    planned_delta_v_m_s: DeltaV
+    retargeted_delta_v_m_s: DeltaV
+    flown_delta_v_m_s: DeltaV
+    lowest_altitude_m: float
+    residual_m: NonNegative
+    residual_m_s: NonNegative
+    burns: Annotated[tuple[RefinedBurn, ...], Field(strict=False, min_length=1)]
+    states: Annotated[tuple[RefinedState, ...], Field(strict=False, min_length=1)]
+    tow_before: RefinedTow | None = None
+    after_launch: Literal[True] | None = None
+    tow: RefinedTow | None = None
+
+    @property
+    def towing_m_s(self) -> float:
+        """ΔV of the tow of the destination, and after a launch of that before it [m/s]."""
+        before = self.tow_before if self.after_launch else None
+        return math.fsum(tow.delta_v_m_s for tow in (before, self.tow) if tow is not None)
+
+    @property
+    def towing_s(self) -> float:
+        """How long the tow of the destination takes [s]."""
+        return 0.0 if self.tow is None else self.tow.released.time_s - self.tow.burns[0].time_s
+
+    @property
+    def done_s(self) -> float:
+        """When the leg is over: its service, or the tow that follows [s]."""
+        return self.end_s if self.tow is None else self.tow.released.time_s
+
+    @model_serializer(mode="wrap")
+    def _without_none(self, plainly: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        content: dict[str, Any] = plainly(self)
+        for name in ("chaser", "tow_before", "after_launch", "tow"):
+            if getattr(self, name) is None:
+                content.pop(name, None)
+        return content
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        times = [burn.time_s for burn in self.burns]
+        if times != sorted(times):
+            raise ValueError("field burns: not in time order; sort them by time_s")
+        if not times[0] <= self.standoff_s <= self.arrival_s or times[-1] > self.arrival_s:
+            raise ValueError(
+                f"field standoff_s = {self.standoff_s!r}: must lie between the first burn and "
+                "arrival_s, and no burn after that"
+            )
+        total = math.fsum(burn.size_m_s for burn in self.burns)
+        if abs(total - self.flown_delta_v_m_s) > ADDS_UP_M_S:
+            raise ValueError(
+                f"field flown_delta_v_m_s = {self.flown_delta_v_m_s!r}: the burns add up to "
+                f"{total!r}; write that"
+            )
+        if self.tow_before is not None and self.tow_before.released.time_s > times[0]:
+            raise ValueError("field tow_before: ends after the first burn; correct its times")
+        if self.tow is not None and self.tow.burns[0].time_s < self.arrival_s:
+            raise ValueError("field tow: begins before arrival_s; correct its times")
+        return self
+
+
+class Missing(Record):
+    """A leg that was not refined, and why: ``interrupted``, or what went wrong."""
+
+    leg: Annotated[int, Field(ge=1)]
+    reason: Name
+
+
+class RefinedPlan(Shown, Record):
+    """A plan in true dynamics: burns that meet every stand-off, with states at every event.
+
+    ``status`` is ``incomplete`` where legs are missing; the others hold all the same, because each
+    begins docked with its origin.
+    """
+
+    format: Literal["adr-opt-refined/1"] = FORMAT
+    instance: InstanceReference
+    plan: PlanReference
+    gravity: Gravity
+    freedom: Freedom
+    status: Status
+    runtime_s: NonNegative
+    versions: dict[str, str] = Field(default_factory=dict)
+    notes: Annotated[tuple[str, ...], Field(strict=False)] = ()
+    bodies: Annotated[tuple[BodyState, ...], Field(strict=False)] = ()
+    legs: Annotated[tuple[RefinedLeg, ...], Field(strict=False)] = ()
+    missing: Annotated[tuple[Missing, ...], Field(strict=False)] = ()
+
+    def _card(self) -> Card:
+        from ..ui.cards.of_refined import of_refined
+
+        return of_refined(self)
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        numbers = [leg.leg for leg in self.legs]
+        if numbers != sorted(set(numbers)):
+            raise ValueError("field legs: not in the order of their numbers; sort them by leg")
+        known = {body.name for body in self.bodies}
+        for leg in self.legs:
+            for name in (leg.origin, leg.destination):
+                if name not in known:
+                    raise ValueError(f"field bodies: {name!r}, of leg {leg.leg}, is not among them")
+        if (self.status == "incomplete") != bool(self.missing):
+            raise ValueError(
+                f'field status = "{self.status}": must be "incomplete" exactly where legs are '
+                "missing"
+            )
+        return self
+
+    @property
+    def planned_delta_v_m_s(self) -> float:
+        """ΔV of the refined legs and their tows as the plan states it [m/s]."""
+        return math.fsum(leg.planned_delta_v_m_s + leg.towing_m_s for leg in self.legs)
+
+    @property
+    def retargeted_delta_v_m_s(self) -> float:
+        """The same with the plan's own burns, kept near what they were [m/s]."""
+        return math.fsum(leg.retargeted_delta_v_m_s + leg.towing_m_s for leg in self.legs)
+
+    @property
+    def flown_delta_v_m_s(self) -> float:
+        """ΔV of the refined legs and their tows [m/s]."""
+        return math.fsum(leg.flown_delta_v_m_s + leg.towing_m_s for leg in self.legs)
+
+    def to_json(self) -> str:
+        """The refined plan file."""
+        return to_text(self.to_dict())
+
+    def to_dict(self) -> dict[str, Any]:
+        """The refined plan file as plain data."""
+        return self.model_dump(mode="json")
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the refined plan file, whole or not at all."""
+        write_text(path, self.to_json())
+
+
+def load_refined(path: str | os.PathLike[str]) -> RefinedPlan:
+    """Read a refined plan file.
+
+    Raises
+    ------
+    InputError
+        No such file, not JSON, or not a valid refined plan file.
+    """
+    return read_model(path, RefinedPlan)
+
+
+def is_refined(path: str | os.PathLike[str]) -> bool:
+    """Whether a file says that it is a refined plan; what is wrong with it is for others to say."""
+    try:
+        content = json.loads(read_text(path))
+    except (ValueError, RecursionError):  # InputError among them
+        return False
+    said = content.get("format") if isinstance(content, dict) else None
+    return isinstance(said, str) and said.startswith("adr-opt-refined/")
+
+
+def reference(plan: Plan) -> PlanReference:
+    """What names a plan."""
+    digest = hashlib.sha256(plan.to_json().encode()).hexdigest()
+    return PlanReference(method=plan.method, seed=plan.seed, sha256=digest)
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema of the refined plan file."""
+    schema = RefinedPlan.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

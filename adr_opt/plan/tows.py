@@ -1,0 +1,163 @@
+"""Towing: an object is carried down to a disposal orbit, where the chaser goes on from.
+
+A tow is a Hohmann transfer of the chaser with the object from the circle that the object is planned
+on (MODEL section 1) to one at the disposal altitude, in the object's plane: two burns against the
+motion, half a revolution apart. The object is released after the second one. The chaser may wait
+before a tow, but not after it: a tow ends when the next transfer leaves. Where there is none, plans
+have it follow the service at once, and it may be later. So who leaves a towed object at a time t is
+on the disposal orbit then,
+
+    u(t) = u_j(t − T) + π,    Ω(t) = Ω_j(t − T) + Ω̇_h T,
+
+with T and Ω̇_h of the half ellipse (MODEL section 2): a body whose angles advance as the object's
+do, by the time of departure, on another radius. A row of such a body is that of the object *as it
+is left*. What has left drifts as its own radius says, which is one column more.
+
+The burns take propellant for both masses: with A = exp(−ΔV / g₀ Isp) a chaser of mass m that tows
+D has (m + D) A − D afterwards.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ..common.constants import EARTH_RADIUS_M, MU_M3_S2
+from ..kernels.legs.burns import half_ellipse_speeds
+from ..kernels.orbits import ephemeris
+from ..kernels.orbits.eccentricity import matchings
+from ..problem.instance import Instance
+from ..problem.orbit import Orbit
+from .planes import Arcs, Plane, ahead, outward
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class Tow(NamedTuple):
+    """How an object is towed.
+
+    Attributes
+    ----------
+    radius_m : float
+        Of the disposal orbit.
+    time_s : float
+        From the first burn to the second.
+    burns_m_s : (float, float)
+        What the two burns take off the velocity.
+    shift_rad : float
+        How far the node moves meanwhile.
+    object_kg : float
+        Mass that is towed.
+    """
+
+    radius_m: float
+    time_s: float
+    burns_m_s: tuple[float, float]
+    shift_rad: float
+    object_kg: float
+
+    @property
+    def delta_v_m_s(self) -> float:
+        """Of both burns [m/s]."""
+        return math.fsum(self.burns_m_s)
+
+
+def tows_of(instance: Instance) -> dict[int, Tow]:
+    """The tows of an instance by the number of the body that is towed."""
+    altitude = instance.mission.disposal_altitude_m
+    if altitude is None:
+        return {}
+    low, arcs = EARTH_RADIUS_M + altitude, Arcs(instance.oblateness_m2)
+    found = {}
+    for body, target in enumerate(instance.targets, start=instance.first_target):
+        if target.removal != "tow":
+            continue
+        assert target.orbit is not None
+        assert target.mass_kg is not None
+        high, inclination = target.orbit.circular_elements()[:2]
+        first, second = half_ellipse_speeds(high, low)
+        time, shift = arcs.half(high, low, inclination)
+        burns = math.sqrt(MU_M3_S2 / high) - first, second - math.sqrt(MU_M3_S2 / low)
+        found[body] = Tow(low, time, burns, shift, target.mass_kg)
+    return found
+
+
+def tow_by_name(instance: Instance) -> dict[str, Tow]:
+    """The same by the name of the target."""
+    names = instance.names
+    return {names[body]: tow for body, tow in tows_of(instance).items()}
+
+
+def leaving_orbits(instance: Instance) -> FloatArray:
+    """The bodies as they are left, shape (bodies, columns): as :meth:`Instance.orbits` says.
+
+    Those that are towed are left from the disposal orbit. Where there are some, rows have one
+    column more, :data:`adr_opt.kernels.orbits.ephemeris.COASTING_RAAN_RATE`.
+    """
+    rows, tows = instance.orbits(), tows_of(instance)
+    if not tows:
+        return rows
+    rows = np.column_stack([rows, rows[:, ephemeris.RAAN_RATE]])
+    for body, tow in tows.items():
+        row = rows[body]
+        row[ephemeris.RADIUS], row[ephemeris.ECCENTRICITY] = tow.radius_m, 0.0
+        row[ephemeris.RAAN] += tow.shift_rad - row[ephemeris.RAAN_RATE] * tow.time_s
+        row[ephemeris.ARGUMENT_OF_LATITUDE] += math.pi - row[ephemeris.LATITUDE_RATE] * tow.time_s
+        row[ephemeris.COASTING_RAAN_RATE] = ephemeris.node_rate(
+            tow.radius_m, row[ephemeris.INCLINATION], instance.oblateness_m2
+        )
+    return rows
+
+
+def released_orbit(instance: Instance, name: str, time_s: float) -> Orbit:
+    """The disposal orbit of a chaser that has released an object at a time, and stays there."""
+    row = leaving_orbits(instance)[instance.names.index(name)]
+    radius, inclination = float(row[ephemeris.RADIUS]), float(row[ephemeris.INCLINATION])
+    latitude_rate = float(ephemeris.latitude_rate(radius, inclination, instance.oblateness_m2))
+    node = float(ephemeris.node_at(row, time_s)) - row[ephemeris.COASTING_RAAN_RATE] * time_s
+    latitude = float(ephemeris.latitude_at(row, time_s)) - latitude_rate * time_s
+    return Orbit(
+        semi_major_axis_m=radius,
+        eccentricity=0.0,
+        inclination_deg=math.degrees(inclination),
+        raan_deg=math.degrees(node) % 360.0,
+        argument_of_perigee_deg=0.0,
+        true_anomaly_deg=math.degrees(latitude) % 360.0,
+    )
+
+
+def leaving_eccentricity_delta_v(instance: Instance, leaving: FloatArray) -> FloatArray:
+    """What matching eccentricity vectors alone costs who leaves so [m/s].
+
+    As :meth:`Instance.eccentricity_delta_v`, shape (origin, destination); a disposal orbit is a
+    circle.
+    """
+    costs, rows = instance.eccentricity_delta_v(), instance.orbits()
+    if instance.nodes_drift:
+        return costs
+    for body in tows_of(instance):
+        columns = rows.shape[1]
+        for other in range(len(rows)):
+            ends = np.array([leaving[body, :columns], rows[other]])
+            costs[body, other] = 0.0 if other == body else matchings(ends)[0, 1]
+    return costs
+
+
+def burn_vectors(orbit: FloatArray, tow: Tow, start_s: float) -> tuple[FloatArray, FloatArray]:
+    """The two burns of a tow that begins at a time, inertial, shape (3,) each [m/s].
+
+    Parameters
+    ----------
+    orbit : (columns,) float64
+        Row of the object, :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
+    """
+    latitude = float(ephemeris.latitude_at(orbit, start_s))
+    plane = Plane(float(orbit[ephemeris.INCLINATION]), float(ephemeris.node_at(orbit, start_s)))
+    after = plane.carried(tow.shift_rad)
+    return (
+        -tow.burns_m_s[0] * ahead(plane, outward(plane, latitude)),
+        -tow.burns_m_s[1] * ahead(after, outward(after, latitude + math.pi)),
+    )

@@ -1,0 +1,1 @@
+"""What is asked: instances and their parts."""

@@ -1,0 +1,138 @@
+"""Rules between the parts of an instance; each raises ``ValueError`` and names the field."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..common.constants import EARTH_RADIUS_M
+from .bodies import Station, Target
+from .chasers import AtStation, Chaser, TankByMass
+from .settings import MissionSettings, Objective, TransferSettings
+
+
+def check_names(
+    stations: Sequence[Station], targets: Sequence[Target], chasers: Sequence[Chaser]
+) -> None:
+    """All bodies and chasers have names of their own."""
+    seen = set()
+    named: tuple[tuple[str, Sequence[Station | Target | Chaser]], ...] = (
+        ("stations", stations), ("targets", targets), ("chasers", chasers),
+    )  # fmt: skip
+    for field, them in named:
+        for number, one in enumerate(them):
+            if one.name in seen:
+                raise ValueError(
+                    f"field {field}[{number}].name = {one.name!r}: another body has this name; "
+                    "give each its own"
+                )
+            seen.add(one.name)
+
+
+def check_stations(stations: Sequence[Station], chasers: Sequence[Chaser]) -> None:
+    """Chasers start and end at stations that there are, and what is given out can be weighed."""
+    known = [station.name for station in stations]
+    for number, chaser in enumerate(chasers):
+        for field in ("start", "end"):
+            place = getattr(chaser, field)
+            if isinstance(place, AtStation) and place.station not in known:
+                listed = ", ".join(map(repr, known)) or "there is none"
+                raise ValueError(
+                    f"field chasers[{number}].{field}.station = {place.station!r}: unknown "
+                    f"station; name one of the stations: {listed}"
+                )
+    by_delta_v = [chaser.name for chaser in chasers if not isinstance(chaser.tank, TankByMass)]
+    for number, station in enumerate(stations):
+        if station.max_propellant_kg is not None and by_delta_v:
+            raise ValueError(
+                f"field stations[{number}].max_propellant_kg = {station.max_propellant_kg!r}: the "
+                f"tank of {by_delta_v[0]!r} is counted in ΔV and knows no kilograms; give its "
+                "dry_mass_kg, propellant_kg and isp_s, or limit max_refuellings"
+            )
+
+
+def check_expense(chasers: Sequence[Chaser], objective: Objective) -> None:
+    """Where the least expense is best, some chaser says what it takes."""
+    if objective.cost == "expense" and all(chaser.expense is None for chaser in chasers):
+        raise ValueError(
+            'field objective.cost = "expense": no chaser says what it takes to use it; give '
+            'chasers[0] an expense, as {"fixed": 1.0}, or write "delta-v"'
+        )
+
+
+def check_orbits(
+    stations: Sequence[Station],
+    targets: Sequence[Target],
+    mission: MissionSettings,
+    *,
+    is_given: bool,
+) -> None:
+    """All bodies have an orbit where it is asked for: not where connections are given."""
+    fields: tuple[tuple[str, Sequence[Station | Target], str, str], ...] = (
+        ("stations", stations, "refuel_revolutions", "write 0.0"),
+        ("targets", targets, "service_revolutions", "give service_s instead"),
+    )
+    for field, bodies, time, instead in fields:
+        for number, body in enumerate(bodies):
+            if body.orbit is not None:
+                continue
+            if not is_given:
+                raise ValueError(f"field {field}[{number}].orbit: missing; add it")
+            stated = getattr(mission, time)
+            if stated:
+                raise ValueError(
+                    f"field mission.{time} = {stated!r}: {body.name!r} has no orbit and so no "
+                    f"period; {instead}"
+                )
+
+
+def check_tows(
+    targets: Sequence[Target],
+    chasers: Sequence[Chaser],
+    mission: MissionSettings,
+    transfer: TransferSettings,
+    *,
+    zones: bool,
+) -> None:
+    """What is towed has a mass and an orbit above that of disposal, and chasers have masses, too.
+
+    ``check_orbits`` has seen to orbits where connections are the model's.
+    """
+    towed = [(number, target) for number, target in enumerate(targets) if target.removal == "tow"]
+    if not towed:
+        return
+    field = f'field targets[{towed[0][0]}].removal = "tow"'
+    if transfer.given is not None:
+        raise ValueError(
+            f"{field}: connections are given, and nobody knows what it takes to go on from the "
+            'disposal orbit; write "visit" or "kit"'
+        )
+    if zones:
+        raise ValueError(
+            f"{field}: how a tow keeps out of zones is not planned; leave keep_out_zones out, or "
+            'write "visit" or "kit"'
+        )
+    for chaser_number, chaser in enumerate(chasers):
+        if not isinstance(chaser.tank, TankByMass):
+            raise ValueError(
+                f"{field}: what a tow takes goes with masses, which the tank of "
+                f"chasers[{chaser_number}] does not know; give its dry_mass_kg, propellant_kg and "
+                "isp_s"
+            )
+    altitude = mission.disposal_altitude_m
+    if altitude is None:
+        raise ValueError(f"{field}: where to is not said; give mission.disposal_altitude_m")
+    stated = f"field mission.disposal_altitude_m = {altitude!r}"
+    if not transfer.min_altitude_m <= altitude <= transfer.max_altitude_m:
+        raise ValueError(
+            f"{stated}: must be within the altitude limits of transfers, "
+            f"{transfer.min_altitude_m!r} to {transfer.max_altitude_m!r}"
+        )
+    for number, target in towed:
+        if target.mass_kg is None:
+            raise ValueError(f"field targets[{number}].mass_kg: missing, and it is towed; give it")
+        assert target.orbit is not None
+        above = target.orbit.semi_major_axis_m - EARTH_RADIUS_M
+        if altitude >= above:
+            raise ValueError(
+                f"{stated}: must be below {target.name!r}, which is towed from {above:.0f} m"
+            )

@@ -1,0 +1,96 @@
+"""The bodies of an instance that a chaser goes to: stations and targets."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    AfterValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
+
+from ..common.records import LARGEST_MASS_KG, Name, Record, Window, check_window, without
+from .orbit import Orbit
+
+LARGEST_PRIZE = 1e12
+LEAST_PRIZE = 1e-12
+"""Prizes are summed and divided: far beyond any use, and near enough for arithmetic to hold."""
+
+
+def _is_nothing_or_enough(prize: float) -> float:
+    if 0.0 < prize < LEAST_PRIZE:
+        raise ValueError(f"must be 0 or at least {LEAST_PRIZE:g}")
+    return prize
+
+
+Prize = Annotated[
+    float,
+    Field(
+        ge=0.0,
+        le=LARGEST_PRIZE,
+        json_schema_extra={"anyOf": [{"const": 0.0}, {"minimum": LEAST_PRIZE}]},
+    ),
+    AfterValidator(_is_nothing_or_enough),
+]
+
+ObjectId = Annotated[str, Field(pattern=r"^[!-~]([ -~]*[!-~])?$", max_length=80)]
+"""As messages may hold it: printable ASCII, mostly ``1997-051C``."""
+
+Removal = Literal["visit", "kit", "tow"]
+
+
+class Station(Record):
+    """Where chasers refuel, and may start; it may have no orbit where connections are given.
+
+    It fills at most ``max_refuellings`` tanks of all chasers together, and gives out at most
+    ``max_propellant_kg`` for that; null for no limit. Neither field is in files that do not state
+    it, nor is ``object_id``, as of a target. Whoever arrives there refuels, also at the end of its
+    route.
+    """
+
+    name: Name
+    orbit: Orbit | None = None
+    max_refuellings: Annotated[int, Field(ge=0)] | None = None
+    max_propellant_kg: Annotated[float, Field(ge=0.0, le=LARGEST_MASS_KG)] | None = None
+    object_id: ObjectId | None = None
+
+    @property
+    def is_limited(self) -> bool:
+        """Whether it may run empty."""
+        return self.max_refuellings is not None or self.max_propellant_kg is not None
+
+    @model_serializer(mode="wrap")
+    def _without_no_limit(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "max_refuellings", "max_propellant_kg", "object_id")
+
+
+class Target(Record):
+    """A debris object that may be visited, and what servicing it is worth.
+
+    Its service begins not before ``window_s`` opens and ends before it closes. ``required``: a plan
+    has to service it. ``removal`` "kit": the chaser leaves a kit with it, and goes on without;
+    "tow": it carries the object, which has ``mass_kg``, down to the disposal altitude of the
+    mission and goes on from there. It may have no orbit where connections are given. ``object_id``
+    is its international designator, for exports, and in no file that does not state it.
+    """
+
+    name: Name
+    orbit: Orbit | None = None
+    prize: Prize = 1.0
+    required: bool = False
+    window_s: Window = (0.0, None)
+    mass_kg: Annotated[float, Field(gt=0.0, le=LARGEST_MASS_KG)] | None = None
+    removal: Removal = "visit"
+    object_id: ObjectId | None = None
+
+    @model_serializer(mode="wrap")
+    def _without_no_designator(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "object_id")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        check_window("window_s", self.window_s)
+        return self

@@ -1,0 +1,355 @@
+"""The chasers of an instance: where they start and end, when, and with what in the tank."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    Discriminator,
+    Field,
+    SerializerFunctionWrapHandler,
+    Tag,
+    ValidationError,
+    model_serializer,
+    model_validator,
+)
+
+from ..common.constants import STANDARD_GRAVITY_M_S2
+from ..common.errors import InputError
+from ..common.files import sentence
+from ..common.records import (
+    LARGEST_DELTA_V_M_S,
+    LARGEST_EXPENSE,
+    LARGEST_MASS_KG,
+    Name,
+    Record,
+    Window,
+    check_window,
+    without,
+)
+from .orbit import Orbit
+
+TANK_BY_MASS = {"dry_mass_kg", "propellant_kg", "isp_s"}
+
+TWO_KINDS = (
+    "a tank is Tank(delta_v_m_s=…), counted in ΔV, or TankByMass(dry_mass_kg=…, propellant_kg=…, "
+    "isp_s=…), by mass"
+)
+
+
+class AtStation(Record):
+    """At a station, which has its name."""
+
+    station: Name
+
+
+class InOrbit(Record):
+    """In an orbit of its own, which is a body by the name of the chaser."""
+
+    orbit: Orbit
+
+
+def _kind(value: Any) -> str | None:
+    """Which of the kinds of a place a value is; those in brackets are for the reader alone."""
+    if value == "anywhere":
+        return "(word)"
+    for kind, model in (("station", AtStation), ("orbit", InOrbit)):
+        if isinstance(value, model) or (isinstance(value, dict) and kind in value):
+            return f"({kind})"
+    return None
+
+
+Start = Annotated[
+    Annotated[Literal["anywhere"], Tag("(word)")]
+    | Annotated[AtStation, Tag("(station)")]
+    | Annotated[InOrbit, Tag("(orbit)")],
+    Discriminator(
+        _kind,
+        custom_error_type="start",
+        custom_error_message='must be {"station": NAME}, {"orbit": ORBIT} or "anywhere"',
+    ),
+]
+
+End = Annotated[
+    Annotated[Literal["anywhere"], Tag("(word)")] | Annotated[AtStation, Tag("(station)")],
+    Discriminator(
+        _kind,
+        custom_error_type="end",
+        custom_error_message='must be "anywhere" or {"station": NAME}',
+    ),
+]
+
+
+class _OfTwoKinds(Record):
+    """A tank: made in Python, a mistake is one sentence that names the two kinds."""
+
+    def __init__(self, /, **values: Any) -> None:
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise InputError(f"{type(self).__name__}: {sentence(error)}; {TWO_KINDS}") from None
+
+    # Within a file pydantic does without it, and names the place there.
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+
+class Tank(_OfTwoKinds):
+    """What a full tank is worth: at the start, and after refuelling.
+
+    ``initial_delta_v_m_s`` is what is left of it at the start, where it is not full then.
+    """
+
+    delta_v_m_s: Annotated[float, Field(ge=0.0, le=LARGEST_DELTA_V_M_S)]
+    initial_delta_v_m_s: Annotated[float, Field(ge=0.0)] | None = None
+
+    @model_validator(mode="after")
+    def _holds_it(self) -> Self:
+        _check_initial("initial_delta_v_m_s", self.initial_delta_v_m_s, self.delta_v_m_s)
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return _without(write(self), "initial_delta_v_m_s")
+
+    def spent_with_m_s(self, cargo_kg: float) -> float:
+        """What is lacking of a full tank at the start, with so much aboard [m/s]."""
+        return self.spent_m_s
+
+    @property
+    def spent_m_s(self) -> float:
+        """What is lacking of a full tank at the start [m/s]."""
+        initial = self.initial_delta_v_m_s
+        return 0.0 if initial is None else self.delta_v_m_s - initial
+
+    @property
+    def exhaust_m_s(self) -> float:
+        """Nothing is known of masses, so that none makes a difference [m/s]."""
+        return math.inf
+
+    def full_m_s(self, cargo_kg: float) -> float:
+        """What it is worth when it is full, with so much aboard [m/s]."""
+        return self.delta_v_m_s
+
+
+def _check_initial(field: str, initial: float | None, full: float) -> None:
+    if initial is not None and initial > full:
+        raise ValueError(f"{field} = {initial!r}: a full tank holds {full!r}; give no more")
+
+
+def _without(content: dict[str, Any], field: str) -> dict[str, Any]:
+    """What is written of a tank: nothing of a start that is as usual, so that files stay."""
+    if content.get(field) is None:
+        content.pop(field, None)
+    return content
+
+
+class TankByMass(_OfTwoKinds):
+    """A tank of so much propellant, of a chaser that has a mass without it and without cargo.
+
+    ``initial_propellant_kg`` is what is left at the start, where it is not full then.
+    """
+
+    dry_mass_kg: Annotated[float, Field(gt=0.0, le=LARGEST_MASS_KG)]
+    propellant_kg: Annotated[float, Field(ge=0.0, le=LARGEST_MASS_KG)]
+    isp_s: Annotated[float, Field(gt=0.0, le=1e5)]
+    initial_propellant_kg: Annotated[float, Field(ge=0.0)] | None = None
+
+    @model_validator(mode="after")
+    def _holds_it(self) -> Self:
+        _check_initial("initial_propellant_kg", self.initial_propellant_kg, self.propellant_kg)
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return _without(write(self), "initial_propellant_kg")
+
+    def spent_with_m_s(self, cargo_kg: float) -> float:
+        """What is lacking of a full tank at the start, with so much aboard [m/s]."""
+        initial = self.initial_propellant_kg
+        if initial is None:
+            return 0.0
+        empty_kg = self.dry_mass_kg + cargo_kg
+        return self.full_m_s(cargo_kg) - self.exhaust_m_s * math.log1p(initial / empty_kg)
+
+    @property
+    def spent_m_s(self) -> float:
+        """What is lacking of a full tank at the start, nothing being aboard [m/s]."""
+        return self.spent_with_m_s(0.0)
+
+    @model_validator(mode="after")
+    def _can_be_counted(self) -> Self:
+        if self.delta_v_m_s > LARGEST_DELTA_V_M_S:
+            raise ValueError(f"is worth {self.delta_v_m_s:g} m/s, more than anybody can count")
+        return self
+
+    @property
+    def exhaust_m_s(self) -> float:
+        """g₀ Isp [m/s]."""
+        return self.isp_s * STANDARD_GRAVITY_M_S2
+
+    @property
+    def delta_v_m_s(self) -> float:
+        """What it is worth when it is full and nothing is aboard [m/s]."""
+        return self.full_m_s(0.0)
+
+    def full_m_s(self, cargo_kg: float) -> float:
+        """What it is worth when it is full, with so much aboard [m/s]."""
+        return self.exhaust_m_s * math.log1p(self.propellant_kg / (self.dry_mass_kg + cargo_kg))
+
+
+def _kind_of_tank(value: Any) -> str:
+    """Which of the kinds of a tank a value is; those in brackets are for the reader alone."""
+    by_mass = isinstance(value, TankByMass) or (
+        isinstance(value, dict) and not TANK_BY_MASS.isdisjoint(value)
+    )
+    return "(mass)" if by_mass else "(delta-v)"
+
+
+AnyTank = Annotated[
+    Annotated[Tank, Tag("(delta-v)")] | Annotated[TankByMass, Tag("(mass)")],
+    Discriminator(_kind_of_tank),
+]
+
+
+Price = Annotated[float, Field(ge=0.0, le=LARGEST_EXPENSE)]
+
+
+class Expense(Record):
+    """What it takes to use a chaser, by what it carries when it starts, in any unit of money.
+
+    fixed + per_kg · c + per_kg_squared · c², with c [kg] the kits that its route leaves behind and
+    the least propellant that it can be flown with, up to the first refuelling.
+    """
+
+    fixed: Price = 0.0
+    per_kg: Price = 0.0
+    per_kg_squared: Price = 0.0
+
+    @property
+    def counts_mass(self) -> bool:
+        """Whether it depends on what is carried."""
+        return self.per_kg > 0.0 or self.per_kg_squared > 0.0
+
+    def of(self, carried_kg: float) -> float:
+        """Of a chaser that is used and carries so much."""
+        return self.fixed + (self.per_kg + self.per_kg_squared * carried_kg) * carried_kg
+
+
+NO_EXPENSE = Expense()
+"""Of a chaser of which nothing is said."""
+
+
+class Chaser(Record):
+    """A spacecraft that visits targets.
+
+    It takes along as many kits as its route leaves behind, ``kits`` at most; null for no limit.
+    ``expense`` counts where the objective says so; the field is in no file that does not state it.
+    """
+
+    name: Name
+    start: Start
+    available_s: Window = (0.0, None)
+    end: End = "anywhere"
+    max_targets: Annotated[int, Field(ge=0)] | None = None
+    tank: AnyTank
+    kits: Annotated[int, Field(ge=0)] | None = None
+    kit_mass_kg: Annotated[float, Field(ge=0.0, le=LARGEST_MASS_KG)] = 0.0
+    expense: Expense | None = None
+
+    @model_serializer(mode="wrap")
+    def _without_no_expense(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "expense")
+
+    @model_validator(mode="after")
+    def _can_be_weighed(self) -> Self:
+        counts = self.expense is not None and self.expense.counts_mass
+        if counts and not isinstance(self.tank, TankByMass):
+            raise ValueError(
+                "expense counts what is carried, of which a tank that is counted in ΔV knows "
+                "nothing; give its dry_mass_kg, propellant_kg and isp_s, or per_kg and "
+                "per_kg_squared 0.0"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _weighs(self) -> Self:
+        if self.kit_mass_kg > 0.0 and not isinstance(self.tank, TankByMass):
+            raise ValueError(
+                f"kit_mass_kg = {self.kit_mass_kg!r}: a tank that is counted in ΔV knows no "
+                "masses; give its dry_mass_kg, propellant_kg and isp_s, or kit_mass_kg 0.0"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _begins_with_it(self) -> Self:
+        if self.tank.spent_m_s > 0.0 and isinstance(self.start, AtStation):
+            raise ValueError(
+                "field tank: what it holds at the start is given, and at a station it is filled; "
+                "start in an orbit, or leave it out"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        check_window("available_s", self.available_s)
+        return self
+
+    @property
+    def lacks_by_mass(self) -> bool:
+        """Whether its tank is not full at the start, and masses make a difference to what lacks.
+
+        Then what lacks goes with the kits that are taken along, or must not be counted as flown.
+        """
+        weighs = self.kit_mass_kg > 0.0 or (self.expense is not None and self.expense.counts_mass)
+        return weighs and self.tank.spent_m_s > 0.0
+
+    @property
+    def start_name(self) -> str:
+        """Name of the body where it starts: a station, or its own for an orbit of its own.
+
+        And its own for a chaser that is launched onto its first target, and is nowhere before.
+        """
+        return self.start.station if isinstance(self.start, AtStation) else self.name
+
+    @property
+    def priced(self) -> Expense:
+        """Its expense; nothing where nothing is said of it."""
+        return self.expense or NO_EXPENSE
+
+    @property
+    def is_launched(self) -> bool:
+        """Whether it is launched onto its first target."""
+        return self.start == "anywhere"
+
+
+def availability(chasers: Sequence[Chaser], separation_s: float) -> tuple[Window, ...]:
+    """When each chaser may fly, launches kept apart [s].
+
+    Those that are launched are so in their order, each as soon as it may: to wait at the first
+    target is no worse. Whether those before it are used or not, each has its place in the order.
+    """
+    found, next_s = [], -math.inf
+    for chaser in chasers:
+        since, until = chaser.available_s
+        if chaser.is_launched:
+            since = max(since, next_s)
+            next_s = since + separation_s
+        found.append((since, until))
+    return tuple(found)
+
+
+def free_name(taken: Collection[str]) -> str:
+    """The name of the one chaser of an instance that does not name it: "chaser", or a numbered one.
+
+    Parameters
+    ----------
+    taken : collection of str
+        Names of the bodies.
+    """
+    name, number = "chaser", 0
+    while name in taken:
+        number += 1
+        name = f"chaser-{number}"
+    return name

@@ -1,0 +1,51 @@
+"""The inertial frame that the elements of an instance are in, where it says so."""
+
+from __future__ import annotations
+
+from datetime import UTC
+from typing import Any, Literal, Self, get_args
+
+from pydantic import SerializerFunctionWrapHandler, model_serializer, model_validator
+
+from ..common.records import Record, without
+from .epoch import Epoch
+
+FrameName = Literal["EME2000", "GCRF", "ICRF", "TEME"]
+
+FRAMES: tuple[FrameName, ...] = get_args(FrameName)
+"""Inertial frames about the Earth that can be named, as CCSDS messages call them."""
+
+OF_DATE = ("TEME",)
+"""Frames whose axes move with the equator and the equinox, so that they have to say of when."""
+
+
+class Frame(Record):
+    """A frame with axes that do not move.
+
+    Those of TEME (true equator, mean equinox) are of ``axes_epoch``: of another date they are
+    others, 34 m in low orbit after a week. Axes of the other frames are of no date, and their files
+    say none.
+    """
+
+    name: FrameName
+    axes_epoch: Epoch | None = None
+
+    @model_serializer(mode="wrap")
+    def _without_no_epoch(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "axes_epoch")
+
+    @model_validator(mode="after")
+    def _says_when(self) -> Self:
+        if self.name in OF_DATE and self.axes_epoch is None:
+            raise ValueError(
+                f'axes_epoch is missing: the axes of "{self.name}" move, so say of which time '
+                "they are"
+            )
+        if self.name not in OF_DATE and self.axes_epoch is not None:
+            raise ValueError(f'axes_epoch: the axes of "{self.name}" are of no date; leave it out')
+        return self
+
+    def __str__(self) -> str:
+        if self.axes_epoch is None:
+            return self.name
+        return f"{self.name} of {self.axes_epoch.astimezone(UTC):%Y-%m-%dT%H:%M:%SZ}"

@@ -1,0 +1,395 @@
+"""The instance: a mission over a field of debris, as data and as a file.
+
+What the file says stands in :mod:`.instance_file`, of which the published JSON Schema is made
+(:func:`json_schema`). All is frozen; :meth:`Record.replace` makes variants.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import PrivateAttr, ValidationError
+
+from ..common.card import Card, Shown
+from ..common.constants import OBLATENESS_M2
+from ..common.errors import InputError
+from ..common.files import check_writable, parse_model, read_model, sentence, write_text
+from ..common.records import Window
+from ..kernels.legs.co_elliptic import TransferRule
+from ..kernels.orbits.eccentricity import matchings
+from .chasers import availability
+from .given import Given
+from .given_files import read_named, write_given
+from .instance_arrays import orbit_rows, rule_of
+from .instance_file import FORMAT as FORMAT
+from .instance_file import InstanceFile
+from .numbering import Numbering
+from .orbit import Orbit
+from .settings import GivenFile
+from .time_value import TIME_VALUE_M_S_PER_H, check_time_value, hurry_of
+
+
+class Instance(Shown, InstanceFile):
+    """A mission to plan.
+
+    Bodies are numbered: the stations in order, then the orbits of their own where chasers start,
+    then the targets in order.
+    """
+
+    _time_value_m_s_per_h: float | None = PrivateAttr(default=None)
+    _given: Given | None = PrivateAttr(default=None)
+
+    def _card(self) -> Card:
+        from ..ui.cards.of_instance import of_instance
+
+        return of_instance(self)
+
+    def replace(self, **changes: Any) -> Self:
+        """A validated copy with some fields changed.
+
+        Raises
+        ------
+        InputError
+            A change is not valid; or connections are given, and one of their bodies is gone.
+        """
+        made = self._changed(changes)
+        if made._given is not None:
+            gone = sorted(set(made._given.names) - set(made.names))
+            if gone:
+                raise InputError(
+                    f"given connections: {gone[0]!r} is a body of theirs, and would be gone; keep "
+                    "it, or first give those of the others alone (adr_opt.problem.given.among)"
+                )
+        return made
+
+    def _changed(self, changes: dict[str, Any]) -> Self:
+        """A validated copy, with what is no part of the file."""
+        made = super().replace(**changes)
+        made._time_value_m_s_per_h = self._time_value_m_s_per_h
+        if made.transfer.given == self.transfer.given:
+            made._given = self._given
+        return made
+
+    def with_given(self, given: Given, file: str | None = None) -> Self:
+        """The same instance whose connections are given, in place of the model's.
+
+        Parameters
+        ----------
+        given : Given
+        file : str, optional
+            What the file is called that :meth:`save` writes them to, beside that of the instance;
+            by default as the instance says, or "connections.parquet".
+
+        Raises
+        ------
+        InputError
+            A connection is from or to a body that the instance does not have, or a field makes no
+            sense with it.
+        """
+        strange = sorted(set(given.names) - set(self.names))
+        if strange:
+            raise InputError(f"given connections: {strange[0]!r} is not a body of {self.name!r}")
+        if file is None:
+            file = self.transfer.given.file if self.transfer.given else "connections.parquet"
+        try:
+            reference = GivenFile(file=file, sha256=given.sha256)
+        except ValidationError as error:
+            raise InputError(sentence(error)) from None
+        made = self.replace(transfer=self.transfer.replace(given=reference))
+        made._given = given
+        return made
+
+    @property
+    def given(self) -> Given | None:
+        """The connections that are given; None where they are the model's.
+
+        Raises
+        ------
+        InputError
+            They are in a file that was not read.
+        """
+        reference = self.transfer.given
+        if reference is not None and self._given is None:
+            raise InputError(
+                f"the connections of {self.name!r} are in {reference.file!r}, which was not read; "
+                "read the instance with adr_opt.load from a file beside it"
+            )
+        return self._given
+
+    @property
+    def nodes_drift(self) -> bool:
+        """Whether planes drift as chasers fly: under J2, where connections are the model's."""
+        return self.dynamics == "j2" and self.transfer.given is None
+
+    @property
+    def has_orbits(self) -> bool:
+        """Whether all bodies have an orbit."""
+        return all(orbit is not None for orbit in self.known_orbits)
+
+    def with_time_value(self, time_value_m_s_per_h: float) -> Self:
+        """The same instance for those who value an hour so, see :attr:`time_value_m_s_per_h`.
+
+        Raises
+        ------
+        InputError
+            It is negative or not finite.
+        """
+        check_time_value(time_value_m_s_per_h)
+        made = self.model_copy()
+        made._time_value_m_s_per_h = time_value_m_s_per_h
+        return made
+
+    def same(self, other: Instance) -> bool:
+        """Whether it is equal to another one, and an hour is worth as much to both."""
+        return self == other and self.time_value_m_s_per_h == other.time_value_m_s_per_h
+
+    @property
+    def time_value_m_s_per_h(self) -> float:
+        """What an hour is worth to whoever chooses one transfer without looking ahead [m/s per h].
+
+        No part of the file, of equality and of :attr:`sha256`: a default for methods, and that of
+        a file of the format ``adr-opt-instance/1`` is what the file says.
+        """
+        if self._time_value_m_s_per_h is None:
+            return TIME_VALUE_M_S_PER_H * self.hurry
+        return self._time_value_m_s_per_h
+
+    @property
+    def hurry(self) -> float:
+        """How dear time is here, against a mission of days: 1, and less where planes drift.
+
+        There time buys ΔV, and is worth what the mission spends on the average; a chaser that can
+        refuel spends more than one tank. So it is where connections are given.
+        """
+        is_given = self.transfer.given is not None
+        return hurry_of(
+            self.mission.duration_s,
+            self.largest_tank_m_s,
+            time_buys_delta_v=is_given or self.transfer.max_drift_s > 0.0,
+            refuels=bool(self.stations),
+            # Of given costs nobody knows the unit, so no usual value is a limit.
+            usual_is_a_limit=not is_given,
+        )
+
+    @property
+    def _numbering(self) -> Numbering:
+        return Numbering(self.stations, self.chasers, self.targets)
+
+    @property
+    def start_bodies(self) -> dict[str, Orbit]:
+        """Orbits of their own where chasers start, by the name of the chaser.
+
+        A chaser that is launched anywhere has none: an orbit stands there so that each body has
+        one, and no transfer leads to it or from it (:attr:`launches`).
+        """
+        return self._numbering.start_bodies
+
+    @property
+    def launches(self) -> dict[int, float]:
+        """When each chaser may be launched that starts anywhere, by the body of its start [s]."""
+        every = zip(self.starts, self.chasers, self.available_s, strict=True)
+        return {body: since for body, chaser, (since, _) in every if chaser.is_launched}
+
+    @property
+    def available_s(self) -> tuple[Window, ...]:
+        """When each chaser may fly: as it says, and launches kept apart [s]."""
+        return availability(self.chasers, self.mission.launch_separation_s or 0.0)
+
+    @property
+    def spent_m_s(self) -> dict[int, float]:
+        """What first legs pay for tanks that are not full at the start, by the body of it [m/s].
+
+        But for chasers of which masses say what is lacking: see
+        :class:`adr_opt.kernels.rules.loads.Loads`.
+        """
+        return {
+            self.names.index(chaser.name): chaser.tank.spent_m_s
+            for chaser in self.chasers
+            if chaser.tank.spent_m_s > 0.0 and not chaser.lacks_by_mass
+        }
+
+    @property
+    def start(self) -> int:
+        """Number of the body where the chaser starts, where there is one."""
+        return self.names.index(self.chaser.start_name)
+
+    @property
+    def starts(self) -> tuple[int, ...]:
+        """Number of the body where each chaser starts."""
+        return self._numbering.starts
+
+    @property
+    def first_target(self) -> int:
+        """Number of the first target; those before it are stations and where chasers start."""
+        return self._numbering.first_target
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the bodies, in the order of their numbers."""
+        return self._numbering.names
+
+    @property
+    def known_orbits(self) -> tuple[Orbit | None, ...]:
+        """Orbits of the bodies, in the order of their numbers; None for those that have none."""
+        return self._numbering.orbits
+
+    @property
+    def body_orbits(self) -> tuple[Orbit, ...]:
+        """The same where all bodies have one.
+
+        Raises
+        ------
+        InputError
+            One has none.
+        """
+        found = []
+        for name, orbit in zip(self.names, self.known_orbits, strict=True):
+            if orbit is None:
+                raise InputError(f"{name!r} has no orbit, which this needs; give it one")
+            found.append(orbit)
+        return tuple(found)
+
+    @property
+    def is_approximate(self) -> bool:
+        """Whether some orbit is not a circle, so that the model is an approximation of it.
+
+        Given connections are what they are.
+        """
+        if self.transfer.given is not None:
+            return False
+        return any(orbit.eccentricity > 0.0 for orbit in self.body_orbits)
+
+    def part(self, bodies: Collection[int | str]) -> Self:
+        """The instance with only some of its targets, in its own order; other bodies stay.
+
+        So do connections that are given, those of targets left out as well.
+
+        Parameters
+        ----------
+        bodies : collection of int or str
+            By number or by name.
+
+        Raises
+        ------
+        InputError
+            A name is none of a body.
+        """
+        first = self.first_target
+        if any(isinstance(body, str) for body in bodies):
+            number = {name: at for at, name in enumerate(self.names)}
+            for body in bodies:
+                if isinstance(body, str) and body not in number:
+                    raise InputError(f"{body!r} is not a body of {self.name!r}")
+            bodies = {number[body] if isinstance(body, str) else body for body in bodies}
+        chosen = sorted(int(body) for body in bodies)
+        return self._changed(
+            {"targets": tuple(self.targets[j - first] for j in chosen if j >= first)}
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the instance file, and beside it that of its connections where they are given.
+
+        Raises
+        ------
+        InputError
+            One of them cannot be written.
+        """
+        check_writable(path)
+        if self.transfer.given is not None and self.given is not None:
+            write_given(Path(path).parent / self.transfer.given.file, self.given)
+        write_text(path, self.to_json())
+
+    @property
+    def oblateness_m2(self) -> float:
+        """J2 R² of the dynamics: 0 for two bodies [m²]."""
+        return OBLATENESS_M2 if self.dynamics == "j2" else 0.0
+
+    def orbits(self) -> npt.NDArray[np.float64]:
+        """The bodies as kernels take them, shape (bodies, columns); NaN for those without an orbit.
+
+        Columns are :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
+        """
+        return orbit_rows(self.known_orbits, self.oblateness_m2)
+
+    def eccentricity_delta_v(self) -> npt.NDArray[np.float64]:
+        """What matching eccentricity vectors alone would cost, v·|Δe|/2.
+
+        Returns
+        -------
+        (origin, destination) float64
+            [m/s]; zero between circles (MODEL section 1), and where perigees drift: then it is
+            worked out for each departure. Given connections have none.
+        """
+        if self.dynamics == "j2" or not self.is_approximate:
+            return np.zeros((len(self.names), len(self.names)))
+        return np.asarray(matchings(self.orbits()))
+
+    def transfer_rule(self, time_value_m_s_per_h: float | None = None) -> TransferRule:
+        """The transfer settings and zones as the kernels take them (radii, m/s per s).
+
+        Parameters
+        ----------
+        time_value_m_s_per_h : float, optional
+            What an hour is worth when one of several sequences is chosen; by default
+            :attr:`time_value_m_s_per_h`.
+        """
+        worth = self.time_value_m_s_per_h if time_value_m_s_per_h is None else time_value_m_s_per_h
+        return rule_of(self.transfer, self.keep_out_zones, self.oblateness_m2, worth)
+
+
+def load(path: str | os.PathLike[str]) -> Instance:
+    """Read an instance file, and beside it that of its connections where they are given.
+
+    Raises
+    ------
+    InputError
+        No such file, not JSON, or not a valid instance; or the connections are missing, others than
+        the instance says, or cannot be planned on.
+    MissingExtra
+        What reads the connections is not installed.
+    """
+    instance = read_model(path, Instance)
+    reference = instance.transfer.given
+    if reference is None:
+        return instance
+    return instance.with_given(read_named(path, reference, instance.names), reference.file)
+
+
+AnyInstance = Instance | str | os.PathLike[str] | Mapping[str, Any]
+"""An instance, the path of its file, or what the file says as a dictionary."""
+
+
+def instance_of(given: AnyInstance) -> Instance:
+    """The instance that a caller gives, by itself, by its file or by the content of a file.
+
+    Raises
+    ------
+    InputError
+        It is none of these, or as for :func:`load`.
+    """
+    if isinstance(given, Instance):
+        return given
+    if isinstance(given, (str, os.PathLike)):
+        return load(given)
+    if not isinstance(given, Mapping):
+        raise InputError(
+            f"instance of type {type(given).__name__}: give an adr_opt.Instance, the path of an "
+            "instance file, or its content as a dictionary"
+        )
+    try:
+        text = json.dumps(dict(given))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"instance: cannot be written as JSON ({error})") from None
+    return parse_model(text, Instance, "instance")
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema of the instance file."""
+    schema = Instance.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

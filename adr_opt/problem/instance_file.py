@@ -1,0 +1,216 @@
+"""What an instance file says: its fields, what they must agree on, and its bytes.
+
+The pydantic models of ``adr-opt-instance/2`` stand here and in :mod:`.epoch`, :mod:`.orbit`,
+:mod:`.bodies`, :mod:`.chasers` and :mod:`.settings`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
+
+from ..common.constants import DAY_S
+from ..common.errors import InputError
+from ..common.files import to_text
+from ..common.records import Name, Record, without
+from ..common.tolerance import check_prizes
+from .agreement import check_expense, check_names, check_orbits, check_stations, check_tows
+from .bodies import Station, Target
+from .chasers import Chaser, TankByMass
+from .epoch import Epoch
+from .frame import Frame
+from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings
+from .transfer_sizes import default_step_s
+
+FORMAT: Literal["adr-opt-instance/2"] = "adr-opt-instance/2"
+
+
+class InstanceFile(Record):
+    """The fields of an instance; :class:`adr_opt.Instance` is what can be planned.
+
+    ``frame``: the inertial frame that orbits and burns are in. Where it is null nobody knows which
+    one, and files say nothing of it.
+    """
+
+    format: Literal["adr-opt-instance/2"] = FORMAT
+    name: Name
+    epoch: Epoch
+    frame: Frame | None = None
+    dynamics: Literal["two-body", "j2"] = "two-body"
+    stations: Annotated[tuple[Station, ...], Field(strict=False)]
+    targets: Annotated[tuple[Target, ...], Field(strict=False)]
+    chasers: Annotated[tuple[Chaser, ...], Field(strict=False, min_length=1)]
+    mission: MissionSettings
+    transfer: TransferSettings = TransferSettings()
+    objective: Objective = Objective()
+    keep_out_zones: Annotated[tuple[KeepOutZone, ...], Field(strict=False)] = ()
+
+    @model_serializer(mode="wrap")
+    def _without_no_frame(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "frame")
+
+    @model_validator(mode="after")
+    def _something_drifts(self) -> Self:
+        if self.dynamics == "two-body" and self.transfer.max_drift_s > 0.0:
+            raise ValueError(
+                f"field transfer.max_drift_s = {self.transfer.max_drift_s!r}: nothing drifts in "
+                'two-body motion; write 0.0, or dynamics "j2"'
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _grid_follows(self) -> Self:
+        """A grid that is not given follows from the mission, where there are drift legs."""
+        transfer = self.transfer
+        if transfer.max_drift_s > 0.0 and "drift_step_s" not in transfer.model_fields_set:
+            known = [body.orbit for body in self.targets if body.orbit is not None]
+            step = default_step_s(self.mission.duration_s, known)
+            object.__setattr__(self, "transfer", transfer.replace(drift_step_s=step))
+        return self
+
+    @model_validator(mode="after")
+    def _parts_agree(self) -> Self:
+        check_names(self.stations, self.targets, self.chasers)
+        check_stations(self.stations, self.chasers)
+        check_prizes(
+            (target.prize for target in self.targets),
+            sum(target.required for target in self.targets),
+        )
+        check_expense(self.chasers, self.objective)
+        is_given = self.transfer.given is not None
+        check_orbits(self.stations, self.targets, self.mission, is_given=is_given)
+        if is_given and self.keep_out_zones:
+            raise ValueError(
+                "field keep_out_zones: connections are given, and nobody knows where they lead; "
+                "leave zones out"
+            )
+        check_tows(
+            self.targets, self.chasers, self.mission, self.transfer,
+            zones=bool(self.keep_out_zones),
+        )  # fmt: skip
+        return self
+
+    def __eq__(self, other: object) -> bool:
+        """Whether it is the same mission; what an hour is worth is no part of it."""
+        if not isinstance(other, InstanceFile):
+            return NotImplemented
+        return all(
+            getattr(self, field) == getattr(other, field) for field in type(self).model_fields
+        )
+
+    def __hash__(self) -> int:
+        return hash(tuple(getattr(self, field) for field in type(self).model_fields))
+
+    def with_limits(
+        self,
+        duration_s: float | None = None,
+        delta_v_m_s: float | None = None,
+        propellant_kg: float | None = None,
+    ) -> Self:
+        """The same field for a mission of another duration or with other tanks.
+
+        With ``delta_v_m_s`` all tanks are counted in ΔV; with ``propellant_kg`` those by mass hold
+        so much, and the rest of their masses stays.
+
+        Raises
+        ------
+        InputError
+            A limit is not valid, or a tank that is to hold so much propellant knows no masses.
+        """
+        if delta_v_m_s is not None and propellant_kg is not None:
+            raise InputError("a tank is given by its ΔV or by its propellant; give one of the two")
+        changes: dict[str, Any] = {}
+        if duration_s is not None:
+            changes["mission"] = self.mission.replace(duration_s=duration_s)
+        if delta_v_m_s is not None:
+            changes["chasers"] = tuple(
+                chaser.replace(tank=_tank_of(chaser, delta_v_m_s)) for chaser in self.chasers
+            )
+        if propellant_kg is not None:
+            changes["chasers"] = tuple(
+                chaser.replace(tank=_filled(chaser, propellant_kg)) for chaser in self.chasers
+            )
+        return self.replace(**changes)
+
+    @property
+    def chaser(self) -> Chaser:
+        """The chaser, where there is one.
+
+        Raises
+        ------
+        InputError
+            There are several: whoever asks works with one.
+        """
+        if len(self.chasers) > 1:
+            raise InputError(
+                f"{self.name!r} has {len(self.chasers)} chasers, and this works with one; leave "
+                "one in its field chasers"
+            )
+        return self.chasers[0]
+
+    @property
+    def time_m_s_per_s(self) -> float:
+        """The price of a second of each chaser that is used, in a cost of ΔV [m/s per s].
+
+        By default a mission of the full length costs one ΔV resolution more than one of no length:
+        what the resolution calls equal is decided by time. Given costs are in a unit that is not
+        known, so there the default is nothing, as it is where another cost than ΔV counts.
+        """
+        stated, duration_s = self.objective.time_m_s_per_day, self.mission.duration_s
+        if stated is not None:
+            return stated / DAY_S
+        is_by_model = self.objective.cost == "delta-v" and self.transfer.given is None
+        if not is_by_model or duration_s == 0.0:
+            return 0.0
+        return self.transfer.delta_v_resolution_m_s / duration_s
+
+    @property
+    def largest_tank_m_s(self) -> float:
+        """The most ΔV that a chaser has at once [m/s]."""
+        return max(chaser.tank.delta_v_m_s for chaser in self.chasers)
+
+    @property
+    def station_names(self) -> tuple[str, ...]:
+        """Names of the stations."""
+        return tuple(station.name for station in self.stations)
+
+    def to_json(self) -> str:
+        """The instance file, the same bytes on every machine."""
+        return to_text(self.model_dump(mode="json"))
+
+    @property
+    def sha256(self) -> str:
+        """SHA-256 of the file that :meth:`to_json` gives; plans carry it."""
+        return hashlib.sha256(self.to_json().encode()).hexdigest()
+
+
+def _tank_of(chaser: Chaser, delta_v_m_s: float) -> dict[str, float]:
+    """Another tank of a chaser; what is left at the start stays, if it holds that."""
+    spent, full = chaser.tank.spent_m_s, chaser.tank.delta_v_m_s
+    if spent == 0.0:
+        return {"delta_v_m_s": delta_v_m_s}
+    return {"delta_v_m_s": delta_v_m_s, "initial_delta_v_m_s": min(full - spent, delta_v_m_s)}
+
+
+def _filled(chaser: Chaser, propellant_kg: float) -> TankByMass:
+    """A tank by mass with other propellant; what is left at the start stays, if it holds that."""
+    tank = chaser.tank
+    if not isinstance(tank, TankByMass):
+        raise InputError(
+            f"propellant: the tank of {chaser.name!r} is counted in ΔV, and knows no masses; say "
+            "what ΔV it holds, or give its dry_mass_kg, propellant_kg and isp_s"
+        )
+    initial = tank.initial_propellant_kg
+    if initial is not None:
+        initial = min(initial, propellant_kg)
+    return TankByMass(
+        dry_mass_kg=tank.dry_mass_kg, propellant_kg=propellant_kg, isp_s=tank.isp_s,
+        initial_propellant_kg=initial,
+    )  # fmt: skip

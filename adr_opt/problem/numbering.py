@@ -1,0 +1,72 @@
+"""How the bodies of an instance are numbered.
+
+The stations come first, in order, then the orbits of their own where chasers start, then the
+targets, in order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..common.constants import EARTH_RADIUS_M
+from .bodies import Station, Target
+from .chasers import AtStation, Chaser, InOrbit
+from .orbit import Orbit
+
+LEO = Orbit(
+    semi_major_axis_m=EARTH_RADIUS_M + 700e3, eccentricity=0.0, inclination_deg=98.0,
+    raan_deg=0.0, argument_of_perigee_deg=0.0, true_anomaly_deg=0.0,
+)  # fmt: skip
+"""Some orbit."""
+
+
+@dataclass(frozen=True)
+class Numbering:
+    """The bodies that stations, chasers and targets make, in the order of their numbers."""
+
+    stations: tuple[Station, ...]
+    chasers: tuple[Chaser, ...]
+    targets: tuple[Target, ...]
+
+    @property
+    def start_bodies(self) -> dict[str, Orbit]:
+        """Orbits of their own where chasers start, by the name of the chaser.
+
+        A chaser that is launched anywhere has none: an orbit stands there so that each body has
+        one, and no transfer leads to it or from it.
+        """
+        some = (self.targets[0].orbit if self.targets else None) or LEO
+        return {
+            chaser.name: chaser.start.orbit if isinstance(chaser.start, InOrbit) else some
+            for chaser in self.chasers
+            if not isinstance(chaser.start, AtStation)
+        }
+
+    @property
+    def first_target(self) -> int:
+        """Number of the first target."""
+        return len(self.stations) + len(self.start_bodies)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the bodies."""
+        return (
+            *(station.name for station in self.stations),
+            *self.start_bodies,
+            *(target.name for target in self.targets),
+        )
+
+    @property
+    def orbits(self) -> tuple[Orbit | None, ...]:
+        """Orbits of the bodies; None for those that have none."""
+        return (
+            *(station.orbit for station in self.stations),
+            *self.start_bodies.values(),
+            *(target.orbit for target in self.targets),
+        )
+
+    @property
+    def starts(self) -> tuple[int, ...]:
+        """Number of the body where each chaser starts."""
+        names = self.names
+        return tuple(names.index(chaser.start_name) for chaser in self.chasers)

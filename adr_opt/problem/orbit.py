@@ -1,0 +1,90 @@
+"""An orbit: Keplerian elements at the epoch of an instance, and the circle planned with."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Self
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import Field, model_validator
+
+from ..common.constants import EARTH_RADIUS_M
+from ..common.records import Angle, Length, Record
+from ..kernels.orbits import ephemeris as kernels
+
+
+class Orbit(Record):
+    """Keplerian elements in the inertial frame at the epoch of the instance."""
+
+    semi_major_axis_m: Length
+    eccentricity: Annotated[float, Field(ge=0.0, lt=1.0)]
+    inclination_deg: Annotated[float, Field(ge=0.0, le=180.0)]
+    raan_deg: Angle
+    argument_of_perigee_deg: Angle
+    true_anomaly_deg: Angle
+
+    @model_validator(mode="after")
+    def _above_the_ground(self) -> Self:
+        perigee = self.semi_major_axis_m * (1.0 - self.eccentricity)
+        if perigee <= EARTH_RADIUS_M:
+            raise ValueError(
+                f"the perigee radius of {perigee:.0f} m is under the ground "
+                f"({EARTH_RADIUS_M:.0f} m); raise semi_major_axis_m or lower eccentricity"
+            )
+        return self
+
+    def circular_elements(self) -> tuple[float, float, float, float]:
+        """The circle that is planned with: radius, inclination, RAAN, argument of latitude.
+
+        r = a and u = argument of perigee + mean anomaly (MODEL section 1) [m, rad].
+        """
+        e = self.eccentricity
+        true = math.radians(self.true_anomaly_deg)
+        eccentric = true - 2.0 * math.atan2(
+            # atan(β sin ν / (1 + β cos ν)) form of E: no loss of digits, no branch at ν = π
+            (e / (1.0 + math.sqrt(1.0 - e * e))) * math.sin(true),
+            1.0 + (e / (1.0 + math.sqrt(1.0 - e * e))) * math.cos(true),
+        )
+        mean = eccentric - e * math.sin(eccentric)
+        latitude = math.radians(self.argument_of_perigee_deg) + mean
+        return (
+            self.semi_major_axis_m,
+            math.radians(self.inclination_deg),
+            math.radians(self.raan_deg),
+            latitude,
+        )
+
+    def row(self, oblateness_m2: float) -> tuple[float, ...]:
+        """What kernels take: the circle, its rates, and the shape of the orbit.
+
+        Parameters
+        ----------
+        oblateness_m2 : float
+            J2 R², 0 for two bodies.
+
+        Returns
+        -------
+        (columns,) float
+            :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
+        """
+        radius, inclination, raan, latitude = self.circular_elements()
+        node, perigee, anomaly = kernels.secular_rates(
+            radius, self.eccentricity, inclination, oblateness_m2
+        )
+        return (
+            radius, inclination, raan, latitude, node, perigee + anomaly, self.eccentricity,
+            math.radians(self.argument_of_perigee_deg), perigee,
+        )  # fmt: skip
+
+    def eccentricity_vector(self) -> npt.NDArray[np.float64]:
+        """Inertial eccentricity vector, shape (3,)."""
+        i, o, w = (
+            math.radians(x)
+            for x in (self.inclination_deg, self.raan_deg, self.argument_of_perigee_deg)
+        )
+        node = np.array([math.cos(o), math.sin(o), 0.0])
+        ahead = np.array(
+            [-math.sin(o) * math.cos(i), math.cos(o) * math.cos(i), math.sin(i)], dtype=float
+        )
+        return self.eccentricity * (math.cos(w) * node + math.sin(w) * ahead)

@@ -1,0 +1,195 @@
+"""What holds for a whole instance: limits, transfers, objective, keep-out zones."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
+
+from ..common.constants import DAY_S
+from ..common.records import (
+    LARGEST_DELTA_V_M_S,
+    LARGEST_DURATION_S,
+    Length,
+    Name,
+    NonNegative,
+    Positive,
+    Record,
+    without,
+)
+
+NOT_WRITTEN = ("service_revolutions", "service_s", "disposal_altitude_m", "launch_separation_s")
+"""Fields that are not in the file where they are None."""
+
+
+class MissionSettings(Record):
+    """How long the mission lasts, and the time spent at a body.
+
+    Either ``service_revolutions``, in periods of the target, or ``service_s``; the other is None
+    and not in the file. Nor is ``disposal_altitude_m``, that of the circles that objects are towed
+    to, where it is None. Chasers that are launched are so in the order of the file, each not less
+    than ``launch_separation_s`` after the one before it; that is not in the file either if None.
+    """
+
+    duration_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)]
+    service_revolutions: NonNegative | None = 1.0
+    service_s: NonNegative | None = None
+    refuel_revolutions: NonNegative = 1.0
+    disposal_altitude_m: Length | None = None
+    launch_separation_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)] | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_service(cls, given: Any) -> Any:
+        """The default of one steps back for the other."""
+        if isinstance(given, dict) and given.get("service_s") is not None:
+            return {"service_revolutions": None, **given}
+        return given
+
+    @model_validator(mode="after")
+    def _exactly_one(self) -> Self:
+        if (self.service_revolutions is None) == (self.service_s is None):
+            stated = "none of them" if self.service_s is None else "both"
+            raise ValueError(
+                "must give service_revolutions or service_s, but gives "
+                f"{stated}; write exactly one of the two"
+            )
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), *NOT_WRITTEN)
+
+
+class SequenceSettings(Record):
+    """Parameters of the co-elliptic sequence (MODEL section 2)."""
+
+    first_leg_fraction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.75
+    standoff_m: NonNegative = 1000.0
+    safety_ellipse_revolutions: Positive = 0.5
+    max_phasing_revolutions: Annotated[int, Field(ge=0, le=100)] = 12
+    min_altitude_m: Length = 300e3
+    max_altitude_m: Length = 2000e3
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.max_altitude_m <= self.min_altitude_m:
+            raise ValueError(
+                f"max_altitude_m = {self.max_altitude_m!r} must be greater than "
+                f"min_altitude_m = {self.min_altitude_m!r}"
+            )
+        if self.safety_ellipse_revolutions % 1.0 != 0.5:
+            raise ValueError(
+                f"safety_ellipse_revolutions = {self.safety_ellipse_revolutions!r} must be 0.5 "
+                "plus whole inspection laps (0.5, 1.5, …)"
+            )
+        return self
+
+
+class GivenFile(Record):
+    """Which connections are given: a file beside that of the instance, and what it holds.
+
+    ``sha256`` is :attr:`.given.Given.sha256`; None for whatever the file holds.
+    """
+
+    file: Annotated[Name, Field(pattern=r"^[^/\\\x00]+\.(parquet|nc)$")]
+    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")] | None = None
+
+
+class TransferSettings(SequenceSettings):
+    """Parameters of the transfers (MODEL sections 2 to 4).
+
+    Beside those of the co-elliptic sequence: a connection that another one dominates up to
+    ``delta_v_resolution_m_s`` is left out, and departures of a pair lie no closer than
+    ``departure_spacing_s``. Then come the grid of transfers that drift and the longest time that
+    one may take, 0 for none. Where connections are ``given``, they are those; the field is not in
+    files of other instances.
+    """
+
+    delta_v_resolution_m_s: NonNegative = 0.1
+    departure_spacing_s: NonNegative = 0.0
+    drift_step_s: Positive = DAY_S
+    max_drift_s: NonNegative = 0.0
+    given: GivenFile | None = None
+
+    @property
+    def may_drift(self) -> bool:
+        """Whether planes may drift on the way.
+
+        So they may where costs are given: nobody knows how they change with time.
+        """
+        return self.max_drift_s > 0.0 or self.given is not None
+
+    @model_serializer(mode="wrap")
+    def _without_nothing_given(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        content: dict[str, Any] = write(self)
+        if self.given is None:
+            content.pop("given", None)
+        return content
+
+
+class Objective(Record):
+    """What decides between plans that collect as much: the least cost of this kind.
+
+    ``delta-v`` is the sum over all legs and tows [m/s], ``duration`` the end of the last service,
+    or tow [s], ``expense`` the sum of what the chasers that are used take
+    (:class:`.chasers.Expense`). To ``delta-v`` the days of each chaser that is used are added at
+    ``time_m_s_per_day``, which is not in the file where it is None
+    (:attr:`.instance_file.InstanceFile.time_m_s_per_s` is what holds then).
+    """
+
+    cost: Literal["delta-v", "duration", "expense"] = "delta-v"
+    time_m_s_per_day: Annotated[float, Field(ge=0.0, le=LARGEST_DELTA_V_M_S)] | None = None
+
+    @model_validator(mode="after")
+    def _days_are_paid_in_delta_v(self) -> Self:
+        if self.cost != "delta-v" and self.time_m_s_per_day is not None:
+            raise ValueError(
+                f"time_m_s_per_day = {self.time_m_s_per_day!r}: days are paid for where cost is "
+                f'"delta-v", not "{self.cost}"; leave one of the two out'
+            )
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_no_price(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "time_m_s_per_day")
+
+    @property
+    def asks_for_more(self) -> bool:
+        """Whether it asks for another cost than the usual one, ΔV at the default price of time."""
+        return self.cost != "delta-v" or bool(self.time_m_s_per_day)
+
+    def together(self, costs: Iterable[float]) -> float:
+        """What routes cost together that cost so much each."""
+        if self.cost == "duration":
+            return max(costs, default=0.0)
+        return math.fsum(costs)
+
+
+class KeepOutZone(Record):
+    """A closed altitude band that is forbidden during a closed time window (MODEL section 6)."""
+
+    min_altitude_m: NonNegative
+    max_altitude_m: NonNegative
+    start_s: float
+    end_s: float
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.max_altitude_m < self.min_altitude_m:
+            raise ValueError(
+                f"max_altitude_m = {self.max_altitude_m!r} must not be less than "
+                f"min_altitude_m = {self.min_altitude_m!r}"
+            )
+        if self.end_s < self.start_s:
+            raise ValueError(
+                f"end_s = {self.end_s!r} must not be before start_s = {self.start_s!r}"
+            )
+        return self

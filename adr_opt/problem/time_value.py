@@ -1,0 +1,59 @@
+"""What an hour is worth to whoever chooses one transfer without looking ahead."""
+
+from __future__ import annotations
+
+import math
+
+from ..common.constants import HOUR_S
+from ..common.errors import InputError
+
+SPENT_BY_DRIFTING, REFUELLED = 0.8, 3.0
+"""What an hour is worth where planes drift, as a multiple of a tank over the mission; and so many
+times as much where there are stations."""
+
+TIME_VALUE_M_S_PER_H = 75.0
+"""What an hour is worth, if nobody says and the mission takes days."""
+
+
+def hurry_of(
+    duration_s: float,
+    tank_m_s: float,
+    *,
+    time_buys_delta_v: bool,
+    refuels: bool,
+    usual_is_a_limit: bool,
+) -> float:
+    """How dear time is, against a mission of days (:attr:`adr_opt.Instance.hurry`).
+
+    Parameters
+    ----------
+    duration_s : float
+        How long the mission lasts [s].
+    tank_m_s : float
+        The most ΔV that a chaser has at once [m/s].
+    time_buys_delta_v : bool
+        Whether who waits spends less: where planes drift, and where connections are given.
+    refuels : bool
+        Whether there are stations; a chaser that can refuel spends more than one tank.
+    usual_is_a_limit : bool
+        Whether no hour is worth more than it usually is.
+    """
+    if not time_buys_delta_v or duration_s == 0.0:
+        return 1.0
+    share = SPENT_BY_DRIFTING * (REFUELLED if refuels else 1.0)
+    spent = share * tank_m_s * HOUR_S / duration_s / TIME_VALUE_M_S_PER_H
+    return min(1.0, spent) if usual_is_a_limit else spent
+
+
+def check_time_value(time_value_m_s_per_h: float) -> None:
+    """What an hour is worth is a finite number that is not negative.
+
+    Raises
+    ------
+    InputError
+        It is not.
+    """
+    if not (math.isfinite(time_value_m_s_per_h) and time_value_m_s_per_h >= 0.0):
+        raise InputError(
+            f"time_value_m_s_per_h = {time_value_m_s_per_h!r}: must be a finite number ≥ 0"
+        )

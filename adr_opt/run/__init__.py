@@ -1,0 +1,1 @@
+"""Methods found, prepared and run."""

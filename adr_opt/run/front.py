@@ -1,0 +1,304 @@
+"""Solve or bound an instance: the front door of the planners and of the bounds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from itertools import chain
+from typing import Any
+
+from ..common.errors import InputError
+from ..common.progress import Progress, silent
+from ..common.stop import AnyOf, MaxIterations, MaxRuntime, Stop
+from ..legs.timetable_size import TABLE_BYTES, Size, estimate, too_large
+from ..mission.campaign import Campaign, Problem, problem_of
+from ..mission.result import Result, noted, proven_of
+from ..plan.plane_drift import drift_warning
+from ..problem.instance import AnyInstance, Instance
+from ..problem.least_time import too_short
+from .method_call import form_for, method_of, prepare, warm_up
+from .methods import BOUNDS, PLANNERS, knows_all_pairs, needs_no_table, takes_jobs, takes_start
+from .side_by_side import together
+from .start_plan import Start, start_destinations
+from .table_budget import candidates, may_ask
+
+__all__ = [
+    "DEFAULT_BOUND",
+    "DEFAULT_BOUND_TIME_LIMIT_S",
+    "DEFAULT_METHOD",
+    "DEFAULT_TIME_LIMIT_S",
+    "bound",
+    "method_of",
+    "run",
+    "solve",
+    "warm_up",
+]
+
+DEFAULT_METHOD = "auto"
+DEFAULT_BOUND = "exact"
+"""It proves most kinds of missions, those of several chasers included."""
+DEFAULT_TIME_LIMIT_S = 10.0
+DEFAULT_BOUND_TIME_LIMIT_S = 60.0
+
+
+def solve(
+    instance: AnyInstance | Problem,
+    method: str = DEFAULT_METHOD,
+    *,
+    time_limit: float = DEFAULT_TIME_LIMIT_S,
+    seed: int = 0,
+    stop: Stop | None = None,
+    progress: Progress = silent,
+    start: Start | None = None,
+    repair: bool = False,
+    jobs: int | None = None,
+    iterations: int | None = None,
+    bound: str | None = None,
+    margin: float = 0.0,
+    memory_gib: float | None = None,
+    **method_options: Any,
+) -> Result:
+    """Plan a mission.
+
+    Parameters
+    ----------
+    instance : Instance, path, dict, Mission or Campaign
+        The path of an instance file is loaded, a dictionary taken for its content. The latter two
+        bring their timetables along.
+    method : str
+        Name of an installed planner.
+    time_limit : float
+        Wall time, the timetable included [s]. Quick planners end by themselves. Where it is short
+        of the timetable, that of the nearest pairs is planned on, and a note says so; see
+        :mod:`.table_budget`. What has to be compiled, once on a machine, is compiled before:
+        see :func:`warm_up`.
+    seed : int
+    stop : Stop, optional
+        A further criterion; planning ends at whichever comes first.
+    progress : callable
+        Called with incumbent and bound whenever one improves.
+    start : Plan or sequence of int or str, optional
+        A plan, or its bodies by number or name, to begin from, for planners that take one; of
+        several chasers a sequence of such sequences.
+    repair : bool
+        Begin from the legal beginning of ``start`` instead of refusing an illegal one.
+    jobs : int, optional
+        Cores to use, 0 for all, for planners that can use several.
+    iterations : int, optional
+        Most iterations: with it and without a tight time limit, the same work on any machine.
+    bound : str, optional
+        Name of an installed bound to run beside the planner. Both stop when they meet; if one ends
+        early, the other goes on to the limit. ``start`` and ``jobs`` are given to it too if it
+        takes them, and ``iterations`` limits each of the two by itself; see
+        :func:`.side_by_side.together`.
+    margin : float
+        Share of each tank that the plan keeps back, for what the model does not know. The result
+        says what is proven of plans that do so; its ``plan``, which belongs to the instance, states
+        no bound then.
+    memory_gib : float, optional
+        Most memory of the timetable, beyond which it has the nearest pairs alone; by default 2, or
+        70 % of what is free if that is less [GiB].
+    **method_options
+        Options of the planner, see ``python -m adr_opt methods``.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    InputError
+        Unknown method or option, a value out of range, or an illegal start plan.
+    """
+    return run(
+        PLANNERS, instance, method, time_limit=time_limit, seed=seed, stop=stop, progress=progress,
+        start=start, repair=repair, jobs=jobs, iterations=iterations, bound=bound, margin=margin,
+        memory_gib=memory_gib, options=method_options,
+    )  # fmt: skip
+
+
+def bound(
+    instance: AnyInstance | Problem,
+    method: str = DEFAULT_BOUND,
+    *,
+    time_limit: float = DEFAULT_BOUND_TIME_LIMIT_S,
+    seed: int = 0,
+    stop: Stop | None = None,
+    progress: Progress = silent,
+    start: Start | None = None,
+    jobs: int | None = None,
+    iterations: int | None = None,
+    margin: float = 0.0,
+    **method_options: Any,
+) -> Result:
+    """Prove how much any plan of a mission can collect.
+
+    Parameters
+    ----------
+    instance : Instance, path, dict, Mission or Campaign
+    method : str
+        Name of an installed bound.
+    start : Plan or sequence of int or str, optional
+        A known plan, or its bodies by number or name, for bounds that can use one: what cannot
+        beat it need not be searched.
+    margin : float
+        Share of each tank that all plans keep back: what is proven is not proven of the others.
+    time_limit, seed, stop, progress, jobs, iterations, **method_options
+        As in :func:`solve`.
+
+    Returns
+    -------
+    Result
+        With or without a plan; its ``upper_bound`` is proven.
+
+    Raises
+    ------
+    InputError
+        As in :func:`solve`.
+    """
+    return run(
+        BOUNDS, instance, method, time_limit=time_limit, seed=seed, stop=stop, progress=progress,
+        start=start, jobs=jobs, iterations=iterations, margin=margin, options=method_options,
+    )  # fmt: skip
+
+
+def run(
+    group: str,
+    instance: AnyInstance | Problem,
+    method: str,
+    *,
+    time_limit: float,
+    seed: int = 0,
+    stop: Stop | None = None,
+    progress: Progress = silent,
+    start: Start | None = None,
+    repair: bool = False,
+    jobs: int | None = None,
+    iterations: int | None = None,
+    bound: str | None = None,
+    margin: float = 0.0,
+    memory_gib: float | None = None,
+    options: Mapping[str, Any] | None = None,
+    building: Callable[[float], None] = lambda share: None,
+    sizing: Callable[[Size], None] = lambda size: None,
+) -> Result:
+    """Run a planner or a bound: what :func:`solve` and :func:`bound` have in common.
+
+    ``group`` is ``planner.PLANNERS`` or ``planner.BOUNDS``; ``bound`` names a bound to run beside
+    the method; ``options`` may have any names, those of the parameters above included;
+    ``building`` is told of the share of the timetable that is built, and ``sizing`` before of its
+    size, if it is large.
+    """
+    MaxRuntime(time_limit)  # a wrong one is refused before anything is compiled
+    if memory_gib is not None and not memory_gib > 0.0:
+        raise InputError(f"memory_gib = {memory_gib!r}: must be a number above 0")
+    whole = problem_of(instance)
+    if margin:
+        whole = whole.with_margin(margin)
+    # Each side counts its own iterations, or the work of one would depend on the other's speed.
+    limits = [] if iterations is None else [MaxIterations(iterations) for _ in range(2)]
+    prover = None if bound is None else method_of(bound, BOUNDS)
+    form_for(whole, method, method_of(method, group))
+    if bound is not None and prover is not None:
+        form_for(whole, bound, prover)
+    both_jobs = jobs if prover is not None and takes_jobs(prover) else None
+    only_prover = both_jobs is not None and not takes_jobs(method_of(method, group))
+    its_jobs = None if only_prover else jobs
+    prepared = prepare(
+        group, method, seed=seed, starts=start is not None, repair=repair, options=options,
+        jobs=its_jobs,
+    )  # fmt: skip
+    destinations = start_destinations(whole, () if start is None else start, repair=repair)
+    others = () if stop is None else (stop,)
+    drifts = whole.connecting.drifts
+    if drifts and not whole.has_timetable:
+        _announce(whole.instance, sizing)
+    ready = partial(
+        warm_up, starts=start is not None, drifts=drifts, campaign=isinstance(whole, Campaign)
+    )
+    ready(group, method, *others, options=options, jobs=its_jobs)
+    on_demand = needs_no_table(prepared.function, prepared.arguments["options"])
+    if on_demand and may_ask(whole):
+        ready(group, method, *others, options=options, jobs=its_jobs, asks=True)
+    if bound is not None:
+        ready(BOUNDS, bound, *others, jobs=both_jobs)
+    criteria: list[Stop] = [MaxRuntime(time_limit), *others]
+    # Some methods look at all pairs by themselves: what they prove is proven of all.
+    of_all = knows_all_pairs(method_of(method, group))
+    hasty = of_all and group == BOUNDS and not isinstance(whole, Campaign)
+    chosen = candidates(
+        whole,
+        time_limit,
+        first=list(chain.from_iterable(destinations)) if group == PLANNERS or of_all else None,
+        interrupted=lambda: stop is not None and stop.remaining_s() <= 0.0,
+        building=building,
+        table_bytes=TABLE_BYTES if memory_gib is None else memory_gib * 2.0**30,
+        hasty=hasty,
+        on_demand=on_demand,
+    )
+    progress(-math.inf, math.inf)
+    if not chosen.all and not hasty and (chosen.none or (group == BOUNDS and not of_all)):
+        return chosen.nothing(method, seed)
+    if start is not None:
+        prepared = prepared.beginning_from(whole, destinations, repair)
+    if bound is None or prover is None or not chosen.all:
+        planned = prepared(whole, AnyOf(*criteria, *limits[:1]), progress)
+        return _beyond_the_model(whole, chosen.of_the_whole(planned, of_all=of_all))
+    proving = prepare(BOUNDS, bound, seed=seed, jobs=both_jobs)
+    if start is not None and takes_start(prover):
+        proving = replace(
+            proving, arguments={**proving.arguments, "start": prepared.arguments["start"]}
+        )
+    result = together(whole, prepared, proving, AnyOf(*criteria), progress, limits)
+    return _beyond_the_model(whole, result)
+
+
+def _announce(instance: Instance, sizing: Callable[[Size], None]) -> None:
+    """Tell of the size of a large timetable before it is built.
+
+    Raises
+    ------
+    InputError
+        There is not enough memory for the long transfers. A part of the targets would be no help:
+        which ones are near changes while one waits.
+    """
+    size = estimate(instance)
+    if instance.transfer.max_drift_s > 0.0 and not size.fits:
+        raise InputError(too_large(instance, size))
+    if size.is_large:
+        sizing(size)
+
+
+def _beyond_the_model(mission: Problem, result: Result) -> Result:
+    """A result with what its reader has to know of the margin and of what the model leaves out."""
+    notes, plan = _of_what_is_proven(mission, result.upper_bound), result.plan
+    if plan is not None and (mission.margin or mission.connecting.corrections):
+        # A plan file is read together with its instance, whose tanks may be used to the end, and
+        # whose connections cost what the model says.
+        plan = plan.replace(
+            **proven_of(mission, plan.objective)._asdict(),
+            cost_bound=None, cost_gap=None, cost_status=None,
+        )  # fmt: skip
+    drift = None if plan is None else drift_warning(mission.instance, plan)
+    notes += [said for said in (drift, too_short(mission.instance)) if said is not None]
+    return noted(replace(result, plan=plan), notes)
+
+
+def _of_what_is_proven(mission: Problem, upper_bound: float) -> list[str]:
+    """What is said of all plans, where it is not said of those of the instance."""
+    corrections, notes, of, other = mission.connecting.corrections, [], "", "that does not"
+    if corrections:
+        notes.append(f"connections are corrected by what refined legs cost: {corrections}")
+        of, other = " of the corrected connections", "of the model's connections"
+    if mission.margin:
+        reserves = sorted({each.reserve_m_s for each in mission.missions})
+        listed = " or ".join(f"{reserve:g}" for reserve in reserves)
+        kept = f"{100.0 * mission.margin:g} % of each tank ({listed} m/s)"
+        of += f" that keeps back {kept}"
+        if not math.isfinite(upper_bound):
+            notes.append(f"{kept} is kept back")
+    if of and math.isfinite(upper_bound):
+        notes.append(f"no plan{of} collects more than {upper_bound:.6g}; one {other} may")
+    return notes

@@ -1,0 +1,105 @@
+"""A problem of a variant of an instance, on the timetable that is there.
+
+What a transfer costs knows nothing of prizes, of who is required and of other bodies; and, where
+connections are not listed for a tank (:attr:`adr_opt.legs.connections.Connecting.depends_on_tank`),
+nothing of tanks. So whoever changes those and plans again needs no other timetable: that of fewer
+targets is a part of that of more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ..common.records import Record
+from ..legs.connections import Connecting
+from ..mission.campaign import Campaign, Problem, is_campaign, problem_of
+from ..mission.problem import Mission
+from ..problem.instance import Instance
+
+
+def serves(known: Instance, wanted: Instance) -> bool:
+    """Whether the timetable of an instance holds that of another one.
+
+    It does where that one has other prizes, other required targets, fewer targets, and, where
+    connections do not depend on them, other tanks; and where nothing else makes a difference.
+    """
+    same = known.mission == wanted.mission
+    chosen_alike = known.time_value_m_s_per_h == wanted.time_value_m_s_per_h
+    return same and chosen_alike and _alike(known, wanted)
+
+
+def _alike(known: Instance, wanted: Instance) -> bool:
+    """Whether connections are the same, as far as both missions last."""
+    fields = set(Instance.model_fields) - {"name", "targets", "chasers", "mission"}
+    if any(getattr(known, name) != getattr(wanted, name) for name in fields):
+        return False
+    listed = Connecting(known).depends_on_tank or bool(known.spent_m_s or wanted.spent_m_s)
+    changed = () if listed else ("tank",)
+    if _but_for(known.chasers, *changed) != _but_for(wanted.chasers, *changed):
+        return False
+    there = iter(_but_for(known.targets, "prize", "required"))
+    return all(
+        any(target == each for each in there)  # which goes on from the one found before
+        for target in _but_for(wanted.targets, "prize", "required")
+    )
+
+
+def _but_for(records: Sequence[Record], *fields: str) -> list[tuple[Any, ...]]:
+    """What records say, but for some fields."""
+    return [
+        tuple(getattr(each, name) for name in type(each).model_fields if name not in fields)
+        for each in records
+    ]
+
+
+class Reused:
+    """Problems of one instance after the other, each on what is known of those before.
+
+    The timetable that was built last is kept: fields of fewer targets are a part of it, and those
+    of more are built anew. Where connections are listed, those of the longest mission are kept
+    besides, for all that are shorter.
+    """
+
+    def __init__(self) -> None:
+        self._built: Problem | None = None
+        self._longest: Problem | None = None
+
+    def problem(self, instance: Instance) -> Problem:
+        """What is planned, with its timetable if there is one that serves."""
+        for known in (self._built, self._longest):
+            whole = known is not None and known.has_timetable and known.is_whole
+            if known is not None and whole and serves(known.instance, instance):
+                return _on_what_is_there(known, instance)
+        longest = self._longest
+        if longest is not None and longest.connecting.drifts and _is_part(longest, instance):
+            self._built = _connected(instance, longest.connecting.shortened(instance))
+        else:
+            self._built = self._longest = problem_of(instance)
+        return self._built
+
+
+def _is_part(known: Problem, wanted: Instance) -> bool:
+    """Whether all connections of a mission are among those of another one."""
+    before, after = known.instance.mission, wanted.mission
+    shorter = after.duration_s <= before.duration_s
+    same = before.replace(duration_s=after.duration_s) == after
+    return shorter and same and _alike(known.instance, wanted)
+
+
+def _connected(instance: Instance, connecting: Connecting) -> Problem:
+    if is_campaign(instance):
+        return Campaign(instance, connecting=connecting)
+    return Mission(instance, connecting=connecting)
+
+
+def _on_what_is_there(known: Problem, instance: Instance) -> Problem:
+    """A problem on the timetable of one of as many targets, or more."""
+    connecting = known.connecting.shortened(instance)
+    timetables = [mission.timetable.of_variant(instance, connecting) for mission in known.missions]
+    if is_campaign(instance):
+        return Campaign(instance, timetables=timetables)
+    # Other choices of connections are shared, too, as far as they are of the same bodies.
+    is_twin = isinstance(known, Mission) and known.names == instance.names
+    twin = known.missions[0] if is_twin else None
+    return Mission(instance, timetables[0], twin=twin)

@@ -1,0 +1,204 @@
+"""Run a planner and a bound side by side until they meet."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from ..common.progress import Progress
+from ..common.stop import Proven, Stop
+from ..mission.build_legs import APPROXIMATE
+from ..mission.campaign import Problem
+from ..mission.result import Result, certify_routes
+
+Method = Callable[[Problem, Stop, Progress], Result]
+
+BOUND_NOTE = "upper bound by "
+"""Begins the note of a plan that names the method that proved its bound."""
+
+
+class InvalidBound(RuntimeError):
+    """A legal plan is worth more than a bound that claims to be proven: one of them is broken."""
+
+
+class Meeting:
+    """What two methods know together: the best incumbent and the best bound of both.
+
+    Parameters
+    ----------
+    stop : Stop
+        Asked with the pair whenever one of the two asks, never by both at once. Once it says
+        enough, it is enough for both.
+    progress : Progress
+        Told of the pair whenever it improves.
+    """
+
+    def __init__(self, stop: Stop, progress: Progress) -> None:
+        self._stop = stop
+        self._progress = progress
+        self._proven = Proven()
+        # Reentrant: a progress may ask.
+        self._lock = threading.RLock()
+        self._ended = False
+        self.incumbent = -math.inf
+        self.bound = math.inf
+
+    def hear(self, incumbent: float, bound: float) -> None:
+        """Hear of an incumbent and a bound; those that are no better change nothing."""
+        with self._lock:
+            if incumbent > self.incumbent or bound < self.bound:
+                self.incumbent = max(self.incumbent, incumbent)
+                self.bound = min(self.bound, bound)
+                self._progress(self.incumbent, self.bound)
+
+    def enough(self, incumbent: float, bound: float, limit: Stop | None = None) -> bool:
+        """Whether it is enough for the one who asks; ``limit`` is its own and ends nobody else."""
+        with self._lock:
+            self.hear(incumbent, bound)
+            pair = self.incumbent, self.bound
+            self._ended = self._stop(*pair) or self._proven(*pair) or self._ended
+            alone = limit is not None and limit(*pair)
+            return self._ended or alone
+
+    def end(self) -> None:
+        """It is enough for both."""
+        self._ended = True
+
+    def remaining_s(self) -> float:
+        """Seconds that may still be used."""
+        return 0.0 if self._ended else self._stop.remaining_s()
+
+
+class Seat:
+    """The stop of one of the two.
+
+    Parameters
+    ----------
+    meeting : Meeting
+    limit : Stop, optional
+        A limit of its own.
+    """
+
+    def __init__(self, meeting: Meeting, limit: Stop | None = None) -> None:
+        self._meeting = meeting
+        self._limit = limit
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
+        return self._meeting.enough(incumbent, bound, self._limit)
+
+    def remaining_s(self) -> float:
+        """Seconds that may still be used."""
+        own = math.inf if self._limit is None else self._limit.remaining_s()
+        return min(own, self._meeting.remaining_s())
+
+
+def together(
+    mission: Problem,
+    planner: Method,
+    bound: Method,
+    stop: Stop,
+    progress: Progress,
+    limits: Sequence[Stop] = (),
+) -> Result:
+    """Run a planner and a bound at once, and join what they have to say.
+
+    The planner runs in the thread of the caller, the bound in a second one. Both are told to stop
+    as soon as the incumbent meets the bound or ``stop`` says enough; one that ends by itself
+    leaves the other running. If one fails, the other is told to stop and the failure is raised.
+
+    Parameters
+    ----------
+    mission : Mission or Campaign
+    planner, bound : callable
+        Called with mission, stop and progress, as :class:`.method_call.Prepared` is.
+    stop : Stop
+        Asked by both, with the best incumbent and the best bound of both.
+    progress : Progress
+        Told of the same pair.
+    limits : sequence of Stop
+        A limit of the planner alone and one of the bound alone, or nothing. Where work is limited
+        in this way and no other limit is reached, objective, bound and status do not depend on
+        who is quicker: a side is cut short only when nothing is left to gain. Which of several
+        optimal plans is returned may.
+
+    Returns
+    -------
+    Result
+        The planner's plan, or the bound's if that one is worth more. The bound is the least of
+        both and of the sum of all prizes.
+
+    Raises
+    ------
+    InvalidBound
+        The plan is worth more than the bound.
+    """
+    for each in mission.missions:
+        _ = each.rules  # made once, not once in each thread
+    began = time.perf_counter()
+    meeting = Meeting(stop, progress)
+    meeting.hear(-math.inf, mission.total_prize)
+    seats = [Seat(meeting, limit) for limit in limits or (None, None)]
+    results: list[Result] = []
+    errors: list[BaseException] = []
+
+    def prove() -> None:
+        try:
+            proven = bound(mission, seats[1], meeting.hear)
+            results.append(proven)
+            meeting.hear(proven.objective, proven.upper_bound)
+        except BaseException as error:
+            errors.append(error)
+            meeting.end()
+
+    # A daemon: somebody who interrupts twice does not wait for a bound that never asks.
+    thread = threading.Thread(target=prove, name="bound", daemon=True)
+    thread.start()
+    try:
+        planned = planner(mission, seats[0], meeting.hear)
+        meeting.hear(planned.objective, planned.upper_bound)
+        thread.join()
+    except BaseException:
+        meeting.end()
+        thread.join()
+        raise
+    if errors:
+        raise errors[0]
+    return _join(mission, planned, results[0], time.perf_counter() - began)
+
+
+def _join(mission: Problem, planned: Result, proven: Result, runtime_s: float) -> Result:
+    """One certificate of two results."""
+    best = proven if proven.objective > planned.objective else planned
+    upper_bound = float(min(planned.upper_bound, proven.upper_bound, mission.total_prize))
+    if best.sequence is not None:
+        if best.objective > upper_bound + mission.rounding:
+            raise InvalidBound(
+                f"the plan by {best.method!r} of objective {best.objective!r} exceeds the bound "
+                f"{upper_bound!r} by {planned.method!r} and {proven.method!r}: "
+                "a method is broken, please report it with the instance"
+            )
+        upper_bound = max(upper_bound, best.objective)  # they may differ by rounding
+
+    notes = [*planned.notes, *proven.notes, f"{BOUND_NOTE}{proven.method}"]
+    if best is proven:
+        notes.append(f"{proven.method} found a better plan than {planned.method}")
+    counters = {f"planner.{name}": count for name, count in planned.counters.items()}
+    counters |= {f"bound.{name}": count for name, count in proven.counters.items()}
+    result = certify_routes(
+        mission,
+        best.method,
+        None if best.plan is None else best.routes,
+        seed=planned.seed,
+        runtime_s=runtime_s,
+        upper_bound=mission.worth(upper_bound),
+        evidence=min(planned, proven, key=lambda side: side.upper_bound).evidence,
+        counters=counters,
+        notes=[note for note in dict.fromkeys(notes) if note != APPROXIMATE],
+    )
+    if result.plan is None and "infeasible" in (planned.status, proven.status):
+        return replace(result, status="infeasible")
+    return result

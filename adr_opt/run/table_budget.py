@@ -1,0 +1,232 @@
+"""Fewer pairs of bodies, or none, where time or memory is short of the whole timetable."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from ..kernels.tables.timetable import source_of
+from ..kernels.tables.timetable_making import WAVE
+from ..legs.nearest_pairs import nearest_pairs, neighbours
+from ..legs.timetable import Timetable
+from ..legs.timetable_size import TABLE_BYTES, estimate
+from ..mission.campaign import Problem
+from ..mission.problem import Mission
+from ..mission.result import Result, proven_of
+
+SHARE = 1.0 / 3.0
+"""Part of a time limit that the timetable may take: what it holds has to be searched, too."""
+
+PATIENCE = 1.5
+"""It may take so many times as long if that is enough for all pairs."""
+
+MOMENT_S = 0.5
+"""Who interrupts a build waits for it if it will be done that soon [s]."""
+
+RANKS = 300
+"""At so many destinations of each body, the nearest, searches look that ask for rows on demand,
+and at the required targets."""
+
+LEAST_S = 1.0
+"""It may take so long in any case, so that no short limit leaves out a pair of a usual field."""
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """How much of the timetable there is to plan with: all of it, or the nearest pairs.
+
+    Attributes
+    ----------
+    mission : Mission or Campaign
+        With its timetable.
+    spent_s : float
+        What the timetable took [s].
+    whole_s : float
+        What it takes of all pairs, by the pace so far [s].
+    """
+
+    mission: Problem
+    spent_s: float
+    whole_s: float
+
+    @property
+    def all(self) -> bool:
+        """Whether nothing was left out."""
+        return self.mission.is_whole
+
+    @property
+    def none(self) -> bool:
+        """Whether there are not even the nearest destinations of one body."""
+        timetable = self.mission.missions[0].timetable
+        if timetable.is_asked:
+            return False
+        return not self.all and timetable.built < min(WAVE, timetable.pairs.near.shape[1])
+
+    @cached_property
+    def _cost(self) -> str:
+        """What the timetable of everything takes."""
+        size, timetable = estimate(self.mission.instance), self.mission.missions[0].timetable
+        takes = [f"{self.whole_s:.2g} s"] if self.whole_s else []
+        if timetable.is_asked or timetable.pairs.near.shape[1] < size.bodies - 1:
+            takes.append(f"{size.bytes / 2**30:.3g} GiB of memory")
+        return f"that of all pairs takes about {' and '.join(takes)}"
+
+    def note(self, *, bounded: bool) -> str:
+        """What was left out, and why; ``bounded`` is whether there is a bound all the same."""
+        timetable = self.mission.missions[0].timetable
+        bodies = len(timetable.names)
+        if timetable.is_asked:
+            near = looked_at(timetable)
+            proven = "" if bounded else "; nothing is proven"
+            return (
+                f"planned without a timetable, on connections that are worked out when they are "
+                f"asked for, to the nearest {near} of {bodies - 1} destinations of each body"
+                f"{proven}: {self._cost}"
+            )
+        near = math.ceil(timetable.built / bodies)
+        proven = "" if bounded else ", so nothing is proven"
+        return (
+            f"planned on the timetable of the nearest {near} of {bodies - 1} destinations of each "
+            f"body{proven}: {self._cost}"
+        )
+
+    def nothing(self, method: str, seed: int) -> Result:
+        """The result where the time was over before there was anything to work on."""
+        note = f"there was no time to begin: of the timetable, {self._cost}"
+        return Result(
+            method, None, None, -math.inf, self.mission.total_prize, "unknown", {}, seed,
+            self.spent_s, (note,),
+        )  # fmt: skip
+
+    def of_the_whole(self, result: Result, *, of_all: bool = False) -> Result:
+        """What a result says about the whole mission: a bound of some pairs is none of all.
+
+        Parameters
+        ----------
+        result : Result
+        of_all : bool
+            Whether its bound holds of all pairs; that of the cost does not.
+        """
+        if self.all:
+            return result
+        bound = result.upper_bound if of_all else math.inf
+        note = self.note(bounded=math.isfinite(bound))
+        notes = (*result.notes, note)
+        if result.plan is None or result.sequence is None:
+            if math.isfinite(bound):
+                return result  # nothing was planned, on whatever timetable
+            return replace(result, upper_bound=bound, evidence=None, status="unknown", notes=notes)
+        proven = proven_of(self.mission, result.objective, bound)
+        plan = result.plan.replace(
+            **proven._asdict(), cost_bound=None, cost_gap=None, cost_status=None,
+            notes=(*result.plan.notes, note),
+        )  # fmt: skip
+        if proven.upper_bound is not None:
+            bound = proven.upper_bound
+        return replace(
+            result, plan=plan, upper_bound=bound, status=proven.status, notes=notes,
+            evidence=result.evidence if of_all else None,
+        )  # fmt: skip
+
+
+LARGE_ENTRIES = 5_000_000
+"""Timetables with fewer entries are built, wherever there is a second for it."""
+
+
+def looked_at(timetable: Timetable) -> float:
+    """At how many destinations of each body planners look."""
+    source = source_of(timetable.table)
+    return timetable.built / len(timetable.names) if source is None else source.near.shape[2]
+
+
+MOST_EVENTS = 2000
+"""With more departure events, of two months, a schedule of as many visits as are found at once
+would take longer than finding them."""
+
+
+def may_ask(whole: Problem) -> bool:
+    """Whether rows may have to be worked out on demand: a large field and a mission of weeks."""
+    if not isinstance(whole, Mission) or whole.has_timetable:
+        return False
+    if not whole.connecting.may_be_asked:
+        return False
+    size = estimate(whole.instance)
+    return size.entries >= LARGE_ENTRIES and size.events <= MOST_EVENTS
+
+
+def candidates(
+    whole: Problem,
+    limit_s: float,
+    *,
+    first: Sequence[str] | None,
+    interrupted: Callable[[], bool],
+    building: Callable[[float], None],
+    table_bytes: float = TABLE_BYTES,
+    hasty: bool = False,
+    on_demand: bool = False,
+) -> Candidates:
+    """Build the timetable of a mission, of as many pairs of bodies as time and memory allow.
+
+    Parameters
+    ----------
+    whole : Mission or Campaign
+        One that has its timetable is left as it is; else it gets one.
+    limit_s : float
+        The time limit of everything [s].
+    first : sequence of str or None
+        Bodies that are wanted before all others, which come in order of their distance. None for
+        those to whom some of the pairs are of no use: they may spend the whole limit.
+    interrupted : callable
+        Whether somebody wants to leave at once.
+    building : callable
+        Told of the share of the timetable that is built.
+    table_bytes : float
+        Memory that it may take.
+    hasty : bool
+        Whether the timetable is of use if it is that of all pairs alone: otherwise it is given up
+        as soon as that is known.
+    on_demand : bool
+        Whether rows that are worked out when somebody asks will do where not all pairs can be
+        built: then there are no others.
+    """
+    if whole.has_timetable and (on_demand or not whole.missions[0].timetable.is_asked):
+        return Candidates(whole, 0.0, 0.0)
+    began = time.perf_counter()
+    asker = whole if isinstance(whole, Mission) and may_ask(whole) else None
+    on_demand = on_demand and asker is not None
+    allowed_s = max(LEAST_S, limit_s if first is None else SHARE * limit_s)
+    patience = 1.0 if first is None else PATIENCE
+    patient_s = MOMENT_S if hasty or on_demand else allowed_s
+    paced, whole_s = math.nan, 0.0
+
+    def enough(done: float) -> bool:
+        nonlocal paced, whole_s
+        building(done)
+        now = time.perf_counter()
+        if math.isnan(paced):
+            paced = now  # kernels are loaded by now, which is no part of the pace
+        whole_s = (now - paced) / done
+        late = now - paced > patient_s and whole_s > patience * allowed_s
+        # A quick one is worth the moment: without it there is no plan at all.
+        return late or (interrupted() and paced + whole_s - now > MOMENT_S)
+
+    pairs = None
+    if first is not None:
+        size = estimate(whole.instance)
+        slots = size.slots(table_bytes)
+        if hasty and slots < size.bodies:
+            slots = min(slots, WAVE)
+        if not (on_demand and slots < size.bodies):
+            pairs = nearest_pairs(whole.instance, first, slots)
+        if slots < size.bodies:
+            whole.connecting.kept.limit(min(size.room_bytes, table_bytes))
+    built = pairs is not None or not on_demand
+    if built:
+        whole.build(pairs, enough)
+    if asker is not None and on_demand and not (built and whole.is_whole):
+        required = sum(target.required for target in whole.instance.targets)
+        asker.ask(neighbours(whole.instance, RANKS + required))
+    return Candidates(whole, time.perf_counter() - began, whole_s)

@@ -1,0 +1,138 @@
+"""A mission to practise on: a method that has run on it has compiled the kernels that it needs."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping
+from functools import cache
+from itertools import cycle
+from typing import Any, NamedTuple, TypeVar
+
+from ..common.constants import DAY_S
+from ..common.stop import Stop
+from ..kernels.core.compile import compiling_s
+from ..legs.nearest_pairs import neighbours
+from ..mission.campaign import Campaign
+from ..mission.problem import Mission
+from ..problem.instance import Instance
+from ..problem.transfer_sizes import transfers_for
+from ..sources.generator import generate
+
+Method = TypeVar("Method", bound=Callable[..., object])
+
+_ATTRIBUTE = "practice_habits"
+
+LONGEST_S = 10.0
+"""For methods that ask for the time alone. Compiling is not counted."""
+
+
+@cache
+def practice_mission(drifts: bool = False) -> Mission:
+    """A small field on which no method is done at once, and which has everything that one can.
+
+    Parameters
+    ----------
+    drifts : bool
+        Whether nodes drift, and the chaser may wait for it.
+    """
+    field = _drifting() if drifts else generate("reduced-time", 0, targets=16, zones=2)
+    prizes = cycle((1.0, 1.1, 1.2))
+    return Mission(
+        field.replace(
+            targets=tuple(
+                target.replace(prize=prize)
+                for target, prize in zip(field.targets, prizes, strict=False)
+            )
+        )
+    )
+
+
+@cache
+def asking_mission() -> Mission:
+    """The same field, with rows of its timetable that are worked out on demand."""
+    mission = Mission(practice_mission().instance)
+    mission.ask(neighbours(mission.instance, len(mission.names)))
+    return mission
+
+
+@cache
+def practice_campaign(drifts: bool = False) -> Campaign:
+    """The same field with two chasers, of two kinds."""
+    field = practice_mission(drifts).instance
+    second = field.chaser.replace(name=f"{field.chaser.name}-2", max_targets=8)
+    return Campaign(field.replace(chasers=(field.chaser, second)))
+
+
+def _drifting() -> Instance:
+    """Some weeks among nodes that drift."""
+    days = 40.0
+    field = generate("sso", 0, targets=6).with_limits(duration_s=days * DAY_S)
+    # Coarse, so that models with a variable for each connection are made in a moment.
+    return field.replace(
+        transfer=transfers_for(
+            days * DAY_S, drift_step_s=8.0 * DAY_S, departure_spacing_s=5.0 * DAY_S
+        )
+    )
+
+
+class Habits(NamedTuple):
+    """How a method practises.
+
+    Attributes
+    ----------
+    rounds : int
+        How often it may ask whether it is enough.
+    options : mapping
+        What it is called with.
+    """
+
+    rounds: int = 3
+    options: Mapping[str, Any] = {}
+
+
+def practises(rounds: int = Habits().rounds, **options: Any) -> Callable[[Method], Method]:
+    """Decorate a method that does not come by all of its kernels in the usual way."""
+
+    def decorate(method: Method) -> Method:
+        setattr(method, _ATTRIBUTE, Habits(rounds, options))
+        return method
+
+    return decorate
+
+
+def habits(method: Callable[..., object]) -> Habits:
+    """How a method practises."""
+    found: Habits = getattr(method, _ATTRIBUTE, Habits())
+    return found
+
+
+class Practice:
+    """The stop of a practice run: after some rounds, or when somebody else says enough.
+
+    Parameters
+    ----------
+    rounds : int
+        Of :class:`Habits`.
+    others : sequence of Stop
+        They end the practice too, but are only asked for the time: they may count questions.
+    """
+
+    def __init__(self, rounds: int, *others: Stop) -> None:
+        self._others = others
+        self._left = rounds
+        self._end = self._now() + LONGEST_S
+
+    @staticmethod
+    def _now() -> float:
+        return time.perf_counter() - compiling_s()
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
+        self._left -= 1
+        return self._left < 0 or self.remaining_s() <= 0.0
+
+    def remaining_s(self) -> float:
+        """Seconds that may still be used."""
+        others = min((stop.remaining_s() for stop in self._others), default=math.inf)
+        return min(self._end - self._now(), others)

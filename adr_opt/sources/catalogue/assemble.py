@@ -1,0 +1,389 @@
+"""From a catalogue to an instance."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import ValidationError
+
+from ...common.constants import DAY_S, EARTH_RADIUS_M
+from ...common.errors import InputError
+from ...common.files import sentence
+from ...common.wording import counted
+from ...plan.plane_drift import drift_warning
+from ...problem.bodies import Station
+from ...problem.chasers import AtStation, InOrbit, Tank
+from ...problem.frame import Frame
+from ...problem.instance import Instance
+from ...problem.least_time import too_short
+from ...problem.orbit import Orbit
+from ...problem.settings import MissionSettings, TransferSettings
+from ...problem.transfer_sizes import transfers_for
+from .crew import Crew
+from .demands import Demands, check_musts, filled, targets_of, told_left_out, told_masses
+from .drag import drag_warning
+from .filters import Filters
+from .finding import find
+from .propagation import FLOAT, mean_elements, true_anomaly
+from .records import Catalogue, Dropped, Record
+from .selection import named, nearest, within_limits
+from .station import densest, parse_orbit
+
+FAR_DAYS = 7.0
+"""Elements farther than this from the epoch are warned of: SGP4 loses kilometres a day."""
+
+AT_ANOTHER_EPOCH = ("far-epoch", "sgp4-error")
+"""Why an object is left out that might be kept at another epoch."""
+
+NO_FILTERS = ("malformed", "duplicate", "not-sgp4", "decayed", *AT_ANOTHER_EPOCH)
+"""Why objects are left out that no filter was asked for."""
+
+PLACED = "at the densest plane"
+LAUNCHED = "at the first target of each chaser"
+
+MANY_TARGETS = 1000
+"""More targets than this are warned of: the timetable grows with their square."""
+
+
+@dataclass(frozen=True)
+class Imported:
+    """An instance made of a catalogue, and the account of how.
+
+    Attributes
+    ----------
+    instance : Instance
+    read : int
+        Good records, duplicates not counted.
+    dropped : tuple of Dropped
+        Everything that is not in the instance, with its reason.
+    warnings : tuple of str
+    station : str
+        Where the station is from, or the orbit in which the chaser starts where there is none.
+    """
+
+    instance: Instance
+    read: int
+    dropped: tuple[Dropped, ...]
+    warnings: tuple[str, ...]
+    station: str
+
+    @property
+    def home(self) -> Orbit | None:
+        """The orbit of the station, or that in which the chaser starts; None if it is launched."""
+        return None if 0 in self.instance.launches else self.instance.body_orbits[0]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Reason → how many were dropped for it."""
+        return dict(Counter(drop.reason for drop in self.dropped))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The account, for JSON; without the instance."""
+        content = self.instance.model_dump(mode="json", include={"name", "epoch"})
+        return {
+            "instance": content["name"],
+            "epoch": content["epoch"],
+            "elements": "mean elements of SGP4, TEME of the epoch",
+            "read": self.read,
+            "targets": len(self.instance.targets),
+            "dynamics": self.instance.dynamics,
+            "transfer": self.instance.transfer.model_dump(mode="json"),
+            "chasers": [chaser.name for chaser in self.instance.chasers],
+            "station" if self.instance.stations else "start": {
+                "name": self.instance.names[0],
+                "from": self.station,
+                "orbit": None if self.home is None else self.home.model_dump(mode="json"),
+            },
+            "dropped_counts": self.counts,
+            "dropped": [drop.to_dict() for drop in self.dropped],
+            "warnings": list(self.warnings),
+        }
+
+
+def to_instance(
+    catalogue: Catalogue | Iterable[Record],
+    *,
+    epoch: datetime | None = None,
+    filters: Filters | None = None,
+    max_targets: int | None = None,
+    station: str | None = None,
+    duration_s: float = 7.0 * DAY_S,
+    delta_v_m_s: float = 3000.0,
+    name: str | None = None,
+    skip_bad: bool = False,
+    dynamics: Literal["two-body", "j2"] = "j2",
+    transfer: TransferSettings | Mapping[str, float | None] | None = None,
+    refuelling: bool = True,
+    crew: Crew | None = None,
+    demands: Demands | None = None,
+    by_criticality: bool = False,
+) -> Imported:
+    """Propagate a catalogue to one epoch, filter it and make an instance of it.
+
+    Parameters
+    ----------
+    catalogue : Catalogue or records
+    epoch : datetime, optional
+        With its time zone; by default the latest epoch of the elements.
+    filters : Filters, optional
+    max_targets : int, optional
+        Keep so many, those with planes nearest to the station's first.
+    station : str, optional
+        ``ALTITUDE_KM,INCLINATION,RAAN[,U]``, or an object by number or name, which is then no
+        target; by default the densest plane among the objects that pass the filters.
+    duration_s, delta_v_m_s : float
+        Limits of the mission.
+    name : str, optional
+        Of the instance.
+    skip_bad : bool
+        Leave out objects that SGP4 cannot bring to the epoch; else the first one is an error.
+    dynamics : {"j2", "two-body"}
+        How bodies move after the epoch.
+    transfer : TransferSettings or mapping, optional
+        Or some of its fields; what is left open follows from the mission under J2
+        (:func:`adr_opt.problem.transfer_sizes.transfers_for`), else from the defaults of the file.
+    refuelling : bool
+        Whether there is a station; else the chaser starts where it would be, and nobody refuels.
+    crew : Crew, optional
+        The chasers; by default one, with ``delta_v_m_s``.
+    demands : Demands, optional
+        What is asked of some objects.
+    by_criticality : bool
+        Whether prizes are those of :func:`.criticality.criticality`, but where ``demands`` say
+        others; else all are 1.
+
+    Returns
+    -------
+    Imported
+        Orbits are SGP4's mean elements at the epoch, in TEME.
+
+    Raises
+    ------
+    InputError
+        SGP4 fails for an object, no object is left, or a value is out of range.
+    MissingExtra
+        sgp4 is not installed.
+    """
+    filters = filters or Filters()
+    records = tuple(catalogue)
+    dropped = list(catalogue.dropped) if isinstance(catalogue, Catalogue) else []
+    if max_targets is not None and max_targets < 1:
+        raise InputError(f"max targets = {max_targets}: must be at least 1")
+    if epoch is not None and epoch.tzinfo is None:
+        raise InputError(f"epoch {epoch.isoformat()}: must say its time zone; add Z for UTC")
+
+    told = None if station is None else parse_orbit(station)
+    host = find(records, station) if station is not None and told is None else None
+    demands = demands or Demands()
+    choice = demands.choice(records, host)
+    candidates = named(records, host, filters, dropped, choice)
+    if not candidates:
+        raise _nothing_left(len(records), dropped)
+    moved = candidates if host is None else [host, *candidates]
+    if epoch is None:
+        epoch = max(record.epoch for record in moved)
+    elements, failed = mean_elements(moved, epoch)
+    if failed and (not skip_bad or (host is not None and np.isnan(elements[0, 0]))):
+        raise InputError(_failed_sentence(failed, epoch, host))
+    dropped += failed
+    if host is not None:
+        told, elements = elements[0], elements[1:]
+    rows = within_limits(candidates, elements, filters, dropped, choice)
+    if rows.size == 0:
+        raise _nothing_left(len(records), dropped)
+    place = told if told is not None else densest(elements[rows])
+    if max_targets is not None and rows.size > max_targets:
+        rows = nearest(candidates, elements, rows, place, max_targets, dropped, choice)
+
+    targets = [candidates[row] for row in rows]
+    home = host.label if host else "station"
+    check_musts(choice, targets, candidates, dropped)
+    asked = demands.of(targets, records, choice)
+    crew = crew or Crew(Tank(delta_v_m_s=float(delta_v_m_s)))
+    fields = filled(asked, targets, records, crew, by_criticality=by_criticality)
+    orbits = _orbits(elements[rows])
+    instance = _instance(
+        name or _default_name(targets, len(rows)),
+        epoch,
+        Station(name=home, object_id=host.designator if host else None) if refuelling else None,
+        place,
+        _unique([record.label for record in targets], {home} if refuelling else set()),
+        orbits,
+        duration_s,
+        crew,
+        fields,
+        dynamics=dynamics,
+        transfer=_transfer(transfer, dynamics, duration_s, orbits),
+    )
+    placed = f"at {host.label}" if host else "as told" if told is not None else PLACED
+    return Imported(
+        instance=instance,
+        read=len(records),
+        dropped=tuple(dropped),
+        warnings=(
+            *((told_masses(targets, fields),) if by_criticality else ()),
+            *((told_left_out(asked.left_out),) if asked.left_out else ()),
+            *_warnings(targets, host, instance, epoch),
+        ),
+        station=LAUNCHED if 0 in instance.launches else placed,
+    )
+
+
+def _orbits(elements: FLOAT) -> list[Orbit]:
+    degrees = np.degrees(elements[:, 2:5])
+    true = np.degrees(true_anomaly(elements[:, 5], elements[:, 1]))
+    # Rounded far below what the elements are good for, so that libraries which differ in the
+    # last bit of a sine give the same file: to 1 mm, 1e-9 and 1e-8 degrees (1 mm along the orbit).
+    return [
+        Orbit(
+            semi_major_axis_m=round(float(a), 3),
+            eccentricity=round(float(e), 9),
+            inclination_deg=round(float(i), 8),
+            raan_deg=round(float(o) % 360.0, 8) % 360.0,
+            argument_of_perigee_deg=round(float(w) % 360.0, 8) % 360.0,
+            true_anomaly_deg=round(float(v) % 360.0, 8) % 360.0,
+        )
+        for (a, e), (i, o, w), v in zip(elements[:, :2], degrees, true, strict=True)
+    ]
+
+
+def _transfer(
+    wanted: TransferSettings | Mapping[str, float | None] | None,
+    dynamics: str,
+    duration_s: float,
+    orbits: Sequence[Orbit],
+) -> TransferSettings:
+    """Transfer settings: as wanted, and what that leaves open by the mission."""
+    if isinstance(wanted, TransferSettings):
+        return wanted
+    given = {name: value for name, value in (wanted or {}).items() if value is not None}
+    if dynamics == "j2":
+        return transfers_for(duration_s, orbits=orbits, **given)
+    return TransferSettings().replace(**given)
+
+
+def _instance(
+    name: str,
+    epoch: datetime,
+    station: Station | None,
+    place: FLOAT,
+    names: Sequence[str],
+    orbits: Sequence[Orbit],
+    duration_s: float,
+    crew: Crew,
+    fields: Mapping[int, Mapping[str, Any]],
+    **settings: Any,
+) -> Instance:
+    try:
+        (home,) = _orbits(place[None, :])
+        stations: tuple[Station, ...] = ()
+        start: AtStation | InOrbit = InOrbit(orbit=home)
+        if station is not None:
+            stations = (station.replace(orbit=home),)
+            start = AtStation(station=station.name)
+        return Instance(
+            name=name,
+            epoch=epoch.astimezone(UTC),
+            # SGP4 gives elements in TEME of date: at the epoch those of the epoch.
+            frame=Frame(name="TEME", axes_epoch=epoch.astimezone(UTC)),
+            stations=stations,
+            targets=targets_of(names, orbits, crew, fields),
+            chasers=crew.chasers(
+                start, [*(station.name for station in stations), *names], duration_s
+            ),
+            mission=MissionSettings(
+                duration_s=float(duration_s),
+                service_s=crew.service_s,
+                launch_separation_s=crew.separation_s,
+                disposal_altitude_m=crew.disposal_altitude_m,
+            ),
+            objective=crew.objective,
+            **settings,
+        )
+    except ValidationError as error:
+        raise InputError(sentence(error)) from None
+
+
+def _unique(labels: Sequence[str], taken: set[str]) -> list[str]:
+    """The labels, those that are taken with a count behind them."""
+    names = []
+    for label in labels:
+        name, count = label, 1
+        while name in taken:
+            count += 1
+            name = f"{label} ({count})"
+        taken.add(name)
+        names.append(name)
+    return names
+
+
+def _default_name(records: Sequence[Record], count: int) -> str:
+    stem = re.sub(r"[^\w.-]+", "-", Path(records[0].source).stem) or "catalogue"
+    return f"{stem}-n{count}"
+
+
+def _failed_sentence(failed: Sequence[Dropped], epoch: datetime, host: Record | None) -> str:
+    first = failed[0]
+    said = f"{first} (epoch {epoch.astimezone(UTC):%Y-%m-%dT%H:%M:%SZ}"
+    if host is not None and (first.source, first.line, first.object) == (
+        host.source, host.line, host.label,
+    ):  # fmt: skip
+        return f"{said}); give another --station or --epoch"
+    more = ""
+    if len(failed) > 1:
+        more = counted(len(failed) - 1, "more object fails", "more objects fail")
+        more = f"; {more}"
+    other = ", or give another --epoch" if first.reason in AT_ANOTHER_EPOCH else ""
+    return f"{said}{more}); leave such objects out with --skip-bad{other}"
+
+
+def _nothing_left(read: int, dropped: Sequence[Dropped]) -> InputError:
+    counts = Counter(drop.reason for drop in dropped)
+    listed = ", ".join(f"{reason} {count}" for reason, count in counts.items())
+    advice = "widen the filters" if counts.keys() - set(NO_FILTERS) else "give other files"
+    if counts.keys() & set(AT_ANOTHER_EPOCH):
+        advice += ", or another --epoch"
+    return InputError(f"no object is left of {read} (left out: {listed or 'none'}); {advice}")
+
+
+def _warnings(
+    targets: Sequence[Record], host: Record | None, instance: Instance, epoch: datetime
+) -> Iterable[str]:
+    bodies = [*targets, *([host] if host else [])]
+    days = [abs((epoch - record.epoch).total_seconds()) / DAY_S for record in bodies]
+    far = sum(value > FAR_DAYS for value in days)
+    if far:
+        worst = int(np.argmax(days))
+        yield (
+            f"the elements of {far} of {counted(len(bodies), 'object')} are more than {FAR_DAYS:g} "
+            f"days from the epoch; {bodies[worst].label} is {days[worst]:.1f} days from it"
+        )
+    rule = instance.transfer
+    low, high = EARTH_RADIUS_M + rule.min_altitude_m, EARTH_RADIUS_M + rule.max_altitude_m
+    launches = instance.launches
+    there = [orbit for body, orbit in enumerate(instance.body_orbits) if body not in launches]
+    beyond = sum(not low <= orbit.semi_major_axis_m <= high for orbit in there)
+    if beyond:
+        yield (
+            f"{beyond} of {len(there)} bodies {'is' if beyond == 1 else 'are'} "
+            f"outside the altitudes of phasing, {rule.min_altitude_m / 1e3:g} to "
+            f"{rule.max_altitude_m / 1e3:g} km; few or no transfers will lead there"
+        )
+    duration_s = instance.mission.duration_s
+    for warning in (
+        drag_warning(bodies, epoch, duration_s), drift_warning(instance), too_short(instance),
+    ):  # fmt: skip
+        if warning is not None:
+            yield warning
+    if len(targets) > MANY_TARGETS:
+        yield (
+            f"{len(targets)} targets: the timetable grows with their square; --max-targets keeps "
+            "the nearest planes"
+        )

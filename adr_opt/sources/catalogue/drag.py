@@ -1,0 +1,105 @@
+"""How far drag moves objects along their track within a mission, which planning leaves out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from datetime import datetime
+
+import numpy as np
+from scipy.integrate import simpson
+
+from ...common.constants import DAY_S
+from ...common.wording import counted
+from .propagation import FLOAT, satellite_of
+from .records import Record
+
+MOST_KM = 100.0
+"""Along the track; objects that go farther than this are warned of."""
+
+DECAYS = math.inf
+"""Stands for how far an object is moved that comes down within the mission."""
+
+SHARES = np.linspace(0.0, 1.0, 9)
+"""Of the mission, at which the mean motion is asked for."""
+
+DEEP_SPACE = "d"
+"""What SGP4 calls its method for revolutions of 225 minutes and more."""
+
+LEAST_RADIUS = 1.0
+"""Of orbits, in radii of the Earth: below it an object has come down."""
+
+
+def along_track_km(record: Record, epoch: datetime, duration_s: float) -> float:
+    """How far drag moves an object along its track from the epoch on [km].
+
+    The mean motion of the instance is that of the epoch and stays. What drag adds to it afterwards
+    is worked out twice: by SGP4, from B*, and from the derivatives of the mean motion that the file
+    states; the larger one counts. They are two fits to the same past, and no forecast.
+
+    Returns
+    -------
+    float
+        Ahead is positive; :data:`DECAYS` if SGP4 has it come down.
+    """
+    by_bstar = _by_bstar(record, epoch, duration_s)
+    if by_bstar is None:
+        return DECAYS
+    return max(by_bstar, _by_derivatives(record, epoch, duration_s), key=abs)
+
+
+def drag_warning(records: Sequence[Record], epoch: datetime, duration_s: float) -> str | None:
+    """A sentence on the objects that drag moves far, with the worst; None if there is none."""
+    moved = [along_track_km(record, epoch, duration_s) for record in records]
+    far = [abs(one) > MOST_KM for one in moved]
+    if not any(far):
+        return None
+    worst = max(range(len(moved)), key=lambda row: abs(moved[row]))
+    said = f"{records[worst].label} by {abs(moved[worst]):,.0f} km"
+    if moved[worst] == DECAYS:
+        down = sum(one == DECAYS for one in moved)
+        more = f", and so {'does' if down == 2 else 'do'} {down - 1} more" if down > 1 else ""
+        said = f"{records[worst].label} comes down before its end{more}"
+    return (
+        f"drag, which plans leave out, moves {sum(far)} of {counted(len(records), 'object')} more "
+        f"than {MOST_KM:g} km along the track within the {duration_s / DAY_S:.4g} days of the "
+        "mission, by their B* or the derivative of their mean motion; " + said
+    )
+
+
+def _by_bstar(record: Record, epoch: datetime, duration_s: float) -> float | None:
+    """What SGP4 makes of B* [km]; None if the object comes down meanwhile."""
+    times = (epoch - record.epoch).total_seconds() + duration_s * SHARES
+    axes = _axes(record, times)
+    if axes is None:
+        return None
+    # Of the axes and not of the anomaly, which is known only up to whole turns.
+    gained = axes**-1.5 - axes[0] ** -1.5
+    satellite = satellite_of(record)
+    if satellite.method == DEEP_SPACE:
+        # High up the Moon and the Sun move the axis, too.
+        without = _axes(replace(record, bstar=0.0), times)
+        gained -= 0.0 if without is None else without**-1.5 - without[0] ** -1.5
+    turned = duration_s / (len(times) - 1) * float(simpson(satellite.xke / 60.0 * gained))
+    return turned * float(axes[0] * satellite.radiusearthkm)
+
+
+def _axes(record: Record, times_s: FLOAT) -> FLOAT | None:
+    """Semi-major axes at times after the epoch of the elements, in radii of the Earth."""
+    satellite, axes = satellite_of(record), []
+    for time_s in times_s:
+        code, *_ = satellite.sgp4_tsince(float(time_s) / 60.0)
+        if code or not satellite.am > LEAST_RADIUS:
+            return None
+        axes.append(satellite.am)
+    return np.array(axes)
+
+
+def _by_derivatives(record: Record, epoch: datetime, duration_s: float) -> float:
+    """What the derivatives of the mean motion make of it [km]."""
+    start, days = (epoch - record.epoch).total_seconds() / DAY_S, duration_s / DAY_S
+    turns = record.mean_motion_dot_rev_day2 * days**2
+    turns += record.mean_motion_ddot_rev_day3 * days**2 * (3.0 * start + days)
+    satellite = satellite_of(record)
+    return float(2.0 * math.pi * turns * satellite.a * satellite.radiusearthkm)

@@ -1,0 +1,87 @@
+"""Which object of a catalogue is meant by a number, a name or a designator."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from ...common.errors import InputError
+from .records import Record, shown
+
+ANY = "one of the catalogue"
+
+
+class Finder:
+    """Finds objects among some; many at once take no longer than a look at each object.
+
+    Parameters
+    ----------
+    records : sequence of Record
+    """
+
+    def __init__(self, records: Sequence[Record]) -> None:
+        self.records = records
+        self._by_number: dict[str, list[int]] = {}
+        self._by_name: dict[str, list[int]] = {}
+        for at, record in enumerate(records):
+            self._by_number.setdefault(str(record.number), []).append(at)
+            for name in {record.name, record.label, record.object_id}:
+                self._by_name.setdefault(name.casefold(), []).append(at)
+
+    def _all(self, text: str) -> list[int]:
+        wanted = text.strip().casefold()
+        found = self._by_number.get(wanted, []) if wanted.isdigit() else []
+        return found or self._by_name.get(wanted, [])
+
+    def one(self, text: str, option: str, instead: str = ANY) -> int:
+        """The place of the object that is meant.
+
+        Parameters
+        ----------
+        text : str
+        option, instead : str
+            Who asks, and what it takes, for the sentences of errors.
+
+        Raises
+        ------
+        InputError
+            There is none, or more than one.
+        """
+        if not text.strip():
+            raise InputError(f"{option} '': give {instead}")
+        found = self._all(text)
+        if not found:
+            raise InputError(
+                f"{option} {shown(text)!r}: no object has this number or name; give {instead}"
+            )
+        if len(found) > 1:
+            raise InputError(
+                f"{option} {shown(text)!r}: {len(found)} objects have this name; give the "
+                f"catalogue number, {self.records[found[0]].number} for the first"
+            )
+        return found[0]
+
+    def listed(self, texts: Iterable[str], option: str) -> dict[int, str]:
+        """The places of objects that are given one by one or with commas, and how each is called.
+
+        A text that is the name of an object is that object, commas and all.
+
+        Raises
+        ------
+        InputError
+            As for :meth:`one`.
+        """
+        found: dict[int, str] = {}
+        for text in texts:
+            parts = [text] if self._all(text) else text.split(",")
+            found |= {self.one(part, option): part.strip() for part in parts}
+        return found
+
+
+def find(
+    records: Sequence[Record],
+    text: str,
+    option: str = "--station",
+    instead: str = f"{ANY}, or ALTITUDE_KM,INCLINATION,RAAN",
+) -> Record:
+    """The object among some that is meant by its number or name, see :meth:`Finder.one`."""
+    return records[Finder(records).one(text, option, instead)]

@@ -1,0 +1,226 @@
+"""Mean elements moved to an epoch by SGP4, and the states it gives.
+
+What a two-body planner should start from are the singly averaged elements that SGP4 carries to the
+epoch by its secular rates (zonal harmonics and drag), not the osculating ones: those wiggle by some
+ten kilometres in the semi-major axis within each revolution, which two-body motion would turn into
+a drift of the phase by degrees a day.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import DAY_S
+from ...common.errors import MissingExtra
+from .records import Dropped, Record
+
+ELEMENTS = (
+    "semi_major_axis_m", "eccentricity", "inclination", "raan", "argument_of_perigee",
+    "mean_anomaly",
+)  # fmt: skip
+"""Columns of mean elements; angles in radians."""
+
+LARGEST_DAYS = 3653.0
+"""Elements farther than ten years from the epoch say nothing about it, and are not propagated."""
+
+LARGEST_RISE = 1.1
+"""No atmosphere lifts an orbit by a tenth: what SGP4 then gives is its drag polynomial run wild."""
+
+J1950 = 2433281.5
+"""Julian date from which SGP4 counts the days of its epochs."""
+
+FLOAT = npt.NDArray[np.float64]
+
+
+def mean_elements(records: Sequence[Record], epoch: datetime) -> tuple[FLOAT, list[Dropped]]:
+    """Mean elements of every record at an epoch, by SGP4.
+
+    Parameters
+    ----------
+    records : sequence of Record
+    epoch : datetime
+        With its time zone.
+
+    Returns
+    -------
+    elements : (record, element) float64
+        Columns :data:`ELEMENTS`, TEME, Brouwer mean elements [m, rad]; a row of NaN where SGP4
+        fails.
+    failed : list of Dropped
+        One for each such row, in the order of the records.
+
+    Raises
+    ------
+    MissingExtra
+        sgp4 is not installed.
+    """
+    api = _sgp4()
+    elements = np.full((len(records), len(ELEMENTS)), np.nan)
+    failed = []
+    for row, record in enumerate(records):
+        why = _unfit(record, epoch)
+        if why is None:
+            satellite = satellite_of(record)
+            minutes = (epoch - record.epoch).total_seconds() / 60.0
+            # No SatrecArray here: it works on copies, which keep the mean elements to themselves.
+            for part in _on_the_way(minutes):
+                code, position, velocity = satellite.sgp4_tsince(part)
+                elements[row] = _mean(satellite)
+                why = _failure(code, (*position, *velocity, *elements[row]), api.SGP4_ERRORS)
+                if why is not None:
+                    break
+            if why is None and elements[row, 0] > LARGEST_RISE * satellite.a * _earth_radius_m():
+                why = "sgp4-error", "SGP4 makes the orbit far larger, as it does after a decay"
+        if why is None and elements[row, 0] * (1.0 - elements[row, 1]) <= _earth_radius_m():
+            why = "decayed", "the perigee at the epoch is under the ground"
+        if why is not None:
+            elements[row] = np.nan
+            failed.append(Dropped.of(record, *why))
+    return elements, failed
+
+
+def _on_the_way(minutes: float) -> list[float]:
+    """Times at which to ask SGP4 on the way to an epoch, the epoch last.
+
+    Drag is a polynomial of degree four in SGP4. It takes a decaying orbit through the ground, with
+    errors, and long after that out again, without. Between the two there is a factor of 2.8 in
+    time, so that the orbit is met under the ground by halving.
+    """
+    parts = [minutes]
+    while abs(parts[-1]) > 60.0:
+        parts.append(0.5 * parts[-1])
+    return parts[::-1]
+
+
+def satellite_of(record: Record) -> Any:
+    """The `sgp4.api.Satrec` of a record, with the constants WGS-72 as published.
+
+    Raises
+    ------
+    MissingExtra
+        sgp4 is not installed.
+    """
+    api = _sgp4()
+    radians, revolution = math.pi / 180.0, 2.0 * math.pi
+    epoch = record.epoch.astimezone(UTC)
+    day, fraction = api.jday(
+        epoch.year, epoch.month, epoch.day, epoch.hour, epoch.minute,
+        epoch.second + 1e-6 * epoch.microsecond,
+    )  # fmt: skip
+    satellite = api.Satrec()
+    satellite.sgp4init(
+        api.WGS72,
+        "i",
+        0,  # SGP4 has no use for the number, and its type no room for nine digits
+        # In this order, as where the published states come from: the sum keeps 40 µs, and the
+        # last digits of some lunar terms depend on which.
+        day + fraction - J1950,
+        record.bstar,
+        record.mean_motion_dot_rev_day2 * revolution / 1440.0**2,
+        record.mean_motion_ddot_rev_day3 * revolution / 1440.0**3,
+        record.eccentricity,
+        record.argument_of_perigee_deg * radians,
+        record.inclination_deg * radians,
+        record.mean_anomaly_deg * radians,
+        record.mean_motion_rev_day / (1440.0 / revolution),
+        record.raan_deg * radians,
+    )
+    return satellite
+
+
+def state(record: Record, minutes: float) -> tuple[FLOAT, FLOAT]:
+    """Osculating position and velocity in TEME, minutes after the epoch of the elements.
+
+    Returns
+    -------
+    position, velocity : (3,) float64
+        [km], [km/s], the units of SGP4.
+
+    Raises
+    ------
+    ArithmeticError
+        SGP4 gives an error; its message is in it.
+    MissingExtra
+        sgp4 is not installed.
+    """
+    api = _sgp4()
+    code, position, velocity = satellite_of(record).sgp4_tsince(minutes)
+    why = _failure(code, (*position, *velocity), api.SGP4_ERRORS)
+    if why is not None:
+        raise ArithmeticError(f"{record.label}: {why[1]}")
+    return np.array(position), np.array(velocity)
+
+
+def true_anomaly(mean_anomaly: FLOAT, eccentricity: FLOAT) -> FLOAT:
+    """True anomaly by Kepler's equation, element by element [rad]."""
+    mean = np.remainder(mean_anomaly + np.pi, 2.0 * np.pi) - np.pi
+    # From π (with the sign of M) Newton's method converges for every eccentricity below 1.
+    anomaly = np.where(eccentricity < 0.8, mean, np.copysign(np.pi, mean))
+    for _ in range(50):
+        step = (anomaly - eccentricity * np.sin(anomaly) - mean) / (
+            1.0 - eccentricity * np.cos(anomaly)
+        )
+        anomaly = anomaly - step
+        if np.all(np.abs(step) < 1e-14):
+            break
+    half = np.sqrt((1.0 + eccentricity) / (1.0 - eccentricity)) * np.tan(0.5 * anomaly)
+    true: FLOAT = 2.0 * np.arctan(half)
+    return true
+
+
+def _unfit(record: Record, epoch: datetime) -> tuple[str, str] | None:
+    if record.not_sgp4:
+        return "not-sgp4", record.not_sgp4
+    if record.decayed:
+        return "decayed", f"decayed on {record.decayed}, says the file"
+    days = (epoch - record.epoch).total_seconds() / DAY_S
+    if abs(days) > LARGEST_DAYS:
+        return "far-epoch", f"its elements are {abs(days):.0f} days from the epoch"
+    return None
+
+
+def _failure(
+    code: int, numbers: tuple[float, ...], errors: dict[int, str]
+) -> tuple[str, str] | None:
+    """Why a result of SGP4 must not be used: its error code, never passed over."""
+    if code == 6:
+        return "decayed", f"SGP4 error 6: {errors[6]}"
+    if code:
+        return "sgp4-error", f"SGP4 error {code}: {errors.get(code, 'unknown')}"
+    if not all(map(math.isfinite, numbers)):
+        return "sgp4-error", "SGP4 gives no finite state"
+    return None
+
+
+def _mean(satellite: Any) -> tuple[float, ...]:
+    inclination, raan, perigee = satellite.im, satellite.Om, satellite.om
+    if inclination < 0.0:  # the secular rates of deep space may carry it through zero
+        inclination, raan, perigee = -inclination, raan + math.pi, perigee - math.pi
+    return (
+        satellite.am * satellite.radiusearthkm * 1e3,
+        satellite.em,
+        inclination,
+        math.fmod(raan, 2.0 * math.pi),
+        math.fmod(perigee, 2.0 * math.pi),
+        satellite.mm,
+    )
+
+
+def _earth_radius_m() -> float:
+    from ...common.constants import EARTH_RADIUS_M
+
+    return EARTH_RADIUS_M
+
+
+def _sgp4() -> Any:
+    try:
+        from sgp4 import api
+    except ImportError:
+        raise MissingExtra("propagating a catalogue", "sgp4", "astro") from None
+    return api

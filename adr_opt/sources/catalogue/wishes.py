@@ -1,0 +1,132 @@
+"""What a table asks of single objects: their prizes, windows, masses, and how they are removed.
+
+CSV, a line for each object. The column ``object`` has its catalogue number, name or designator
+(``number`` or ``name`` will do as well); of the others, each as a field of a target, those that
+are wanted: ``prize``, ``required`` (yes or no), ``window`` (days after the epoch as ``LO:HI``, one
+of the two may be left out), ``mass`` [kg], ``removal``. An empty cell leaves things as they are.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import ValidationError
+
+from ...common.constants import DAY_S
+from ...common.errors import InputError
+from ...common.files import read_text, sentence
+from ...problem.bodies import Target
+from .filters import parse_range
+from .records import shown
+
+OBJECT = ("object", "number", "name")
+COLUMNS = ("prize", "required", "window", "mass", "removal")
+
+WORDS = {
+    **dict.fromkeys(("yes", "true", "1"), True),
+    **dict.fromkeys(("no", "false", "0"), False),
+}
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What is asked of one object.
+
+    Attributes
+    ----------
+    said : str
+        Its number, name or designator.
+    source : str
+        File and line, for sentences.
+    fields : mapping
+        Fields of the target that it becomes, as the instance has them.
+    """
+
+    said: str
+    source: str
+    fields: Mapping[str, Any]
+
+
+def read_wishes(path: str | os.PathLike[str]) -> tuple[Wish, ...]:
+    """Read such a table.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, or a column or a value is wrong; the sentence says file and line.
+    """
+    lines = read_text(path).removeprefix("\ufeff").splitlines()
+    rows = csv.reader(lines, strict=True, skipinitialspace=True)
+    header: list[str] = []
+    found = []
+    try:
+        for row in rows:
+            cells = [cell.strip() for cell in row]
+            if not any(cells):
+                continue
+            source = f"{path}: line {rows.line_num}"
+            if not header:
+                header = [cell.casefold() for cell in cells]
+                _check_header(header, source)
+                continue
+            if len(cells) != len(header):
+                raise InputError(f"{source}: {len(cells)} values under {len(header)} columns")
+            found.append(_wish(dict(zip(header, cells, strict=True)), source))
+    except csv.Error as error:
+        raise InputError(f"{path}: line {rows.line_num}: not a line of CSV ({error})") from None
+    if not header:
+        raise InputError(f"{path}: empty; give a line with the columns object, prize, …")
+    return tuple(found)
+
+
+def _check_header(header: list[str], source: str) -> None:
+    for at, name in enumerate(header):
+        if name not in (*OBJECT, *COLUMNS):
+            raise InputError(
+                f"{source}: column {shown(name)!r} is unknown; use object, {', '.join(COLUMNS)}"
+            )
+        if name in header[:at]:
+            raise InputError(f"{source}: two columns {name}; keep one")
+    if sum(name in OBJECT for name in header) != 1:
+        raise InputError(f"{source}: one column has to say which object is meant; call it object")
+
+
+def _wish(cells: dict[str, str], source: str) -> Wish:
+    said = next(cells[name] for name in OBJECT if name in cells)
+    if not said:
+        raise InputError(f"{source}: no object is named; give its number or name")
+    fields: dict[str, Any] = {}
+    for column, field in (("prize", "prize"), ("mass", "mass_kg")):
+        text = cells.get(column)
+        if text:
+            fields[field] = _number(text, f"{source}: {column}")
+    if cells.get("required"):
+        word = cells["required"].casefold()
+        if word not in WORDS:
+            raise InputError(f"{source}: required = {shown(word)!r}: must be yes or no")
+        fields["required"] = WORDS[word]
+    if cells.get("window"):
+        opens, closes = parse_range(cells["window"], f"{source}: window")
+        fields["window_s"] = (
+            0.0 if math.isinf(opens) else DAY_S * opens,
+            None if math.isinf(closes) else DAY_S * closes,
+        )
+    if cells.get("removal"):
+        fields["removal"] = cells["removal"].casefold()
+    try:
+        Target(name="object", **fields)
+    except ValidationError as error:
+        raise InputError(f"{source}: {sentence(error)}") from None
+    return Wish(said, source, fields)
+
+
+def _number(text: str, where: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"{where} = {shown(text)!r}: must be a number") from None

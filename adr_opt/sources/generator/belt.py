@@ -1,0 +1,39 @@
+"""The field of the published study: circles in a narrow belt of altitudes and planes.
+
+The spread of the planes and of the phases is a *calibration*: the published study does not state
+it. It was chosen so that the published algorithms give the published numbers (MODEL section 7).
+"""
+
+from __future__ import annotations
+
+from ...common.constants import EARTH_RADIUS_M
+from ...problem.orbit import Orbit
+from .stream import Uniform
+
+ALTITUDE_KM = (700.0, 800.0)
+INCLINATION_DEG = (95.0, 97.0)
+RAAN_DEG = (-1.0, 1.0)
+STATION_ALTITUDE_KM = 700.0
+STATION_INCLINATION_DEG = 96.0
+
+
+def circle(altitude_km: float, inclination_deg: float, raan_deg: float, u_deg: float) -> Orbit:
+    """A circular orbit, rounded to the digits of the file."""
+    return Orbit(
+        semi_major_axis_m=round(EARTH_RADIUS_M + 1e3 * altitude_km, 3),
+        eccentricity=0.0,
+        inclination_deg=round(inclination_deg, 6),
+        raan_deg=round(raan_deg, 6),
+        argument_of_perigee_deg=0.0,
+        true_anomaly_deg=round(u_deg, 6),
+    )
+
+
+def draw_circle(uniform: Uniform) -> Orbit:
+    """A target of the belt: everything uniform."""
+    return circle(
+        uniform(*ALTITUDE_KM), uniform(*INCLINATION_DEG), uniform(*RAAN_DEG), uniform(0.0, 360.0)
+    )
+
+
+STATION = circle(STATION_ALTITUDE_KM, STATION_INCLINATION_DEG, 0.0, 0.0)

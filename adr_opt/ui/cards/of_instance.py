@@ -1,0 +1,87 @@
+"""The card of an instance, and of what is planned on it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...common.card import Card, Table, days, days_words
+from ...common.wording import counted
+from ...problem.chasers import AtStation, Chaser, TankByMass
+
+if TYPE_CHECKING:
+    from ...problem.instance import Instance
+
+COSTS = {"delta-v": "ΔV", "duration": "duration", "expense": "expense"}
+
+
+def facts_of(instance: Instance) -> tuple[str, ...]:
+    """What an instance holds, in a few words each."""
+    facts = [
+        counted(len(instance.targets), "target"),
+        counted(len(instance.stations), "station"),
+        counted(len(instance.chasers), "chaser"),
+        days_words(instance.mission.duration_s),
+    ]
+    tanks = sorted({round(chaser.tank.delta_v_m_s, 1) for chaser in instance.chasers})
+    facts.append(f"{'–'.join(f'{tank:g}' for tank in {tanks[0]: 0, tanks[-1]: 0})} m/s")
+    facts.append(instance.dynamics)
+    if instance.transfer.given is not None:
+        facts.append("given connections")
+    if instance.keep_out_zones:
+        facts.append(counted(len(instance.keep_out_zones), "keep-out zone"))
+    return tuple(facts)
+
+
+def of_instance(instance: Instance) -> Card:
+    """The card of an instance."""
+    targets = instance.targets
+    prizes = sum(target.prize for target in targets)
+    required = [target.name for target in targets if target.required]
+    windows = sum(target.window_s != (0.0, None) for target in targets)
+    details = [
+        ("epoch", f"{instance.epoch:%Y-%m-%d %H:%M:%S} UTC"),
+        ("sum of prizes", f"{prizes:g}"),
+        ("required", ", ".join(required[:8]) + (" …" if len(required) > 8 else "") or "none"),
+        ("least of equal plans", _cost_of(instance)),
+        ("stations", ", ".join(instance.station_names) or "none: nobody refuels"),
+    ]
+    if instance.frame is not None:
+        details.insert(1, ("frame", str(instance.frame)))
+    if windows:
+        details.append(("targets with a window", f"{windows}"))
+    rows = [_chaser(chaser) for chaser in instance.chasers]
+    heads = ("chaser", "start", "end", "tank m/s", "there from day", "kits")
+    return Card(
+        "Instance", repr(instance.name), facts_of(instance), tuple(details),
+        (Table(heads, rows, texts=3),),
+    )  # fmt: skip
+
+
+def _cost_of(instance: Instance) -> str:
+    """The cost that decides, with a price of time that is stated."""
+    price = instance.objective.time_m_s_per_day
+    stated = "" if price is None else f", and {price:g} m/s a day"
+    return f"{COSTS[instance.objective.cost]}{stated}"
+
+
+def _chaser(chaser: Chaser) -> tuple[str, ...]:
+    start = chaser.start.station if isinstance(chaser.start, AtStation) else "in an orbit"
+    if chaser.is_launched:
+        start = "anywhere"
+    end = chaser.end.station if isinstance(chaser.end, AtStation) else "anywhere"
+    by_mass = " (by mass)" if isinstance(chaser.tank, TankByMass) else ""
+    return (
+        chaser.name, start, end, f"{chaser.tank.delta_v_m_s:,.1f}{by_mass}",
+        days(chaser.available_s[0]), "–" if chaser.kits is None else f"{chaser.kits}",
+    )  # fmt: skip
+
+
+def of_problem(
+    kind: str, instance: Instance, margin: float, *, built: bool, chaser: str = ""
+) -> Card:
+    """The card of a mission or a campaign."""
+    facts = [*facts_of(instance), "with its timetable" if built else "timetable not built yet"]
+    if margin:
+        facts.append(f"{100.0 * margin:g} % of each tank kept back")
+    whose = f" for {chaser!r}" if chaser and len(instance.chasers) > 1 else ""
+    return Card(kind, f"over {instance.name!r}{whose}", tuple(facts))

@@ -1,0 +1,91 @@
+"""``bound``: prove how much any plan of a mission can collect."""
+
+from __future__ import annotations
+
+import math
+
+import click
+
+from ...common.errors import InputError
+from .certificates import certificate_option, check_certificate, save_certificate
+from .output import emit, emit_json, say
+from .parameters import instance_argument, json_option, parse_assignments, quiet_option, run_options
+
+
+@click.command("bound")
+@instance_argument
+@click.option("--method", metavar="NAME", help="Bound; 'methods' lists them and the default.")
+@click.option(
+    "--time-limit", type=float, metavar="S", help="Wall time, the timetable included; 60 s."
+)
+@run_options
+@certificate_option
+@json_option
+@quiet_option
+def command(
+    instance_path: str,
+    method: str | None,
+    time_limit: float | None,
+    seed: int,
+    iterations: int | None,
+    margin: float,
+    jobs: int | None,
+    start_path: str | None,
+    assignments: tuple[str, ...],
+    certificate_path: str | None,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Prove how much any plan of INSTANCE can collect.
+
+    Ctrl-C asks for the best bound so far; twice, it aborts. Exit status 1: infeasible.
+    """
+    from ...common.wording import status_words
+    from ...plan.plan import load_plan
+    from ...problem.instance import load
+    from ...run import front
+    from ...run.methods import BOUNDS
+    from .live import wanted
+    from .work import work
+
+    method = method or front.DEFAULT_BOUND
+    time_limit = front.DEFAULT_BOUND_TIME_LIMIT_S if time_limit is None else time_limit
+    options = parse_assignments(front.method_of(method, BOUNDS), assignments)
+    instance = load(instance_path)
+    start = None if start_path is None else load_plan(start_path)
+    check_certificate(
+        certificate_path, instance, method, None, instance_path, start_path, margin=margin,
+        group=BOUNDS,
+    )  # fmt: skip
+
+    result = work(
+        lambda stop, progress: front.run(
+            BOUNDS, instance, method, time_limit=time_limit, seed=seed, stop=stop,
+            progress=progress, start=start, jobs=jobs, iterations=iterations, margin=margin,
+            options=options, building=progress.building, sizing=progress.sizing,
+        ),
+        live=wanted(as_json, quiet),
+        quiet=quiet,
+    )  # fmt: skip
+    if not quiet:
+        for note in result.notes:
+            say(f"note: {note}")
+    not_written: InputError | None = None
+    if certificate_path is not None:
+        try:
+            save_certificate(certificate_path, instance, result, quiet, plan=False)
+        except InputError as error:
+            not_written = error
+    if as_json:
+        reference = {"name": instance.name, "sha256": instance.sha256}
+        emit_json({"instance": reference, "margin": margin, **result.to_dict()})
+    else:
+        proven = f"{result.upper_bound:.6g}" if math.isfinite(result.upper_bound) else "none proven"
+        status = status_words(result.status)
+        emit(f"upper bound {proven}, {status}, runtime {result.runtime_s:.2f} s")
+        for name, count in result.counters.items():
+            emit(f"  {name} {count:g}")
+    if not_written is not None:
+        # It may have taken hours: the bound is said, if nothing else of it can be kept.
+        raise not_written
+    return 1 if result.status == "infeasible" else 0

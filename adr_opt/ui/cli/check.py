@@ -1,0 +1,74 @@
+"""``check``: judge a plan, independently of every planner."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from ...common.errors import InputError
+from ...common.wording import counted
+from .flown import flight_line, flight_of, no_fly_option, was_refined
+from .output import emit, emit_json
+from .parameters import instance_argument, json_option, plan_argument
+
+if TYPE_CHECKING:
+    from ...fly.flight.mean_flight import MeanFlight
+
+VIOLATED, UNASKED = "it has violations", "nobody asked for it"
+"""Why there is no flight."""
+
+
+@click.command("check")
+@instance_argument
+@plan_argument
+@no_fly_option
+@json_option
+def command(instance_path: str, plan_path: str, no_fly: bool, as_json: bool) -> int:
+    """List all violations of PLAN on INSTANCE.
+
+    A plan without any is flown in mean motion on the true orbits, unless it says that it was
+    refined when it was made; what that came to is said and changes no verdict. Exit status 1: there
+    are violations.
+    """
+    from ...judge.check.verdict import check
+    from ...plan.plan import load_plan
+    from ...problem.instance import load
+
+    instance, plan = load(instance_path), load_plan(plan_path)
+    try:
+        violations = check(instance, plan)
+    except InputError as error:
+        raise InputError(f"{plan_path}: {error}") from None
+    refined = was_refined(plan)
+    flight: MeanFlight | str = VIOLATED if violations else UNASKED
+    if refined is None and not violations and not no_fly:
+        flight = flight_of(instance, plan)
+    if as_json:
+        flown = refined if isinstance(flight, str) else flight.record
+        emit_json(
+            {
+                "instance": instance.name,
+                "method": plan.method,
+                "objective": plan.objective,
+                "legs": len(plan.legs),
+                "violations": [violation.to_dict() for violation in violations],
+                "flown": None if flown is None else flown.to_dict(),
+                "not_flown": flight if flown is None else None,
+            }
+        )
+    elif violations:
+        for violation in violations:
+            emit(f"{plan_path}: {violation}")
+    else:
+        legs = counted(len(plan.legs), "leg")
+        emit(f"{plan_path}: no violations, objective {plan.objective:g}, {legs}")
+        if refined is not None:
+            emit(f"{plan_path}: as it says of itself, {refined}")
+        elif not isinstance(flight, str):
+            emit(f"{plan_path}: {flight_line(flight)}; it was not refined")
+        else:
+            emit(f"{plan_path}: neither flown nor refined: {flight}")
+        if plan.flown is not None and plan.own_flight is None:
+            emit(f"{plan_path}: what it says of a flight is of other legs")
+    return 1 if violations else 0

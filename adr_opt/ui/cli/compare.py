@@ -1,0 +1,124 @@
+"""``compare``: plans of one instance side by side, and their differences leg by leg."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import click
+
+from ...common.errors import InputError
+from .output import emit, emit_json, emit_rich, say
+from .parameters import check_out, instance_argument, json_option, quiet_option
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ...analysis import Comparison
+    from ...analysis.comparison import Difference
+
+
+@click.command("compare", short_help="Lay plans side by side, leg by leg.")
+@instance_argument
+@click.argument("plan_paths", nargs=-1, required=True, metavar="PLAN PLAN...")
+@click.option("--page", "page_path", metavar="FILE", help="HTML file to write as well.")
+@click.option("--all", "tell_all", is_flag=True, help="List the legs too that are the same.")
+@json_option
+@quiet_option
+def command(
+    instance_path: str,
+    plan_paths: tuple[str, ...],
+    page_path: str | None,
+    tell_all: bool,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Lay two or more PLANs of INSTANCE side by side, and each against the first leg by leg.
+
+    Exit status 1: a plan has violations.
+    """
+    from ...analysis import compare
+    from ...plan.plan import load_plan
+    from ...problem.instance import load
+    from ..report.compared import compared_page
+    from ..report.plain import check_page, write_page
+
+    instance = load(instance_path)
+    if page_path is not None:
+        check_page(page_path)
+        check_out(page_path, instance_path, *plan_paths)
+    if len(set(plan_paths)) < len(plan_paths):
+        raise InputError("a plan is given twice; give each once")
+    plans = {_called(path, plan_paths): load_plan(path) for path in plan_paths}
+    comparison = compare(instance, plans)
+    if page_path is not None:
+        write_page(page_path, compared_page(comparison))
+        if not quiet:
+            say(f"wrote {page_path}")
+    if as_json:
+        emit_json(comparison.to_dict())
+    else:
+        _tell(comparison, tell_all)
+    return 1 if any(side.violations for side in comparison.sides) else 0
+
+
+def _called(path: str, paths: tuple[str, ...]) -> str:
+    """What a plan is called: the name of its file, where that is no other one's too."""
+    name = os.path.basename(path)
+    alone = sum(os.path.basename(other) == name for other in paths) == 1
+    return name if alone else path
+
+
+def _tell(comparison: Comparison, tell_all: bool) -> None:
+    emit_rich(_sides(comparison))
+    first = comparison.sides[0].name
+    for difference in comparison.differences:
+        if difference.same and not tell_all:
+            emit(f"{difference.name}: all legs as in {first}")
+            continue
+        emit_rich(_legs(first, difference, tell_all))
+        for words, names in (("gains", difference.gained), ("loses", difference.lost)):
+            if names:
+                emit(f"{difference.name} {words} {len(names)}: {', '.join(names)}")
+
+
+def _sides(comparison: Comparison) -> Table:
+    from rich.table import Table
+
+    from ..report.compared import FIGURES, figures
+
+    table = Table(title=comparison.instance.name, title_justify="left")
+    table.add_column("", no_wrap=True)
+    for name in comparison.plans:
+        table.add_column(name, justify="right", no_wrap=True)
+    columns = [figures(side) for side in comparison.sides]
+    for at, title in enumerate(FIGURES):
+        table.add_row(title, *(column[at] for column in columns))
+    return table
+
+
+def _legs(first: str, difference: Difference, tell_all: bool) -> Table:
+    from rich.table import Table
+    from rich.text import Text
+
+    from ..report.compared import more, told
+    from ..report.text import NOTHING
+    from .timeline import clock
+
+    table = Table(title=f"{difference.name} against {first}", title_justify="left")
+    table.add_column("destination", no_wrap=True)
+    for heading in ("leg", "departs", "ΔV\nm/s", "leg\nthere", "departs\nthere", "more\nm/s"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    for pair in difference.pairs:
+        if pair.what == "same" and not tell_all:
+            continue
+        cells = []
+        for numbered in (pair.first, pair.other):
+            if numbered is None:
+                cells.append((NOTHING, NOTHING, NOTHING))
+            else:
+                at, leg = numbered
+                cells.append((str(at), clock(leg.departure_s), f"{leg.delta_v_m_s:.1f}"))
+        table.add_row(Text(pair.destination), *cells[0], *cells[1][:2], more(pair), told(pair))
+    return table

@@ -1,0 +1,108 @@
+"""The entry: run a verb, and turn whatever goes wrong into one sentence and an exit status."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import TextIO
+
+import click
+
+from ...common.errors import InputError
+from .output import say
+from .signals import Aborted
+from .verbs import command
+
+DONE, WRONG, INTERRUPTED, READER_GONE = 0, 2, 128 + 2, 128 + 13
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        What follows the name of the program; from the process by default.
+
+    Returns
+    -------
+    int
+        The exit status: 0, 1 or 2 as the verbs say; as usual 130 after Ctrl-C and 141 if the
+        reader of standard output went away.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        _can_say_everything(stream)
+    try:
+        status = _run(list(sys.argv[1:] if arguments is None else arguments))
+        if sys.stdout is not None:
+            sys.stdout.flush()
+        return status
+    except click.ClickException as error:
+        say(_sentence(error))
+        return WRONG
+    except InputError as error:
+        say(str(error))
+        return WRONG
+    except Aborted as aborted:
+        say("aborted")
+        for stream in (sys.stdout, sys.stderr):
+            with suppress(OSError, ValueError, AttributeError):
+                stream.flush()
+        # The planner still runs in its threads and cannot be ended in any other way.
+        os._exit(128 + aborted.number)
+    except (KeyboardInterrupt, click.Abort):
+        say("aborted")
+        return INTERRUPTED
+    except BrokenPipeError:
+        _let_go(sys.stdout)
+        return READER_GONE
+    except OSError as error:
+        _let_go(sys.stdout)
+        place = error.filename if error.filename is not None else "standard output"
+        say(f"{place}: {error.strerror or error}; check the place and its permissions")
+        return WRONG
+
+
+def _run(arguments: list[str]) -> int:
+    # Not ``command.main``: it has its own ideas of a closed pipe and of Ctrl-C.
+    program = "adr-opt"
+    if os.path.basename(sys.argv[0]) == "__main__.py":
+        program = "python -m adr_opt"
+    try:
+        with command.make_context(program, arguments) as context:
+            status = command.invoke(context)
+    except click.exceptions.Exit as leaving:
+        return leaving.exit_code
+    return status if isinstance(status, int) else DONE
+
+
+def _sentence(error: click.ClickException) -> str:
+    """A click error as one sentence that says where to look."""
+    said = " ".join(error.format_message().split()).rstrip(".")
+    said = re.sub(r"\.? \(?Did you mean (.*)\?\)?$", r" (did you mean \1?)", said)
+    said = said[:1].lower() + said[1:].replace(". ", "; ")
+    context = getattr(error, "ctx", None)
+    return f"{said}; see '{context.command_path} --help'" if context is not None else said
+
+
+def _can_say_everything(stream: TextIO | None) -> None:
+    """See that no name and no ΔV is a UnicodeEncodeError: JSON is UTF-8 by its standard.
+
+    What no encoding can say, as the name of a file in another one, is escaped as JSON does it.
+    """
+    with suppress(AttributeError, OSError):
+        if stream.isatty():  # type: ignore[union-attr]
+            stream.reconfigure(errors="replace")  # type: ignore[union-attr]
+        else:
+            stream.reconfigure(encoding="utf-8", errors="backslashreplace")  # type: ignore[union-attr]
+
+
+def _let_go(stream: TextIO | None) -> None:
+    """Point a broken stream to nowhere, or the interpreter complains when it flushes at exit."""
+    with suppress(OSError, ValueError, AttributeError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())  # type: ignore[union-attr]
+        os.close(nowhere)

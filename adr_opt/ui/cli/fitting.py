@@ -1,0 +1,155 @@
+"""What ``generate`` and ``import`` have for tanks, kits and tows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+import click
+
+from ...common.errors import InputError
+
+if TYPE_CHECKING:
+    from ...problem.chasers import AnyTank
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def fitting_options(usual: str) -> Callable[[Function], Function]:
+    """The options of tanks, kits and tows; ``usual`` is the ΔV of a tank that nobody speaks of."""
+
+    def add(function: Function) -> Function:
+        for option in reversed(
+            (
+                click.option(
+                    "--delta-v", type=float, metavar="M_S", help=f"ΔV of a full tank; {usual}."
+                ),
+                click.option(
+                    "--dry-mass", type=float, metavar="KG", help="Instead: mass without it,"
+                ),
+                click.option(
+                    "--propellant", type=float, metavar="KG", help="what a full tank holds,"
+                ),
+                click.option("--isp", type=float, metavar="S", help="and its specific impulse."),
+                click.option(
+                    "--kits", type=int, metavar="K",
+                    help="A kit for each target, at most K aboard.",
+                ),
+                click.option("--kit-mass", type=float, metavar="KG", help="Of each kit; 0."),
+                click.option(
+                    "--tow", type=float, metavar="KG", help="Mass of each target, which is towed,"
+                ),
+                click.option(
+                    "--disposal-altitude", type=float, metavar="KM",
+                    help="down to a circle there.",
+                ),
+            )
+        ):  # fmt: skip
+            function = option(function)
+        return function
+
+    return add
+
+
+class Fitting(NamedTuple):
+    """These options as they were given; None is for what was not."""
+
+    delta_v: float | None
+    dry_mass: float | None
+    propellant: float | None
+    isp: float | None
+    kits: int | None
+    kit_mass: float | None
+    tow: float | None
+    disposal_altitude: float | None
+
+    @property
+    def disposal_altitude_m(self) -> float | None:
+        """In metres."""
+        return None if self.disposal_altitude is None else 1e3 * self.disposal_altitude
+
+    def check(self, *, kits: bool = False, by_mass: bool = False) -> None:
+        """Refuse what is out of range, or of no use without another option.
+
+        Parameters
+        ----------
+        kits, by_mass : bool
+            Whether there are kits, and tanks by mass, where nobody speaks of them.
+
+        Raises
+        ------
+        InputError
+        """
+        check_positive(self, Fitting._fields)
+        if self.kit_mass is not None and self.kits is None and not kits:
+            raise InputError("--kit-mass: there are no kits; say how many with --kits")
+        masses = (self.dry_mass, self.propellant, self.isp)
+        counted = self.delta_v is not None or not by_mass
+        self._check_tow(knows_masses=masses != (None, None, None) or not counted)
+        if self.kit_mass is not None and masses == (None, None, None) and counted:
+            raise InputError(
+                "--kit-mass: a tank that is counted in ΔV knows no masses; give --dry-mass, "
+                "--propellant and --isp"
+            )
+
+    def _check_tow(self, *, knows_masses: bool) -> None:
+        if self.tow is None and self.disposal_altitude is not None:
+            raise InputError("--disposal-altitude: nothing is towed; say what mass with --tow")
+        if self.tow is None:
+            return
+        if self.disposal_altitude is None:
+            raise InputError("--tow: where to is not said; give --disposal-altitude")
+        if self.kits is not None:
+            raise InputError("--tow: a target takes a kit or is towed; leave --kits or --tow out")
+        if not knows_masses:
+            raise InputError(
+                "--tow: a tank that is counted in ΔV knows no masses; give --dry-mass, "
+                "--propellant and --isp"
+            )
+
+    def tank(self) -> AnyTank | None:
+        """The tank that was asked for; None if nobody speaks of it.
+
+        Raises
+        ------
+        InputError
+            It is said by half, or twice.
+        """
+        from pydantic import ValidationError
+
+        from ...common.files import sentence
+        from ...problem.chasers import Tank, TankByMass
+
+        masses = (self.dry_mass, self.propellant, self.isp)
+        if masses == (None, None, None):
+            return None if self.delta_v is None else Tank(delta_v_m_s=self.delta_v)
+        if self.delta_v is not None:
+            raise InputError("--delta-v: the tank is given by its mass; give one of the two")
+        dry_mass, propellant, isp = masses
+        if dry_mass is None or propellant is None or isp is None:
+            raise InputError(
+                "a tank by mass needs --dry-mass, --propellant and --isp; give all three"
+            )
+        try:
+            return TankByMass(dry_mass_kg=dry_mass, propellant_kg=propellant, isp_s=isp)
+        except ValidationError as error:
+            raise InputError(f"--dry-mass, --propellant and --isp: {sentence(error)}") from None
+
+
+def check_positive(given: Any, names: tuple[str, ...]) -> None:
+    """Raise :class:`InputError` for an option that is given and is no positive number."""
+    for name in names:
+        value = getattr(given, name)
+        if value is not None and not 0.0 < value < math.inf:
+            option = f"--{name.replace('_', '-')}"
+            raise InputError(f"{option} = {value:g}: must be a positive number")
+
+
+def check_not_negative(given: Any, names: tuple[str, ...]) -> None:
+    """Raise :class:`InputError` for an option that is given and is negative or not finite."""
+    for name in names:
+        value = getattr(given, name)
+        if value is not None and not 0.0 <= value < math.inf:
+            option = f"--{name.replace('_', '-')}"
+            raise InputError(f"{option} = {value:g}: must be a finite number of at least 0")

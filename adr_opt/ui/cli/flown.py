@@ -1,0 +1,93 @@
+"""The line on the flight of a plan, for ``solve`` and ``check``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from ...common.errors import InputError
+from .signals import Aborted, signals_to
+
+if TYPE_CHECKING:
+    from ...fly.flight.mean_flight import MeanFlight
+    from ...fly.refine.loop import RefinedResult
+    from ...plan.plan import Plan
+    from ...plan.plan_flight import PlanFlight
+    from ...problem.instance import Instance
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+NOT_FLOWN = "not flown: "
+
+no_fly_option = click.option(
+    "--no-fly", is_flag=True, help="Do not fly the plan in mean motion on the true orbits."
+)
+
+
+def flight_of(instance: Instance, plan: Plan) -> MeanFlight | str:
+    """The flight of a plan in mean motion, or why there is none.
+
+    Ctrl-C or SIGTERM ends the flight and nothing else.
+    """
+    from ...fly.flight.mean_flight import fly_mean
+
+    heard: list[bool] = []
+    try:
+        with signals_to(lambda: heard.append(True)):
+            flight = fly_mean(instance, plan, enough=lambda: bool(heard))
+    except InputError as error:
+        return str(error)
+    except Aborted:
+        flight = None
+    return "interrupted" if flight is None else flight
+
+
+def was_refined(plan: Plan) -> PlanFlight | None:
+    """What a plan says of having been refined when it was made, with just these legs."""
+    said = plan.own_flight
+    return said if said is not None and said.how == "refined" else None
+
+
+def flown_plan(instance: Instance, plan: Plan) -> tuple[Plan, MeanFlight | str]:
+    """The plan with what came of flying it, and its flight, or why there is none."""
+    flight = flight_of(instance, plan)
+    return (plan if isinstance(flight, str) else plan.replace(flown=flight.record)), flight
+
+
+def flight_line(flight: MeanFlight | str) -> str:
+    """What a flight came to, in one line."""
+    if isinstance(flight, str):
+        return NOT_FLOWN + flight
+    said = str(flight)
+    return said if flight.holds else f"{said}; 'solve --refine' plans until the plan holds"
+
+
+def refined_plan(instance: Instance, looped: RefinedResult) -> RefinedResult:
+    """The result of ``solve --refine`` with what refining came to in its plan."""
+    from ...fly.flight.mean_flight import families_of, tanks_left
+    from ...fly.flight.tanks import tanks_of
+    from ...plan.plan_flight import PlanFlight
+    from ...plan.refined_plan import reference
+
+    plan, refined = looped.plan, looped.refined
+    if plan is None or refined is None:
+        return looped
+    taken: dict[int, float | None] = dict.fromkeys(range(1, len(plan.legs) + 1))
+    taken |= {leg.leg: leg.flown_delta_v_m_s for leg in refined.legs}
+    record = PlanFlight.model_validate(
+        {
+            "how": "refined", "gravity": refined.gravity, "legs_sha256": plan.legs_sha256,
+            "holds": looped.holds,
+            "families": families_of(plan.legs, taken),
+            "tanks": tanks_left(tanks_of(instance, refined)),
+        }
+    )  # fmt: skip
+    plan = plan.replace(flown=record)
+    return replace(
+        looped,
+        result=replace(looped.result, plan=plan),
+        refined=refined.replace(plan=reference(plan)),
+    )

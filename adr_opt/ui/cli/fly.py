@@ -1,0 +1,195 @@
+"""``fly``: fly a plan in the dynamics of its instance."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ...common.errors import InputError, MissingExtra
+from ...common.wording import counted
+from .fly_errors import Sampling, error_options
+from .output import emit, emit_json, emit_rich, say, terminal_width
+from .parameters import check_out, instance_argument, json_option, plan_argument, quiet_option
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ...fly.flight import Flight
+    from ...plan.plan import Plan
+
+MOTIONS = {"two-body": "two-body motion", "j2": "mean motion under J2"}
+"""What the dynamics of an instance are called."""
+
+FLOWN = {dynamics: f"flown in {motion}: " for dynamics, motion in MOTIONS.items()}
+"""How the note begins that ``--out`` puts into a plan, so that the next one takes its place."""
+
+
+@click.command("fly", short_help="Fly the burns of PLAN and measure the misses.")
+@instance_argument
+@plan_argument
+@click.option("--out", metavar="FILE", help="Write the plan again with the result in its notes.")
+@error_options
+@json_option
+@quiet_option
+def command(
+    instance_path: str,
+    plan_path: str,
+    out: str | None,
+    as_json: bool,
+    quiet: bool,
+    **asked: Any,
+) -> int:
+    """Fly the burns of PLAN in the dynamics of INSTANCE and measure how far each leg misses.
+
+    Legs with an eccentric orbit are flown on the true orbits as well, with their burns aimed anew.
+    In two-body motion it is said where they lead as they are, too, and what a corrected last arc
+    costs: a Lambert arc to the true stand-off. Exit status 1: with what the burns that are flown
+    take, those of legs that drift among them, some tank is not enough.
+
+    A refined plan is flown in true dynamics, by another integrator than the one it was made with.
+    Exit status 1: an arrival misses by more than 1 m or 1 mm/s, a leg is missing, or a tank is not
+    enough. With --samples it is flown again with errors of burns and of navigation, corrected on
+    the way. Exit status 1 also where a tank is not enough for 95 % of those flights.
+    """
+    from ...plan.refined_plan import is_refined
+    from .fly_refined import fly_and_tell
+
+    check_out(out, instance_path)  # the plan itself may be written again, with a note more
+    sampling = Sampling(**asked)
+    sampling.refuse_stray()
+    if is_refined(plan_path):
+        return fly_and_tell(instance_path, plan_path, out, as_json, quiet, sampling)
+
+    from ...fly.flight import fly
+    from ...plan.plan import load_plan
+    from ...problem.instance import load
+
+    instance, plan = load(instance_path), load_plan(plan_path)
+    sampling.refuse_unrefined(plan_path)
+    try:
+        flight = fly(instance, plan)
+    except MissingExtra:
+        raise
+    except InputError as error:
+        raise InputError(f"{plan_path}: {error}") from None
+    if out is not None:
+        annotated(plan, flight).save(out)
+        if not quiet:
+            say(f"wrote {out}")
+    if as_json:
+        emit_json(flight.to_dict())
+    else:
+        width = terminal_width()
+        emit_rich(*_misses(flight, width))
+        emit(
+            f"worst miss {flight.worst_miss_m:.2g} m over {counted(len(flight.legs), 'leg')} in "
+            f"{MOTIONS[flight.dynamics]}"
+        )
+        if flight.drifts:
+            emit(_drifts(flight))
+        if flight.eccentric:
+            emit_rich(*_eccentric(flight, width))
+        if flight.true_legs:
+            emit("on the true orbits: " + _truth(flight))
+        for chaser in flight.chasers:
+            emit(str(chaser))
+        emit(_tanks(flight))
+    return 1 if flight.broken_tanks else 0
+
+
+def annotated(plan: Plan, flight: Flight) -> Plan:
+    """The plan with a note of what its flight measured, in place of such a note from before."""
+    note = f"{FLOWN[flight.dynamics]}worst miss {flight.worst_miss_m:.2g} m"
+    if flight.drifts:
+        note += f"; {_drifts(flight)}"
+    if flight.true_legs:
+        note += " between the circles planned with; on the true orbits: " + _truth(flight)
+    note += f"; {_tanks(flight)}"
+    kept = tuple(other for other in plan.notes if not other.startswith(tuple(FLOWN.values())))
+    return plan.replace(notes=(*kept, note))
+
+
+def _truth(flight: Flight) -> str:
+    legs = flight.true_legs
+    planned = sum(leg.planned_delta_v_m_s for leg in legs)
+    told = (
+        f"{counted(len(legs), 'leg')} planned with {planned:.1f} m/s, and flown with "
+        f"{_or_unknown(flight.true_delta_v_m_s, '.1f')} m/s by burns aimed anew"
+    )
+    if flight.eccentric:
+        miss = _or_unknown(flight.worst_true_miss_m, ".4g")
+        more = _or_unknown(flight.correction_delta_v_m_s, ".2f")
+        told += (
+            f"; as they are, the burns miss by up to {miss} m, and corrected last arcs alone cost "
+            f"{more} m/s beyond the burns of the plan, which sets "
+            f"{flight.eccentricity_delta_v_m_s:.2f} m/s aside for it"
+        )
+    return told
+
+
+def _drifts(flight: Flight) -> str:
+    """What the legs that drift were planned with, and what they burn."""
+    legs = flight.drifts
+    planned = sum(leg.planned_delta_v_m_s for leg in legs)
+    burned = sum(leg.burns_delta_v_m_s for leg in legs)
+    return (
+        f"{counted(len(legs), 'leg')} that drift{'s' if len(legs) == 1 else ''}, planned with "
+        f"{planned:.1f} m/s, {'burns' if len(legs) == 1 else 'burn'} {burned:.1f} m/s"
+    )
+
+
+def _tanks(flight: Flight) -> str:
+    """Which tanks break, or how near the worst one comes to it."""
+    if flight.broken_tanks:
+        return "; ".join(str(tank) for tank in flight.broken_tanks)
+    if not flight.tanks:
+        return "no tank is used"
+    worst = max(flight.tanks, key=lambda tank: tank.over_m_s or 0.0)
+    return f"every tank holds: {worst}"
+
+
+def _misses(flight: Flight, width: int | None) -> list[Table]:
+    from .tables import Row, leg_tables, whose
+
+    rows, headings = [], ["miss\nm", "relative\nm/s", "arrival\nmiss m"]
+    if flight.dynamics == "j2":
+        headings += ["kind", "planned\nm/s", "burns\nm/s"]
+        if flight.true_legs:
+            headings.append("true\nm/s")
+    for leg in flight.legs:
+        texts = [f"{leg.miss_m:.2g}", f"{leg.relative_speed_m_s:.2g}", f"{leg.arrival_miss_m:.2g}"]
+        if flight.dynamics == "j2":
+            planned, burned = leg.planned_delta_v_m_s, leg.burns_delta_v_m_s
+            texts += [leg.kind, f"{planned:.1f}", f"{burned:.1f}"]
+            if flight.true_legs:
+                texts.append(_or_unknown(leg.true_delta_v_m_s, ".1f") if leg.on_true_orbits else "")
+        rows.append(Row(leg.leg, leg.origin, leg.destination, texts))
+    return leg_tables(headings, rows, width, whose(flight.tanks))
+
+
+def _eccentric(flight: Flight, width: int | None) -> list[Table]:
+    from .tables import Row, leg_tables, whose
+
+    rows = []
+    for leg in flight.legs:
+        true = leg.eccentric
+        if true is not None:
+            texts = (
+                _or_unknown(true.true_miss_m, ".4g"),
+                f"{true.eccentricity_delta_v_m_s:.2f}",
+                _or_unknown(leg.true_delta_v_m_s, ".2f"),
+                _or_unknown(true.correction_delta_v_m_s, ".2f"),
+                f"{true.last_arc_delta_v_m_s:.2f}",
+                _or_unknown(true.lambert_delta_v_m_s, ".2f"),
+            )
+            rows.append(Row(leg.leg, leg.origin, leg.destination, texts))
+    headings = (
+        "true\nmiss m", "aside\nm/s", "true\nm/s", "corrected\nm/s", "last arc\nm/s",
+        "Lambert\nm/s",
+    )  # fmt: skip
+    return leg_tables(headings, rows, width, whose(flight.tanks))
+
+
+def _or_unknown(value: float | None, form: str) -> str:
+    return "unknown" if value is None else f"{value:{form}}"

@@ -1,0 +1,158 @@
+"""``fly --samples``: the options, and what is printed of flights with errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+import click
+
+from ...common.errors import InputError
+from ...common.wording import counted
+from .output import emit, emit_rich, terminal_width
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ...fly.dispersion import Dispersion, Quantile
+    from ...fly.refine import RefinedPlan
+    from ...problem.instance import Instance
+    from .leg_bar import Show
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+OPTIONS = (
+    ("--samples", int, "N", "Fly a refined plan N times with errors as well."),
+    ("--seed", int, "N", "Of the errors; 0 by default. Same seed, same flights."),
+    ("--corrections", int, "N", "Burns for corrections alone after each burn; 2 by default."),
+    ("--burn-magnitude-error", float, "SHARE", "1-sigma, of each burn's size; 0.005 by default."),
+    ("--burn-pointing-error", float, "DEG", "1-sigma, about each axis; 0.5 by default."),
+    ("--navigation-position-error", float, "M", "1-sigma, per axis at departure; 10 by default."),
+    ("--navigation-velocity-error", float, "M_S", "1-sigma, likewise; 0.01 by default."),
+)
+
+
+class Sampling(NamedTuple):
+    """What the command line says about errors; None where it says nothing."""
+
+    samples: int | None
+    seed: int | None
+    corrections: int | None
+    burn_magnitude_error: float | None
+    burn_pointing_error: float | None
+    navigation_position_error: float | None
+    navigation_velocity_error: float | None
+
+    def refuse_stray(self) -> None:
+        """Raise :class:`InputError` for errors that nothing is flown with."""
+        if self.samples is not None:
+            return
+        for (name, *_), value in zip(OPTIONS, self, strict=True):
+            if value is not None:
+                raise InputError(f"{name} goes with --samples N: say how many flights")
+
+    def refuse_unrefined(self, plan_path: str) -> None:
+        """Raise :class:`InputError` where flights with errors are asked of a plan as solved."""
+        if self.samples is not None:
+            raise InputError(
+                f"{plan_path}: flights with errors are those of a refined plan; make one with "
+                "'refine' and give that"
+            )
+
+    def fly(self, instance: Instance, refined: RefinedPlan, show: Show) -> Dispersion:
+        """Fly as often as was asked for."""
+        from ...fly.dispersion import FlightErrors, sample_flights
+
+        assert self.samples is not None
+        said = {
+            "burn_magnitude": self.burn_magnitude_error,
+            "burn_pointing_deg": self.burn_pointing_error,
+            "navigation_position_m": self.navigation_position_error,
+            "navigation_velocity_m_s": self.navigation_velocity_error,
+        }
+        errors = FlightErrors(**{name: value for name, value in said.items() if value is not None})
+        said_too = {"seed": self.seed, "corrections": self.corrections}
+        return sample_flights(
+            instance, refined, self.samples, errors, report=show,
+            **{name: value for name, value in said_too.items() if value is not None},
+        )  # fmt: skip
+
+
+def error_options(function: Function) -> Function:
+    """The options of flights with errors."""
+    for name, kind, metavar, text in reversed(OPTIONS):
+        function = click.option(name, type=kind, metavar=metavar, help=text)(function)
+    return function
+
+
+def tell(dispersion: Dispersion) -> None:
+    """Print what flights with errors came to."""
+    emit_rich(*_tables(dispersion, terminal_width()))
+    for sentence in said(dispersion):
+        emit(sentence)
+
+
+def said(dispersion: Dispersion) -> list[str]:
+    """What came of them, in sentences."""
+    from ...fly.flight.result import tank_name
+
+    asked = f"{100.0 * dispersion.delta_v_m_s.share:g} %"
+    errors = dispersion.errors
+    sentences = [
+        f"{counted(dispersion.flights, 'flight')} with errors of {errors.burn_magnitude:g} of a "
+        f"burn, {errors.burn_pointing_deg:g}°, {errors.navigation_position_m:g} m and "
+        f"{errors.navigation_velocity_m_s:g} m/s (1σ): all legs take "
+        f"{dispersion.refined_delta_v_m_s:.1f} m/s without errors, and in {asked} of the flights "
+        f"no more than {_with_interval(dispersion.delta_v_m_s, '.1f')} m/s"
+    ]
+    for tank in dispersion.tanks:
+        verdict = "holds" if tank.holds else "is not enough"
+        sentences.append(
+            f"{tank_name(tank.tank, tank.chaser)}, legs {tank.first_leg} to {tank.last_leg}: "
+            f"{asked} of the flights take no more than "
+            f"{_with_interval(tank.delta_v_m_s, '.1f')} of {tank.budget_m_s:g} m/s: {verdict}; "
+            f"it breaks in {100.0 * tank.breaks_share:.3g} %"
+        )
+    sentences.append(
+        f"times are kept; {asked} of the flights wait no more than "
+        f"{_with_interval(dispersion.waits_s, '.0f')} s at stand-offs that they miss by half "
+        f"their distance; {100.0 * dispersion.late_share:.3g} % are late for a departure by that"
+    )
+    linear = dispersion.linearity
+    sentences.append(
+        f"flown without linearisation, {counted(linear.flights, 'flight')} differ by at most "
+        f"{linear.delta_v_m_s:.2g} m/s in all and {linear.standoff_m:.2g} m at a stand-off"
+    )
+    return sentences
+
+
+def _with_interval(quantile: Quantile, form: str) -> str:
+    low, high = (
+        "unknown" if end is None else f"{end:{form}}" for end in (quantile.low, quantile.high)
+    )
+    return f"{quantile.value:{form}} ({low} to {high})"
+
+
+def _tables(dispersion: Dispersion, width: int | None) -> list[Table]:
+    from .tables import Row, leg_tables, whose
+
+    asked = f"{100.0 * dispersion.delta_v_m_s.share:g} %"
+    headings = ["refined\nm/s", "mean\nm/s", f"{asked}\nm/s", "stand-off\nm", "\nm/s", "waits\n%"]
+    rows = [
+        Row(
+            leg.leg,
+            leg.origin,
+            leg.destination,
+            [
+                f"{leg.refined_delta_v_m_s:.1f}",
+                f"{leg.mean_delta_v_m_s:.1f}",
+                f"{leg.delta_v_m_s.value:.1f}",
+                f"{leg.standoff_miss_m.value:.0f}",
+                f"{leg.standoff_miss_m_s.value:.2g}",
+                f"{100.0 * leg.waits_share:.1f}",
+            ],
+        )
+        for leg in dispersion.legs
+    ]
+    title = f"with errors; {asked} of the flights take, and miss the stand-off by, no more than"
+    return leg_tables(headings, rows, width, whose(dispersion.tanks), title)

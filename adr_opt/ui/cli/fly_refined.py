@@ -1,0 +1,112 @@
+"""``fly`` of a refined plan: what is printed, and the exit status."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...common.errors import InputError, MissingExtra
+from ...common.wording import counted
+from .fly_errors import Sampling, tell
+from .output import emit, emit_json, emit_rich, say, terminal_width
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ...fly.flight import RefinedFlight
+
+FLOWN = "flown in true dynamics"
+"""How the note begins that ``--out`` writes, so that the next one takes its place."""
+
+
+def fly_and_tell(
+    instance_path: str,
+    refined_path: str,
+    out: str | None,
+    as_json: bool,
+    quiet: bool,
+    sampling: Sampling,
+) -> int:
+    """Fly a refined plan and say where it leads; the parameters are those of ``fly``."""
+    from ...fly.flight import fly_refined
+    from ...fly.refine import load_refined
+    from ...problem.instance import load
+    from .leg_bar import leg_bar
+    from .live import wanted
+
+    instance, refined = load(instance_path), load_refined(refined_path)
+    dispersion = None
+    try:
+        if sampling.samples is not None:
+            # First, because it is quick: what is wrong with the errors is said at once.
+            with leg_bar(wanted(as_json, quiet), "sampling") as show:
+                dispersion = sampling.fly(instance, refined, show)
+        with leg_bar(wanted(as_json, quiet), "flying") as show:
+            flight = fly_refined(instance, refined, show)
+    except MissingExtra:
+        raise
+    except InputError as error:
+        raise InputError(f"{refined_path}: {error}") from None
+    if out is not None:
+        kept = tuple(note for note in refined.notes if not note.startswith(FLOWN))
+        refined.replace(notes=(*kept, f"{FLOWN}: {said(flight)}")).save(out)
+        if not quiet:
+            say(f"wrote {out}")
+    if as_json:
+        errors = {} if dispersion is None else {"errors": dispersion.to_dict()}
+        emit_json(flight.to_dict() | errors)
+    else:
+        if flight.legs:
+            emit_rich(*_tables(flight, terminal_width()))
+        for chaser in flight.chasers:
+            emit(str(chaser))
+        emit(said(flight))
+        if dispersion is not None:
+            tell(dispersion)
+    enough = dispersion is None or not dispersion.broken_tanks
+    return 0 if flight.holds and enough else 1
+
+
+def said(flight: RefinedFlight) -> str:
+    """What came of it, in a sentence."""
+    parts = [
+        f"worst miss {flight.worst_miss_m:.2g} m and {flight.worst_miss_m_s:.2g} m/s over "
+        f"{counted(len(flight.legs), 'leg')} in the field {flight.gravity}, planned with "
+        f"{flight.planned_delta_v_m_s:.1f} and flown with {flight.flown_delta_v_m_s:.1f} m/s"
+    ]
+    if flight.strayed:
+        numbers = ", ".join(str(leg.leg) for leg in flight.strayed)
+        kind = "leg" if len(flight.strayed) == 1 else "legs"
+        parts.append(f"{kind} {numbers} missed by more than 1 m or 1 mm/s")
+    if flight.missing:
+        numbers = ", ".join(map(str, flight.missing))
+        parts.append(f"not refined: leg{'s' if len(flight.missing) > 1 else ''} {numbers}")
+    if flight.broken_tanks:
+        parts += [str(tank) for tank in flight.broken_tanks]
+    elif flight.tanks:
+        worst = max(flight.tanks, key=lambda tank: tank.over_m_s or 0.0)
+        parts.append(f"every tank holds: {worst}")
+    return "; ".join(parts)
+
+
+def _tables(flight: RefinedFlight, width: int | None) -> list[Table]:
+    from .tables import Row, leg_tables, whose
+
+    headings = ["stand-off\nm", "\nm/s", "arrival\nm", "\nm/s", "planned\nm/s", "flown\nm/s"]
+    rows = [
+        Row(
+            leg.leg,
+            leg.origin,
+            leg.destination,
+            [
+                f"{leg.standoff_miss_m:.2g}",
+                f"{leg.standoff_miss_m_s:.2g}",
+                f"{leg.arrival_miss_m:.2g}",
+                f"{leg.arrival_miss_m_s:.2g}",
+                f"{leg.planned_delta_v_m_s:.1f}",
+                f"{leg.flown_delta_v_m_s:.1f}",
+            ],
+            bold=not leg.arrives,
+        )
+        for leg in flight.legs
+    ]
+    return leg_tables(headings, rows, width, whose(flight.tanks))

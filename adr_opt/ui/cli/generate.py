@@ -1,0 +1,69 @@
+"""``generate``: draw an instance of a family."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from ...common.wording import counted
+from .fitting import Fitting, fitting_options
+from .output import emit, say
+from .parameters import check_out, json_option, quiet_option
+
+
+@click.command("generate", short_help="Draw an instance of a family.")
+@click.argument("family")
+@click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same file.")
+@click.option("--targets", type=int, metavar="N", help="Targets, instead of the family's.")
+@click.option("--zones", type=int, default=0, metavar="N", help="Keep-out zones to draw.")
+@click.option("--chasers", type=int, metavar="N", help="Chasers, instead of the family's.")
+@click.option("--stations", type=int, metavar="M", help="Stations, instead of the family's.")
+@fitting_options("the family's")
+@click.option("--out", metavar="FILE", help="Instance file to write; else it is printed.")
+@json_option
+@quiet_option
+def command(
+    family: str,
+    seed: int,
+    targets: int | None,
+    zones: int,
+    chasers: int | None,
+    stations: int | None,
+    out: str | None,
+    as_json: bool,
+    quiet: bool,
+    **fitting_given: Any,
+) -> int:
+    """Draw an instance of FAMILY.
+
+    One of tiny, nominal, reduced-time, reduced-fuel, campaign, cloud, large,
+    sso, rocket-bodies, removal and fragment-cloud. With other tanks than the family's, with kits
+    or with tows the same field is drawn, and the name ends in -fitted.
+    """
+    from ...common.files import write_text
+    from ...problem.chasers import TankByMass
+    from ...sources.generator import family as family_named
+    from ...sources.generator import generate
+
+    check_out(out)
+    fitting, kind = Fitting(**fitting_given), family_named(family)
+    usual = None if kind.draw_chaser is None else kind.draw_chaser(0)
+    fitting.check(
+        kits=usual is not None and usual.kits is not None,
+        by_mass=usual is not None and isinstance(usual.tank, TankByMass),
+    )
+    instance = generate(
+        family, seed, targets=targets, zones=zones, chasers=chasers, stations=stations,
+        tank=fitting.tank(), kits=fitting.kits, kit_mass_kg=fitting.kit_mass,
+        towed_kg=fitting.tow, disposal_altitude_m=fitting.disposal_altitude_m,
+    )  # fmt: skip
+    text = instance.to_json()
+    if out is not None:
+        write_text(out, text)
+        if not quiet:
+            count = counted(len(instance.targets), "target")
+            say(f"wrote {out}: {instance.name}, {count}")
+    if out is None or as_json:
+        emit(text)
+    return 0

@@ -1,0 +1,266 @@
+"""``import``: make an instance of a catalogue of real objects."""
+
+from __future__ import annotations
+
+import math
+from datetime import datetime
+from typing import TYPE_CHECKING, Any, Literal
+
+import click
+
+from ...common.constants import DAY_S, EARTH_RADIUS_M
+from ...common.errors import InputError
+from ...common.wording import counted
+from .import_crew import CrewOptions, crew_options, told
+from .output import emit_json, say
+from .parameters import check_out, json_option, quiet_option
+
+if TYPE_CHECKING:
+    from ...problem.orbit import Orbit
+    from ...sources.catalogue import Imported
+
+LEAST_STEP_DAYS = 0.01
+"""Of the grid of long transfers: finer ones are typing errors."""
+
+MOST_LISTED = 20
+"""Bad rows listed on standard error; --json lists all."""
+
+FILTERS = ("name", "exclude", "altitude", "inclination", "raan", "max-targets")
+"""Reasons that the user asked for, which are counted and not listed."""
+
+
+@click.command("import", short_help="Make an instance of catalogue files (TLE, OMM).")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.option("--out", required=True, metavar="FILE", help="Instance file to write.")
+@click.option(
+    "--epoch", "epoch_text", metavar="TIME", help="ISO, UTC; else the latest of the elements."
+)
+@click.option("--altitude", metavar="LO:HI", help="Mean altitudes to keep, km.")
+@click.option("--inclination", metavar="LO:HI", help="Inclinations to keep, degrees.")
+@click.option("--raan", metavar="LO:HI", help="RAANs to keep, degrees; 350:10 goes through 0.")
+@click.option(
+    "--name", "names", multiple=True, metavar="PATTERN", help="Names to keep; may be repeated."
+)
+@click.option("--max-targets", type=int, metavar="N", help="Keep N, nearest planes first.")
+@click.option(
+    "--station",
+    metavar="ORBIT|OBJECT",
+    help="ALTITUDE_KM,INCLINATION,RAAN[,U] or a number or name; else the densest plane.",
+)
+@click.option(
+    "--duration-days", type=float, default=7.0, show_default=True, help="Mission duration."
+)
+@crew_options
+@click.option(
+    "--dynamics",
+    type=click.Choice(["j2", "two-body"]),
+    default="j2",
+    show_default=True,
+    help="How planes move: with J2 they drift.",
+)
+@click.option(
+    "--no-refuelling",
+    is_flag=True,
+    help="No station: the chaser starts where it would be.",
+)
+@click.option(
+    "--drift-step-days", type=float, metavar="D", help="Grid of long transfers, instead of a 150th."
+)
+@click.option(
+    "--max-drift-days", type=float, metavar="D", help="Longest of them, 0 for none; the mission's."
+)
+@click.option(
+    "--departure-spacing-days", type=float, metavar="D", help="Least time between departures."
+)
+@click.option(
+    "--resolution", type=float, metavar="M_S", help="Transfers that save less are left out, m/s."
+)
+@click.option(
+    "--criticality",
+    is_flag=True,
+    help="Prizes by mass, altitude and crowding, from 1 to 100: a ranking.",
+)
+@click.option("--skip-bad", is_flag=True, help="Keep the good rows and objects, list the rest.")
+@json_option
+@quiet_option
+def command(
+    files: tuple[str, ...],
+    out: str,
+    epoch_text: str | None,
+    altitude: str | None,
+    inclination: str | None,
+    raan: str | None,
+    names: tuple[str, ...],
+    max_targets: int | None,
+    station: str | None,
+    duration_days: float,
+    dynamics: Literal["j2", "two-body"],
+    no_refuelling: bool,
+    drift_step_days: float | None,
+    max_drift_days: float | None,
+    departure_spacing_days: float | None,
+    resolution: float | None,
+    criticality: bool,
+    skip_bad: bool,
+    as_json: bool,
+    quiet: bool,
+    **crew_given: Any,
+) -> int:
+    """Make an instance of the objects in FILE..., by SGP4, at one epoch.
+
+    TLE, three-line, OMM as XML, KVN, JSON or CSV, recognised by content. The orbits are mean
+    elements in TEME.
+    """
+    from ...common.files import write_text
+    from ...common.records import LARGEST_DURATION_S
+    from ...sources import catalogue
+    from ...sources.catalogue.filters import parse_range
+
+    check_out(out, *files, crew_given["prizes_path"])
+    if any(not name.strip() for name in names):
+        raise InputError("--name '': give a part of a name or a pattern")
+    for option, value, least in (
+        ("--max-targets", max_targets, 1),
+        ("--duration-days", duration_days, 0.0),
+    ):
+        if value is not None and not (least <= value < math.inf and value > 0):
+            raise InputError(f"{option} = {value:g}: must be a positive number")
+    if duration_days * DAY_S > LARGEST_DURATION_S:
+        raise InputError(
+            f"--duration-days = {duration_days:g}: must be at most {LARGEST_DURATION_S / DAY_S:g}"
+        )
+    given = CrewOptions.of(crew_given)
+    crew, demands = given.crew(), given.demands()
+    filters = catalogue.Filters(
+        altitude_km=None if altitude is None else parse_range(altitude, "--altitude"),
+        inclination_deg=None if inclination is None else parse_range(inclination, "--inclination"),
+        raan_deg=None if raan is None else parse_range(raan, "--raan", open_ended=False),
+        names=names,
+    )
+    transfer = _transfer(
+        dynamics, drift_step_days, max_drift_days, departure_spacing_days, resolution
+    )
+    epoch = None if epoch_text is None else parse_epoch(epoch_text)
+    found = catalogue.read(files, skip_bad=skip_bad)
+    made = catalogue.to_instance(
+        found,
+        epoch=epoch,
+        filters=filters,
+        max_targets=max_targets,
+        station=station,
+        duration_s=DAY_S * duration_days,
+        skip_bad=skip_bad,
+        dynamics=dynamics,
+        transfer=transfer,
+        refuelling=not no_refuelling,
+        crew=crew,
+        demands=demands,
+        by_criticality=criticality,
+    )
+    write_text(out, made.instance.to_json())
+    if as_json:
+        emit_json({"path": out, "formats": found.formats, **made.to_dict()})
+    if not quiet:
+        _tell(made, out)
+    return 0
+
+
+def _transfer(
+    dynamics: str,
+    drift_step_days: float | None,
+    max_drift_days: float | None,
+    departure_spacing_days: float | None,
+    resolution: float | None,
+) -> dict[str, float | None]:
+    """The transfer settings that a call names; the others, None, follow from the mission.
+
+    Raises
+    ------
+    InputError
+        A number is out of range, or of no use in two-body motion.
+    """
+    for option, value, least in (
+        ("--drift-step-days", drift_step_days, LEAST_STEP_DAYS),
+        ("--max-drift-days", max_drift_days, 0.0),
+        ("--departure-spacing-days", departure_spacing_days, 0.0),
+        ("--resolution", resolution, 0.0),
+    ):
+        if value is not None and not (least <= value < math.inf):
+            raise InputError(f"{option} = {value:g}: must be a number of at least {least:g}")
+    if dynamics != "j2":
+        for option, value in (
+            ("--drift-step-days", drift_step_days),
+            ("--max-drift-days", max_drift_days),
+        ):
+            if value:
+                raise InputError(
+                    f"{option} = {value:g}: nothing drifts in two-body motion; leave it out, or "
+                    "--dynamics two-body"
+                )
+    return {
+        "drift_step_s": _seconds(drift_step_days),
+        "max_drift_s": _seconds(max_drift_days),
+        "departure_spacing_s": _seconds(departure_spacing_days),
+        "delta_v_resolution_m_s": resolution,
+    }
+
+
+def _seconds(days: float | None) -> float | None:
+    return None if days is None else DAY_S * days
+
+
+def parse_epoch(text: str) -> datetime:
+    """A time in ISO 8601, UTC unless it says another zone.
+
+    Raises
+    ------
+    InputError
+        It is none.
+    """
+    from datetime import UTC
+
+    try:
+        epoch = datetime.fromisoformat(text)
+        return epoch.replace(tzinfo=UTC) if epoch.tzinfo is None else epoch.astimezone(UTC)
+    except (ValueError, OverflowError):
+        raise InputError(f"--epoch {text!r}: give a time like 2026-01-01T00:00:00Z") from None
+
+
+def _tell(made: Imported, out: str) -> None:
+    bad = [drop for drop in made.dropped if drop.reason not in FILTERS]
+    for drop in bad[:MOST_LISTED]:
+        say(f"left out: {drop}")
+    if len(bad) > MOST_LISTED:
+        more = counted(len(bad) - MOST_LISTED, "more bad row or object", "more bad rows or objects")
+        say(f"left out: {more}; --json lists all")
+    for warning in made.warnings:
+        say(f"warning: {warning}")
+    from ...problem.transfer_sizes import told as transfers_told
+
+    listed = ", ".join(f"{reason} {count}" for reason, count in made.counts.items())
+    instance = made.instance
+    count = len(instance.targets)
+    taken = f"{count} of {counted(made.read, 'object')} as target{'' if count == 1 else 's'}"
+    say(
+        f"wrote {out}: {instance.name}, {taken}, "
+        f"mean elements (SGP4, TEME) at {instance.epoch:%Y-%m-%dT%H:%M:%SZ}"
+    )
+    left_out = f"left out: {listed or 'nothing'}"
+    if made.home is None:
+        say(f"start {made.station}; {left_out}")
+    else:
+        say(f"{_placed(made, made.home)}; {left_out}")
+    launches = told(instance)
+    if launches is not None:
+        say(launches)
+    say(f"dynamics {instance.dynamics}: {transfers_told(instance.transfer)}")
+
+
+def _placed(made: Imported, orbit: Orbit) -> str:
+    """Where the station is, or where the chaser starts."""
+    altitude_km = (orbit.semi_major_axis_m - EARTH_RADIUS_M) / 1e3
+    return (
+        f"{'station' if made.instance.stations else 'start'} {made.station}: altitude "
+        f"{altitude_km:.1f} km, inclination {orbit.inclination_deg:.3f}°, "
+        f"RAAN {orbit.raan_deg:.3f}°"
+    )

@@ -1,0 +1,194 @@
+"""What ``import`` has for chasers and single objects: launches, expenses, deadlines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+import click
+
+from ...common.constants import DAY_S
+from ...common.errors import InputError
+from ...common.wording import counted
+from .fitting import Fitting, check_not_negative, check_positive, fitting_options
+
+if TYPE_CHECKING:
+    from ...problem.chasers import AnyTank, Expense
+    from ...problem.instance import Instance
+    from ...sources.catalogue import Crew, Demands
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+DELTA_V_M_S = 3000.0
+"""A full tank, where nobody says what is in it."""
+
+
+def crew_options(function: Function) -> Function:
+    """The options of chasers and of single objects, for ``import``."""
+    for option in reversed(
+        (
+            click.option(
+                "--launches", type=int, metavar="N", help="N chasers, each onto its first target."
+            ),
+            click.option(
+                "--launch-every", type=float, metavar="DAYS",
+                help="Between two launches; 365. 0 for all chasers on one rocket.",
+            ),
+            click.option(
+                "--launch-separation", type=float, metavar="DAYS",
+                help="Between two launches at least, each as soon as it is worth it.",
+            ),
+            click.option(
+                "--expense", metavar="FIXED[,PER_KG[,PER_KG2]]",
+                help="Of each chaser that is used; of equal plans the least expense is best.",
+            ),
+            click.option(
+                "--service-days", type=float, metavar="D",
+                help="How long each service takes; else one revolution of the target.",
+            ),
+            click.option(
+                "--deadline", "deadlines", multiple=True, metavar="OBJECT=DAYS",
+                help="When its service has to be over; may be repeated.",
+            ),
+            click.option(
+                "--require", "required", multiple=True, metavar="OBJECT",
+                help="Has to be serviced; refused if filters leave it out. Repeatable.",
+            ),
+            click.option(
+                "--must", "musts", multiple=True, metavar="OBJECT[,OBJECT...]",
+                help="The same, but kept whatever the filters say.",
+            ),
+            click.option(
+                "--exclude", "excluded", multiple=True, metavar="OBJECT[,OBJECT...]",
+                help="One that is to be no target; may be repeated.",
+            ),
+            click.option(
+                "--prizes", "prizes_path", metavar="FILE",
+                help="CSV: object, prize, required, window, mass, removal.",
+            ),
+        )
+    ):  # fmt: skip
+        function = option(function)
+    return fitting_options(f"{DELTA_V_M_S:g}")(function)
+
+
+class CrewOptions(NamedTuple):
+    """These options as they were given; None is for what was not."""
+
+    fitting: Fitting
+    launches: int | None
+    launch_every: float | None
+    launch_separation: float | None
+    expense: str | None
+    service_days: float | None
+    deadlines: tuple[str, ...]
+    required: tuple[str, ...]
+    musts: tuple[str, ...]
+    excluded: tuple[str, ...]
+    prizes_path: str | None
+
+    @classmethod
+    def of(cls, given: dict[str, Any]) -> CrewOptions:
+        """The options as the command line gives them."""
+        fitting = Fitting(**{name: given.pop(name) for name in Fitting._fields})
+        return cls(fitting=fitting, **given)
+
+    def crew(self) -> Crew:
+        """The chasers.
+
+        Raises
+        ------
+        InputError
+            A number is out of range, or of no use without another option.
+        """
+        from ...problem.chasers import Tank
+        from ...sources.catalogue import Crew
+        from ...sources.catalogue.crew import APART_S
+
+        check_positive(self, ("launches", "launch_separation"))
+        check_not_negative(self, ("launch_every", "service_days"))
+        if self.launch_every is not None and self.launches is None:
+            raise InputError("--launch-every: nothing is launched; say how often with --launches")
+        if self.launch_separation is not None and self.launches is None:
+            raise InputError(
+                "--launch-separation: nothing is launched; say how often with --launches"
+            )
+        fitting = self.fitting
+        fitting.check()
+        usual_s = APART_S if self.launch_separation is None else 0.0
+        separation = self.launch_separation
+        tank = fitting.tank() or Tank(delta_v_m_s=DELTA_V_M_S)
+        return Crew(
+            tank=tank,
+            launches=self.launches or 0,
+            apart_s=usual_s if self.launch_every is None else DAY_S * self.launch_every,
+            kits=fitting.kits,
+            kit_mass_kg=fitting.kit_mass or 0.0,
+            expense=self._expense(tank),
+            separation_s=None if separation is None else DAY_S * separation,
+            towed_kg=fitting.tow,
+            disposal_altitude_m=fitting.disposal_altitude_m,
+            service_s=None if self.service_days is None else DAY_S * self.service_days,
+        )
+
+    def _expense(self, tank: AnyTank) -> Expense | None:
+        from pydantic import ValidationError
+
+        from ...common.files import sentence
+        from ...problem.chasers import Expense, TankByMass
+
+        if self.expense is None:
+            return None
+        try:
+            numbers = [float(part) for part in self.expense.split(",")]
+        except ValueError:
+            numbers = []
+        if not 1 <= len(numbers) <= 3:
+            raise InputError(
+                f"--expense {self.expense!r}: give one to three numbers, FIXED,PER_KG,PER_KG2"
+            )
+        named = dict(zip(("fixed", "per_kg", "per_kg_squared"), numbers, strict=False))
+        try:
+            expense = Expense(**named)
+        except ValidationError as error:
+            raise InputError(f"--expense {self.expense!r}: {sentence(error)}") from None
+        if expense.counts_mass and not isinstance(tank, TankByMass):
+            raise InputError(
+                "--expense: a tank that is counted in ΔV knows no masses; give --dry-mass, "
+                "--propellant and --isp, or one number"
+            )
+        return expense
+
+    def demands(self) -> Demands:
+        """What is asked of single objects.
+
+        Raises
+        ------
+        InputError
+            A deadline is no object with a number of days, or an object has two; or the table of
+            prizes cannot be read.
+        """
+        from ...sources.catalogue import Demands, read_wishes
+
+        found: dict[str, float] = {}
+        for text in self.deadlines:
+            said, sign, days = (part.strip() for part in text.rpartition("="))
+            try:
+                deadline_s = DAY_S * float(days)
+            except ValueError:
+                sign = ""
+            if not (sign and said):
+                raise InputError(f"--deadline {text!r}: give an object and days, OBJECT=DAYS")
+            if said in found:
+                raise InputError(f"--deadline {text!r}: {said} has one already")
+            found[said] = deadline_s
+        wishes = () if self.prizes_path is None else read_wishes(self.prizes_path)
+        return Demands(found, self.required, self.musts, self.excluded, wishes)
+
+
+def told(instance: Instance) -> str | None:
+    """The launches of an instance in a sentence; None if there are none."""
+    if not instance.launches:
+        return None
+    days = ", ".join(f"{since_s / DAY_S:g}" for since_s in instance.launches.values())
+    return f"{counted(len(instance.launches), 'launch', 'launches')}, on day {days}"

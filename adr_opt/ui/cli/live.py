@@ -1,0 +1,60 @@
+"""The live line: how far a method is, on a terminal."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+
+def wanted(as_json: bool, quiet: bool) -> bool:
+    """Whether somebody looks: standard error is a terminal, and nobody asked for silence."""
+    return not as_json and not quiet and sys.stderr is not None and sys.stderr.isatty()
+
+
+@contextmanager
+def live_line(shown: bool) -> Iterator[Callable[[float, float, float, bool], None]]:
+    """A line on standard error, gone at the end; yields what updates it.
+
+    The function takes incumbent, bound, the share of the timetable that is built, and whether
+    kernels are still being compiled: the clock starts after that. Without ``shown`` it does
+    nothing.
+    """
+    if not shown:
+        yield lambda incumbent, bound, built, compiling: None
+        return
+    from rich.console import Console
+    from rich.live import Live
+    from rich.text import Text
+
+    started = begun = time.monotonic()
+    with Live(console=Console(stderr=True), auto_refresh=False, transient=True) as live:
+
+        def show(incumbent: float, bound: float, built: float, compiling: bool) -> None:
+            nonlocal begun
+            now = time.monotonic()
+            if compiling:
+                begun, text = now, f"{now - started:.1f} s  compiling, once"
+            else:
+                text = describe(now - begun, incumbent, bound, built)
+            live.update(Text(text), refresh=True)
+
+        yield show
+
+
+def describe(elapsed_s: float, incumbent: float, bound: float, built: float = 1.0) -> str:
+    """The text of the line."""
+    from ...plan.plan import relative_gap
+
+    if built < 1.0:
+        return f"{elapsed_s:.1f} s  timetable {100.0 * built:.0f} %"
+
+    parts = [f"{elapsed_s:.1f} s"]
+    parts.append(f"incumbent {incumbent:g}" if math.isfinite(incumbent) else "no plan yet")
+    if math.isfinite(bound):
+        parts.append(f"bound {bound:.6g}")
+        if math.isfinite(incumbent):
+            parts.append(f"gap {relative_gap(incumbent, bound):.1%}")
+    return "  ".join(parts)

@@ -1,0 +1,137 @@
+"""``matrix``: write the timetable, sampled or whole, into a file that other programs read."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ...common.errors import InputError
+from ...common.wording import counted
+from .output import emit_json, say
+from .parameters import check_out, instance_argument, json_option, quiet_option
+
+if TYPE_CHECKING:
+    from ...legs.matrices import FloatArray
+    from ...problem.instance import Instance
+
+MOST_BYTES = 2**34
+"""Larger matrices are refused before the system runs out of memory."""
+
+
+@click.command("matrix", short_help="Write ΔV and duration matrices of INSTANCE.")
+@instance_argument
+@click.option("--every", "every_s", type=float, metavar="S", help="Ready times, S apart, from 0.")
+@click.option(
+    "--at", "at_s", type=float, multiple=True, metavar="S", help="Ready time; repeatable."
+)
+@click.option(
+    "--quantity",
+    type=click.Choice(["delta_v", "duration"]),
+    default="delta_v",
+    show_default=True,
+    help="Weights of .tsp, .vrp and .oplib; the others hold both.",
+)
+@click.option(
+    "--choose",
+    metavar="HOW",
+    help="At ready times, of all transfers that a chaser may wait for: 'earliest', 'cheapest', or "
+    "m/s that an hour is worth. By default 75 of those, and service in time.",
+)
+@click.option(
+    "--scale", type=float, help="Weight of one m/s or one second in .tsp, .vrp and .oplib."
+)
+@click.option(
+    "--out",
+    required=True,
+    metavar="FILE",
+    help="File to write. Matrices at ready times: .nc, .npz; at one: .tsp, .vrp, .oplib. "
+    "Every departure, without ready times: .parquet, .lp, .mps.",
+)
+@json_option
+@quiet_option
+def command(
+    instance_path: str,
+    every_s: float | None,
+    at_s: tuple[float, ...],
+    quantity: str,
+    choose: str | None,
+    scale: float | None,
+    out: str,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Write ΔV and duration of every transfer of INSTANCE: at ready times, or at all events."""
+    if every_s is not None and at_s:
+        raise InputError("give the ready times either with --every S or with --at S")
+    if every_s is not None and not (every_s > 0.0 and math.isfinite(every_s)):
+        raise InputError(f"--every = {every_s:g}: must be a positive number of seconds")
+    for time_s in at_s:
+        if not (time_s >= 0.0 and math.isfinite(time_s)):
+            raise InputError(f"--at = {time_s:g}: must be a time from 0 on, in seconds")
+
+    from ...export.tables import write_matrix, write_timetable
+    from ...export.tables.write import suffix_of, whole_suffixes
+    from ...legs.connections import weights_of
+    from ...problem.instance import load
+
+    if choose is not None:
+        weights_of(choose)
+    suffix = suffix_of(out)
+    is_whole = suffix in whole_suffixes()
+    has_times = every_s is not None or bool(at_s)
+    if is_whole and has_times:
+        raise InputError(
+            f"{out}: a {suffix} file holds every connection; leave out --every and --at"
+        )
+    if is_whole and choose is not None:
+        raise InputError(f"{out}: a {suffix} file holds every connection; leave out --choose")
+    if not is_whole and not has_times:
+        raise InputError("give the ready times either with --every S or with --at S")
+
+    instance = load(instance_path)
+    check_out(out, instance_path)
+    if not quiet:
+        _announce(instance)
+    written: dict[str, Any] = {"instance": instance.name, "path": out}
+    if is_whole:
+        write_timetable(instance, out)
+        what = "every connection"
+    else:
+        departures = _departures(instance, every_s, at_s)
+        write_matrix(instance, out, departures, quantity=quantity, scale=scale, choose=choose)
+        written |= {"quantity": quantity, "choose": choose, "departures_s": departures.tolist()}
+        what = counted(departures.size, "ready time")
+    if as_json:
+        emit_json(written | {"bodies": list(instance.names)})
+    if not quiet:
+        say(f"wrote {out}: {what}, {counted(len(instance.names), 'body', 'bodies')}")
+    return 0
+
+
+def _announce(instance: Instance) -> None:
+    """Say how large the timetable is going to be, if that is much."""
+    from ...legs.timetable_size import estimate
+
+    size = estimate(instance)
+    if size.is_large:
+        say(f"building {size}")
+
+
+def _departures(instance: Instance, every_s: float | None, at_s: tuple[float, ...]) -> FloatArray:
+    """The ready times asked for [s]."""
+    import numpy as np
+
+    end_s = instance.mission.duration_s
+    if every_s is None:
+        if max(at_s) > end_s:
+            raise InputError(f"--at = {max(at_s):g}: the mission ends at {end_s:g} s")
+        return np.array(at_s)
+    size = 16.0 * len(instance.names) ** 2 * (end_s / every_s + 1.0)
+    if size > MOST_BYTES:
+        raise InputError(
+            f"--every = {every_s:g}: the matrices would take {size / 2**30:.3g} GiB, more than "
+            f"{MOST_BYTES / 2**30:g}; raise it"
+        )
+    return np.arange(0.0, max(end_s, every_s), every_s)

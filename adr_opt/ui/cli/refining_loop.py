@@ -1,0 +1,127 @@
+"""What ``solve --refine`` has beyond ``solve``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+import click
+
+from ...common.errors import InputError
+from ...common.wording import counted
+from .output import emit, emit_json, say
+from .refine import freedom_option, gravity_option
+
+if TYPE_CHECKING:
+    from ...fly.refine.loop import RefinedResult
+    from ...plan.refined_plan import Freedom, Gravity
+    from ...problem.instance import Instance
+    from .work import Watch
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+class Refining(NamedTuple):
+    """The options of ``solve`` that speak of refining; None is for what was not given."""
+
+    refine: bool
+    refined_out: str | None
+    gravity: Gravity | None
+    freedom: Freedom | None
+    rounds: int | None
+    spend_savings: bool
+
+    def check(self, instance_path: str, out: str | None) -> None:
+        """Raise :class:`InputError` if some of them do not go together with the other options."""
+        from .parameters import check_out
+
+        for name, value in (
+            ("--refined-out", self.refined_out),
+            ("--gravity", self.gravity),
+            ("--burns", self.freedom),
+            ("--rounds", self.rounds),
+            ("--spend-savings", "" if self.spend_savings else None),
+        ):
+            if value is not None and not self.refine:
+                raise InputError(f"{f'{name} {value}'.strip()}: nothing is refined; add --refine")
+        check_out(self.refined_out, instance_path, results=(out,))
+
+
+def refine_options(function: Function) -> Function:
+    """The options of refining, for ``solve``."""
+    for option in reversed(
+        (
+            click.option(
+                "--refine",
+                is_flag=True,
+                help="Refine the plan, and plan again until it holds in true dynamics.",
+            ),
+            click.option("--refined-out", metavar="FILE", help="Refined plan file to write."),
+            gravity_option,
+            freedom_option,
+            click.option(
+                "--rounds", type=int, metavar="N", help="Times to plan, at most, with --refine; 10."
+            ),
+            click.option(
+                "--spend-savings",
+                is_flag=True,
+                help="With --refine: spend what flown legs save; 'check' may refuse the plan.",
+            ),
+        )
+    ):
+        function = option(function)
+    return function
+
+
+def run_refined(
+    instance: Instance, method: str, refining: Refining, progress: Watch, quiet: bool, **given: Any
+) -> RefinedResult:
+    """Plan, refine and plan again; each round is said when it is over."""
+    from ...fly.refine.loop import MOST_ROUNDS, solve_refined
+
+    return solve_refined(
+        instance, method, gravity=refining.gravity, freedom=refining.freedom,
+        rounds=MOST_ROUNDS if refining.rounds is None else refining.rounds,
+        spend_savings=refining.spend_savings,
+        told=(lambda one: None) if quiet else (lambda one: say(str(one))),
+        progress=progress, building=progress.building, sizing=progress.sizing, **given,
+    )  # fmt: skip
+
+
+def save_refined(looped: RefinedResult, path: str | None, quiet: bool) -> None:
+    """Write the refined plan, if there is one and somebody wants it."""
+    if path is None or looped.refined is None:
+        return
+    looped.refined.save(path)
+    if not quiet:
+        legs = counted(len(looped.refined.legs), "leg")
+        say(f"wrote {path}: {legs}, {looped.refined.status}")
+
+
+def tell_refined(looped: RefinedResult, as_json: bool) -> None:
+    """Whether the plan holds, and what it costs."""
+    refined, plan = looped.refined, looped.plan
+    planned, flown = (
+        (None, None)
+        if refined is None
+        else (refined.planned_delta_v_m_s, refined.flown_delta_v_m_s)
+    )
+    if as_json:
+        emit_json(
+            {
+                "holds": looped.holds,
+                "reason": looped.reason,
+                "planned_delta_v_m_s": planned,
+                "flown_delta_v_m_s": flown,
+                "notes": looped.result.notes,
+                "rounds": [one.to_dict() for one in looped.rounds],
+                "plan": None if plan is None else plan.to_dict(),
+            }
+        )
+    elif looped.holds:
+        emit(
+            f"the plan holds when refined: planned with {planned:.1f} m/s, flown with "
+            f"{flown:.1f} m/s, after {counted(len(looped.rounds), 'round')}"
+        )
+    else:
+        emit(f"the plan does not hold: {looped.reason}")

@@ -1,0 +1,296 @@
+"""``replan``: plan the rest of a mission anew, from where its chasers are."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, TypeVar
+
+import click
+
+from ...common.constants import DAY_S, HOUR_S
+from ...common.errors import InputError
+from ...common.wording import counted
+from .output import emit, emit_json, emit_rich, say, terminal_width
+from .parameters import (
+    check_out,
+    instance_argument,
+    is_same_file,
+    json_option,
+    plan_argument,
+    quiet_option,
+)
+
+if TYPE_CHECKING:
+    from ...analysis.replanned import Replanned
+    from ...analysis.state import State
+    from ...problem.instance import Instance
+    from ...problem.settings import KeepOutZone
+
+Key = TypeVar("Key", int, str)
+
+UNITS = {"": DAY_S, "d": DAY_S, "h": HOUR_S, "s": 1.0}
+
+
+@click.command("replan", short_help="Plan the rest of a mission anew.")
+@instance_argument
+@plan_argument
+@click.option(
+    "--at", "at_text", required=True, metavar="TIME", help="Days after the epoch; 36h, 900s; ISO."
+)
+@click.option("--zones", "zones_path", metavar="FILE", help="JSON: new keep-out zones, a list.")
+@click.option(
+    "--lost", multiple=True, metavar="NAME[,NAME...]", help="A target that is none any more."
+)
+@click.option("--failed", type=int, metavar="LEG", help="A leg that does not begin when planned.")
+@click.option(
+    "--missed", multiple=True, metavar="NAME[,NAME...]", help="A target come to, not serviced."
+)
+@click.option("--retry", is_flag=True, help="What was missed may be tried again.")
+@click.option(
+    "--service-took",
+    "services",
+    multiple=True,
+    metavar="NAME=DAYS",
+    help="How long a service, or the attempt, took; 36h, 900s.",
+)
+@click.option("--cost", "costs", multiple=True, metavar="LEG=M_S", help="The ΔV that a leg took.")
+@click.option("--keep", type=int, default=0, metavar="N", help="Legs more that stay as planned; 0.")
+@click.option("--method", metavar="NAME", help="Planner of the rest; else a beam, of several auto.")
+@click.option("--time-limit", type=float, metavar="S", help="Wall time of a run; 2 s.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same result.")
+@click.option("--out", metavar="FILE", help="Plan file of the rest to write.")
+@click.option("--out-instance", metavar="FILE", help="Instance file of the rest to write.")
+@json_option
+@quiet_option
+def command(
+    instance_path: str,
+    plan_path: str,
+    at_text: str,
+    zones_path: str | None,
+    lost: tuple[str, ...],
+    failed: int | None,
+    missed: tuple[str, ...],
+    retry: bool,
+    services: tuple[str, ...],
+    costs: tuple[str, ...],
+    keep: int,
+    method: str | None,
+    time_limit: float | None,
+    seed: int,
+    out: str | None,
+    out_instance: str | None,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Take the state of PLAN on INSTANCE at a time, and plan what is left of it anew.
+
+    Legs that have begun are finished. What is written is the rest: an instance that begins where
+    the chasers are then, and its plan. Exit status 1: there is no plan of the rest.
+    """
+    from ...analysis.orders import BodyNames
+    from ...analysis.replan import DEFAULT_TIME_LIMIT_S, replan
+    from ...plan.plan import load_plan
+    from ...problem.instance import load
+    from .work import work
+
+    instance, plan = load(instance_path), load_plan(plan_path)
+    at_s = parse_time(at_text, instance)
+    zones = () if zones_path is None else read_zones(zones_path)
+    check_out(out, instance_path, plan_path, zones_path)
+    check_out(out_instance, instance_path, plan_path, zones_path)
+    if out is not None and out_instance is not None and is_same_file(out, out_instance):
+        raise InputError(f"{out}: named for the plan and for the instance; give each its own")
+    known, names = BodyNames(instance), set(instance.names)
+
+    def named(texts: tuple[str, ...], option: str) -> list[str]:
+        return [
+            known.one(part.strip(), f"{option} ")
+            for text in texts
+            for part in ([text] if text in names else text.split(","))
+        ]
+
+    gone, tried = named(lost, "--lost"), named(missed, "--missed")
+    took_s = _once(
+        (known.one(name, "--service-took "), parse_span(days, "--service-took"))
+        for name, days in map(_pair_of("--service-took", "NAME=DAYS"), services)
+    )
+    spent_m_s = _once(map(parse_cost, costs))
+    limit = DEFAULT_TIME_LIMIT_S if time_limit is None else time_limit
+    made = work(
+        lambda stop, progress: replan(
+            instance, plan, at_s, zones=zones, lost=gone, failed=failed, keep=keep, missed=tried,
+            retry=retry, services_s=took_s, costs_m_s=spent_m_s, method=method, time_limit=limit,
+            seed=seed, stop=stop,
+        ),
+        live=False, quiet=quiet,
+    )  # fmt: skip
+    if out_instance is not None:
+        made.instance.save(out_instance)
+    if out is not None and made.plan is not None:
+        made.plan.save(out)
+    if not quiet:
+        for path, there in ((out_instance, True), (out, made.plan is not None)):
+            if path is not None and there:
+                say(f"wrote {path}")
+    if as_json:
+        emit_json(made.to_dict())
+    else:
+        _tell(made)
+    return 1 if made.plan is None else 0
+
+
+def parse_time(text: str, instance: Instance) -> float:
+    """A time as seconds after the epoch: days, or with a unit, or a date.
+
+    Raises
+    ------
+    InputError
+        It is none.
+    """
+    from .import_ import parse_epoch
+
+    found = _span_s(text)
+    if found is not None:
+        return found
+    try:
+        return (parse_epoch(text) - instance.epoch).total_seconds()
+    except InputError:
+        raise InputError(
+            f"--at {text!r}: give days after the epoch, as 2.5, 36h or 900s, or a time like "
+            "2026-01-01T00:00:00Z"
+        ) from None
+
+
+def _span_s(text: str) -> float | None:
+    """Days, or with a unit, as seconds; None for something else."""
+    found = re.fullmatch(r"([+-]?\d+\.?\d*(?:e[+-]?\d+)?) *([dhs]?)", text.strip(), re.IGNORECASE)
+    return None if found is None else float(found[1]) * UNITS[found[2].lower()]
+
+
+def parse_span(text: str, option: str) -> float:
+    """A time that something takes as seconds: days, or with a unit.
+
+    Raises
+    ------
+    InputError
+        It is none.
+    """
+    found = _span_s(text)
+    if found is None:
+        raise InputError(f"{option} {text!r}: give days, as 2.5, 36h or 900s")
+    return found
+
+
+def parse_cost(text: str) -> tuple[int, float]:
+    """The number of a leg and what it took [m/s].
+
+    Raises
+    ------
+    InputError
+        It is something else.
+    """
+    number, cost = _pair_of("--cost", "LEG=M_S")(text)
+    try:
+        return int(number), float(cost)
+    except ValueError:
+        raise InputError(f"--cost {text!r}: give LEG=M_S, as 12=140.5") from None
+
+
+def _pair_of(option: str, form: str) -> Callable[[str], tuple[str, str]]:
+    def pair(text: str) -> tuple[str, str]:
+        name, equals, value = text.rpartition("=")
+        if not equals or not name.strip():
+            raise InputError(f"{option} {text!r}: give {form}")
+        return name.strip(), value
+
+    return pair
+
+
+def _once(pairs: Iterable[tuple[Key, float]]) -> dict[Key, float]:
+    """A value for each key.
+
+    Raises
+    ------
+    InputError
+        A key has two.
+    """
+    found = dict[Key, float]()
+    for key, value in pairs:
+        if key in found:
+            raise InputError(f"{key}: {found[key]:g} and {value:g} are told of it; tell one")
+        found[key] = value
+    return found
+
+
+def read_zones(path: str) -> tuple[KeepOutZone, ...]:
+    """The keep-out zones of a file: a list of them, or an instance.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, or holds something else.
+    """
+    import json
+
+    from pydantic import ValidationError
+
+    from ...common.files import read_text, sentence
+    from ...problem.settings import KeepOutZone
+
+    try:
+        content = json.loads(read_text(path))
+    except json.JSONDecodeError as error:
+        raise InputError(f"{path}: not JSON: {error.msg}; give a JSON file") from None
+    if isinstance(content, dict):
+        content = content.get("keep_out_zones")
+    if not isinstance(content, list):
+        raise InputError(f"{path}: give a list of keep-out zones, as an instance has them")
+    zones = []
+    for number, zone in enumerate(content):
+        try:
+            zones.append(KeepOutZone.model_validate(zone))
+        except ValidationError as error:
+            raise InputError(f"{path}: zone {number + 1}: {sentence(error)}") from None
+    return tuple(zones)
+
+
+def _where(state: State) -> str:
+    if state.body is None:
+        return "is not launched yet"
+    if state.is_put:
+        return f"is at {state.body}, which is still to be towed"
+    if state.is_released:
+        return f"is on the disposal orbit of {state.body}"
+    return f"is at {state.body}"
+
+
+def _tell(made: Replanned) -> None:
+    from .timeline import clock, summary, timelines
+
+    for state in made.states:
+        emit(
+            f"{state.chaser.name}: {counted(len(state.legs), 'leg')} flown or fixed, "
+            f"{_where(state)}, free "
+            f"on {clock(state.free_s)} with {state.left_m_s:.1f} m/s"
+        )
+    for note in made.notes:
+        emit(f"note: {note}")
+    if made.plan is None:
+        emit("no plan of the rest services all required targets")
+        return
+    for table in timelines(made.instance, made.plan, terminal_width()):
+        emit_rich(table)
+    emit(summary(made.instance, made.plan))
+    tried = tuple(name for name in made.missed if name not in made.given_up)
+    for words, names in (
+        ("lost", made.lost), ("missed, and given up", made.given_up),
+        ("missed, and may be tried again", tried), ("left out now", made.dropped),
+        ("visited instead", made.gained),
+    ):  # fmt: skip
+        if names:
+            emit(f"{words}: {counted(len(names), 'target')}: {', '.join(names)}")
+    emit(
+        f"prize of the rest {made.prize_after:g}, {made.prize_before:g} before; "
+        f"{counted(made.kept, 'leg')} at its beginning as before; {made.runtime_s:.2f} s"
+    )

@@ -1,0 +1,123 @@
+"""``report``: a mission as one page for people."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from ...common.errors import InputError, MissingExtra
+from ...common.wording import counted
+from .output import emit_json, say
+from .parameters import (  # fmt: skip
+    check_out,
+    instance_argument,
+    json_option,
+    plan_argument,
+    quiet_option,
+)
+
+if TYPE_CHECKING:
+    from ...fly.flight import Flight, RefinedFlight
+    from ...plan.plan import Plan
+    from ...plan.refined_plan import RefinedPlan
+    from ...problem.instance import Instance
+
+
+@click.command("report", short_help="Write PLAN as an interactive page that works offline.")
+@instance_argument
+@plan_argument
+@click.option("--out", required=True, metavar="FILE", help="HTML file to write.")
+@click.option(
+    "--refined",
+    "refined_path",
+    metavar="FILE",
+    help="PLAN as 'refine' has written it: what its legs take is told beside what was planned.",
+)
+@click.option(
+    "--fly",
+    "wants_flight",
+    is_flag=True,
+    help="Fly PLAN, and the refined one, as 'fly' does, and tell where each leg leads ([astro]).",
+)
+@json_option
+@quiet_option
+def command(
+    instance_path: str,
+    plan_path: str,
+    out: str,
+    refined_path: str | None,
+    wants_flight: bool,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Write PLAN on INSTANCE as one self-contained HTML page: charts, tables, bound and gap.
+
+    A plan with violations is reported too: they head the page and are counted here. So are tanks
+    that break when flown, on the true orbits or under J2; with --refined those alone that break
+    with the refined legs. Exit status 1: there are such tanks, or the refined plan lacks a leg or,
+    with --fly, misses.
+    """
+    from ...plan.plan import load_plan
+    from ...plan.refined_plan import load_refined
+    from ...problem.instance import load
+    from ..report import write_report
+
+    instance, plan = load(instance_path), load_plan(plan_path)
+    refined = None if refined_path is None else load_refined(refined_path)
+    check_out(out, instance_path, plan_path, refined_path)
+    if not out.lower().endswith((".html", ".htm")):
+        raise InputError(f"{out}: the page is HTML; give a file that ends in .html")
+    flight, refined_flight = None, None
+    try:
+        if wants_flight:
+            flight, refined_flight = _flown(instance, plan, refined)
+        written = write_report(
+            instance, plan, out, refined, flight=flight, refined_flight=refined_flight
+        )
+    except MissingExtra:
+        raise
+    except InputError as error:
+        said = str(error)
+        raise InputError(said if said.startswith(f"{out}: ") else f"{plan_path}: {said}") from None
+    # Those of a refined plan that break are among its complaints.
+    flown = () if refined is not None else written.tanks or ()
+    broken = [tank for tank in flown if not tank.holds]
+    if as_json:
+        tanks = None if written.tanks is None else [tank.to_dict() for tank in written.tanks]
+        emit_json(
+            {
+                "instance": instance.name,
+                "path": written.path,
+                "bytes": written.size_bytes,
+                "legs": len(plan.legs),
+                "objective": plan.objective,
+                "violations": [violation.to_dict() for violation in written.violations],
+                "tanks": tanks,
+                "trouble": written.trouble,
+                "refined": None if refined is None else list(written.complaints),
+            }
+        )
+    if not quiet:
+        legs = counted(len(plan.legs), "leg")
+        say(f"wrote {out}: {legs}, {written.size_bytes / 1e6:.2f} MB")
+        if count := len(written.violations):
+            say(
+                f"{plan_path}: the plan has {counted(count, 'violation')}; "
+                f"the page begins with {'them' if count > 1 else 'it'}"
+            )
+        for tank in broken:
+            where = "when flown" if instance.nodes_drift else "on the true orbits"
+            say(f"{plan_path}: {where} {tank}")
+        for complaint in written.complaints:
+            say(f"{refined_path}: {complaint}")
+    return 1 if broken or written.complaints else 0
+
+
+def _flown(
+    instance: Instance, plan: Plan, refined: RefinedPlan | None
+) -> tuple[Flight, RefinedFlight | None]:
+    """The flight of a plan, and that of the refined one by another integrator."""
+    from ...fly.flight import fly, fly_refined
+
+    return fly(instance, plan), None if refined is None else fly_refined(instance, refined)

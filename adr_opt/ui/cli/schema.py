@@ -1,0 +1,25 @@
+"""``schema``: print the JSON Schema of a file format."""
+
+from __future__ import annotations
+
+import click
+
+from .output import emit_json
+from .parameters import json_option
+
+
+@click.command("schema")
+@click.argument("which", type=click.Choice(["instance", "plan", "refined", "certificate"]))
+@json_option
+def command(which: str, as_json: bool) -> int:
+    """Print the JSON Schema of a file: instance, plan, refined plan or certificate."""
+    if which == "instance":
+        from ...problem.instance import json_schema
+    elif which == "plan":
+        from ...plan.plan import json_schema
+    elif which == "certificate":
+        from ...plan.certificate import json_schema
+    else:
+        from ...plan.refined_plan import json_schema
+    emit_json(json_schema())
+    return 0

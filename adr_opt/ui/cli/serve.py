@@ -1,0 +1,77 @@
+"""``serve``: the report page live, for whoever plans at it."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from contextlib import closing
+from pathlib import Path
+
+import click
+
+from ...common.errors import MissingExtra
+from .output import emit, emit_json, say
+from .parameters import instance_argument, json_option, quiet_option
+from .signals import Aborted, signals_to
+
+PATIENCE_S = 60.0
+"""A planner that was told to stop may take so long [s]."""
+
+
+@click.command("serve", short_help="Plan on a page of this machine, live.")
+@instance_argument
+@click.argument("plan_path", metavar="[PLAN]", required=False)
+@click.option("--port", type=int, default=0, metavar="N", help="Port of 127.0.0.1; any free one.")
+@click.option("--folder", metavar="DIR", help="Working folder; INSTANCE-served, beside this call.")
+@click.option("--no-open", is_flag=True, help="Open no browser.")
+@json_option
+@quiet_option
+def command(
+    instance_path: str,
+    plan_path: str | None,
+    port: int,
+    folder: str | None,
+    no_open: bool,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Serve a page on which INSTANCE is edited and planned, beside the report of its plan.
+
+    To this machine only, and to whoever has the address that is printed. No file is written but in
+    the working folder: the last plan with its instance. Ctrl-C ends it.
+    """
+    try:
+        from ..serve.server import Server, listening
+    except ImportError as error:
+        package = (error.name or "").partition(".")[0]
+        if package not in ("starlette", "uvicorn"):
+            raise
+        raise MissingExtra("serving a page", package, "serve") from None
+    from ...plan.plan import load_plan
+    from ...problem.instance import load
+    from ..serve.desk import Desk
+    from ..serve.folder import Folder
+
+    instance = load(instance_path)
+    plan = None if plan_path is None else load_plan(plan_path)
+    place = Folder(folder or f"{Path(instance_path).stem}-served", instance_path)
+    with closing(listening(port)) as listener:
+        desk = Desk(instance, plan, place)
+        server, ended = Server(desk, listener), threading.Event()
+        with signals_to(ended.set):
+            server.start()
+            if as_json:
+                emit_json({"url": server.url, "port": server.port, "folder": str(place.path)})
+            else:
+                emit(server.url)
+            sys.stdout.flush()
+            if not quiet:
+                say(f"serving {instance.name!r}, kept in {place.path}; Ctrl-C ends it")
+            if not no_open:
+                click.launch(server.url)
+            server.wait(ended)
+            server.close()
+            if not desk.close(PATIENCE_S):
+                raise Aborted(signal.SIGINT)
+    return 0

@@ -1,0 +1,131 @@
+"""Tables of legs: numbers are never cut, names are shortened first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple, Protocol
+
+from rich.cells import cell_len
+from rich.table import Table
+from rich.text import Text
+
+from ...common.wording import shortened
+
+ARROW = " → "
+ROUTE, PLACE = f"origin{ARROW}destination", "destination"
+SHORT_NAME = 10
+"""Characters of a name that are kept however narrow the terminal is."""
+
+
+class Row(NamedTuple):
+    """One leg."""
+
+    number: int
+    origin: str
+    destination: str
+    texts: Sequence[str]
+    bold: bool = False
+
+
+def leg_table(
+    headings: Sequence[str], rows: Iterable[Row], width: int | None, title: str | None = None
+) -> Table:
+    """Legs with their number, their bodies, and columns of numbers.
+
+    Where there is too little room, the frame goes, then parts of the names, then the origins: the
+    row before says where the chaser is. A table that is still too wide stays so.
+
+    Parameters
+    ----------
+    headings : sequence of str
+        Of the columns of numbers.
+    rows : iterable of Row
+    width : int or None
+        Columns of the terminal; None for as many as it takes.
+    title : str, optional
+    """
+    rows = list(rows)
+    # As wide as the longest line of each column of numbers, heading included.
+    cells = [["leg", *(str(row.number) for row in rows)]]
+    cells += [[heading, *(row.texts[at] for row in rows)] for at, heading in enumerate(headings)]
+    taken = sum(max(cell_len(line) for cell in column for line in cell.split("\n"))
+                for column in cells)  # fmt: skip
+    count = len(cells) + 1
+    routes = [ROUTE, *(row.origin + ARROW + row.destination for row in rows)]
+    framed = True
+    if width is not None:
+        longest = max(map(cell_len, routes))
+        framed = width - taken - (3 * count + 1) >= min(longest, 2 * SHORT_NAME + len(ARROW))
+        room = width - taken - (3 * count + 1 if framed else count - 1)
+        if longest > room:
+            routes = _fitted(rows, room)
+    table = Table(title=title, title_justify="left")
+    if not framed:
+        table.box, table.pad_edge, table.collapse_padding = None, False, True
+    table.add_column("leg", justify="right", no_wrap=True)
+    table.add_column(routes[0], no_wrap=True)
+    for heading in headings:
+        table.add_column(heading, justify="right", no_wrap=True)
+    for row, route in zip(rows, routes[1:], strict=True):
+        style = "bold" if row.bold else None
+        table.add_row(str(row.number), Text(route), *row.texts, style=style)
+    return table
+
+
+def leg_tables(
+    headings: Sequence[str],
+    rows: Iterable[Row],
+    width: int | None,
+    whose: Mapping[int, str],
+    title: str | None = None,
+) -> list[Table]:
+    """The same as a table for each chaser, where there are several.
+
+    Parameters
+    ----------
+    headings, rows, width, title
+        As :func:`leg_table` takes them.
+    whose : mapping of int to str
+        The chaser of each leg, by its number; empty where there is one.
+    """
+    if not whose:
+        return [leg_table(headings, rows, width, title)]
+    found: dict[str, list[Row]] = {}
+    for row in rows:
+        found.setdefault(whose[row.number], []).append(row)
+    return [
+        leg_table(headings, its, width, chaser if title is None else f"{chaser}, {title}")
+        for chaser, its in found.items()
+    ]
+
+
+class _Part(Protocol):
+    """Legs in a row that one chaser flies."""
+
+    @property
+    def chaser(self) -> str | None: ...
+    @property
+    def first_leg(self) -> int: ...
+    @property
+    def last_leg(self) -> int: ...
+
+
+def whose(parts: Iterable[_Part]) -> dict[int, str]:
+    """The chaser of each leg of some parts of a plan, by its number; empty where there is one."""
+    return {
+        number: part.chaser
+        for part in parts
+        if part.chaser is not None
+        for number in range(part.first_leg, part.last_leg + 1)
+    }
+
+
+def _fitted(rows: Sequence[Row], room: int) -> list[str]:
+    """The routes in so many columns, after their heading."""
+    each = (room - len(ARROW)) // 2
+    if each >= SHORT_NAME:
+        short = shortened((name for row in rows for name in row[1:3]), each)
+        return [ROUTE, *(short[row.origin] + ARROW + short[row.destination] for row in rows)]
+    last = max(room - len(ARROW.lstrip()), SHORT_NAME)
+    short = shortened((row.destination for row in rows), last)
+    return [PLACE, *(ARROW.lstrip() + short[row.destination] for row in rows)]

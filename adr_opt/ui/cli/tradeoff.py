@@ -1,0 +1,187 @@
+"""``tradeoff``: what budgets and durations buy, as a curve or a surface of plans and bounds."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from ...common.errors import InputError, MissingExtra
+from ...common.wording import counted
+from .output import emit_json, emit_rich, say
+from .parameters import check_out, cluster_option, instance_argument, json_option, quiet_option
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ...analysis.trade import Point, Tradeoff
+    from ...analysis.trade.frontier import Ending
+    from ...analysis.trade.points import Board
+    from ...common.stop import Stop
+
+
+@click.command("tradeoff", short_help="Plans and bounds over budgets and durations.")
+@instance_argument
+@click.option(
+    "--vary",
+    "varied",
+    multiple=True,
+    metavar="NAME=LO:HI:STEP",
+    help="delta-v, m/s, propellant, kg, or duration, days; or values with commas; repeatable.",
+)
+@click.option(
+    "--frontier",
+    "frontier_path",
+    metavar="FILE",
+    help="CSV: least ΔV against the last day, at the most prize; needs no --vary.",
+)
+@click.option("--method", metavar="NAME", help="Planner; 'methods' lists them and the default.")
+@click.option("--time-limit", type=float, metavar="S", help="Wall time of each run; 10 s.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same result.")
+@click.option("--jobs", type=int, default=1, metavar="N", help="Processes; 0 for all cores.")
+@click.option("--out", metavar="FILE", help="CSV; from an earlier call, it goes on with it.")
+@click.option("--page", "page_path", metavar="FILE", help="HTML file to write.")
+@click.option("--plot", "plot_path", metavar="FILE", help="Picture to write: .svg, .png or .pdf.")
+@cluster_option
+@json_option
+@quiet_option
+def command(
+    instance_path: str,
+    varied: tuple[str, ...],
+    frontier_path: str | None,
+    method: str | None,
+    time_limit: float | None,
+    seed: int,
+    jobs: int,
+    cluster: str | None,
+    out: str | None,
+    page_path: str | None,
+    plot_path: str | None,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Plan INSTANCE for every budget or duration, and prove how good that is.
+
+    Plans count for all larger points and bounds for all smaller ones. Ctrl-C asks for what there
+    is so far; with --out the same call goes on later. Exit status 1: a point has no plan.
+    """
+    from ...analysis.trade import Axis, frontier, parse_axis, tradeoff
+    from ...analysis.trade.frontier import check_frontier, write_frontier
+    from ...problem.instance import load
+    from ...run import front
+    from ..report.plain import check_page, write_page
+    from ..report.traded import traded_page
+    from .work import work
+
+    axes = [parse_axis(text) for text in varied]
+    instance = load(instance_path)
+    if frontier_path is not None:
+        check_frontier(instance)
+        check_out(frontier_path, instance_path, results=(out, page_path, plot_path))
+        axes = axes or [Axis("duration", (instance.mission.duration_s,))]
+    check_out(out, instance_path)
+    if page_path is not None:
+        check_page(page_path)
+        check_out(page_path, instance_path, results=(out,))
+    if plot_path is not None:
+        _check_plot(plot_path)
+        check_out(plot_path, instance_path, results=(out, page_path))
+
+    def told(point: Point, board: Board) -> None:
+        if not quiet:
+            proven = sum(each.proven for each in board.points.values())
+            say(
+                f"{_called(point)}: {point.methods[-1]} {point.prize:g}, bound "
+                f"{board.points[point.limits].upper_bound:g}; {proven} of {len(board.points)} "
+                "points proven"
+            )
+
+    limit = front.DEFAULT_TIME_LIMIT_S if time_limit is None else time_limit
+
+    def run(stop: Stop) -> tuple[Tradeoff, tuple[Ending, ...]]:
+        made = tradeoff(
+            instance, axes, method=method or front.DEFAULT_METHOD, time_limit=limit, seed=seed,
+            jobs=jobs, cluster=cluster, path=out, stop=stop, told=told,
+        )  # fmt: skip
+        if frontier_path is None:
+            return made, ()
+        heard = (lambda text: None) if quiet else say
+        return made, frontier(made, time_limit=limit, seed=seed, stop=stop, told=heard)
+
+    made, endings = work(lambda stop, progress: run(stop), live=False, quiet=quiet)
+    if frontier_path is not None:
+        write_frontier(frontier_path, endings)
+    if page_path is not None:
+        write_page(page_path, traded_page(made, endings))
+    if plot_path is not None:
+        _draw(made, plot_path)
+    for path in (out, frontier_path, page_path, plot_path):
+        if path is not None and not quiet:
+            say(f"wrote {path}")
+    if as_json:
+        stated = {"frontier": [ending.to_dict() for ending in endings]} if frontier_path else {}
+        emit_json(made.to_dict() | stated)
+    else:
+        emit_rich(_table(made))
+        if endings:
+            emit_rich(_frontier_table(endings))
+    return 0 if all(point.routes for point in made.points) else 1
+
+
+def _called(point: Point) -> str:
+    from ...common.constants import DAY_S
+
+    return f"{point.delta_v_m_s:g} m/s, {point.duration_s / DAY_S:g} d"
+
+
+def _check_plot(path: str) -> None:
+    if not path.lower().endswith((".svg", ".png", ".pdf")):
+        raise InputError(f"{path}: the picture is SVG, PNG or PDF; give a file that ends so")
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise MissingExtra("a picture", "matplotlib", "viz") from None
+
+
+def _draw(made: Tradeoff, path: str) -> None:
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    from ...common.files import write_whole
+    from ..plot.tradeoff import tradeoff
+
+    figure, ax = pyplot.subplots(figsize=(7.0, 4.2), layout="constrained")
+    tradeoff(ax, made).legend()
+    write_whole(path, figure.savefig)
+    pyplot.close(figure)
+
+
+def _table(made: Tradeoff) -> Table:
+    from rich.table import Table
+
+    from ..report.traded import HEADINGS, cells
+
+    said = f"{made.proven} of {counted(len(made.points), 'point')} proven"
+    table = Table(title=f"{made.instance.name}: {said}", title_justify="left")
+    with_propellant = any(axis.kind == "propellant" for axis in made.axes)
+    for heading in (*(("kg",) if with_propellant else ()), *HEADINGS):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for point in made.points:
+        held = (f"{point.propellant_kg:,.6g}",) if with_propellant else ()
+        table.add_row(*held, *cells(point))
+    return table
+
+
+def _frontier_table(endings: tuple[Ending, ...]) -> Table:
+    from rich.table import Table
+
+    from ..report.traded import FRONTIER_HEADINGS, ending_cells
+
+    table = Table(title="Least ΔV against the last day", title_justify="left")
+    for heading in FRONTIER_HEADINGS:
+        table.add_column(heading, justify="right", no_wrap=True)
+    for ending in endings:
+        table.add_row(*ending_cells(ending))
+    return table

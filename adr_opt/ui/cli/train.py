@@ -1,0 +1,102 @@
+"""``train``: train a policy."""
+
+from __future__ import annotations
+
+import math
+import signal
+import threading
+from collections.abc import Mapping
+from pathlib import Path
+from types import FrameType
+
+import click
+
+from ...common.errors import InputError
+from .output import emit_json, say
+from .parameters import json_option, quiet_option
+
+
+@click.command("train", short_help="Train a policy for the planner ppo.")
+@click.option(
+    "--config", "config", required=True, metavar="NAME", help="set, set-transfer or published."
+)
+@click.option(
+    "--steps", type=int, metavar="N", help="Environment steps, at least; whole rollouts are played."
+)
+@click.option("--out", required=True, metavar="DIR", help="Folder of the run; resumed.")
+@click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--jobs", type=int, default=1, show_default=True, help="Threads.")
+@click.option("--device", default="cpu", show_default=True, help="Of PyTorch: cpu or cuda.")
+@click.option(
+    "--evaluate-every", type=int, default=200_000, show_default=True, metavar="N",
+    help="Steps between evaluations on held fields.",
+)  # fmt: skip
+@click.option(
+    "--checkpoint-every", "checkpoint_s", type=float, default=60.0, show_default=True, metavar="S",
+    help="Seconds between checkpoints.",
+)  # fmt: skip
+@json_option
+@quiet_option
+def command(
+    config: str,
+    steps: int | None,
+    out: str,
+    seed: int,
+    jobs: int,
+    device: str,
+    evaluate_every: int,
+    checkpoint_s: float,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Train a policy into DIR, from its last checkpoint if DIR holds one.
+
+    Ctrl-C ends the training with a checkpoint; the same command goes on.
+    """
+    from ...learning.trainer import get
+
+    train = get(config)
+    for name, value, least, most in (
+        ("--steps", 1 if steps is None else steps, 1, 10**12),
+        ("--seed", seed, 0, 2**31 - 1),
+        ("--jobs", jobs, 1, 1024),
+        ("--evaluate-every", evaluate_every, 1, 10**12),
+    ):
+        if not least <= value <= most:
+            raise InputError(f"{name} = {value}: must be between {least} and {most}")
+    if not (checkpoint_s >= 0.0 and math.isfinite(checkpoint_s)):
+        raise InputError(f"--checkpoint-every = {checkpoint_s:g}: must be seconds from 0 on")
+    folder = Path(out)
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{out}: is a file; give a folder")
+
+    stopped = threading.Event()
+    last: dict[str, float] = {}
+
+    def hear(number: int, frame: FrameType | None) -> None:
+        stopped.set()
+
+    from .live import wanted
+    from .training_bar import training_bar
+
+    before = {number: signal.signal(number, hear) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        with training_bar(wanted(as_json, quiet), quiet, steps) as show:
+
+            def report(done: int, means: Mapping[str, float]) -> None:
+                last.update(means)
+                show(done, means)
+
+            train(
+                folder, steps=steps, seed=seed, jobs=jobs, device=device,
+                evaluate_every=evaluate_every, checkpoint_s=checkpoint_s, enough=stopped.is_set,
+                report=report,
+            )  # fmt: skip
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    if stopped.is_set() and not quiet:
+        say(f"interrupted: {out} holds a checkpoint; the same command goes on from it")
+    if as_json:
+        emit_json({"out": out, "config": config, "seed": seed, "held": last})
+    return 0

@@ -1,0 +1,56 @@
+"""The verbs, each found in the module of its name."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from keyword import iskeyword
+
+import click
+
+from ...common.errors import InputError
+from ...common.version import __version__
+
+VERBS = (
+    "generate", "import", "solve", "bound", "check", "verify", "price", "compare", "tradeoff",
+    "replan", "fly", "refine", "matrix", "export", "report", "serve", "train", "methods",
+    "warm-up", "schema",
+)  # fmt: skip
+
+
+class Verbs(click.Group):
+    """A group whose verbs are imported when they are asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """All verbs, in the order in which they are mostly used."""
+        return list(VERBS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command of a verb; None if there is no such verb."""
+        if cmd_name not in VERBS:
+            return None
+        # A keyword of the language cannot name a module that others may import.
+        module = f"{cmd_name}_" if iskeyword(cmd_name) else cmd_name.replace("-", "_")
+        command: click.Command = import_module(f"{__package__}.{module}").command
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The verb of a call, with the sentence for an unknown one."""
+        if not args[0].startswith("-") and args[0] not in VERBS:
+            raise InputError(f"verb {args[0]!r} is unknown; use one of: {', '.join(VERBS)}")
+        return super().resolve_command(ctx, args)
+
+
+@click.group(
+    cls=Verbs,
+    no_args_is_help=False,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
+@click.version_option(__version__, message="%(prog)s %(version)s", prog_name="adr-opt")
+def command() -> None:
+    """Plan active-debris-removal missions, and prove how good the plans are.
+
+    Exit status: 0 done; 1 the answer is no (a plan with violations, an infeasible instance);
+    2 the input or the call is wrong, said in one sentence on standard error.
+    """

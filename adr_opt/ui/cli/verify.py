@@ -1,0 +1,98 @@
+"""``verify``: find out whether a plan is as good as its certificate says."""
+
+from __future__ import annotations
+
+import math
+
+import click
+
+from ...common.errors import InputError
+from ...common.wording import counted
+from .output import emit, emit_json
+from .parameters import instance_argument, json_option
+
+MOST_CONNECTIONS = 1_000_000
+"""As :mod:`adr_opt.judge.verify` has it, which takes long to import."""
+
+
+@click.command("verify")
+@instance_argument
+@click.argument("paths", metavar="[PLAN] CERTIFICATE", nargs=-1)
+@click.option(
+    "--connections", type=click.IntRange(0, MOST_CONNECTIONS), metavar="N",
+    help="Connections to fly again by the physics of 'check'; 1000.",
+)  # fmt: skip
+@click.option("--seed", type=click.IntRange(0), default=0, help="Which connections; 0.")
+@json_option
+def command(
+    instance_path: str,
+    paths: tuple[str, ...],
+    connections: int | None,
+    seed: int,
+    as_json: bool,
+) -> int:
+    """Recompute the bound of CERTIFICATE for INSTANCE, and judge PLAN by it.
+
+    By a program of its own, which shares with planners and proofs the connections alone. Without
+    PLAN the bound is verified alone. Exit status 1: refused.
+    """
+    if not 1 <= len(paths) <= 2:
+        raise InputError("verify takes an instance, a plan and a certificate; name all three")
+    from ...judge.verify import verify
+    from ...judge.verify.verdict import CONNECTIONS
+    from ...plan.certificate import load_certificate
+    from ...plan.plan import load_plan
+    from ...problem.instance import load
+
+    instance = load(instance_path)
+    plan = load_plan(paths[0]) if len(paths) == 2 else None
+    path = paths[-1]
+    certificate = load_certificate(path)
+    try:
+        verdict = verify(
+            instance, plan, certificate, seed=seed,
+            connections=CONNECTIONS if connections is None else connections,
+        )  # fmt: skip
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    if as_json:
+        emit_json(
+            {
+                "instance": instance.name,
+                "verified": verdict.verified,
+                "upper_bound": verdict.upper_bound,
+                "objective": verdict.objective,
+                "gap": verdict.gap,
+                "labels": verdict.labels,
+                "legs": verdict.legs,
+                "connections": verdict.connections,
+                "departures": verdict.departures,
+                "reasons": list(verdict.reasons),
+            }
+        )
+        return 0 if verdict.verified else 1
+    if verdict.upper_bound == -math.inf:
+        proven = "no plan keeps to all rules"
+    elif math.isfinite(verdict.upper_bound):
+        proven = f"no plan collects more than {verdict.upper_bound:.15g}"
+    else:
+        proven = "nothing was shown"
+    for reason in verdict.reasons:
+        emit(f"{path}: refused: {reason}")
+    effort = counted(verdict.legs, "leg") if verdict.legs else counted(verdict.labels, "label")
+    emit(f"{path}: {'verified: ' if verdict.verified else ''}{proven} ({effort})")
+    if verdict.connections:
+        emit(
+            f"  {counted(verdict.connections, 'connection')} flown again, and at "
+            f"{counted(verdict.departures, 'departure')} looked for better ones"
+        )
+    if verdict.verified and plan is not None:
+        if verdict.gap is not None:
+            emit(f"  the plan collects {plan.objective:.15g}: {_judged(verdict.gap)}")
+        if plan.cost_bound is not None:
+            emit("  what is said of the least cost is in no certificate, and was not looked at")
+    return 0 if verdict.verified else 1
+
+
+def _judged(gap: float) -> str:
+    return "optimal" if gap <= 0.0 else f"at most {100.0 * gap:.2f} % less than the best"

@@ -1,0 +1,126 @@
+"""``warm-up``: compile the kernels of methods before anybody waits for them."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import click
+
+from ...common.errors import InputError
+from .output import emit, emit_json, say
+from .parameters import json_option, quiet_option
+
+ENVIRONMENT = "environment"
+"""Stands for what the environment and its policies call."""
+
+
+@click.command("warm-up", short_help="Compile what methods need, once and for all runs.")
+@click.argument("methods", nargs=-1, metavar="[METHOD]...")
+@click.option("--jobs", type=int, metavar="N", help="Processes side by side; one for each core.")
+@json_option
+@quiet_option
+def command(methods: tuple[str, ...], jobs: int | None, as_json: bool, quiet: bool) -> int:
+    """Compile the kernels of METHODs, by default of all planners and bounds.
+
+    The METHOD environment, which is among them, stands for what training calls.
+
+    Compiled kernels are kept in a folder of the user, which ADR_OPT_CACHE_DIR names, and no run
+    compiles them again until they change. Exit status 1: they cannot be kept.
+    """
+    from ...kernels.core import cache
+    from ...run.methods import BOUNDS, PLANNERS, names
+
+    known = dict.fromkeys((*names(PLANNERS), *names(BOUNDS), ENVIRONMENT))
+    for method in methods:
+        if method not in known:
+            raise InputError(f"method {method!r} is unknown; use one of: {', '.join(known)}")
+    if jobs is not None and jobs < 1:
+        raise InputError(f"--jobs {jobs}: must be ≥ 1")
+    wanted = list(dict.fromkeys(methods or known))
+    if not quiet:
+        say(f"compiling for {', '.join(wanted)}; what is compiled already is not compiled again")
+    # First what all of them need, or each process would compile it anew.
+    rows = [_common(), *_compile_all(wanted, jobs or os.cpu_count() or 1)]
+    trouble = next((row.pop("trouble") for row in rows if row.get("trouble")), None)
+    for row in rows:
+        row.pop("trouble", None)
+    folder = str(next(iter(cache.folders()), ""))
+    if as_json:
+        emit_json({"folder": folder, "trouble": trouble, "methods": rows})
+    elif not quiet:
+        for row in rows:
+            emit(f"{row['method']:<16}{row['problem'] or _compiled(row['compiling_s'])}")
+    if trouble is not None:
+        say(f"compiled kernels cannot be kept: {trouble}")
+        return 1
+    if not (quiet or as_json):
+        emit(f"kept in {folder}")
+    return 0
+
+
+def _compiled(seconds: float) -> str:
+    return f"compiled in {seconds:.1f} s" if seconds > 0.0 else "was compiled already"
+
+
+def _row(method: str, problem: Exception | None = None) -> dict[str, Any]:
+    """What this process has done."""
+    from ...kernels.core import cache
+    from ...kernels.core.compile import compiling_s
+
+    said = None if problem is None else f"left out: {problem}"
+    trouble = cache.trouble()
+    return {"method": method, "compiling_s": compiling_s(), "problem": said, "trouble": trouble}
+
+
+def _common() -> dict[str, Any]:
+    """Compile the timetable, the rules, the burns, the check and the flight in mean motion."""
+    from ...fly.flight.aimed import practise
+    from ...judge.check.verdict import check
+    from ...mission.result import certify
+    from ...run.warm_up import practice_mission
+
+    for drifts in (False, True):
+        mission = practice_mission(drifts)
+        plan = certify(mission, "practice", (1,), seed=0, runtime_s=0.0).plan
+        if plan is not None:
+            check(mission.instance, plan)
+            practise(mission.instance, plan.legs[0])
+        mission.timetable.matrices([0.0])
+    return _row("(all)")
+
+
+def _compile_all(methods: list[str], jobs: int) -> list[dict[str, Any]]:
+    """Compile for each method in a process of its own, several at a time."""
+    import multiprocessing
+    import signal
+    from concurrent.futures import ProcessPoolExecutor
+
+    with ProcessPoolExecutor(
+        min(jobs, len(methods)),
+        multiprocessing.get_context("spawn"),
+        initializer=signal.signal,
+        initargs=(signal.SIGINT, signal.SIG_DFL),
+        max_tasks_per_child=1,
+    ) as pool:
+        return list(pool.map(_compile_one, methods))
+
+
+def _compile_one(method: str) -> dict[str, Any]:
+    from ...run import front
+    from ...run.methods import BOUNDS, PLANNERS, names
+
+    if method == ENVIRONMENT:
+        from ...learning.episodes import practise
+
+        practise()
+        return _row(method)
+    problem = None
+    for group in (PLANNERS, BOUNDS):
+        if method in names(group):
+            try:
+                problem = front.warm_up(group, method) or problem
+                front.warm_up(group, method, drifts=True)
+            except InputError as error:  # declared, and cannot be imported
+                problem = error
+    return _row(method, problem)

@@ -1,0 +1,106 @@
+"""Run a method where it can be watched and interrupted."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeVar
+
+from .live import live_line
+from .output import say
+from .signals import signals_to
+
+if TYPE_CHECKING:
+    from ...common.stop import Stop
+    from ...legs.timetable_size import Size
+
+Found = TypeVar("Found")
+
+POLL_S = 0.1
+
+
+class Watch:
+    """A progress that remembers the best incumbent and bound it has heard of."""
+
+    def __init__(self) -> None:
+        self.incumbent = -math.inf
+        self.bound = math.inf
+        self.built = 1.0
+        self.begun = False
+        self.size: Size | None = None
+
+    def sizing(self, size: Size) -> None:
+        """Hear of the size of a large timetable before it is built."""
+        self.size = size
+
+    def building(self, share: float) -> None:
+        """Hear of the share of the timetable that is built; the clock has started."""
+        self.begun = True
+        self.built = share
+
+    def __call__(self, incumbent: float, bound: float) -> None:
+        """Hear of an incumbent and a bound; the timetable is there, or as much as will be."""
+        self.begun = True
+        self.built = 1.0
+        self.incumbent = max(self.incumbent, incumbent)
+        self.bound = min(self.bound, bound)
+
+
+def work(task: Callable[[Stop, Watch], Found], *, live: bool, quiet: bool) -> Found:
+    """Run a method in a thread, so that signals and the live line do not wait for kernels.
+
+    The first Ctrl-C (or SIGTERM) asks the method to return what it has; the second aborts.
+
+    Parameters
+    ----------
+    task : callable
+        Called with a stop and a progress that hears of the timetable, too.
+    live : bool
+        Show a live line on standard error.
+    quiet : bool
+        Say nothing.
+
+    Raises
+    ------
+    Aborted
+        On the second signal. The thread is still running then.
+    """
+    from ...common.stop import Interrupted
+    from ...kernels.core.cache import trouble
+    from ...kernels.core.compile import compiling_s
+
+    stop, watch, done = Interrupted(), Watch(), threading.Event()
+    results: list[Found] = []
+    errors: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            results.append(task(stop, watch))
+        except BaseException as error:
+            errors.append(error)
+        finally:
+            done.set()
+
+    told = warned = sized = False
+    with signals_to(stop.interrupt), live_line(live) as show:
+        threading.Thread(target=run, name="method", daemon=True).start()
+        while not done.wait(POLL_S):
+            compiling = not watch.begun and compiling_s() > 0.0
+            show(watch.incumbent, watch.bound, watch.built, compiling)
+            if compiling and not warned and not live and not quiet:
+                say("compiling, once; the time limit begins afterwards")
+                warned = True
+            if watch.size is not None and not sized and not quiet:
+                say(f"building {watch.size}")
+                sized = True
+            if stop.is_set and not told and not quiet:
+                say("interrupted: waiting for the best result so far; once more to abort")
+                told = True
+    if trouble() is not None and not quiet:
+        say(f"compiled kernels cannot be kept: {trouble()}")
+    if errors:
+        raise errors[0]
+    if stop.is_set and not quiet:
+        say("interrupted: this is the best result until then")
+    return results[0]

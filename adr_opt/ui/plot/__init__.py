@@ -1,0 +1,49 @@
+"""Pictures for notebooks: each function takes a matplotlib axis, adds one thing and returns it.
+
+The axis is returned, so that calls can be put into each other. Nothing is cleared, no legend, title
+or figure is made: those are the caller's. Labels of the axes are set where they are still empty.
+Times are drawn in days since the epoch, altitudes in km, ΔV in m/s, angles in degrees.
+
+Only the objects given are used: this package does not import matplotlib, and works with every
+axis that has its methods (extra ``[viz]`` installs it).
+
+>>> import adr_opt, adr_opt.ui.plot
+>>> import matplotlib.pyplot as plt
+>>> instance = adr_opt.generate("tiny", seed=0)
+>>> plan = adr_opt.solve(instance, method="greedy-guarded").plan
+>>> figure, ax = plt.subplots()
+>>> ax = adr_opt.ui.plot.altitude(adr_opt.ui.plot.keep_out_zones(ax, instance), instance, plan)
+"""
+
+from __future__ import annotations
+
+from ...plan.palette import COLOURS, LABELS, PHASES
+from .budget import delta_v_left
+from .costs import leg_delta_v
+from .fields import matrix, planes
+from .gantt import gantt
+from .heights import altitude, keep_out_zones
+from .nodes import nodes
+from .segments import Segment, segments
+from .space import earth, orbits, path
+from .tradeoff import tradeoff
+
+__all__ = [
+    "COLOURS",
+    "LABELS",
+    "PHASES",
+    "Segment",
+    "altitude",
+    "delta_v_left",
+    "earth",
+    "gantt",
+    "keep_out_zones",
+    "leg_delta_v",
+    "matrix",
+    "nodes",
+    "orbits",
+    "path",
+    "planes",
+    "segments",
+    "tradeoff",
+]

@@ -1,0 +1,77 @@
+"""A plan cut into phases: what the chaser is doing, from when to when."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+from ...fly.flight.flyable import refuse_foreign
+from ...legs.service_limits import service_begins
+from ...plan.plan import Leg, Plan
+from ...problem.instance import Instance
+
+
+@dataclass(frozen=True)
+class Segment:
+    """One phase of one leg.
+
+    Attributes
+    ----------
+    leg : int
+        Number of the leg, from 1.
+    phase : str
+        One of :data:`.PHASES`.
+    start_s, end_s : float
+        Times since the epoch [s].
+    """
+
+    leg: int
+    phase: str
+    start_s: float
+    end_s: float
+
+    @property
+    def duration_s(self) -> float:
+        """How long the phase takes [s]."""
+        return self.end_s - self.start_s
+
+
+def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
+    """The phases of a plan in time order, those that take no time left out.
+
+    Read off the plan as it is: a burn begins its phase, which lasts until the next burn; without
+    burns, where connections are given, the transfer is one phase. A chaser that has docked before a
+    window opens, or before the stated arrival, waits at its destination; so does one that tows it,
+    and the next leg follows upon the tow without a wait.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan
+        Need not be free of violations.
+    """
+    refuse_foreign(instance, plan)
+    tows = plan.tows_before
+    return tuple(
+        segment
+        for number, leg in enumerate(plan.legs, start=1)
+        for segment in _of_leg(instance, number, leg, waits=number not in tows)
+        if segment.duration_s > 0.0
+    )
+
+
+def _of_leg(instance: Instance, number: int, leg: Leg, *, waits: bool) -> Iterator[Segment]:
+    begins = service_begins(instance, leg)
+    stay = "refuelling" if leg.destination in instance.station_names else "service"
+    if leg.kind != "launch" and waits:
+        yield Segment(number, "wait", leg.ready_s, leg.leaves_s)
+    for burn, after in pairwise(leg.burns):
+        yield Segment(number, burn.phase, burn.time_s, after.time_s)
+    if leg.kind == "given":
+        yield Segment(number, "transfer", leg.leaves_s, leg.docked_s)
+    yield Segment(number, "wait", leg.docked_s, begins)
+    yield Segment(number, stay, begins, leg.end_s)
+    if leg.tow is not None:
+        yield Segment(number, "wait", leg.end_s, leg.tow.start_s)
+        yield Segment(number, "tow", leg.tow.start_s, leg.tow.end_s)

@@ -1,0 +1,48 @@
+"""The files that a page is put together from, and the law that it gives itself."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from importlib import resources
+
+from ...common.errors import MissingExtra
+
+
+def policy(*scripts: str) -> str:
+    """The page's own law: its two scripts may run, nothing else, and nothing may be loaded."""
+    hashes = " ".join(
+        f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+        for text in scripts
+    )
+    return (
+        f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; "
+        "img-src data: blob:; base-uri 'none'; form-action 'none'"
+    )
+
+
+ROOMS = (
+    "state", "look", "charts", "time", "motion", "moving", "ground", "closeup", "burns", "main",
+)  # fmt: skip
+"""The rooms of the script, in the order in which they are put together."""
+
+
+def page_script() -> str:
+    """The script of the page, one function, so that its rooms share their names and nobody else."""
+    rooms = "\n".join(asset(f"script/{name}.js") for name in ROOMS)
+    return f'"use strict";\n(() => {{\n{rooms}}})();\n'
+
+
+def asset(name: str) -> str:
+    """A file of this folder as text."""
+    return resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
+
+
+def chart_library() -> str:
+    """plotly.js, from the plotly package."""
+    try:
+        from plotly.offline import get_plotlyjs
+    except ImportError:
+        raise MissingExtra("a report", "plotly", "viz") from None
+    library: str = get_plotlyjs()
+    return library

@@ -1,0 +1,57 @@
+"""What the reader chooses with: a leg, phases, and the time that is shown."""
+
+from __future__ import annotations
+
+from ...common.wording import shortened
+from ...plan.palette import COLOURS, LABELS
+from ...plan.plan import Plan
+from .text import escape
+
+LONGEST_OPTION = 18
+"""Longer names are cut in the list of legs, which has the width of a phone."""
+
+SPEEDS = {
+    60: "1 min/s", 600: "10 min/s", 3600: "1 h/s", 21600: "6 h/s", 86400: "1 d/s", 864000: "10 d/s",
+}  # fmt: skip
+"""How fast time may be played: seconds of the mission a second."""
+
+USUAL_SPEED = 600
+"""A revolution in ten seconds."""
+
+
+def phases(shown: list[str]) -> str:
+    """The legend of all charts: a button per phase that hides and shows it."""
+    return "".join(
+        f'<button type="button" class="phase" aria-pressed="true" data-phase="{phase}">'
+        f'<i style="background:{COLOURS[phase]}"></i>{LABELS[phase]}</button>'
+        for phase in shown
+    )
+
+
+def leg_options(plan: Plan) -> str:
+    """What the list of legs offers."""
+    legs = plan.legs
+    short = shortened((n for leg in legs for n in (leg.origin, leg.destination)), LONGEST_OPTION)
+    options = "".join(
+        f'<option value="{at}">{at}: {escape(short[leg.origin])} → '
+        f"{escape(short[leg.destination])}</option>"
+        for at, leg in enumerate(legs, start=1)
+    )
+    return f'<option value="0">the whole mission</option>{options}'
+
+
+def timebar() -> str:
+    """The time that is shown: a slider, a button that plays it, how fast, and what it comes to."""
+    speeds = "".join(
+        f'<option value="{speed}"{" selected" if speed == USUAL_SPEED else ""}>{said}</option>'
+        for speed, said in SPEEDS.items()
+    )
+    return (
+        '<div class="timebar" role="group" aria-label="Time">'
+        '<button type="button" id="play" aria-label="play">▶</button>'
+        '<input type="range" id="time" min="0" max="1" step="any" value="0" '
+        'aria-label="time since the epoch">'
+        f'<select id="speed" aria-label="how fast time is played, a second">{speeds}</select>'
+        '<output for="time"><b id="now"></b> <span id="then"></span> '
+        '<span id="doing"></span></output></div>'
+    )

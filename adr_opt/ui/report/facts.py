@@ -1,0 +1,85 @@
+"""The headline figures of a plan, as the plan states them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ...plan.plan import Plan
+from ...plan.routes import Flown, routes_of
+from ...problem.instance import Instance
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What a plan comes to.
+
+    Attributes
+    ----------
+    visits, targets : int
+        Targets that are visited, and all of them.
+    prize, total_prize : float
+        Collected, and of all targets.
+    upper_bound, gap : float or None
+        As the plan states them.
+    delta_v_m_s : float
+        Of all legs [m/s].
+    budgets_m_s : float
+        The full budget of each chaser that flies, once at the start and once for every refuelling
+        that a leg follows [m/s].
+    chasers, flying : int
+        All of them, and those that have a leg.
+    refuellings, stations : int
+    used_s, duration_s : float
+        End of the last service, and of the mission [s].
+    """
+
+    visits: int
+    targets: int
+    prize: float
+    total_prize: float
+    upper_bound: float | None
+    gap: float | None
+    delta_v_m_s: float
+    budgets_m_s: float
+    chasers: int
+    flying: int
+    refuellings: int
+    stations: int
+    used_s: float
+    duration_s: float
+
+    @property
+    def counts_visits(self) -> bool:
+        """Whether every prize is 1, so that the objective is the number of visits."""
+        return self.total_prize == self.targets and self.prize == self.visits
+
+
+def facts(instance: Instance, plan: Plan) -> Facts:
+    """Read the headline figures off a plan."""
+    refuellings = sum(name in instance.station_names for name in plan.destinations)
+    routes = routes_of(instance, plan)
+    flying = [flown for flown in routes if flown.legs]
+    names = {target.name for target in instance.targets}
+    return Facts(
+        visits=len(names & set(plan.destinations)),
+        targets=len(instance.targets),
+        prize=plan.objective,
+        total_prize=float(sum(target.prize for target in instance.targets)),
+        upper_bound=plan.upper_bound,
+        gap=plan.gap,
+        delta_v_m_s=plan.delta_v_m_s,
+        budgets_m_s=sum(_budgets_m_s(instance, flown) for flown in flying or routes),
+        chasers=len(routes),
+        flying=len(flying),
+        refuellings=refuellings,
+        stations=len(instance.stations),
+        used_s=max(flown.end_s for flown in routes),
+        duration_s=instance.mission.duration_s,
+    )
+
+
+def _budgets_m_s(instance: Instance, flown: Flown) -> float:
+    """The tanks that a chaser has until its last leg [m/s]."""
+    followed = sum(leg.destination in instance.station_names for _, leg in flown.legs[:-1])
+    return math.fsum(flown.tank_worths(instance)[: 1 + followed])

@@ -1,0 +1,205 @@
+"""The orbits around the Earth, with the chaser's path."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ....common.constants import EARTH_RADIUS_M
+from ....fly.trajectory.sampling import SHORTEST_ARC_S
+from ....plan.palette import COLOURS, LABELS, STATION, UNVISITED, VISITED, chaser_colours
+from ....plan.plan import Plan
+from ....plan.routes import owners
+from ....problem.instance import Instance
+from ...plot.axes import KM_M
+from ...plot.tracks import POINTS_OF_A_RING, Track, joined, ring
+from ..text import clock, in_chart
+from .parts import Figure, column, leg_title, legend, named, repeated, strands
+
+MOST_RINGS = 200
+"""More orbits than this are one another's shade; the first of those that are not visited go."""
+
+WINDOW_FILL = 1.6
+"""How large the farthest orbit is drawn; beyond this it would be cut off by the window."""
+
+
+def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
+    """The Earth, the orbits of all bodies and the chaser's path, in km and to scale.
+
+    The frame is the inertial one of the elements. Orbits are the circles that are planned with;
+    of every arc of the chaser at most one revolution is drawn.
+    """
+    known = set(instance.names)
+    visited = set(plan.destinations) & known
+    names = [target.name for target in instance.targets]
+    missed = [name for name in names if name not in visited][:MOST_RINGS]
+    traces: list[dict[str, Any]] = [
+        _earth(),
+        _graticule(),
+        _rings(instance, "orbits not visited", missed, UNVISITED, 1.0, 0.45),
+        _rings(instance, "orbits visited", [n for n in names if n in visited], VISITED, 1.0, 0.55),
+        _rings(instance, "station's orbit", [*instance.station_names], STATION, 4.0, 1.0),
+    ]
+    traces += legend(instance, "scatter3d")
+    for phase, found, colour, about in strands(instance, plan, tracks):
+        lengths = [len(track.around_m) for track in found]
+        traces.append(
+            {
+                **_line(joined([track.around_m for track in found]), colour, 3.0),
+                **about,
+                "customdata": repeated([track.leg for track in found], lengths),
+                "hovertemplate": f"{LABELS[phase]}, %{{text}}<extra></extra>",
+            }
+        )
+    whose, colours = owners(instance, plan), chaser_colours(instance)
+    stays: dict[int, Track] = {}
+    for track in tracks:
+        if track.times_s[0] >= plan.legs[track.leg - 1].docked_s - SHORTEST_ARC_S:
+            stays.setdefault(track.leg, track)
+    refuels = {
+        at for at, leg in enumerate(plan.legs, start=1) if leg.destination in instance.station_names
+    }
+    traces.append(
+        {
+            "type": "scatter3d", "mode": "markers", "name": "arrivals", **named(instance, False),
+            **_columns(np.array([track.around_m[0] for track in stays.values()])),
+            "customdata": list(stays),
+            "text": [
+                f"{leg_title(plan, leg)}<br>arrives {clock(track.times_s[0])}"
+                for leg, track in stays.items()
+            ],
+            "marker": {
+                "size": 4,
+                "color": [
+                    colours[whose[leg]]
+                    if leg in whose
+                    else COLOURS["refuelling" if leg in refuels else "service"]
+                    for leg in stays
+                ],
+            },
+            "hovertemplate": "%{text}<extra></extra>",
+        }
+    )  # fmt: skip
+    layout = {"scene": _scene(instance, tracks), **named(instance, True)}
+    return {"data": traces, "layout": layout}
+
+
+def _columns(points_m: np.ndarray[Any, Any]) -> dict[str, Any]:
+    points = points_m.reshape(-1, 3) / KM_M
+    return {axis: column(points[:, number], 1) for number, axis in enumerate("xyz")}
+
+
+def _line(points_m: np.ndarray[Any, Any], colour: str, width: float) -> dict[str, Any]:
+    return {
+        "type": "scatter3d", "mode": "lines", **_columns(points_m),
+        "line": {"color": colour, "width": width},
+    }  # fmt: skip
+
+
+def _rings(
+    instance: Instance, title: str, names: list[str], colour: str, width: float, opacity: float
+) -> dict[str, Any]:
+    rings = [ring(instance, name) for name in names]
+    return {
+        **_line(joined(rings), colour, width),
+        "name": title,
+        "opacity": opacity,
+        "meta": {"names": [in_chart(name) for name in names], "each": POINTS_OF_A_RING + 1},
+        "hovertemplate": "orbit of %{text}<extra></extra>",
+    }
+
+
+def _earth() -> dict[str, Any]:
+    """A sphere of triangles: a surface would be refined by plotly and be slow without a GPU."""
+    rows, columns = 25, 48
+    latitude, longitude = np.meshgrid(
+        np.linspace(-np.pi / 2, np.pi / 2, rows),
+        np.linspace(0.0, 2.0 * np.pi, columns, endpoint=False),
+        indexing="ij",
+    )
+    radius = EARTH_RADIUS_M / KM_M
+    sphere = {
+        "x": radius * np.cos(latitude) * np.cos(longitude),
+        "y": radius * np.cos(latitude) * np.sin(longitude),
+        "z": radius * np.sin(latitude),
+    }
+    number = np.arange(rows * columns).reshape(rows, columns)
+    south, north = number[:-1], number[1:]
+    south_east, north_east = np.roll(south, -1, axis=1), np.roll(north, -1, axis=1)
+    corners = np.concatenate(
+        [
+            np.stack([south, south_east, north_east], axis=2).reshape(-1, 3),
+            np.stack([south, north_east, north], axis=2).reshape(-1, 3),
+        ]
+    )
+    return {
+        "type": "mesh3d",
+        "name": "Earth",
+        **{axis: column(values.ravel(), 1) for axis, values in sphere.items()},
+        **{corner: corners[:, at].tolist() for at, corner in enumerate("ijk")},
+        "color": "#8ba6bd",
+        "hoverinfo": "skip",
+        "meta": {"role": "earth"},
+        "showlegend": False,
+        "lighting": {"ambient": 0.72, "diffuse": 0.45, "specular": 0.05, "roughness": 0.9},
+    }
+
+
+def _graticule() -> dict[str, Any]:
+    """Meridians and parallels every 30°, a little above the ground."""
+    radius, around = 1.01 * EARTH_RADIUS_M, np.linspace(0.0, 2.0 * np.pi, 61)
+    lines = []
+    for latitude in np.radians(np.arange(-60.0, 61.0, 30.0)):
+        level = np.full(around.size, np.sin(latitude))
+        flat = np.cos(latitude)
+        lines.append(
+            radius * np.column_stack([flat * np.cos(around), flat * np.sin(around), level])
+        )
+    for longitude in np.radians(np.arange(0.0, 180.0, 30.0)):
+        flat = np.cos(around)
+        lines.append(
+            radius
+            * np.column_stack([flat * np.cos(longitude), flat * np.sin(longitude), np.sin(around)])
+        )
+    return {
+        **_line(joined(lines), "#b4c7d6", 1.5),
+        "name": "graticule", "hoverinfo": "skip", "meta": {"role": "earth"},
+        "showlegend": False,
+    }  # fmt: skip
+
+
+def _scene(instance: Instance, tracks: tuple[Track, ...]) -> dict[str, Any]:
+    """Seen at 55° to the normal of the plane where the first chaser starts, from a bit north.
+
+    Without perspective, or a low orbit's near half hides behind the Earth's rim.
+    """
+    orbit = instance.body_orbits[instance.starts[0]]
+    i, o = np.radians(orbit.inclination_deg), np.radians(orbit.raan_deg)
+    normal = np.array([np.sin(i) * np.sin(o), -np.sin(i) * np.cos(o), np.cos(i)])
+    side = np.array([np.cos(o), np.sin(o), 0.0])
+    eye = np.cos(np.radians(55.0)) * normal + np.sin(np.radians(55.0)) * side
+    eye += np.array([0.0, 0.0, 0.25])
+    farthest = max(
+        [
+            *(orbit.semi_major_axis_m for orbit in instance.body_orbits),
+            *(EARTH_RADIUS_M + float(track.altitudes_m.max()) for track in tracks),
+        ]
+    )
+    hidden = {
+        "visible": False,
+        "showspikes": False,
+        "showbackground": False,
+        "range": [-farthest / KM_M, farthest / KM_M],
+    }
+    return {
+        "aspectmode": "manual",
+        "aspectratio": {axis: WINDOW_FILL for axis in "xyz"},
+        "xaxis": hidden,
+        "yaxis": hidden,
+        "zaxis": hidden,
+        "camera": {
+            "eye": dict(zip("xyz", np.round(1.5 * eye, 4).tolist(), strict=True)),
+            "projection": {"type": "orthographic"},
+        },
+    }

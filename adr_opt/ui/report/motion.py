@@ -1,0 +1,118 @@
+"""What the page moves chasers and bodies by: not positions, but the orbits that they are on.
+
+Whatever time the reader asks for, the script of the page has the state of the closed form that the
+plan was made with, and a mission of two years takes no more room than one of a day.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
+from ...kernels.orbits import ephemeris
+from ...plan.palette import COLOURS, LABELS, PHASES, STATION, UNVISITED, VISITED, chaser_colours
+from ...plan.plan import Leg, Plan
+from ...plan.routes import Flown, routes_of, several
+from ...problem.instance import Instance
+from ..plot.tracks import Track
+from .figures.orbits import MOST_RINGS
+from .greenwich import greenwich
+from .text import in_chart
+
+COLUMNS = (
+    ephemeris.RADIUS, ephemeris.INCLINATION, ephemeris.RAAN, ephemeris.RAAN_RATE,
+    ephemeris.ARGUMENT_OF_LATITUDE, ephemeris.LATITUDE_RATE,
+)  # fmt: skip
+"""What is kept of a body: a circle whose node and argument of latitude advance evenly."""
+
+KINDS = {"station": STATION, "visited": VISITED, "not visited": UNVISITED}
+"""What bodies are, and their colours."""
+
+
+def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[str, Any]:
+    """Orbits of the bodies that are shown and of the chasers, arc by arc.
+
+    Parameters
+    ----------
+    instance : Instance
+        Not one whose connections are given.
+    plan : Plan
+    tracks : tuple of Track
+        The plan as flown; empty if it leads nowhere.
+
+    Returns
+    -------
+    dict
+        ``bodies`` have a name, a kind and a ``row`` of :data:`COLUMNS` at the epoch [m, rad,
+        rad/s]. ``chasers`` have ``arcs``: number of the leg, phase, begin and end [s], position [m]
+        and velocity [m/s] at the begin, pace and rate of the node [–, rad/s], as
+        :class:`adr_opt.fly.trajectory.Arc` has them. ``legs`` say whose they are, where they lead,
+        by number of the body, and when the chaser leaves, is at the stand-off and has docked [s].
+        ``sidereal`` is the angle of Greenwich at the epoch and its rate [rad, rad/s].
+    """
+    shown = _shown(instance, plan)
+    at = {name: number for number, name in enumerate(shown)}
+    rows = instance.orbits()
+    bodies = [
+        {
+            "name": in_chart(name),
+            "kind": kind,
+            "row": [float(rows[instance.names.index(name)][column]) for column in COLUMNS],
+        }
+        for name, kind in shown.items()
+    ]
+    colours = chaser_colours(instance)
+    routes = routes_of(instance, plan)
+    return {
+        "mu": MU_M3_S2,
+        "radius": EARTH_RADIUS_M,
+        "sidereal": list(greenwich(instance)),
+        "kinds": KINDS,
+        "phases": {phase: [LABELS[phase], COLOURS[phase]] for phase in PHASES},
+        "bodies": bodies,
+        "chasers": [
+            {
+                "name": in_chart(flown.chaser.name),
+                "colour": colours[flown.chaser.name] if several(instance) else None,
+                "arcs": _arcs(flown, tracks),
+                "stays": not (flown.legs and flown.legs[-1][1].tow),
+            }
+            for flown in routes
+        ],
+        "legs": [
+            _leg(leg, chaser, at) for chaser, flown in enumerate(routes) for _, leg in flown.legs
+        ],
+    }
+
+
+def _shown(instance: Instance, plan: Plan) -> dict[str, str]:
+    """The bodies that are drawn, with their kinds: those whose orbits are."""
+    visited = set(plan.destinations)
+    targets = [target.name for target in instance.targets]
+    missed = [name for name in targets if name not in visited][:MOST_RINGS]
+    return {
+        **{name: "station" for name in instance.station_names},
+        **{name: "visited" for name in targets if name in visited},
+        **{name: "not visited" for name in missed},
+    }
+
+
+def _arcs(flown: Flown, tracks: tuple[Track, ...]) -> list[list[Any]]:
+    mine = {number for number, _ in flown.legs}
+    return [
+        [
+            track.leg, track.phase, float(track.times_s[0]), float(track.times_s[-1]),
+            *(float(value) for value in (*track.first_m, *track.first_m_s)),
+            track.pace, track.node_rate_rad_s,
+        ]
+        for track in tracks
+        if track.leg in mine
+    ]  # fmt: skip
+
+
+def _leg(leg: Leg, chaser: int, at: dict[str, int]) -> dict[str, Any]:
+    standoff = next((burn.time_s for burn in leg.burns if burn.phase == "approach"), None)
+    return {
+        "chaser": chaser, "to": at.get(leg.destination), "leaves": leg.leaves_s,
+        "standoff": standoff, "docked": leg.docked_s, "launch": leg.kind == "launch",
+    }  # fmt: skip

@@ -1,0 +1,274 @@
+"""The page put together."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from datetime import UTC
+from string import Template
+from typing import Any, NamedTuple
+
+from ...common.constants import DAY_S
+from ...common.errors import InputError
+from ...common.files import check_writable, write_text
+from ...common.version import __version__
+from ...common.wording import counted, status_words
+from ...fly.flight import Flight, RefinedFlight, TankFlight, fly
+from ...fly.flight.tanks import tanks_of
+from ...judge.check.verdict import Violation, check
+from ...plan.palette import PHASES
+from ...plan.plan import Plan
+from ...plan.refined_plan import RefinedPlan, reference
+from ...plan.routes import several
+from ...problem.instance import Instance
+from ..plot.segments import segments
+from ..plot.tracks import Track, tracks
+from . import burns, controls, figures, flights, sections, space, standing, tables
+from .assets import asset, chart_library, page_script, policy
+from .facts import facts
+from .figures.parts import leg_title
+from .motion import motion
+from .text import escape, in_days, in_script
+
+
+@dataclass(frozen=True)
+class Report:
+    """What was written.
+
+    Attributes
+    ----------
+    path : str
+    size_bytes : int
+    violations : tuple of Violation
+        What the check of the plan found.
+    tanks : tuple of TankFlight or None
+        Whether each tank holds when flown, on the true orbits or under J2; None if that was not
+        or need not be flown. Of a plan that is refined, whether it holds with the refined legs.
+    trouble : str or None
+        Why the chaser's path could not be drawn, if it could not.
+    complaints : tuple of str
+        What is wrong with the refined plan.
+    """
+
+    path: str
+    size_bytes: int
+    violations: tuple[Violation, ...]
+    tanks: tuple[TankFlight, ...] | None
+    trouble: str | None
+    complaints: tuple[str, ...] = ()
+
+
+def write_report(
+    instance: Instance,
+    plan: Plan,
+    path: str | os.PathLike[str],
+    refined: RefinedPlan | None = None,
+    *,
+    flight: Flight | None = None,
+    refined_flight: RefinedFlight | None = None,
+) -> Report:
+    """Write a mission as one HTML file, whole or not at all.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan
+        Violations do not stop the report: they head it.
+    path : path
+    refined : RefinedPlan, optional
+        The same plan, refined: what its legs take is told beside what they were planned with, and
+        whether the plan holds is judged by them alone.
+    flight : Flight, optional
+        What :func:`adr_opt.fly.flight.fly` found of the plan. Where nodes drift or orbits are
+        eccentric the plan is flown here if it is not given, and no refined plan is.
+    refined_flight : RefinedFlight, optional
+        What :func:`adr_opt.fly.flight.fly_refined` found of the refined plan.
+
+    Raises
+    ------
+    InputError
+        The plan belongs to another instance, the refined plan was made of another plan, or the file
+        cannot be written.
+    MissingExtra
+        plotly is not installed.
+    """
+    check_writable(path)
+    _refuse_other(plan, refined)
+    found = _found(instance, plan, refined, flight, refined_flight)
+    text = _page(instance, plan, found)
+    write_text(path, text)
+    tanks = found.flight.tanks if isinstance(found.flight, Flight) else None
+    if refined is not None:
+        tanks = tanks_of(instance, refined)
+    return Report(
+        os.fspath(path), len(text.encode()), found.violations, tanks, found.trouble,
+        flights.complaints(instance, refined, refined_flight),
+    )  # fmt: skip
+
+
+def page(
+    instance: Instance,
+    plan: Plan,
+    refined: RefinedPlan | None = None,
+    *,
+    flight: Flight | None = None,
+    refined_flight: RefinedFlight | None = None,
+) -> str:
+    """The HTML of the report; the parameters are those of :func:`write_report`.
+
+    Raises
+    ------
+    InputError, MissingExtra
+        As in :func:`write_report`.
+    """
+    _refuse_other(plan, refined)
+    return _page(instance, plan, _found(instance, plan, refined, flight, refined_flight))
+
+
+class _Found(NamedTuple):
+    """What is known of a plan besides itself."""
+
+    violations: tuple[Violation, ...]
+    flight: Flight | str | None
+    drawn: tuple[Track, ...]
+    trouble: str | None
+    refined: RefinedPlan | None
+    refined_flight: RefinedFlight | None
+
+
+def _found(
+    instance: Instance,
+    plan: Plan,
+    refined: RefinedPlan | None,
+    flight: Flight | None,
+    refined_flight: RefinedFlight | None,
+) -> _Found:
+    violations = check(instance, plan)
+    # Of a refined plan its own flight is what counts; the plan is flown only if that is asked for.
+    flown = _flown(instance, plan) if flight is None and refined is None else flight
+    return _Found(violations, flown, *_drawn(instance, plan), refined, refined_flight)
+
+
+def _refuse_other(plan: Plan, refined: RefinedPlan | None) -> None:
+    if refined is not None and refined.plan.sha256 != reference(plan).sha256:
+        raise InputError(
+            f"the refined plan was made of another plan (sha256 {refined.plan.sha256[:12]}…); "
+            "refine the one that is reported"
+        )
+
+
+def _flown(instance: Instance, plan: Plan) -> Flight | str | None:
+    """The flight, or why there is none; None where all is as planned: circles in two-body motion.
+
+    Under J2 the burns of legs that drift differ from what the plan counts with. Given connections
+    are not flown.
+    """
+    if not instance.nodes_drift and not instance.is_approximate:
+        return None
+    try:
+        return fly(instance, plan)
+    except InputError as error:  # also a missing extra: the page is worth having without it
+        return str(error)
+
+
+def _drawn(instance: Instance, plan: Plan) -> tuple[tuple[Track, ...], str | None]:
+    if instance.transfer.given is not None:
+        return (), None
+    try:
+        return tracks(instance, plan), None
+    except InputError as error:  # a plan so wrong that it leads nowhere; the check says more
+        return (), str(error)
+
+
+def _page(instance: Instance, plan: Plan, known: _Found) -> str:
+    found, refined, trouble = facts(instance, plan), known.refined, known.trouble
+    burned = burns.impulses(plan, known.drawn, refined)
+    library, script = chart_library(), page_script()
+    done = {segment.phase for segment in segments(instance, plan)}
+    epoch = instance.epoch.astimezone(UTC)
+    subtitle = (
+        f"{epoch.day} {epoch:%B %Y, %H:%M} UTC · "
+        f"{in_days(instance.mission.duration_s)} · "
+        f"{counted(len(instance.targets), 'target')} · planned by {escape(plan.method)} · "
+        f"{'proven ' if plan.status == 'optimal' else ''}{status_words(plan.status)}"
+    )
+    left_out = (
+        tables.reasons(plan) + tables.unvisited(instance, plan)
+        if plan.unvisited
+        else "<p>None: the plan lists no target as not visited.</p>"
+    )
+    return Template(asset("page.html")).substitute(
+        policy=policy(library, script),
+        version=__version__,
+        title=escape(f"{instance.name} · {found.visits} of {counted(found.targets, 'target')}"),
+        name=escape(instance.name),
+        style=asset("page.css"),
+        subtitle=subtitle,
+        verdict=sections.verdict(
+            instance,
+            known.violations,
+            known.flight,
+            flights.complaints(instance, refined, known.refined_flight),
+            refined,
+            known.refined_flight,
+        ),
+        headline=sections.headline(found),
+        crew=sections.crew(instance, plan, refined),
+        flight=space.flight(instance, plan),
+        step="burn" if instance.transfer.given is None else "arrival",
+        gantt_note=sections.gantt_note(instance),
+        leg_options=controls.leg_options(plan),
+        timebar=controls.timebar(),
+        phases=controls.phases([phase for phase in PHASES if phase in done]),
+        trouble="" if trouble is None else sections.not_drawn(space.path_of(instance), trouble),
+        nodes=space.nodes(instance),
+        costs_note=sections.costs_note(plan, refined),
+        planes=space.planes(instance),
+        legs=tables.legs(instance, plan, refined),
+        burns=burns.section(instance, plan, burned),
+        flown=standing.paragraph(instance, plan, refined)
+        + flights.section(instance, known.flight, refined, known.refined_flight),
+        unvisited=left_out,
+        certificate=sections.certificate(plan, found),
+        origin=sections.origin(instance, plan),
+        data=in_script(_data(instance, plan, known, burned)),
+        library=library,
+        script=script,
+    )
+
+
+def _data(
+    instance: Instance,
+    plan: Plan,
+    known: _Found,
+    burned: tuple[burns.Impulse, ...],
+) -> dict[str, Any]:
+    """What the script of the page draws from."""
+    drawn = known.drawn
+    numbers = range(1, len(plan.legs) + 1)
+    charts = {
+        "budget": figures.budget(instance, plan),
+        "costs": figures.costs(plan, known.refined),
+        "gantt": figures.gantt(instance, plan),
+    }
+    if instance.transfer.given is None:
+        charts["altitude"] = figures.altitude(instance, plan, drawn)
+        charts["orbits"] = figures.orbits(instance, plan, drawn)
+    if instance.has_orbits:
+        charts["planes"] = figures.planes(instance, plan)
+    if several(instance):
+        charts["lanes"] = figures.lanes(instance, plan)
+    if instance.nodes_drift:
+        charts["nodes"] = figures.nodes(instance, plan, drawn)
+    last = charts["gantt"]["layout"]["xaxis"]["range"][1]
+    return {
+        "epoch_ms": round(instance.epoch.timestamp() * 1000.0),
+        "end_s": last * DAY_S,
+        "motion": motion(instance, plan, drawn) if instance.transfer.given is None else None,
+        "burns": burns.of_page(instance, plan, burned),
+        "figures": charts,
+        "titles": ["start", *(leg_title(plan, number) for number in numbers)],
+        "windows": [
+            [round(leg.ready_s / DAY_S, 6), round(leg.end_s / DAY_S, 6)] for leg in plan.legs
+        ],
+    }

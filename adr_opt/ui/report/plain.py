@@ -1,0 +1,70 @@
+"""Pages without scripts: the look of the report for tables and small charts."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from importlib import resources
+
+from ...common.errors import InputError
+from ...common.files import check_writable, write_text
+from ...common.version import __version__
+from .text import escape
+
+MORE = """
+figure.drawn { margin: 8px 0 0; }
+figure.drawn svg { width: 100%; height: auto; display: block; }
+figure.drawn text { fill: var(--quiet); font-size: 12px; font-family: inherit; }
+figure.drawn .grid { stroke: var(--line); }
+figure.drawn figcaption { display: flex; flex-wrap: wrap; gap: 4px 18px; font-size: .88rem; }
+tr.same td { color: var(--quiet); }
+tr.only td, tr.moved td { font-weight: 550; }
+"""
+"""What these pages need beyond the style of the report."""
+
+
+def check_page(path: str | os.PathLike[str]) -> None:
+    """Raise :class:`InputError` now if a page could not be written there after the work."""
+    check_writable(path)
+    if not os.fspath(path).lower().endswith((".html", ".htm")):
+        raise InputError(f"{path}: the page is HTML; give a file that ends in .html")
+
+
+def section(title: str, note: str, content: str) -> str:
+    """A part of a page; title and note are text, the content is HTML."""
+    said = f"<p>{escape(note)}</p>" if note else ""
+    return f"<section><h2>{escape(title)}</h2>{said}{content}</section>"
+
+
+def row(cells: Iterable[tuple[str, str]], kind: str = "") -> str:
+    """A row of a table: cells as (class, text), class "n" for numbers."""
+    inside = "".join(f"<td{' class=n' if c == 'n' else ''}>{escape(t)}</td>" for c, t in cells)
+    return f"<tr{f' class={kind}' if kind else ''}>{inside}</tr>"
+
+
+def page(over: str, title: str, under: str, sections: Iterable[str]) -> str:
+    """The HTML of a page that runs no script and asks for nothing."""
+    style = resources.files(__package__).joinpath("page.css").read_text(encoding="utf-8") + MORE
+    policy = (
+        "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; "
+        "form-action 'none'"
+    )
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        '<meta name="color-scheme" content="light dark">\n'
+        f'<meta name="generator" content="adr-opt {__version__}">\n'
+        f'<title>{escape(title)}</title>\n<link rel="icon" href="data:,">\n'
+        f"<style>{style}</style>\n</head>\n<body>\n<main>\n<header>\n"
+        f'<p class="over">{escape(over)}</p>\n<h1>{escape(title)}</h1>\n'
+        f'<p class="under">{escape(under)}</p>\n</header>\n{"".join(sections)}\n'
+        f"<footer>Made by adr-opt {__version__}; this page asks the network for nothing.</footer>\n"
+        "</main>\n</body>\n</html>\n"
+    )
+
+
+def write_page(path: str | os.PathLike[str], text: str) -> None:
+    """Write a page, whole or not at all."""
+    check_page(path)
+    write_text(path, text)

@@ -1,0 +1,392 @@
+"""The parts of the page that are words: verdict, headline figures, bound, origin of the plan."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from datetime import UTC
+
+from ...common.constants import DAY_S
+from ...common.wording import counted, status_words
+from ...fly.flight import Flight, RefinedFlight
+from ...judge.check.verdict import Violation
+from ...plan.plan import Plan
+from ...plan.refined_plan import RefinedPlan
+from ...plan.routes import several
+from ...problem.chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
+from ...problem.instance import Instance
+from ...problem.settings import TransferSettings
+from . import tables
+from .facts import Facts
+from .text import NOTHING, clock, escape, in_days, length, number
+
+
+def verdict(
+    instance: Instance,
+    violations: tuple[Violation, ...],
+    flown: Flight | str | None,
+    complaints: tuple[str, ...] = (),
+    refined: RefinedPlan | None = None,
+    refined_flight: RefinedFlight | None = None,
+) -> str:
+    """What the check and a flight on the true orbits, or in the mean dynamics, found.
+
+    One quiet line if the plan holds, and a box that cannot be missed for all that breaks. Of a plan
+    that is refined the refined flight alone says whether it holds: its burns are those to be flown.
+
+    Parameters
+    ----------
+    instance : Instance
+    violations : tuple of Violation
+    flown : Flight or str or None
+        On the true orbits or under J2, or why it was not flown; None if all flies as planned.
+    complaints : tuple of str
+        What is wrong with the refined plan.
+    refined : RefinedPlan, optional
+    refined_flight : RefinedFlight, optional
+        Its flight by another integrator.
+    """
+    drifts = instance.nodes_drift
+    if refined is not None:
+        flown = None
+    boxes = ""
+    if violations:
+        boxes += _box(
+            f"This plan has {counted(len(violations), 'violation')}",
+            "It must not be flown as it is. All figures below are as the plan states them.",
+            violations,
+        )
+    if isinstance(flown, Flight) and flown.broken_tanks:
+        why = (
+            "The model counts legs that drift with a closed form, and flies between circles; the "
+            "burns that arrive add up to more than is left."
+            if drifts
+            else "The model flies between circles; to arrive on the eccentric orbits after all "
+            "costs more than is left."
+        )
+        boxes += _box(
+            f"{'When flown' if drifts else 'On the true orbits'} this plan breaks "
+            + counted(len(flown.broken_tanks), "tank"),
+            f"{'In the model too it is not legal.' if violations else 'It is legal in the model.'} "
+            f"{why} Figures below are those of the model; <code>solve --refine</code> plans until "
+            "the plan holds.",
+            flown.broken_tanks,
+        )
+    if complaints:
+        boxes += _box(
+            "The refined plan does not hold",
+            "In true dynamics something is missing. Figures below are those of the model.",
+            complaints,
+        )
+    if boxes:
+        return boxes
+    if refined is not None:
+        return _refined(refined, refined_flight)
+    if drifts:
+        return _drifting(instance, flown)
+    if isinstance(flown, str):
+        return (
+            '<p class="verdict">Checked against the instance: no violations in the model. Some '
+            "orbits are eccentric, and the plan was not flown on the true ones: "
+            f"{escape(flown)}.</p>"
+        )
+    held = "" if flown is None else " Flown on the true orbits: every tank holds."
+    return (
+        '<p class="verdict good"><span aria-hidden="true">✓</span> '
+        f"Checked against the instance: no violations.{held}</p>"
+    )
+
+
+def _refined(refined: RefinedPlan, flight: RefinedFlight | None) -> str:
+    """The same of a plan that is refined, with which nothing is wrong."""
+    left_m = max((leg.residual_m for leg in refined.legs), default=0.0)
+    met = f"the stand-offs are met to {length(left_m)}"
+    if flight is not None:
+        met = f"another integrator finds the stand-offs met to {length(flight.worst_miss_m)}"
+    return (
+        '<p class="verdict good"><span aria-hidden="true">✓</span> Checked against the instance: '
+        "no violations. Refined and flown in numerically integrated motion, in the field "
+        f"{escape(refined.gravity)}: every tank holds, and {met}.</p>"
+    )
+
+
+def _drifting(instance: Instance, flown: Flight | str | None) -> str:
+    """The same of a plan under J2 with which nothing is wrong as far as is known."""
+    checked = "Checked against the instance: no violations"
+    if not isinstance(flown, Flight):
+        return (
+            f'<p class="verdict">{checked} in the model. No independent program has flown it: '
+            f"{escape(flown)}.</p>"
+        )
+    arrives = (
+        "Flown in the mean dynamics of J2: every tank holds, and the stand-offs are met to "
+        f"{length(flown.worst_miss_m)}."
+    )
+    if instance.is_approximate:
+        arrives += (
+            " Some orbits are eccentric: the stand-offs are those of circles, and the tanks are "
+            "judged by burns that are aimed at the true ones."
+        )
+    return f'<p class="verdict good"><span aria-hidden="true">✓</span> {checked}. {arrives}</p>'
+
+
+def crew(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
+    """The section on chasers and stations, where there are several, or on what the one carries."""
+    if not several(instance):
+        load = tables.loads(instance, plan)
+        return load and f"<section><h2>What the chaser carries</h2>{load}</section>"
+    return (
+        "<section><h2>Chasers and stations</h2><p>A lane for each chaser, coloured by phase, and "
+        "one for each station, coloured by the chaser that is there. In other charts a chaser has "
+        'the colour that it has at stations.</p><div class="chart own" id="lanes"></div>'
+        + tables.chasers(instance, plan, refined)
+        + ("<h3>What they carry</h3>" + load if (load := tables.loads(instance, plan)) else "")
+        + "<h3>Station traffic</h3>"
+        + tables.traffic(instance, plan)
+        + "</section>"
+    )
+
+
+def costs_note(plan: Plan, refined: RefinedPlan | None) -> str:
+    """What the bars of the legs are."""
+    if any(leg.kind == "given" for leg in plan.legs):
+        return "What is given of each leg."
+    said = "What the plan counts with, and what the burns of the leg add up to"
+    if any(leg.kind == "drift" for leg in plan.legs):
+        said += "; of a leg that drifts the first comes from a closed form"
+    if any(leg.eccentricity_delta_v_m_s > 0.0 for leg in plan.legs):
+        said += "; matching eccentricities is counted and has no burn"
+    if refined is not None:
+        said += "; and what it takes refined, in true dynamics"
+    return said + "."
+
+
+def not_drawn(path: str, trouble: str) -> str:
+    """What is said in place of a path that leads nowhere."""
+    said = f"{path[:1].upper()}{path[1:]} cannot be drawn: {escape(trouble)}."
+    return f'<p class="verdict bad">{said}</p>'
+
+
+def gantt_note(instance: Instance) -> str:
+    """What the rows of the timeline are."""
+    said = "One row per leg, named by its destination"
+    if several(instance):
+        said += ", below the name of its chaser"
+    return f"{said}. Select a bar to see its leg in all charts."
+
+
+def _box(title: str, said: str, found: Iterable[object]) -> str:
+    items = "".join(f"<li>{escape(each)}</li>" for each in found)
+    return (
+        f'<section class="verdict bad" role="alert"><h2>{title}</h2><p>{said}</p>'
+        f"<ul>{items}</ul></section>"
+    )
+
+
+def headline(found: Facts) -> str:
+    """The figures that are asked for first."""
+    bound, gap = NOTHING, NOTHING
+    if found.upper_bound is not None:
+        bound = number(found.upper_bound, 2)
+    if found.gap is not None:
+        gap = f"{100.0 * found.gap:.1f}\u202f%"
+    where = "the station" if found.stations == 1 else counted(found.stations, "station")
+    cards = [
+        ("targets visited", str(found.visits), f"of {found.targets}"),
+        ("upper bound", bound, "proven of the model" if bound != NOTHING else "none given"),
+        ("gap", gap, "of the upper bound" if gap != NOTHING else "needs a bound"),
+        ("ΔV used", f"{number(found.delta_v_m_s, 0)}", f"of {number(found.budgets_m_s, 0)} m/s"),
+        ("refuellings", str(found.refuellings), f"at {where}"),
+        (
+            "duration used",
+            f"{found.used_s / DAY_S:.2f}",
+            f"of {in_days(found.duration_s)}",
+        ),
+    ]
+    if found.chasers > 1:
+        cards.insert(0, ("chasers that fly", str(found.flying), f"of {found.chasers}"))
+    if not found.counts_visits:
+        cards.insert(
+            1 + (found.chasers > 1),
+            ("prize collected", number(found.prize, 2), f"of {number(found.total_prize, 2)}"),
+        )
+    return "".join(
+        f"<div><dt>{title}</dt><dd><b>{value}</b> <span>{note}</span></dd></div>"
+        for title, value, note in cards
+    )
+
+
+def certificate(plan: Plan, found: Facts) -> str:
+    """The bound and the gap in a sentence and as a bar."""
+    collected, total = number(found.prize, 2), number(found.total_prize, 2)
+    what = "visits" if found.counts_visits else "prize"
+    if plan.upper_bound is None and plan.status == "optimal":
+        said = f"The plan collects all there is, {collected}: no plan can be better."
+    elif plan.upper_bound is None:
+        said = (
+            "The plan states no upper bound, so it is not known how much better another plan could "
+            "be. <code>bound --start</code> proves one of the model."
+        )
+    elif plan.status == "optimal":
+        said = (
+            f"Proven optimal, of the model: the plan collects {collected}, and no plan can collect "
+            f"more than {number(plan.upper_bound, 2)}."
+        )
+    else:
+        said = (
+            f"The plan collects {collected}, and it is proven that no plan can collect more than "
+            f"{number(plan.upper_bound, 2)}. Whether there is one in between is open."
+        )
+    rows = [("this plan", found.prize, "var(--good)", collected)]
+    if plan.upper_bound is not None:
+        rows.append(("upper bound", plan.upper_bound, "var(--accent)", number(plan.upper_bound, 2)))
+    rows.append(("all targets", found.total_prize, "var(--line-strong)", total))
+    most = max([value for _, value, _, _ in rows]) or 1.0
+    bars = "".join(
+        f'<div><dt>{title}</dt><dd><i style="width:{max(0.0, 100.0 * value / most):.2f}%;'
+        f'background:{colour}"></i></dd><dd class="n">{text}</dd></div>'
+        for title, value, colour, text in rows
+    )
+    gap = ""
+    if found.gap is not None:
+        gap = (
+            f"<p>Gap: <b>{100.0 * found.gap:.2f}\u202f%</b>, that is (upper bound − collected) / "
+            "upper bound.</p>"
+        )
+    return f'<p>{said}</p>{gap}<dl class="bars" aria-label="{what}">{bars}</dl>'
+
+
+def origin(instance: Instance, plan: Plan) -> str:
+    """Where instance and plan come from, and what has to be known about them."""
+    settings, limits = instance.transfer, instance.mission
+    rows = [
+        ("instance", f"{escape(instance.name)}, SHA-256 <code>{instance.sha256[:16]}…</code>"),
+        ("epoch", f"{instance.epoch.astimezone(UTC):%Y-%m-%d %H:%M:%S} UTC"),
+        (
+            "limits",
+            f"{in_days(limits.duration_s)}, {_tanks(instance)} m/s from one refuelling to the "
+            "next, " + counted(len(instance.keep_out_zones), "keep-out zone"),
+        ),
+        ("transfers", _transfers(settings)),
+        *([("motion", MOTION[instance.dynamics])] if settings.given is None else []),
+        (
+            "plan",
+            f"{escape(plan.method)}, seed {plan.seed}, {status_words(plan.status)}, "
+            f"{plan.runtime_s:.2f} s",
+        ),
+    ]
+    asked = _asked(instance)
+    if asked:
+        rows.insert(3, ("rules", escape("; ".join(asked))))
+    if plan.versions:
+        versions = ", ".join(f"{name} {version}" for name, version in plan.versions.items())
+        rows.append(("made with", escape(versions)))
+    rows += [("note", escape(note)) for note in plan.notes]
+    return "".join(f"<div><dt>{title}</dt><dd>{text}</dd></div>" for title, text in rows)
+
+
+MOTION = {
+    "two-body": "two bodies and circles; planes stay; altitudes are radii less 6378.137 km",
+    "j2": "circles that drift at the secular rates of J2, without short-period variations; "
+    "altitudes are radii less 6378.137 km",
+}
+"""How bodies move."""
+
+
+def _tanks(instance: Instance) -> str:
+    """The tanks of the chasers, each size once [m/s]."""
+    sizes = dict.fromkeys(chaser.tank.delta_v_m_s for chaser in instance.chasers)
+    return " or ".join(number(size, 1) for size in sizes)
+
+
+def _transfers(settings: TransferSettings) -> str:
+    """Which transfers are planned with."""
+    if settings.given is not None:
+        digest = settings.given.sha256 or ""
+        return (
+            f"connections given in {escape(settings.given.file)}, SHA-256 "
+            f"<code>{digest[:16]}…</code>"
+        )
+    said = (
+        "co-elliptic sequences that wait for the line of nodes, phasing circles between "
+        f"{number(settings.min_altitude_m / 1000.0)} and "
+        f"{number(settings.max_altitude_m / 1000.0)} km"
+    )
+    if settings.max_drift_s > 0.0:
+        said += (
+            f"; drifts of up to {in_days(settings.max_drift_s)}, planned on a grid of "
+            f"{in_days(settings.drift_step_s)}"
+        )
+    return said
+
+
+def _asked(instance: Instance) -> list[str]:
+    """What an instance asks for besides the usual: times, ends, numbers."""
+    windows = sum(target.window_s != (0.0, None) for target in instance.targets)
+    required = sum(target.required for target in instance.targets)
+    asked = [said for chaser in instance.chasers for said in _asked_of(instance, chaser)]
+    if required:
+        asked.append(f"{counted(required, 'target')} required")
+    if windows:
+        asked.append(f"{counted(windows, 'target')} with a window of time")
+    towed = sum(target.removal == "tow" for target in instance.targets)
+    if towed:
+        altitude_m = instance.mission.disposal_altitude_m or 0.0
+        asked.append(
+            f"{counted(towed, 'target')} to be towed down to {number(altitude_m / 1e3, 1)} km"
+        )
+    if instance.mission.service_s is not None:
+        asked.append(f"service takes {number(instance.mission.service_s, 1)} s")
+    if instance.objective.cost == "duration":
+        asked.append("of plans that collect as much the one that ends first is best")
+    if instance.objective.cost == "expense":
+        asked.append("of plans that collect as much the one of the least expense is best")
+    if instance.objective.time_m_s_per_day is not None:
+        price = number(instance.objective.time_m_s_per_day, 3)
+        asked.append(f"each day of a chaser that is used costs {price} m/s")
+    if instance.mission.launch_separation_s:
+        asked.append(f"launches lie {in_days(instance.mission.launch_separation_s)} apart at least")
+    for station in instance.stations:
+        if station.max_refuellings is not None:
+            asked.append(f"{station.name} refuels {counted(station.max_refuellings, 'time')}")
+        if station.max_propellant_kg is not None:
+            asked.append(f"{station.name} has {number(station.max_propellant_kg, 1)} kg to refuel")
+    return asked
+
+
+def _asked_of(instance: Instance, chaser: Chaser) -> Iterator[str]:
+    """The same of one chaser, by its name where there are several."""
+    who, it = (chaser.name, chaser.name) if several(instance) else ("the chaser", "it")
+    since, until = chaser.available_s
+    if since > 0.0:
+        yield f"{who} may fly from {clock(since)} on"
+    if until is not None:
+        yield f"{who} may fly until {clock(until)}"
+    if isinstance(chaser.start, InOrbit):
+        yield f"{it} starts in an orbit of its own"
+    if chaser.is_launched:
+        yield f"{it} is launched onto its first target"
+    if chaser.kits is not None:
+        yield f"{it} may carry {counted(chaser.kits, 'kit')}"
+    if isinstance(chaser.tank, TankByMass):
+        tank = chaser.tank
+        yield (
+            f"{it} has {number(tank.propellant_kg, 1)} kg of propellant at most, "
+            f"{number(tank.isp_s, 1)} s of specific impulse and {number(tank.dry_mass_kg, 1)} kg "
+            "without both"
+        )
+    if chaser.expense is not None:
+        yield f"{it} takes {_prices(chaser.expense)}"
+    if isinstance(chaser.end, AtStation):
+        yield f"{it} has to end at {chaser.end.station}"
+    if chaser.max_targets is not None:
+        yield f"{it} may service {counted(chaser.max_targets, 'target')}"
+
+
+def _prices(expense: Expense) -> str:
+    """What an expense is made of."""
+    parts = [
+        number(expense.fixed, 6),
+        *([f"{expense.per_kg:g} a kg"] if expense.per_kg else []),
+        *([f"{expense.per_kg_squared:g} a kg²"] if expense.per_kg_squared else []),
+    ]
+    return " and ".join([", ".join(parts[:-1]), parts[-1]] if parts[1:] else parts) + " if used"

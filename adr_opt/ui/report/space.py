@@ -1,0 +1,119 @@
+"""The sections of the page that show space: orbits, altitude, nodes, planes, where it is known."""
+
+from __future__ import annotations
+
+from ...plan.plan import Plan
+from ...plan.routes import routes_of, several
+from ...problem.instance import Instance
+from .tables import table
+from .text import escape
+
+
+def path_of(instance: Instance) -> str:
+    """What the path is called."""
+    return "the chasers’ paths" if several(instance) else "the chaser’s path"
+
+
+def flight(instance: Instance, plan: Plan) -> str:
+    """The sections with the path of the chaser."""
+    if instance.transfer.given is not None:
+        return ""
+    flies = "the chasers fly" if several(instance) else "the chaser flies"
+    return (
+        f"<section>\n<h2>Orbits and {path_of(instance)}</h2>\n"
+        "<p>To scale, in the inertial frame of the elements: station, visited and unvisited "
+        f"targets, and the arcs that {flies}, at most one revolution of each. Drag to turn, pinch "
+        "or scroll to come nearer. Marks are where all are at the time of the slider.</p>\n"
+        '<div class="chart tall" id="orbits"></div>\n</section>\n'
+        f"{_ground(instance, plan)}\n{_closeup()}\n"
+        f"<section>\n<h2>Altitude</h2>\n<p>{_altitude_note(instance)}</p>\n"
+        '<div class="chart" id="altitude"></div>\n</section>'
+    )
+
+
+def _ground(instance: Instance, plan: Plan) -> str:
+    """The ways over the ground, and where the chasers are."""
+    who = "each chaser" if several(instance) else "the chaser"
+    rows = (
+        f'<tr data-chaser="{at}"><td><b>{escape(flown.chaser.name)}</b></td>'
+        + "<td></td>" * 2
+        + "<td class=n></td>" * 4
+        + "</tr>"
+        for at, flown in enumerate(routes_of(instance, plan))
+    )
+    headings = (
+        ("chaser", ""), ("leg", ""), ("phase", ""), ("altitude km", "n"), ("latitude °", "n"),
+        ("longitude °", "n"), ("from its target", "n"),
+    )  # fmt: skip
+    return (
+        f"<section>\n<h2>Over the ground</h2>\n<p>Where {who} is above the turning Earth at the "
+        "time of the slider, with the way of the revolution before it and, dotted, of the next. "
+        "Latitudes are those of a sphere. Longitudes take the elements to count from the equinox "
+        "of date, as those of TLEs do; from that of J2000 they would be some tenths of a degree "
+        'further east.</p>\n<div class="chart map" id="ground"></div>\n'
+        + table("Where chasers are at the time of the slider", headings, rows)
+        + "\n</section>"
+    )
+
+
+def _closeup() -> str:
+    """The leg as its target sees it."""
+    return (
+        '<section>\n<h2>Close-up</h2>\n<p><b id="closeup-leg"></b></p>\n'
+        "<p>The chaser as its target sees it: along the track, ahead of the target as it flies; "
+        "radial, above it; and across, to the side of its plane. Along the track the arc counts, "
+        "laps included; near the target these are the axes of its local frame. It is "
+        "the leg that is shown, or else the one that is flown at the time of the slider, of a long "
+        'transfer its last two days.</p>\n<div class="phases" role="group" aria-label="What of the '
+        'leg"><button type="button" class="phase" data-part="transfer" aria-pressed="true">'
+        'transfer</button><button type="button" class="phase" data-part="approach" '
+        'aria-pressed="false">final approach</button></div>\n'
+        '<div class="pair"><div class="chart" id="closeup"></div>'
+        '<div class="chart" id="across"></div></div>\n</section>'
+    )
+
+
+def _altitude_note(instance: Instance) -> str:
+    note = "Drag across to look closer, double-click to see all; the times of this chart, "
+    note += "the next and the timeline go together."
+    zones = len(instance.keep_out_zones)
+    if zones:
+        note = (
+            f"{'Shaded boxes are the' if zones > 1 else 'The shaded box is the'} keep-out "
+            f"{'zones' if zones > 1 else 'zone'}, closed to flight while open in time. " + note
+        )
+    return note
+
+
+def nodes(instance: Instance) -> str:
+    """The section with the chart of nodes, where they drift."""
+    if not instance.nodes_drift:
+        return ""
+    who = (
+        "thick ones are the chasers, which cross"
+        if several(instance)
+        else "the thick one is the chaser, which crosses"
+    )
+    return (
+        f"<section><h2>Nodes</h2><p>How the planes drift: thin lines are bodies, {who} "
+        "from one to the next on a drift orbit. The drift that bodies "
+        "have in common is taken away, so that what differs shows; double-click to see all of "
+        "them.</p>"
+        '<div class="chart" id="nodes"></div></section>'
+    )
+
+
+def planes(instance: Instance) -> str:
+    """The section with the chart of planes, where all bodies have one."""
+    if not instance.has_orbits:
+        return ""
+    said = "Turning the plane is what costs most: near neighbours here are cheap to reach."
+    if instance.transfer.given is not None:
+        said = "Costs are given: they need not be those of turning the plane."
+    elif instance.nodes_drift:
+        said += " Planes are shown as they are at the epoch; how they drift is shown above."
+    said += " Numbers are those of the legs that lead there."
+    return (
+        f"<section>\n<h2>Planes</h2>\n<p>{said}</p>\n"
+        '<div class="chart" id="planes"></div>\n</section>'
+    )

@@ -1,0 +1,42 @@
+"""Whether the plan was flown, refined, or neither: a paragraph that every page has."""
+
+from __future__ import annotations
+
+from ...common.errors import InputError
+from ...common.wording import counted
+from ...fly.flight.mean_flight import fly_mean
+from ...plan.plan import Plan
+from ...plan.refined_plan import RefinedPlan
+from ...problem.instance import Instance
+from .text import escape
+
+
+def paragraph(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
+    """What is known of the plan beyond the model; it is flown in mean motion for that.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan
+    refined : RefinedPlan or None
+        The plan as refined, if the page has it.
+    """
+    said, holds = _said(instance, plan, refined)
+    kind = "" if holds else " bad"
+    return f'<p class="verdict{kind}" id="standing">{escape(said)}.</p>'
+
+
+def _said(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> tuple[str, bool]:
+    if refined is not None:
+        legs = counted(len(refined.legs), "leg")
+        return f"Refined in the field {refined.gravity}: {legs}, as told below", True
+    known = plan.own_flight
+    if known is not None and known.how == "refined":
+        return f"When it was planned, {known}", known.holds
+    try:
+        flight = fly_mean(instance, plan)
+    except InputError as error:
+        return f"Neither flown nor refined: {error}", True
+    assert flight is not None  # nobody has interrupted it
+    told = str(flight)
+    return f"{told[:1].upper()}{told[1:]}; not refined", flight.holds

@@ -1,0 +1,87 @@
+"""The server: on 127.0.0.1, until somebody says that it is enough."""
+
+from __future__ import annotations
+
+import secrets
+import socket
+import threading
+
+import uvicorn
+
+from ...common.errors import InputError
+from .app import application
+from .desk import Desk
+
+HOST = "127.0.0.1"
+LAST_ANSWERS_S = 2
+"""Answers that are under way at the end may take so long [s]."""
+
+
+def listening(port: int = 0) -> socket.socket:
+    """A socket of this machine alone that listens at a port, 0 for any that is free.
+
+    Raises
+    ------
+    InputError
+        The port is taken, or is none.
+    """
+    if not 0 <= port <= 65535:
+        raise InputError(f"--port {port}: must be between 0 and 65535; 0 for any that is free")
+    try:
+        return socket.create_server((HOST, port))
+    except OSError as error:
+        raise InputError(
+            f"--port {port}: cannot be listened at ({error.strerror}); name another one, or none"
+        ) from None
+
+
+class Server:
+    """A desk on a port of this machine.
+
+    Parameters
+    ----------
+    desk : Desk
+    listener : socket
+        As :func:`listening` gives it.
+
+    Attributes
+    ----------
+    port : int
+    url : str
+        The address of the page, with its token.
+    """
+
+    def __init__(self, desk: Desk, listener: socket.socket) -> None:
+        self._socket = listener
+        self.port: int = self._socket.getsockname()[1]
+        token = secrets.token_urlsafe(32)
+        self.url = f"http://{HOST}:{self.port}/?token={token}"
+        self._closing = threading.Event()
+        self._server = uvicorn.Server(
+            uvicorn.Config(
+                application(desk, token, self.port, self._closing),
+                http="h11", ws="none", loop="asyncio", lifespan="off", log_config=None,
+                access_log=False, server_header=False, proxy_headers=False, limit_concurrency=64,
+                timeout_graceful_shutdown=LAST_ANSWERS_S,
+            )
+        )  # fmt: skip
+        # A thread of its own: signals are heard by the main one, for the planner too.
+        self._thread = threading.Thread(
+            target=self._server.run, kwargs={"sockets": [self._socket]}, name="server", daemon=True
+        )
+
+    def start(self) -> None:
+        """Begin to answer."""
+        self._thread.start()
+
+    def wait(self, ended: threading.Event) -> None:
+        """Answer until it is ended."""
+        while self._thread.is_alive() and not ended.wait(0.5):
+            pass
+
+    def close(self) -> None:
+        """Answer no more."""
+        self._closing.set()
+        self._server.should_exit = True
+        self._thread.join(LAST_ANSWERS_S + 3.0)
+        self._socket.close()

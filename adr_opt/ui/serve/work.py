@@ -1,0 +1,304 @@
+"""Planning in a thread: one plan at a time, watched, stopped, on the timetable that is there."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from ...common.errors import InputError
+from ...common.stop import Interrupted, MaxRuntime
+from ...mission.result import Result
+from ...plan.plan import Plan, relative_gap
+from ...problem.instance import Instance
+from ...run import front
+from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
+from ...run.method_call import method_of
+from ...run.methods import BOUNDS, PLANNERS, takes_start
+from ...run.reused_timetable import Reused
+from ...run.start_plan import start_destinations
+from ..report.text import NOTHING, number
+
+Phase = Literal["idle", "waiting", "compiling", "timetable", "planning", "done", "failed"]
+
+MOST_POINTS = 400
+"""So many changes of incumbent and bound are kept, the first and the last ones."""
+
+LONGEST_S = 7.0 * 86400.0
+"""A longer time limit is a slip of the hand."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """How to plan.
+
+    Attributes
+    ----------
+    method : str
+    time_limit_s : float
+        Wall time [s].
+    bound : str or None
+        Bound to run beside the planner.
+    seed : int
+    goes_on : bool
+        Whether to begin from the plan that is there, where the method can.
+    """
+
+    method: str = DEFAULT_METHOD
+    time_limit_s: float = DEFAULT_TIME_LIMIT_S
+    bound: str | None = None
+    seed: int = 0
+    goes_on: bool = True
+
+    def check(self) -> None:
+        """Refuse what can be refused before anything is begun.
+
+        Raises
+        ------
+        InputError
+            An unknown method or bound, or a time limit that is none.
+        """
+        MaxRuntime(self.time_limit_s)
+        if self.time_limit_s > LONGEST_S:
+            raise InputError(f"time limit = {self.time_limit_s:g}: must be at most {LONGEST_S:g} s")
+        method_of(self.method, PLANNERS)
+        if self.bound is not None:
+            method_of(self.bound, BOUNDS)
+
+
+@dataclass(frozen=True)
+class Look:
+    """How far a run is.
+
+    Attributes
+    ----------
+    number : int
+        Of the run, from 1; 0 before the first.
+    phase : Phase
+        "waiting" for the run before it to stop.
+    stopping : bool
+        Whether it was told to stop.
+    limit_s : float
+        Its time limit [s].
+    elapsed_s : float
+        Since its clock began, after compiling [s].
+    built : float
+        Share of the timetable that is built.
+    incumbent, bound : float
+        −inf and +inf for none yet.
+    points : tuple of (float, float, float)
+        When each of the two changed [s], and to what.
+    said : str
+        What became of it, or why it failed.
+    """
+
+    number: int = 0
+    phase: Phase = "idle"
+    stopping: bool = False
+    limit_s: float = 0.0
+    elapsed_s: float = 0.0
+    built: float = 1.0
+    incumbent: float = -math.inf
+    bound: float = math.inf
+    points: tuple[tuple[float, float, float], ...] = ()
+    said: str = ""
+
+    @property
+    def runs(self) -> bool:
+        """Whether it is not over."""
+        return self.phase not in ("idle", "done", "failed")
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON can say it: null for what is not finite."""
+        known = math.isfinite(self.incumbent) and math.isfinite(self.bound)
+        gap = relative_gap(self.incumbent, self.bound) if known else None
+        return {
+            "number": self.number,
+            "phase": self.phase,
+            "runs": self.runs,
+            "stopping": self.stopping,
+            "limit_s": self.limit_s,
+            "elapsed_s": round(self.elapsed_s, 3),
+            "built": round(self.built, 4),
+            "incumbent": _finite(self.incumbent),
+            "bound": _finite(self.bound),
+            "gap": gap,
+            "gap_words": in_percent(gap),
+            "points": [[round(at, 3), _finite(a), _finite(b)] for at, a, b in self.points],
+            "said": self.said,
+        }
+
+
+def in_percent(gap: float | None) -> str:
+    """A gap as the report has it; nothing where there is none."""
+    return NOTHING if gap is None else f"{number(100.0 * gap)} %"
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+@dataclass
+class _Run:
+    """One run, as its thread and those who look at it share it."""
+
+    number: int
+    order: Order
+    stop: Interrupted = field(default_factory=Interrupted)
+    over: threading.Event = field(default_factory=threading.Event)
+    phase: Phase = "waiting"
+    began: float | None = None
+    ended: float | None = None
+    built: float = 1.0
+    points: list[tuple[float, float, float]] = field(default_factory=list)
+    said: str = ""
+
+    def building(self, share: float) -> None:
+        """Hear of the share of the timetable that is built; the clock has started."""
+        self._begin()
+        self.phase, self.built = "timetable", share
+
+    def __call__(self, incumbent: float, bound: float) -> None:
+        """Hear of an incumbent and a bound."""
+        self._begin()
+        self.phase, self.built = "planning", 1.0
+        last = self.points[-1] if self.points else (0.0, -math.inf, math.inf)
+        best = max(incumbent, last[1]), min(bound, last[2])
+        if best == last[1:]:
+            return
+        if len(self.points) >= MOST_POINTS:
+            del self.points[MOST_POINTS // 2]
+        self.points.append((self.elapsed_s, *best))
+
+    def settle(self, result: Result) -> None:
+        """Take over what is stated in the end, which may be less than was hoped on the way."""
+        self._begin()
+        known, stated = (-math.inf, math.inf), (result.objective, result.upper_bound)
+        if (self.points[-1][1:] if self.points else known) != stated:
+            self.points.append((self.elapsed_s, *stated))
+
+    @property
+    def elapsed_s(self) -> float:
+        """Since the clock began [s]."""
+        if self.began is None:
+            return 0.0
+        return (time.monotonic() if self.ended is None else self.ended) - self.began
+
+    def look(self) -> Look:
+        """How far it is."""
+        points = tuple(self.points)
+        last = points[-1] if points else (0.0, -math.inf, math.inf)
+        return Look(
+            self.number, self.phase, self.stop.is_set, self.order.time_limit_s, self.elapsed_s,
+            self.built, last[1], last[2], points, self.said,
+        )  # fmt: skip
+
+    def _begin(self) -> None:
+        if self.began is None:
+            self.began = time.monotonic()
+
+
+Done = Callable[[Instance, Result], str]
+"""What is done with a result, and said of it."""
+
+
+class Work:
+    """Plans one instance after the other.
+
+    Parameters
+    ----------
+    done : callable
+        Called with each instance and its result, in the thread of the run, before that is over.
+    """
+
+    def __init__(self, done: Done) -> None:
+        self._done = done
+        self._reused = Reused()
+        self._lock = threading.Lock()
+        self._run: _Run | None = None
+        self._count = 0
+
+    def look(self) -> Look:
+        """How far the last run is."""
+        run = self._run
+        return Look() if run is None else run.look()
+
+    def begin(self, instance: Instance, order: Order, known: Plan | None) -> int:
+        """Plan; a run that is not over is stopped first. Returns the number of the run.
+
+        Parameters
+        ----------
+        instance : Instance
+        order : Order
+        known : Plan, optional
+            To begin from, be it of a variant of the instance.
+
+        Raises
+        ------
+        InputError
+            The order is not valid; what runs goes on.
+        """
+        order.check()
+        with self._lock:
+            before = self._run
+            if before is not None:
+                before.stop.interrupt()
+            self._count += 1
+            run = self._run = _Run(self._count, order)
+        threading.Thread(
+            target=self._plan, args=(run, before, instance, known), name="planning", daemon=True
+        ).start()
+        return run.number
+
+    def stop(self) -> None:
+        """Ask the run for what it has."""
+        run = self._run
+        if run is not None:
+            run.stop.interrupt()
+
+    def wait(self, seconds: float) -> bool:
+        """Wait until nothing runs; whether that is so."""
+        run = self._run
+        return run is None or run.over.wait(seconds)
+
+    def _plan(self, run: _Run, before: _Run | None, instance: Instance, known: Plan | None) -> None:
+        try:
+            if before is not None:
+                before.over.wait()
+            if run.stop.is_set:
+                run.said = "stopped before it began"
+            else:
+                run.phase = "compiling"
+                result = self._result(run, instance, known)
+                run.settle(result)
+                run.said = self._done(instance, result)
+            run.phase = "done"
+        except InputError as error:
+            run.said, run.phase = str(error), "failed"
+        except Exception as error:  # whoever looks at the page has to hear of it
+            run.said = f"{run.order.method} failed: {type(error).__name__}: {error}"
+            run.phase = "failed"
+        finally:
+            run.ended = time.monotonic()
+            run.over.set()
+
+    def _result(self, run: _Run, instance: Instance, known: Plan | None) -> Result:
+        order = run.order
+        problem = self._reused.problem(instance)
+        start: Any = None
+        if order.goes_on and known is not None and takes_start(method_of(order.method)):
+            names = set(instance.names)
+            routes = [
+                tuple(name for name in route if name in names)
+                for route in start_destinations(problem, known, repair=True)
+            ]
+            if any(routes):
+                start = routes if len(problem.missions) > 1 else routes[0]
+        return front.run(
+            PLANNERS, problem, order.method, time_limit=order.time_limit_s, seed=order.seed,
+            stop=run.stop, progress=run, start=start, repair=start is not None, bound=order.bound,
+            building=run.building,
+        )  # fmt: skip

@@ -1,0 +1,187 @@
+"""The order of the greedy planners, which many a search begins from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+import numpy.typing as npt
+
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.memory import borrowed, write
+from adr_opt.kernels.rules import rules as rule_kernels
+from adr_opt.kernels.rules.loads import most_kits
+from adr_opt.mission.problem import Mission
+
+GUARDED_BETA = 0.0125
+"""Worth of time of the guarded planner: 45 m/s an hour [m/s per s]."""
+
+WAYS = 4
+"""Required targets are looked for cheapest or most urgent first, with the guard and without."""
+
+
+def greedy_sequence(
+    mission: Mission,
+    beginning: Iterable[int] = (),
+    *,
+    alpha: float = 1.0,
+    beta: float = 0.0,
+    guarded: bool = True,
+) -> npt.NDArray[np.int64]:
+    """Visit the cheapest legal target again and again; refuel when there is none.
+
+    Where targets are required, a move after which a chaser that looks at them alone no longer comes
+    to all of them is not made: the chaser goes to them first.
+
+    Parameters
+    ----------
+    mission : Mission
+    beginning : sequence of int
+        Moves to make before; cut where one is not legal.
+    alpha, beta : float
+        Cost of a move: α·ΔV [m/s] + β·T [s], T from ready to the beginning of service.
+    guarded : bool
+        Take a target only if the chaser can still refuel after it, or need not any more. Where
+        neither a guarded target nor refuelling is legal, an unguarded target can only add to the
+        mission.
+
+    Returns
+    -------
+    sequence : (moves,) int64
+    """
+    moves = np.array(tuple(beginning), dtype=np.int64)
+    rules = mission.rules
+    # What is taken along weighs: with every number of kits it is another mission.
+    most = most_kits(rules.loads)
+    heavy = rules.loads is not None and rules.loads.heavy
+    found: list[npt.NDArray[np.int64]] = [
+        _greedy(rules, mission.is_required, moves, alpha, beta, guarded, kits)
+        for kits in range(0 if heavy else most, most + 1)
+    ]
+    return max(found, key=lambda sequence: float(rule_kernels.collected(rules, sequence)))
+
+
+def guarded_sequence(mission: Mission) -> npt.NDArray[np.int64]:
+    """The guarded greedy order as the planner ``greedy-guarded`` has it."""
+    return greedy_sequence(mission, beta=GUARDED_BETA * mission.instance.hurry)
+
+
+@kernel
+def _greedy(rules, is_required, beginning, alpha, beta, guarded, kits):
+    rules = borrowed(rules)
+    bodies = rules.service.size
+    visited = np.zeros(bodies, dtype=np.bool_)
+    ends, lefts = np.empty(beginning.size), np.empty(beginning.size)
+    moves, _, state = rule_kernels.replay(
+        rules, beginning, rule_kernels.beginning_with(rules, kits), visited, ends, lefts
+    )
+    sequence = np.empty(moves + 2 * bodies, dtype=np.int64)
+    write(sequence, beginning[:moves])
+    missing = _missing(is_required, visited)
+    while True:
+        choice = _next(rules, is_required, state, visited, alpha, beta, guarded, False, False)
+        if missing > 0:
+            choice = _in_time(rules, is_required, state, visited, alpha, beta, choice)
+        if choice < 0:
+            return sequence[:moves]
+        _, _, state = rule_kernels.step(rules, state, choice)
+        visited[choice] = not rules.is_station[choice]
+        missing -= is_required[choice]
+        sequence[moves] = choice
+        moves += 1
+
+
+@kernel
+def _next(rules, is_required, state, visited, alpha, beta, guarded, required, urgent):
+    """The cheapest legal target, else a station; −1 if no move is legal.
+
+    Parameters
+    ----------
+    required : bool
+        Look at required targets only.
+    urgent : bool
+        Take the target whose window closes first instead of the cheapest.
+    """
+    best, best_cost = -1, math.inf
+    safe, safe_cost = -1, math.inf
+    for place in range(rule_kernels.looked_at(rules)):
+        j = rule_kernels.destination(rules, state.body, state.time, place)
+        if j < rules.first_target or (required and not is_required[j]):
+            continue
+        if not rule_kernels.may_go(rules, state, visited, j):
+            continue
+        legal, delta_v, after = rule_kernels.step(rules, state, j)
+        if not legal:
+            continue
+        cost = alpha * delta_v + beta * (after.time - rules.service[j] - state.time)
+        if urgent:
+            cost = rules.closes[j]
+        if cost < best_cost:
+            best, best_cost = j, cost
+        if guarded and cost < safe_cost and rule_kernels.has_way_back(rules, after):
+            safe, safe_cost = j, cost
+    choice = safe if guarded else best
+    if choice < 0:
+        choice = _cheapest_station(rules, state, alpha, beta)
+    return best if choice < 0 else choice
+
+
+@kernel
+def _next_required(rules, is_required, state, visited, alpha, beta, way):
+    """The same of required targets only, by one of the ways to look for them."""
+    return _next(rules, is_required, state, visited, alpha, beta, way < 2, True, way % 2 == 1)
+
+
+@kernel
+def _in_time(rules, is_required, state, visited, alpha, beta, choice):
+    """A move if the required targets can still be serviced after it, else the first of those."""
+    if choice >= 0:
+        done = visited.copy()
+        done[choice] = not rules.is_station[choice]
+        _, _, after = rule_kernels.step(rules, state, choice)
+        for way in range(WAYS):
+            if _services(rules, is_required, after, done, alpha, beta, way):
+                return choice
+    for way in range(WAYS):
+        if _services(rules, is_required, state, visited, alpha, beta, way):
+            return _next_required(rules, is_required, state, visited, alpha, beta, way)
+    return choice
+
+
+@kernel
+def _services(rules, is_required, state, visited, alpha, beta, way):
+    """Whether a chaser that looks at required targets only comes to all that are missing."""
+    visited = visited.copy()
+    missing = _missing(is_required, visited)
+    while missing > 0:
+        choice = _next_required(rules, is_required, state, visited, alpha, beta, way)
+        if choice < 0:
+            return False
+        _, _, state = rule_kernels.step(rules, state, choice)
+        visited[choice] = not rules.is_station[choice]
+        missing -= is_required[choice]
+    return True
+
+
+@kernel
+def _missing(is_required, visited):
+    """How many required targets are not done."""
+    count = 0
+    for j in range(visited.size):
+        count += is_required[j] and not visited[j]
+    return count
+
+
+@kernel
+def _cheapest_station(rules, state, alpha, beta):
+    """The station where a chaser refuels; −1 if it may refuel at none."""
+    cheapest, least = -1, math.inf
+    for s in range(rules.stations):
+        if s == state.body:
+            continue
+        legal, delta_v, after = rule_kernels.step(rules, state, s)
+        cost = alpha * delta_v + beta * (after.time - state.time)
+        if legal and cost < least:
+            cheapest, least = s, cost
+    return cheapest

@@ -1,0 +1,71 @@
+"""Beams that end in time: a narrow one tells how wide the others may be."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from adr_opt.common.stop import Stop
+from adr_opt.mission.problem import Mission
+
+from ..walks.completion_times import Latest
+from .beams import BeamSettings, beam_search
+
+PILOT_WIDTH = 100
+"""Of a search that tells how long a wide one takes."""
+
+ASKING_WIDTHS = (10, 30)
+"""Of those before it where rows are worked out on demand, and each is dear."""
+
+PUNCTUAL = 0.9
+"""Part of the time left that a search may be planned to take."""
+
+
+def pilots(mission: Mission) -> tuple[int, ...]:
+    """Widths of searches that come before wide ones, and tell how wide these may be."""
+    return (*(ASKING_WIDTHS if mission.timetable.is_asked else ()), PILOT_WIDTH)
+
+
+class Beams:
+    """Searches of one mission that end in time: too wide ones are narrowed by the pace so far.
+
+    Parameters
+    ----------
+    mission : Mission
+    stop : Stop
+    """
+
+    def __init__(self, mission: Mission, stop: Stop) -> None:
+        self._mission = mission
+        self._least = pilots(mission)[0]
+        self._stop = stop
+        self._pace_s = 0.0  # per state of width
+        self.states = 0
+
+    def needed_s(self, width: int) -> float:
+        """Seconds that a search of a width takes, by the last one of some width; 0 before."""
+        return self._pace_s * width
+
+    def search(
+        self,
+        settings: BeamSettings,
+        *,
+        guide: Latest | None = None,
+        seed: int = 0,
+        mission: Mission | None = None,
+    ) -> npt.NDArray[np.int64]:
+        """The best plan of one search; ``mission`` may be the same one with another choice."""
+        affordable = PUNCTUAL * max(0.0, self._stop.remaining_s())
+        if self.needed_s(settings.width) > affordable:
+            settings = replace(settings, width=max(1, int(affordable / self._pace_s)))
+        began = time.perf_counter()
+        found, _, _, states = beam_search(
+            mission or self._mission, settings, guide=guide, seed=seed, stop=self._stop
+        )
+        self.states += states
+        if settings.width >= self._least:
+            self._pace_s = (time.perf_counter() - began) / settings.width
+        return found

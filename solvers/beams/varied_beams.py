@@ -1,0 +1,45 @@
+"""Beams with other settings near the usual ones: what one misses another one finds."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from adr_opt.mission.problem import Mission
+
+from .beams import BeamSettings
+from .exchange_rates import worth_of
+
+TIME_VALUES_M_S_PER_H = (60.0, 75.0, 90.0, 110.0, 130.0, 160.0, 200.0)
+"""Choices of connections to move on."""
+
+LEAST_UNGUARDED = 1000
+"""Narrower beams are guarded, because they strand themselves."""
+
+
+class Varied(NamedTuple):
+    """A beam to search: on which choice of connections, how, and with which noise."""
+
+    mission: Mission
+    settings: BeamSettings
+    seed: int
+
+
+def varied(mission: Mission, width: int, rng: np.random.Generator) -> Varied:
+    """A beam whose settings are drawn; the same number of draws whatever they are."""
+    value = float(rng.choice(TIME_VALUES_M_S_PER_H)) * mission.instance.hurry
+    factor, crowding = rng.uniform(0.6, 1.6), rng.uniform(1.2, 2.5)
+    noise, unguarded = rng.uniform(0.0, 0.4), rng.random() < 0.3
+    seed = int(rng.integers(2**31))
+    hurried = mission.with_time_value(value)
+    worth = worth_of(hurried)
+    settings = BeamSettings(
+        width=width,
+        time_weight=worth.hour,
+        delta_v_weight=factor * worth.kilometre_per_s,
+        crowding=crowding,
+        noise=noise * worth.prize,
+        guarded=width < LEAST_UNGUARDED or not unguarded,
+    )
+    return Varied(hurried, settings, seed)

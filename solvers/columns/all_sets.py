@@ -1,0 +1,142 @@
+"""All sets of targets that chasers can service, one by one: affordable for a handful of targets.
+
+Searches prefer routes that are worth something, and pass by stations that have little. Where
+chasers have to fly to an end for nothing that is worth anything, or may refuel so often only, they
+may find no plan, or not the best, and proofs may leave a gap. Then the best one is put together
+from the cheapest routes of all sets, and where there can be none there is none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+from scipy.optimize import LinearConstraint
+
+from adr_opt.common.stop import Stop
+from adr_opt.mission.campaign import Campaign
+
+from ..progress.campaign_incumbent import CampaignCertificate
+from ..routes.digits import has_large
+from ..routes.route_pool import Column, Pool, dealt
+from ..routes.set_packing import cheapest_of, packing
+from .cheapest_routes import cheapest_routes
+from .route_enumeration import PACKING_OFF, SCALE, worth_a_goal
+
+MOST_TARGETS = 6
+"""Sets double with each target, and orders of them more than that."""
+
+
+def lacks_plan(campaign: Campaign, certificate: CampaignCertificate) -> bool:
+    """Whether no plan is known that services all required targets and ends where it must."""
+    return certificate.sequence is None or campaign.shown(certificate.incumbent) < 0.0
+
+
+def settle(campaign: Campaign, certificate: CampaignCertificate, pool: Pool, stop: Stop) -> bool:
+    """Put a plan together from the cheapest routes of all sets of targets, where these are few.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    certificate : CampaignCertificate
+        Told of the plan, and of what no plan is worth more than.
+    pool : Pool
+        Of routes; all that are found are added to it.
+    stop : Stop
+        Its time alone counts here.
+
+    Returns
+    -------
+    bool
+        Whether it is proven that no plan services all required targets and ends where it must.
+    """
+    if len(campaign.instance.targets) > MOST_TARGETS or not _list_all(campaign, pool, stop):
+        return False
+    columns, required = pool.columns(), sorted(campaign.required)
+    # Which of the routes that refuel as often takes least propellant is not asked.
+    proves = campaign.is_whole and not _weighs(campaign)
+    if not columns:
+        none = proves and (bool(required) or _must_fly(campaign))
+        return _none(campaign, certificate) if none else False
+    worths = np.array([column.worth for column in columns])
+    scale = SCALE / (float(worths.max()) or 1.0)
+    covered = np.array([[j in column.targets for column in columns] for j in required], dtype=float)
+    constraints = [
+        packing(
+            campaign, [(column.kind, column.targets) for column in columns],
+            [column.use for column in columns], all_flown=True,
+        )
+    ]  # fmt: skip
+    if required:
+        constraints.append(LinearConstraint(covered, 1.0, np.inf))
+    found = cheapest_of(-scale * worths, constraints, stop.remaining_s(), gap=0.0)
+    if found.taken is not None:
+        taken = [columns[at] for at in found.taken]
+        certificate.offer(dealt(campaign, [(each.kind, each.route) for each in taken]))
+        if proves and found.solved:
+            most = (PACKING_OFF - found.least) / scale
+            certificate.lower(most if worths.any() else 0.0)
+            if has_large(campaign):
+                _compare_exactly(campaign, certificate, columns, constraints, stop)
+    none = found.taken is None and found.solved and proves and lacks_plan(campaign, certificate)
+    return _none(campaign, certificate) if none else False
+
+
+def _compare_exactly(
+    campaign: Campaign,
+    certificate: CampaignCertificate,
+    columns: Sequence[Column],
+    constraints: Sequence[LinearConstraint],
+    stop: Stop,
+) -> None:
+    """Ask for a better plan until there is none, where prizes are too large to be summed."""
+    worths = [column.worth for column in columns]
+    while not certificate.proven and stop.remaining_s() > 0.0:
+        goal = certificate.next_goal
+        found = worth_a_goal(campaign, worths, goal, constraints, stop.remaining_s())
+        if found.taken is None:
+            if found.solved:
+                certificate.lower(certificate.below(goal))
+            return
+        taken = [columns[at] for at in found.taken]
+        if not certificate.offer(dealt(campaign, [(each.kind, each.route) for each in taken])):
+            return
+
+
+def _none(campaign: Campaign, certificate: CampaignCertificate) -> bool:
+    """Tell that there is no plan: whoever lacks a required target lacks its bonus."""
+    certificate.lower(campaign.all_worth - campaign.bonus if campaign.required else -math.inf)
+    return True
+
+
+def _must_fly(campaign: Campaign) -> bool:
+    """Whether a chaser does not start where it has to end."""
+    return not all(mission.may_stop(()) for mission in campaign.missions)
+
+
+def _weighs(campaign: Campaign) -> bool:
+    """Whether a station has so much propellant only."""
+    return any(station.max_propellant_kg is not None for station in campaign.instance.stations)
+
+
+def _list_all(campaign: Campaign, pool: Pool, stop: Stop) -> bool:
+    """Add the cheapest route of each kind and set to a pool; False if the time is over."""
+    first = campaign.instance.first_target
+    targets = range(first, first + len(campaign.instance.targets))
+    counted = frozenset(campaign.limits.stations)
+    by_weight = _weighs(campaign)
+    for number, kind in enumerate(campaign.kinds):
+        for size in range(1, len(targets) + 1):
+            for chosen in combinations(targets, size):
+                over = stop.remaining_s() <= 0.0
+                routes = None if over else cheapest_routes(
+                    kind.mission, frozenset(chosen), lambda: stop.remaining_s() <= 0.0, counted,
+                    every=by_weight,
+                )  # fmt: skip
+                if routes is None:
+                    return False
+                for route in routes:
+                    pool.add(number, route.route)
+    return True

@@ -1,0 +1,328 @@
+"""The least cost of campaigns that collect as much: column generation over routes that pay for it.
+
+With a price λ on worth, in m/s or as expenses are stated, and multipliers π of "each target at most
+once", every campaign that is worth P or more costs at least
+
+    λ P − Σ π − Σ over chasers of the most that Σ (λ worth_j − π_j) − cost comes to on a route.
+
+The master mixes known routes at least cost; its duals are λ and π. Labels that pay for their ΔV
+(:mod:`solvers.proof.cost`), under one tariff or under several that are never more than the
+expense (:mod:`solvers.walks.tariffs`), find routes that it lacks, or prove how good any could
+be. What is left between the bound and the best plan is closed as for prizes: all sets of targets
+that a cheaper plan could be made of are listed, and set packing decides (:mod:`.cost_finish`).
+Limits of stations are not looked at: bounds are of campaigns whose stations never run empty.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import LinearConstraint
+
+from adr_opt.common.stop import Stop, TimeIsOver
+from adr_opt.mission.campaign import Campaign
+
+from ..labels.label_search import Routes as Search
+from ..progress.campaign_incumbent import CampaignCertificate
+from ..progress.cost_rounds import CostRounds, asked, is_least, settled
+from ..proof.cost import COARSER, PricedBound
+from ..proof.proof import FIRST_LABELS, GROWTH, ProofOptions
+from ..routes.route_pool import Pool, dealt
+from ..routes.set_packing import cheapest_of, packing
+from ..walks.tariffs import Tariff, most_expense, tariffs_of
+from .bound import CampaignBound
+from .cost_finish import CostFinish
+from .cost_master import CostMaster, Prices
+from .pricing import LabelPricing
+from .route_enumeration import MOST_ROUTES
+
+CENTRED = 0.5
+"""Weight of the best prices against the master's duals."""
+
+GREATEST_TANKS = 4.0
+"""Most that a target may be worth to a walk: multipliers are raised where the master asks for more.
+"""
+
+QUICK_LABELS = 200_000
+"""Labels of a search that proves nothing."""
+
+LEAST_OFF = 1e-7
+"""Routes are asked for from so much below, as a share of what a plan costs; for rounding."""
+
+ATTRACTIVE = 1e-7
+"""A route of use makes the master cheaper by so much, as a share of what it costs now."""
+
+
+class _Place(NamedTuple):
+    """Walks of a kind of chasers that pay by a tariff.
+
+    Attributes
+    ----------
+    kind : int
+    tariff : Tariff
+    walks : PricedBound
+    start : int
+        Number of the kind there.
+    pricing : LabelPricing
+    """
+
+    kind: int
+    tariff: Tariff
+    walks: PricedBound
+    start: int
+    pricing: LabelPricing
+
+
+class CampaignCost(CostRounds):
+    """Rounds of column generation for the least cost of one campaign.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    certificate : CampaignCertificate
+        With the plan whose worth is asked for; told of cheaper ones.
+    pool : Pool
+        Of routes; added to.
+    stop : Stop
+        Its time alone counts here.
+    options : ProofOptions
+    """
+
+    def __init__(
+        self,
+        campaign: Campaign,
+        certificate: CampaignCertificate,
+        pool: Pool,
+        stop: Stop,
+        options: ProofOptions,
+    ) -> None:
+        self._campaign, self._certificate, self._pool = campaign, certificate, pool
+        self._options, self._stop = options, stop
+        self._worths = np.array(campaign.worths)
+        self._over = lambda: stop.remaining_s() <= 0.0
+        self._asked = asked(campaign, certificate.incumbent)
+        self._bounds = CampaignBound(
+            campaign, COARSER * options.delta_v_slot_m_s, jobs=options.cores,
+            over=self._over,
+            kind=partial(
+                PricedBound, greatest_tanks=GREATEST_TANKS, greatest=_greatest(campaign)
+            ),
+        )  # fmt: skip
+        self._places = tuple(self._all_places())
+        self._counts = np.array([len(kind.chasers) for kind in campaign.kinds])
+        self._master = CostMaster(campaign, self._asked)
+        self._mixed: dict[tuple[int, frozenset[int]], float] = {}
+        self._labels = min(FIRST_LABELS, options.most_labels)
+        self._centre: tuple[float, np.ndarray] | None = None
+        self._centred = CENTRED
+        # Prices, the most that routes come to at them, and the bound of both, be it below 0.
+        self._proven: tuple[float, np.ndarray, np.ndarray, float] | None = None
+        self._finishing = 0
+        self.bound, self.done = 0.0, False
+        for kind, group in enumerate(campaign.kinds):
+            for chaser in group.chasers:
+                route = certificate.sequence[chaser] if certificate.sequence else ()
+                if route:
+                    pool.add(kind, route)
+
+    @property
+    def proven(self) -> bool:
+        """Whether the cost known is the least."""
+        return is_least(self._certificate.cost, self.bound)
+
+    def advance(self) -> None:
+        """One iteration: solve the master, and look for routes that it lacks."""
+        with suppress(TimeIsOver):
+            self._iterate()
+        self.done = self.done or self.proven
+
+    def _iterate(self) -> None:
+        self._mix()
+        duals = self._master.solve()
+        worth, targets = self._near(duals)
+        new, most, finished = False, np.zeros(len(self._counts)), True
+        paid = duals.kinds + ATTRACTIVE * max(duals.cost, 1.0)
+        keep = [partial(self._keep, duals, kind) for kind in range(len(self._counts))]
+        found = 0
+        for place in self._places:
+            kind, prices = place.kind, self._prices(place, worth, targets)
+            found += len(
+                place.pricing.quickly(
+                    prices, float(paid[kind]), QUICK_LABELS, self._over, keep[kind]
+                )
+            )
+        if found:
+            return
+        for place in self._places:
+            kind, prices = place.kind, self._prices(place, worth, targets)
+            answered, routes = place.pricing.search(
+                prices, float(paid[kind]), self._labels, self._over, keep[kind]
+            )
+            new, finished = new or bool(routes), finished and answered
+            most[kind] = max(most[kind], place.pricing.most_worth)
+        if finished:
+            bound = worth * self._asked - math.fsum([*targets, *(self._counts * most)])
+            if self._proven is None or bound > self._proven[3]:
+                self.bound = max(bound, self.bound)
+                self._centre, self._proven = (worth, targets), (worth, targets, most, bound)
+        if new:
+            self._centred = CENTRED
+            self._offer()
+        elif not finished:
+            self.done = self._labels == self._options.most_labels
+            self._labels = min(GROWTH * self._labels, self._options.most_labels)
+        elif self._centred > 0.0:
+            self._centred = 0.0 if self._centred < 0.1 else 0.5 * self._centred
+        else:
+            self._offer()
+            self._finish()
+            self.done = True
+
+    def _all_places(self) -> Iterator[_Place]:
+        """All walks that there are to ask; those that are swept together one after the other."""
+        campaign = self._campaign
+        for kinds in campaign.networks:
+            # What they may fly and what that takes is the same for all of them.
+            for tariff in tariffs_of(campaign.kinds[kinds[0]].mission):
+                for kind in kinds:
+                    walks, start = self._bounds.of_kind[kind]
+                    yield _Place(kind, tariff, walks, start, LabelPricing(walks, start))
+
+    def _prices(self, place: _Place, worth: float, targets: np.ndarray) -> np.ndarray:
+        """Charge walks, and what they have to be asked with: multipliers, and fees at stations."""
+        place.walks.charge(worth, place.tariff)
+        if not place.tariff.fee:
+            return targets
+        prices = np.array(targets)
+        prices[place.walks.network.is_station] = place.walks.greatest_prize
+        return prices
+
+    def _near(self, duals: Prices) -> tuple[float, np.ndarray]:
+        """Prices between the best ones and the master's duals, at which walks can be counted."""
+        worth, targets = duals.worth, duals.targets
+        if self._centre is not None:
+            share = self._centred
+            worth = share * self._centre[0] + (1.0 - share) * worth
+            targets = share * self._centre[1] + (1.0 - share) * targets
+        most = self._bounds.largest_gain
+        return worth, np.maximum(targets, worth * self._worths - most)
+
+    def _mix(self) -> None:
+        """Let the master know of routes that came into the pool, or became cheaper."""
+        new = [
+            column for column in self._pool.columns()
+            if column.cost < self._mixed.get((column.kind, column.targets), math.inf)
+        ]  # fmt: skip
+        self._mixed |= {(column.kind, column.targets): column.cost for column in new}
+        self._master.add(new)
+
+    def _keep(self, duals: Prices, kind: int, route: tuple[int, ...]) -> bool:
+        """Put a route into the pool; whether it makes the mixture cheaper."""
+        column = self._pool.add(kind, route)
+        if column is None:
+            return False
+        if column.cost >= self._mixed.get((kind, column.targets), math.inf):
+            return False
+        gain = duals.worth * column.worth - math.fsum(duals.targets[j] for j in column.targets)
+        least = ATTRACTIVE * max(duals.cost, 1.0)
+        return bool(gain - column.cost - duals.kinds[kind] > least)
+
+    def _offer(self) -> None:
+        """Offer the cheapest plan of the routes known."""
+        columns = self._pool.columns()
+        if not columns:
+            return
+        costs = np.array([column.cost for column in columns])
+        worths = np.array([column.worth for column in columns])
+        scale = 1.0 / max(self._asked, 1e-300)
+        found = cheapest_of(
+            costs,
+            [
+                packing(
+                    self._campaign,
+                    [(column.kind, column.targets) for column in columns],
+                    [column.use for column in columns],
+                ),
+                LinearConstraint(scale * worths[None, :], scale * self._asked, np.inf),
+            ],
+            self._stop.remaining_s(),
+            gap=1e-9,
+        )
+        if found.taken is None:
+            return
+        taken = [columns[at] for at in found.taken]
+        self._certificate.offer(
+            dealt(self._campaign, [(column.kind, column.route) for column in taken])
+        )
+
+    def _finish(self) -> None:
+        """List all routes that a cheaper plan could be made of, and ask for one."""
+        if self.proven or self._proven is None:
+            return
+        worth, targets, most, bound = self._proven
+        finish = CostFinish(self._campaign, self._certificate, self._pool, self._asked, self._stop)
+        gap = self._certificate.cost - bound
+        for place in self._places:
+            search = Search(place.walks, start=place.start, all_sets=True)
+            prices = self._prices(place, worth, targets)
+            search.use(prices)
+            off = LEAST_OFF * max(self._certificate.cost, 1.0)
+            finished, _, _, _ = search.search(
+                search.total + float(most[place.kind]) - gap - off,
+                self._options.most_labels,
+                self._over,
+            )
+            self._finishing += search.labels_made
+            found = search.valued_plans(MOST_ROUTES + 1)
+            if not finished or finish.size + len(found) > MOST_ROUTES:
+                return
+            for route, value in found:
+                finish.note(place.kind, route, worth * self._worths - prices, value)
+        # All that could make a cheaper plan is there to choose from.
+        before = self._certificate.cost
+        self.bound = max(self.bound, min(before, finish.settle()))
+        self._offer()
+
+    @property
+    def counters(self) -> dict[str, float]:
+        """What was done so far."""
+        return {
+            "cost_searches": sum(place.pricing.searches for place in self._places),
+            "cost_labels": self._finishing
+            + sum(place.pricing.labels_made for place in self._places),
+        }
+
+    def close(self) -> None:
+        """End the threads."""
+        self._bounds.close()
+
+
+def prove_campaign_cost(
+    campaign: Campaign,
+    certificate: CampaignCertificate,
+    pool: Pool,
+    stop: Stop,
+    options: ProofOptions,
+) -> tuple[float, dict[str, float]]:
+    """Prove how much the plans cost at least that are worth as much as the incumbent.
+
+    Returns
+    -------
+    bound : float
+    counters : dict
+    """
+    proof = CampaignCost(campaign, certificate, pool, stop, options)
+    return settled(proof, lambda: stop.remaining_s() <= 0.0)
+
+
+def _greatest(campaign: Campaign) -> float | None:
+    """The most that a target may be worth to walks that pay expenses; None where they pay ΔV."""
+    if campaign.instance.objective.cost != "expense":
+        return None
+    most = max(most_expense(kind.mission) for kind in campaign.kinds)
+    return GREATEST_TANKS * (most or 1.0)

@@ -1,0 +1,138 @@
+"""Routes that a mixture lacks: by beams, and by labels that find all of them or prove none left."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from adr_opt.common.stop import Stop
+from adr_opt.mission.problem import Mission
+
+from ..beams.beams import beam_search
+from ..beams.varied_beams import varied
+from ..labels.label_search import Routes
+from ..walks.walks import WalkBound
+
+MOST_PLANS = 200
+"""Routes taken from one search with labels."""
+
+WIDTH = 200
+"""Of beams."""
+
+
+def by_beam(
+    mission: Mission, multipliers: np.ndarray, rng: np.random.Generator, stop: Stop
+) -> tuple[int, ...]:
+    """A route over the targets that are worth more than their multipliers."""
+    worths = mission.worths - multipliers
+    worths[: mission.instance.first_target] = 0.0
+    worths[mission.instance.first_target :][
+        worths[mission.instance.first_target :] <= 0.0
+    ] = -np.inf
+    layer, settings, seed = varied(mission.offering(worths), WIDTH, rng)
+    return tuple(int(j) for j in beam_search(layer, settings, seed=seed, stop=stop)[0])
+
+
+class LabelPricing:
+    """Searches with labels for routes of one kind that are worth more than they are to cost.
+
+    Parameters
+    ----------
+    bound : WalkBound
+        Of the kind; its values are overwritten.
+    start : int
+        Number of the kind there.
+
+    Attributes
+    ----------
+    most_worth : float
+        After :meth:`search`: no route is worth more, less the multipliers.
+    remembered : (bodies, words) int64
+        Of what walks need to remember for that.
+    """
+
+    def __init__(self, bound: WalkBound, start: int) -> None:
+        self._routes = Routes(bound, start=start)
+        # Remembers all, and lets a label dominate another one whatever that remembers.
+        self._quick = Routes(bound, start=start)
+        self._quick.neighbourhood[:], self._quick.compared[:] = -1, 0
+        self.most_worth = math.inf
+        self.remembered = np.zeros_like(self._routes.neighbourhood)
+
+    @property
+    def labels_made(self) -> int:
+        """Labels of all searches."""
+        return self._routes.labels_made + self._quick.labels_made
+
+    @property
+    def searches(self) -> int:
+        """How many there were."""
+        return self._routes.searches + self._quick.searches
+
+    def quickly(
+        self,
+        multipliers: np.ndarray,
+        least: float,
+        most_labels: int,
+        enough: Callable[[], bool],
+        is_new: Callable[[tuple[int, ...]], bool],
+    ) -> list[tuple[int, ...]]:
+        """Some of the routes that :meth:`search` looks for, by few labels that prove nothing.
+
+        Of walks to a body only the best are gone on with, not one for each memory: what is found
+        are routes, and where none is found there may be some all the same.
+        """
+        routes = self._quick
+        routes.use(multipliers)
+        finished, _, _, _ = routes.search(routes.total + least, most_labels, enough)
+        if not finished:
+            return []
+        return [route for route in routes.plans(MOST_PLANS) if is_new(route)]
+
+    def search(
+        self,
+        multipliers: np.ndarray,
+        least: float,
+        most_labels: int,
+        enough: Callable[[], bool],
+        is_new: Callable[[tuple[int, ...]], bool],
+    ) -> tuple[bool, list[tuple[int, ...]]]:
+        """Routes that are worth more than ``least``, less the multipliers.
+
+        Parameters
+        ----------
+        multipliers : (bodies,) float64
+        least : float
+        most_labels : int
+            Give up beyond so many.
+        enough : callable
+            Whether to give up.
+        is_new : callable
+            Whether a route is of use.
+
+        Returns
+        -------
+        finished : bool
+            False if it gave up.
+        routes : list of tuple of int
+            Of use, best first. None if it finished means that walks that repeat targets are all
+            that is left, or nothing.
+        """
+        routes = self._routes
+        value = routes.use(multipliers) - routes.total
+        self.most_worth, self.remembered = value, np.zeros_like(routes.neighbourhood)
+        if value < least:
+            return True, []
+        while True:
+            threshold, remembered = routes.total + least, routes.neighbourhood.copy()
+            finished, value, _, grown = routes.search(threshold, most_labels, enough)
+            if not finished:
+                return False, []
+            most_worth = max(value - routes.total, least)
+            if most_worth < self.most_worth:
+                self.most_worth, self.remembered = most_worth, remembered
+            found = [route for route in routes.plans(MOST_PLANS) if is_new(route)]
+            if value < threshold or found or grown == 0:
+                return True, found

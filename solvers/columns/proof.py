@@ -1,0 +1,292 @@
+"""Column generation: what no campaign exceeds, brought down round by round.
+
+Master and pricing in turn (Desrosiers and Lübbecke 2005). The master mixes known routes; its duals
+are multipliers, for which beams, and where they find nothing labels, look for routes worth more
+than they cost. The labels are those of one chaser's proofs (:mod:`solvers.labels.extension`), so
+routes are exact in time and ΔV, and relaxed only in that walks may repeat what they have forgotten
+(ng-routes: Baldacci, Mingozzi and Roberti 2011). With any multipliers
+
+    prizes collected ≤ Σ π + Σ over chasers of the most that a route is worth, less multipliers:
+
+that is the bound, whether or not the master is solved. Multipliers between the best ones so far and
+the master's duals make it come down sooner (Wentges 1997). Before all that, a descent with the
+walks of :mod:`.bound` tells where to begin.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+
+import numpy as np
+
+from adr_opt.common.stop import Stop, TimeIsOver
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.evidence import Evidence
+
+from ..networks.evidence import evidence_of
+from ..progress.campaign_incumbent import CampaignCertificate
+from ..proof.proof import COARSER, FIRST_LABELS, GROWTH, ProofOptions
+from ..routes.route_pool import Column, Key, Pool
+from ..walks.multipliers import Descent
+from ..walks.walks import WalkBound
+from .bound import CampaignBound
+from .master import Duals, Master
+from .pricing import LabelPricing, by_beam
+from .route_enumeration import Answer, Finish
+
+DESCENT = 30
+"""Evaluations of walks before the first columns."""
+
+BEAMS = 8
+"""Beams of each kind before labels are set."""
+
+CENTRED = 0.6
+"""Weight of the best multipliers against the master's duals."""
+
+ATTRACTIVE = 1e-4
+"""A route of use is worth so much more than it costs, as a share of the largest prize."""
+
+MOST_GIVEN_UP = 4
+"""So many searches with the most labels that end without an answer end the proof."""
+
+ITERATIONS, LABELS = 6, 1_000_000
+"""Of column generation in a round, and labels after which no other one begins in it."""
+
+
+class CampaignProof:
+    """Rounds of column generation for one campaign.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    certificate : CampaignCertificate
+        Told of every bound, and asked for the incumbent.
+    pool : Pool
+        Of routes; added to.
+    seed : int
+    stop : Stop
+        Its time alone counts here.
+    options : ProofOptions
+
+    Attributes
+    ----------
+    done : bool
+        Nothing is left to do: proven, or the master is solved and proves no more.
+    """
+
+    def __init__(
+        self,
+        campaign: Campaign,
+        certificate: CampaignCertificate,
+        pool: Pool,
+        seed: int,
+        stop: Stop,
+        options: ProofOptions,
+    ) -> None:
+        self._campaign, self._certificate, self._pool = campaign, certificate, pool
+        self._options, self._stop = options, stop
+        self._rng = np.random.default_rng(seed)
+        self._over = lambda: stop.remaining_s() <= 0.0
+        self._coarse = CampaignBound(
+            campaign, COARSER * options.delta_v_slot_m_s, jobs=options.cores, over=self._over,
+            kind=WalkBound,
+        )  # fmt: skip
+        self._descent = Descent(self._coarse)
+        self._pricing: tuple[LabelPricing, ...] = ()
+        self._fine: CampaignBound[WalkBound] | None = None
+        self._master = Master(campaign)
+        self._mixed: set[Key] = set()
+        self._guard = campaign.bound_guard / len(campaign.missions)
+        self._counts = [len(kind.chasers) for kind in campaign.kinds]
+        self._centre = np.zeros(len(campaign.names))
+        self._centred = CENTRED
+        self._least = math.inf  # the bound at the centre
+        self._labels = min(FIRST_LABELS, options.most_labels)
+        self._largest = float(campaign.worths.max(initial=0.0)) or 1.0
+        self._columns = 0
+        # Multipliers, the most that routes are worth less them, and the bound of both.
+        self._priced: tuple[np.ndarray, np.ndarray, float] | None = None
+        self._finishing_labels = self._given_up = 0
+        self.done = certificate.proven
+
+    def begin(self) -> None:
+        """The descent: a first bound, and multipliers to begin with."""
+        with suppress(TimeIsOver):
+            for _ in range(DESCENT):
+                if self._descent.done or self._certificate.proven or self._over():
+                    break
+                self._descent.step()
+                self._certificate.lower(self._descent.value, self._coarse.evidence)
+        self._centre, self._least = self._descent.multipliers, self._descent.value
+        self.done = self._certificate.proven or self._descent.value == -math.inf
+
+    def advance(self, enough: Callable[[], bool]) -> None:
+        """One round, with more effort than the one before.
+
+        Parameters
+        ----------
+        enough : callable
+            Asked now and then whether to leave it.
+        """
+        if not self._pricing:
+            self._fine = CampaignBound(
+                self._campaign, self._options.delta_v_slot_m_s, jobs=self._options.cores,
+                over=self._over, kind=WalkBound, known=self._coarse,
+            )  # fmt: skip
+            self._pricing = tuple(LabelPricing(*place) for place in self._fine.of_kind)
+        most = self._labels_made + LABELS
+        with suppress(TimeIsOver):
+            for _ in range(ITERATIONS):
+                if self.done or enough() or self._labels_made > most:
+                    break
+                self._iterate(enough)
+
+    def _iterate(self, enough: Callable[[], bool]) -> None:
+        """Solve the master, and look for routes that it lacks."""
+        self._mix()
+        duals = self._master.solve()
+        multipliers = self._centred * self._centre + (1.0 - self._centred) * duals.targets
+        if self._by_beams(duals, multipliers) or self._by_few_labels(duals, multipliers, enough):
+            return
+        new, bound = self._by_labels(duals, multipliers, enough)
+        if bound < self._least:
+            self._least, self._centre = bound, multipliers
+            self._certificate.lower(bound, self._evidence(multipliers))
+        if math.isfinite(bound) and (self._priced is None or bound < self._priced[2]):
+            most_worth = np.array([pricing.most_worth for pricing in self._pricing])
+            self._priced = (multipliers, most_worth, bound)
+        self.done = self._certificate.proven
+        if new or self.done:
+            self._centred = CENTRED
+        elif not math.isfinite(bound):
+            # There may be more routes to mix by the next time.
+            self._given_up += self._labels == self._options.most_labels
+            self.done = self._given_up == MOST_GIVEN_UP
+            self._labels = min(GROWTH * self._labels, self._options.most_labels)
+        elif self._centred > 0.0:
+            self._centred = 0.0 if self._centred < 0.1 else 0.5 * self._centred
+        else:
+            # Nothing is missing at the duals themselves: the master is solved.
+            self._finish(enough)
+
+    def _evidence(self, multipliers: np.ndarray) -> Evidence:
+        """What the bound rests on that labels have just proven."""
+        return evidence_of(
+            multipliers,
+            [kind.chasers for kind in self._campaign.kinds],
+            [pricing.most_worth + self._guard for pricing in self._pricing],
+            [pricing.remembered for pricing in self._pricing],
+            self._options.delta_v_slot_m_s,
+        )
+
+    def _finish(self, enough: Callable[[], bool]) -> None:
+        """Ask for a plan that is better than the incumbent, until there is none."""
+        certificate = self._certificate
+        assert self._priced is not None
+        assert self._fine is not None
+        multipliers, most_worth, _ = self._priced
+        finish = Finish(self._campaign, self._fine.of_kind)
+        while not certificate.proven and not enough():
+            goal = certificate.next_goal
+            answer, routes = finish.ask(
+                goal, multipliers, most_worth, self._options.most_labels, enough,
+                self._stop.remaining_s,
+            )  # fmt: skip
+            if answer is Answer.NONE:
+                certificate.lower(certificate.below(goal))
+            if routes is None or not certificate.offer(routes):
+                break
+        self._finishing_labels += finish.labels_made
+        self.done = True
+
+    def _mix(self) -> None:
+        """Let the master know of routes that came into the pool."""
+        new = [
+            column for column in self._pool.columns()
+            if column.key not in self._mixed
+        ]  # fmt: skip
+        self._mixed.update(column.key for column in new)
+        self._master.add(new)
+
+    def _attracts(self, duals: Duals, column: Column) -> bool:
+        """Whether the master would take a column."""
+        paid = column.paid(duals.targets) + duals.kinds[column.kind]
+        return bool(column.worth - paid > ATTRACTIVE * self._largest)
+
+    def _keep(self, duals: Duals, kind: int, route: tuple[int, ...]) -> bool:
+        """Put a route into the pool; whether it is one that the master would take."""
+        column = self._pool.add(kind, route)
+        if column is None or column.key in self._mixed:
+            return False
+        return self._attracts(duals, column)
+
+    def _by_beams(self, duals: Duals, multipliers: np.ndarray) -> bool:
+        """Whether beams find routes that the master would take."""
+        found = 0
+        for number, kind in enumerate(self._campaign.kinds):
+            for _ in range(BEAMS):
+                if self._over():
+                    break
+                route = by_beam(kind.mission, multipliers, self._rng, self._stop)
+                found += self._keep(duals, number, route)
+        self._columns += found
+        return found > 0
+
+    def _by_few_labels(
+        self, duals: Duals, multipliers: np.ndarray, enough: Callable[[], bool]
+    ) -> bool:
+        """Whether labels that prove nothing find routes that the master would take."""
+        found = 0
+        for number, pricing in enumerate(self._pricing):
+            least = float(duals.kinds[number]) + ATTRACTIVE * self._largest
+            keep = partial(self._keep, duals, number)
+            found += len(pricing.quickly(multipliers, least, FIRST_LABELS, enough, keep))
+        self._columns += found
+        return found > 0
+
+    def _by_labels(
+        self, duals: Duals, multipliers: np.ndarray, enough: Callable[[], bool]
+    ) -> tuple[bool, float]:
+        """Whether labels find such routes, and the bound that they prove; +inf if they gave up."""
+        bound, new = self._campaign.limits.total(multipliers), False
+        for number, pricing in enumerate(self._pricing):
+            paid = float(duals.kinds[number])
+            finished, routes = pricing.search(
+                multipliers,
+                paid + ATTRACTIVE * self._largest,
+                self._labels,
+                enough,
+                partial(self._keep, duals, number),
+            )
+            self._columns += len(routes)
+            new = new or bool(routes)
+            bound += self._counts[number] * pricing.most_worth if finished else math.inf
+        return new, bound
+
+    @property
+    def multipliers(self) -> np.ndarray:
+        """Those of the best bound so far, shape (bodies,)."""
+        return self._centre
+
+    @property
+    def counters(self) -> dict[str, float]:
+        """What was done so far."""
+        return {
+            "evaluations": self._descent.evaluations,
+            "columns": self._columns,
+            "searches": sum(pricing.searches for pricing in self._pricing),
+            "labels": self._labels_made,
+        }
+
+    @property
+    def _labels_made(self) -> int:
+        return self._finishing_labels + sum(pricing.labels_made for pricing in self._pricing)
+
+    def close(self) -> None:
+        """End the threads."""
+        self._coarse.close()
+        if self._fine is not None:
+            self._fine.close()

@@ -1,0 +1,179 @@
+"""The end of a proof: all routes that a better plan could be made of, and whether one can be.
+
+With multipliers π and the most v_k that a route of each kind is worth, less multipliers, no plan
+exceeds L = Σ π + Σ v_k over the chasers. A plan that reaches a goal loses no more than L − goal of
+that, whatever it loses it by; so each of its routes is worth at least v_k − (L − goal) (Baldacci,
+Christofides and Mingozzi 2008). Labels find a route for every set of targets that is worth so much,
+and a set packing decides whether some of them make such a plan.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from enum import Enum
+
+import numpy as np
+from scipy.optimize import LinearConstraint
+
+from adr_opt.mission.campaign import Campaign, Routes
+from adr_opt.plan.station_limits import Use
+
+from ..labels.label_search import Routes as Search
+from ..routes.digits import beside, has_large, in_units, reaching
+from ..routes.route_pool import dealt
+from ..routes.set_packing import Packed, cheapest_of, packing
+from ..walks.walks import WalkBound
+
+MOST_ROUTES = 100_000
+"""More are not packed."""
+
+SCALE, PACKING_OFF = 1e4, 1e-4
+"""The largest prize as the packing has it, whose tolerance is 10⁻⁶, and what it may be off by."""
+
+LEAST_OFF = 1e-6
+"""Routes are asked for from so much below, as a share of the largest prize; for rounding."""
+
+
+def worth_a_goal(
+    campaign: Campaign,
+    worths: Sequence[float],
+    goal: float,
+    constraints: Sequence[LinearConstraint],
+    time_limit_s: float,
+) -> Packed:
+    """The columns worth most that keep to some constraints, if they are worth a goal.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    worths : sequence of float
+        Of the columns.
+    goal : float
+    constraints : sequence of LinearConstraint
+    time_limit_s : float
+    """
+    scale = SCALE / (float(campaign.worths.max(initial=0.0)) or 1.0)
+    scaled = scale * np.array(worths)
+    if goal <= 0.0 or not has_large(campaign):
+        row = LinearConstraint(scaled[None, :], scale * goal - PACKING_OFF, np.inf)
+        return cheapest_of(-scaled, [*constraints, row], time_limit_s)
+    row, carries = reaching(*in_units(campaign, worths, goal))
+    costs = np.append(-scaled, np.zeros(carries))
+    wider = [beside(each, carries) for each in constraints]
+    return cheapest_of(costs, [*wider, row], time_limit_s, carries=carries)
+
+
+class Answer(Enum):
+    """What became of a question for a better plan."""
+
+    NONE = "there is none"
+    FOUND = "there is one"
+    UNKNOWN = "nobody knows"
+
+
+class Finish:
+    """Asks for a plan that is worth a goal.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    bounds : sequence of (WalkBound, int)
+        Of each kind, and its number there; their values are overwritten.
+    """
+
+    def __init__(self, campaign: Campaign, bounds: Sequence[tuple[WalkBound, int]]) -> None:
+        self._campaign = campaign
+        self._searches = tuple(Search(bound, start=start, all_sets=True) for bound, start in bounds)
+        self._largest = float(campaign.worths.max(initial=0.0)) or 1.0
+
+    @property
+    def labels_made(self) -> int:
+        """Labels of all searches."""
+        return sum(search.labels_made for search in self._searches)
+
+    def ask(
+        self,
+        goal: float,
+        multipliers: np.ndarray,
+        most_worth: np.ndarray,
+        most_labels: int,
+        enough: Callable[[], bool],
+        remaining_s: Callable[[], float],
+    ) -> tuple[Answer, Routes | None]:
+        """Whether a plan is worth a goal, and if so one.
+
+        Parameters
+        ----------
+        goal : float
+        multipliers : (bodies,) float64
+        most_worth : (kinds,) float64
+            Proven: no route of a kind is worth more, less these multipliers.
+        most_labels : int
+            Give up beyond so many.
+        enough : callable
+            Whether to give up.
+        remaining_s : callable
+            How much time is left, for the packing: asked when it begins [s].
+        """
+        counts = [len(kind.chasers) for kind in self._campaign.kinds]
+        total = self._campaign.limits.total(multipliers)
+        bound = math.fsum([total, *(counts * most_worth)])
+        routes: list[tuple[int, tuple[int, ...]]] = []
+        for kind, search in enumerate(self._searches):
+            search.use(multipliers)
+            # No route is worth less than all that it may pay: also where there is no plan yet.
+            least = max(most_worth[kind] - (bound - goal), -total)
+            least -= LEAST_OFF * self._largest
+            finished, _, _, _ = search.search(search.total + least, most_labels, enough)
+            if not finished:
+                return Answer.UNKNOWN, None
+            found = search.plans(MOST_ROUTES + 1)
+            routes += [(kind, route) for route in found]
+            if len(routes) > MOST_ROUTES:
+                return Answer.UNKNOWN, None
+        return self._pack(goal, routes, remaining_s)
+
+    def _pack(
+        self,
+        goal: float,
+        routes: list[tuple[int, tuple[int, ...]]],
+        remaining_s: Callable[[], float],
+    ) -> tuple[Answer, Routes | None]:
+        """Whether some of the routes make a plan that is worth the goal.
+
+        Where stations have limits a route of the same targets may keep to them that was not
+        listed: then there is no plan only if there is none without limits.
+        """
+        if not routes:
+            return Answer.NONE, None
+        answer, taken = self._packed(
+            goal, routes, remaining_s(), limited=bool(self._campaign.limits)
+        )
+        if answer is Answer.NONE and self._campaign.limits:
+            if self._packed(goal, routes, remaining_s(), limited=False)[0] is not Answer.NONE:
+                answer = Answer.UNKNOWN
+        return answer, taken
+
+    def _packed(
+        self, goal: float, routes: list[tuple[int, tuple[int, ...]]], time_limit_s: float,
+        *, limited: bool,
+    ) -> tuple[Answer, Routes | None]:  # fmt: skip
+        """The same, of these very routes, with the limits of stations or without."""
+        campaign, first = self._campaign, self._campaign.instance.first_target
+        sets = [(kind, frozenset(j for j in route if j >= first)) for kind, route in routes]
+        uses = [self._use(*each) for each in routes] if limited else None
+        worths = [campaign.collected(targets) for _, targets in sets]
+        packed = packing(campaign, sets, uses, all_flown=True)
+        found = worth_a_goal(campaign, worths, goal, [packed], time_limit_s)
+        if found.taken is None:
+            return Answer.NONE if found.solved else Answer.UNKNOWN, None
+        taken = [routes[at] for at in found.taken]
+        return Answer.FOUND, dealt(campaign, taken)
+
+    def _use(self, kind: int, route: tuple[int, ...]) -> Use:
+        """What a route takes of stations."""
+        mission = self._campaign.kinds[kind].mission
+        moves = mission.closed(route)
+        schedule = mission.time(moves)
+        return self._campaign.use(mission, moves[: schedule.made], schedule.delta_vs)

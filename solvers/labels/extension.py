@@ -1,0 +1,366 @@
+"""Labels forwards in time, pruned by completion values: the kernels.
+
+A *label* is a partial walk: where it is and since when, exact ΔV left, value (prizes less
+multipliers), and a memory of targets that it may not visit again. It is kept only if
+
+    value + completion value + Σ π ≥ threshold ,
+
+since no plan that begins with it can be worth more than the left side. Time and ΔV are exact here.
+All that is relaxed is the memory: on the way to body j a walk forgets every target that is not in
+the neighbourhood of j, except the body it comes from (ng-routes: Baldacci, Mingozzi and Roberti
+2011).
+
+A chaser that is at a body earlier and richer, with the same memory or less, may wait and do all
+that the later one can. So labels of one body are compared across *all* times, exactly: rows are
+gone through in order of departure, and each body has a list of the labels that are there and
+ready, none dominated by another. A label stays in the list, waiting, until its completion value
+says that it is too late. It has no use for legs that are no better than one it could take before.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.core.memory import borrowed
+from adr_opt.kernels.rules.loads import (
+    Loads,
+    after_service,
+    full_tank,
+    is_possible,
+    kits_in,
+    services_in,
+    with_kits,
+)
+from adr_opt.mission.evidence import WORD
+
+from ..networks.buckets import SLACK
+from .pending import is_preceded, next_of, send, take
+from .waiting import FINE, arrive, is_dominated, keep
+
+MOST_PAID = 2.0**60
+"""Walks pay no more than this for time: enough to be of no use [fine units]."""
+
+EXHAUSTED, CHUNK_DONE, FULL, CROWDED, PILED = 0, 1, 2, 3, 4
+
+
+class Table(NamedTuple):
+    """Completion values: what a walk can still collect, by body, time and ΔV left.
+
+    Attributes
+    ----------
+    bucket : (rows,) int32
+        Where the values of a row lie.
+    best, second : (kinds, layers·layer) int32
+        The values of each kind, packed as :class:`solvers.walks.sweeps.Values` says; a layer for
+        each number of kits aboard.
+    layer, bits, width, top : int
+    slot : float
+        As of the bound that they come from [m/s].
+    """
+
+    bucket: np.ndarray
+    best: np.ndarray
+    second: np.ndarray
+    layer: int
+    bits: int
+    width: int
+    top: int
+    slot: float
+
+
+class Search(NamedTuple):
+    """What a search asks for, and what it may not forget.
+
+    Attributes
+    ----------
+    values : Table
+        Of one kind, or several where ΔV is paid for.
+    shift : (kinds,) float64
+        What worth adds to the value of a walk to make its value of that kind [fine units].
+    need : (kinds,) int64
+        Value of each kind below which a walk is of no use, with the time paid for since the first
+        mission of the network began [fine units].
+    gain : (bodies,) int64
+        Prize less multiplier [fine units].
+    neighbourhood : (bodies, words) int64
+        What walks remember at each body.
+    compared : (bodies, words) int64
+        What of it tells labels apart there. All of it in a proof.
+    budget : float
+        [m/s].
+    loads : Loads or None
+        As in :class:`adr_opt.kernels.rules.rules.Rules`.
+    most_visits : int
+        Services that a walk may make.
+    price : (kits + 1,) float64
+        What a m/s takes off the value of a walk with so many kits aboard [fine units].
+    pays : bool
+        Whether ΔV is paid for.
+    time_price : float
+        What a second takes off the value of a walk when it ends, where the network has ends of
+        services [fine units].
+    since : float
+        When that time begins [s].
+    asked : int
+        Value, after that, of walks that are asked for [fine units].
+    worths : (bodies,) float64
+        What targets are worth, where it is; one each where labels of different targets are to be
+        told apart, whatever they remember; else nothing.
+    least_worth : float
+        Walks worth less are of no use, where it is.
+    reach : Table
+        Most worth that is still to be had, where it is.
+    reach_unit : float
+        Worth of a unit of these values.
+    """
+
+    values: Table
+    shift: np.ndarray
+    need: np.ndarray
+    gain: np.ndarray
+    neighbourhood: np.ndarray
+    compared: np.ndarray
+    budget: float
+    loads: Loads | None
+    most_visits: int
+    price: np.ndarray
+    pays: bool
+    time_price: float
+    since: float
+    asked: int
+    worths: np.ndarray
+    least_worth: float
+    reach: Table
+    reach_unit: float
+
+
+@inlined
+def _layer_of(loads, values, kits):
+    """Where the layer of so many kits begins."""
+    if loads is None:
+        return 0
+    return kits * values.layer
+
+
+@inlined
+def _place(loads, values, row, left, kits):
+    """Where the completion values at a row with some ΔV left, and some kits, lie."""
+    slots = min(int(left / values.slot + SLACK), values.top)
+    return _layer_of(loads, values, kits) + (values.bucket[row] + 1) * values.width + slots
+
+
+@inlined
+def _completion(values, kind, at, came_from):
+    """Most that a walk can still collect without going back at once [units]."""
+    packed = values.best[kind, at]
+    if packed & ((1 << values.bits) - 1) == came_from:
+        packed = values.second[kind, at]
+    return np.int64(packed >> values.bits)
+
+
+@inlined
+def _promises(search, row, left, kits, value, worth, came_from):
+    """Whether a walk that is ready by a row can still become one that is asked for."""
+    values = search.values
+    at = _place(search.loads, values, row, left, kits)
+    for kind in range(search.need.size):
+        most = value + (_completion(values, kind, at, came_from) << FINE)
+        if most + np.int64(search.shift[kind] * worth) < search.need[kind]:
+            return False
+    if not search.pays:
+        return True
+    at = _place(search.loads, search.reach, row, left, kits)
+    most_worth = _completion(search.reach, 0, at, came_from) * search.reach_unit
+    return worth + most_worth >= search.least_worth
+
+
+@inlined
+def _stay(search, labels, waiting, row, i, kept):
+    """Drop the labels at body i that are too late by a row; they are so by later ones, too."""
+    for k in range(waiting.size[i]):
+        label = waiting.label[i, k]
+        kept[k] = label >= 0 and _promises(
+            search, row, labels.left[label], kits_in(search.loads, labels.visits[label]),
+            labels.value[label],
+            labels.worth[label], labels.came_from[label],
+        )  # fmt: skip
+    keep(waiting, i, kept, 2 * search.neighbourhood.shape[1])
+    waiting.bucket[i] = search.values.bucket[row]
+
+
+@inlined
+def _rest(search, to_station, j, left, kits, cost):
+    """What is left after a leg and the service there, and how many kits; less than 0 for no way."""
+    if to_station:
+        return full_tank(search.loads, search.budget, kits), kits
+    return after_service(search.loads, j, kits, left - cost)
+
+
+@inlined
+def _time_paid(search, end):
+    """What a walk that ends with a service pays for time [fine units]."""
+    return np.int64(min(search.time_price * max(end - search.since, 0.0), MOST_PAID))
+
+
+@inlined
+def _useful(network, search, row, value, left, kits, worth, i, j):
+    """The legs of a row that may lead on: from the one number to before the other one.
+
+    The later they land, the less they cost. So none is of use that lands too late even for the
+    least ΔV of all, nor one that costs too much even for the earliest landing.
+    """
+    first, last = network.first[row], network.first[row + 1] - 1
+    least = network.delta_v[last]
+    if least > left:
+        return first, first
+    rest, aboard = _rest(search, network.is_station[j], j, left, kits, least)
+    if not is_possible(search.loads, rest):
+        return first, first
+    most = value + search.gain[j] - np.int64(search.price[kits] * least)
+    if not _promises(search, network.landing[first], rest, aboard, most, worth, i):
+        return first, first
+    begin, end = first + 1, last + 1
+    while begin < end:
+        middle = (begin + end) // 2
+        if _promises(search, network.landing[middle], rest, aboard, most, worth, i):
+            begin = middle + 1
+        else:
+            end = middle
+    stop = end
+    begin, end = first, last
+    while begin < end:
+        middle = (begin + end) // 2
+        cost = network.delta_v[middle]
+        most = value + search.gain[j] - np.int64(search.price[kits] * cost)
+        rest, aboard = _rest(search, network.is_station[j], j, left, kits, cost)
+        possible = cost <= left and is_possible(search.loads, rest)
+        if possible and _promises(search, network.landing[first], rest, aboard, most, worth, i):
+            end = middle
+        else:
+            begin = middle + 1
+    return end, stop
+
+
+@kernel
+def extend(network, body, order, search, labels, pending, waiting, cursor, effort):
+    """Extend labels row by row in order of departure, for a while.
+
+    Parameters
+    ----------
+    network : Network
+    body : (rows,) int32
+        Body of each row.
+    order : (rows,) int64
+        Rows by departure.
+    search : Search
+    labels : Labels
+    pending : Pending
+        Updated.
+    waiting : Waiting
+        Updated.
+    cursor : (3,) int64
+        Position in ``order``, number of labels, extensions tried; updated.
+    effort : int
+        Extensions to make.
+
+    Returns
+    -------
+    state : int
+        EXHAUSTED when all rows are done, CHUNK_DONE, FULL when there is no room for labels,
+        CROWDED when there is none at a body, PILED when there is none on the way. Then the row is
+        begun again later; what it has made already dominates its doubles.
+    """
+    network, search, labels = borrowed(network), borrowed(search), borrowed(labels)
+    waiting, pending = borrowed(waiting), borrowed(pending)
+    words = search.neighbourhood.shape[1]
+    counts = search.most_visits < search.gain.size
+    timed = network.end.size > 0
+    remembered = np.empty(words, dtype=np.int64)
+    target_effort = cursor[2] + effort
+    kept = np.empty(waiting.label.shape[1], np.bool_)
+    # Closing rows come last, and nothing leaves there.
+    while cursor[0] < order.size and network.departure[order[cursor[0]]] < np.inf:
+        row = order[cursor[0]]
+        i = body[row]
+        while next_of(pending, row) >= 0:
+            if not arrive(
+                waiting, labels, i, next_of(pending, row), search.compared[i], search.loads
+            ):
+                return CROWDED
+            take(pending, row, words)
+        if waiting.bucket[i] != search.values.bucket[row]:
+            _stay(search, labels, waiting, row, i, kept)
+        j = network.destination[row]
+        to_station, compared = network.is_station[j], search.compared[j]
+        behind = -1 if network.is_station[i] else i
+        for k in range(waiting.size[i] - 1, -1, -1):
+            here = waiting.label[i, k]
+            if here < 0 or labels.row[here] <= network.fresh[row]:
+                continue
+            if not to_station:
+                if labels.memory[here, j // WORD] >> (j % WORD) & 1:
+                    continue
+                if services_in(search.loads, labels.visits[here]) == search.most_visits:
+                    continue
+            left, value, worth = labels.left[here], labels.value[here], labels.worth[here]
+            collected = worth + search.worths[j]
+            kits = kits_in(search.loads, labels.visits[here])
+            begin, end = _useful(network, search, row, value, left, kits, collected, behind, j)
+            if begin >= end:
+                continue
+            # What does not limit a walk is not counted, so that it tells no labels apart.
+            services = services_in(search.loads, labels.visits[here]) + (counts and not to_station)
+            for w in range(words):
+                remembered[w] = labels.memory[here, w] & search.neighbourhood[j, w]
+            if behind >= 0:
+                remembered[i // WORD] |= 1 << (i % WORD)
+            for leg in range(begin, end):
+                if labels.row[here] <= network.since[leg]:
+                    continue
+                landing = network.landing[leg]
+                rest, aboard = _rest(search, to_station, j, left, kits, network.delta_v[leg])
+                paid = np.int64(search.price[kits] * network.delta_v[leg])
+                then = value + search.gain[j] - paid
+                if not _promises(search, landing, rest, aboard, then, collected, behind):
+                    continue
+                cursor[2] += 1
+                visits = with_kits(search.loads, services, aboard)
+                if is_dominated(
+                    waiting, labels, j, then, rest, visits, collected, remembered,
+                    compared, search.loads,
+                ):  # fmt: skip
+                    continue
+                preceded = is_preceded(
+                    pending, landing, labels, then, rest, visits, collected, remembered,
+                    compared, search.loads,
+                )  # fmt: skip
+                # Who is ready by the same row may have been ready later: if the walk ends here,
+                # it may pay for less time than the one that dominates it.
+                if preceded and not (
+                    timed and network.may_end[j] and collected >= search.least_worth
+                    and then - _time_paid(search, network.end[leg]) >= search.asked
+                ):  # fmt: skip
+                    continue
+                count = cursor[1]
+                if count == labels.row.size:
+                    return FULL
+                labels.row[count], labels.parent[count] = landing, here
+                labels.value[count], labels.left[count] = then, rest
+                labels.visits[count], labels.worth[count] = visits, collected
+                labels.came_from[count] = behind
+                if timed:
+                    labels.final[count] = then - _time_paid(search, network.end[leg])
+                for w in range(words):
+                    labels.memory[count, w] = remembered[w]
+                if not preceded and not send(pending, landing, labels, count):
+                    return PILED
+                cursor[1] += 1
+        cursor[0] += 1
+        if cursor[2] >= target_effort:
+            break
+    else:
+        return EXHAUSTED
+    return CHUNK_DONE

@@ -1,0 +1,179 @@
+"""What labels tell at the end of a search: the best walk, and what walks should have remembered.
+
+A walk that visits a target twice is forbidden as soon as all bodies in between remember it. Every
+memory makes fewer labels comparable, so only short cycles are forbidden: of each walk those that
+few more memories forbid. Often the walks looked at after it are forbidden by then, too.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.core.memory import borrowed
+from adr_opt.mission.evidence import WORD
+
+SHORT = 4
+"""Cycles that at most so many more memories forbid are forbidden, and one of any length."""
+
+
+@kernel
+def path_of(labels, body, label, path):
+    """The bodies of a label's walk in order; returns how many."""
+    length = 0
+    while labels.parent[label] >= 0:
+        path[length] = body[labels.row[label]]
+        length += 1
+        label = labels.parent[label]
+    for a in range(length // 2):
+        path[a], path[length - 1 - a] = path[length - 1 - a], path[a]
+    return length
+
+
+@inlined
+def _value(network, labels, body, label, least_worth):
+    """Value of a walk; −2⁶² if it does not count.
+
+    It counts if it is worth enough, and at a body where a mission may end. What it is worth beyond
+    the least counts, too: labels are compared by it, so one that is worth more may have taken the
+    place of one that costs less.
+    """
+    if labels.worth[label] < least_worth or not network.may_end[body[labels.row[label]]]:
+        return np.int64(-(2**62))
+    return labels.final[label]
+
+
+@inlined
+def _missing(path, begin, end, neighbourhood):
+    """How many bodies between two visits of the same target do not remember it."""
+    j = path[end]
+    missing = 0
+    for b in range(begin + 1, end):
+        missing += not neighbourhood[path[b], j // WORD] >> (j % WORD) & 1
+    return missing
+
+
+@inlined
+def _fewest(network, path, length, neighbourhood, seen):
+    """Fewest memories that forbid a walk: 0 if it is forbidden already, −1 if it is a plan."""
+    for j in range(seen.size):
+        seen[j] = -1
+    fewest = -1
+    for a in range(length):
+        j = path[a]
+        if network.is_station[j]:
+            continue
+        if seen[j] >= 0:
+            missing = _missing(path, seen[j], a, neighbourhood)
+            if fewest < 0 or missing < fewest:
+                fewest = missing
+        seen[j] = a
+    return fewest
+
+
+@inlined
+def _forbid(network, path, length, neighbourhood, seen, most):
+    """Forbid the cycles of a walk that at most so many more memories forbid; returns how many."""
+    for j in range(seen.size):
+        seen[j] = -1
+    grown = 0
+    for a in range(length):
+        j = path[a]
+        if network.is_station[j]:
+            continue
+        if seen[j] >= 0:
+            missing = _missing(path, seen[j], a, neighbourhood)
+            if missing <= most:
+                grown += missing
+                for b in range(seen[j] + 1, a):
+                    neighbourhood[path[b], j // WORD] |= 1 << (j % WORD)
+        seen[j] = a
+    return grown
+
+
+@kernel
+def learn(network, labels, body, count, least, least_worth, most_walks, neighbourhood, path):
+    """Look at walks worth at least so much, and let the bodies inside their cycles remember.
+
+    Parameters
+    ----------
+    network : Network
+    labels : Labels
+    body : (rows,) int32
+        Body of each row.
+    count : int
+        Number of labels.
+    least : int
+        Walks of less value are not looked at [fine units].
+    least_worth : float
+        Walks of less worth are not looked at.
+    most_walks : int
+        Walks to learn from, spread evenly over all of them: neighbours share their cycles.
+    neighbourhood : (bodies, words) int64
+        Updated.
+    path : (legs,) int64
+        Desk.
+
+    Returns
+    -------
+    plan : int
+        A label of the greatest value without any cycle, where a mission may end; −1 for none.
+    grown : int
+        How many memories were added.
+    """
+    network, labels, body = borrowed(network), borrowed(labels), borrowed(body)
+    walks = 0
+    for label in range(count):
+        walks += _value(network, labels, body, label, least_worth) >= least
+    stride = max(1, walks // most_walks)
+    seen = np.empty(neighbourhood.shape[0], dtype=np.int64)
+    plan, grown, number, most = -1, 0, 0, least - 1
+    for label in range(count):
+        value = _value(network, labels, body, label, least_worth)
+        if value < least:
+            continue
+        number += 1
+        length = path_of(labels, body, label, path)
+        fewest = _fewest(network, path, length, neighbourhood, seen)
+        if fewest < 0:
+            if value > most:
+                plan, most = label, value
+        elif fewest > 0 and number % stride == 0:
+            grown += _forbid(network, path, length, neighbourhood, seen, max(fewest, SHORT))
+    return plan, grown
+
+
+@kernel
+def plans_of(network, labels, body, count, least, least_worth, bodies, path, found):
+    """Labels whose walks are plans worth at least so much; returns how many.
+
+    Parameters
+    ----------
+    network, labels, body, count, least, least_worth, path
+        As of :func:`learn`.
+    bodies : int
+    found : (labels,) int32
+        Written.
+    """
+    network, labels, body = borrowed(network), borrowed(labels), borrowed(body)
+    remembers_nothing = np.zeros((bodies, 1 + bodies // WORD), dtype=np.int64)
+    seen = np.empty(bodies, dtype=np.int64)
+    plans = 0
+    for label in range(count):
+        if _value(network, labels, body, label, least_worth) < least:
+            continue
+        length = path_of(labels, body, label, path)
+        if _fewest(network, path, length, remembers_nothing, seen) < 0:
+            found[plans] = label
+            plans += 1
+    return plans
+
+
+@kernel
+def most_of(network, labels, body, count, least, least_worth):
+    """Greatest value of the walks that count, see :func:`_value`; ``least`` if all are below."""
+    network, labels, body = borrowed(network), borrowed(labels), borrowed(body)
+    best = least
+    for label in range(count):
+        best = max(best, _value(network, labels, body, label, least_worth))
+    return best

@@ -1,0 +1,1 @@
+"""Networks of connections that proofs search."""

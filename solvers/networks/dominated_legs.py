@@ -1,0 +1,56 @@
+"""Legs that are of no use to who has waited: he has had a better one already.
+
+A leg is stale for a chaser who was ready when another one left for the same body that lands no
+later and costs no more. Connections do not say so, since whoever is ready in between has a use for
+it. Of those that labels could take again and again while they wait, nearly all are stale.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from adr_opt.kernels.core.compile import kernel
+
+LOOK_BACK = 8
+"""A leg is compared with those of so many earlier departures; to miss one is no mistake."""
+
+
+@kernel
+def mark_stale(begin, end, bodies, destination, first, landing, delta_v, since, fresh):
+    """Find out since when nobody has a use for the legs of a body.
+
+    Parameters
+    ----------
+    begin, end : int
+        The rows of the body.
+    bodies : int
+    destination, first, delta_v
+        As in :class:`.network.Network`.
+    landing : (legs,) int32 or float64
+        When legs land, in any measure of time.
+    since : (legs,) int32
+        Written: who was ready by this row has no use for the leg; −1 for none.
+    fresh : (rows,) int32
+        Written: who was ready by this row has no use for any leg of the row.
+    """
+    earlier = np.full((bodies, LOOK_BACK), -1)
+    for row in range(begin, end):
+        ahead = earlier[destination[row]]
+        for leg in range(first[row], first[row + 1]):
+            since[leg] = -1
+        for other in ahead:
+            if other < 0:
+                break
+            least, at = np.inf, first[other]
+            for leg in range(first[row], first[row + 1]):
+                while at < first[other + 1] and landing[at] <= landing[leg]:
+                    least = min(least, delta_v[at])
+                    at += 1
+                if since[leg] < 0 and least <= delta_v[leg]:
+                    since[leg] = other
+        fresh[row] = row
+        for leg in range(first[row], first[row + 1]):
+            fresh[row] = min(fresh[row], since[leg])
+        for place in range(LOOK_BACK - 1, 0, -1):
+            ahead[place] = ahead[place - 1]
+        ahead[0] = row

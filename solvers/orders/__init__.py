@@ -1,0 +1,1 @@
+"""Orders of bodies and their best times."""

@@ -1,0 +1,194 @@
+"""Orders of targets that are changed by bits, and what is known of how far they can be flown.
+
+The stairs of :mod:`.fronts` at every target of an order, from both ends. Those backwards are whole;
+those forwards are the ones that are early enough for the rest, which are few.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.core.memory import borrowed, write
+
+from . import fronts as staircases
+from . import fronts_backward
+from .fronts import STRAIGHT, Stairs
+from .reach import may_fit
+
+PASSED_OVER = 0.15
+"""Probability that a position is not looked at."""
+
+
+class Course(NamedTuple):
+    """An order of targets, and how far it can be flown from both ends; places are bodies.
+
+    Attributes
+    ----------
+    order : (targets,) int64
+        All targets: those visited in order, then the others.
+    came, suffices : Stairs
+    """
+
+    order: np.ndarray
+    came: Stairs
+    suffices: Stairs
+
+
+@inlined
+def _before(rules, order, position):
+    """The body before a position of an order."""
+    return np.int64(rules.start) if position == 0 else order[position - 1]
+
+
+@kernel
+def time_forth(rules, lines, course, length, first, settled, desk, trial):
+    """Stairs forwards from a position on; whether all targets can be reached.
+
+    Only those that are early enough for the rest: the stairs backwards are right. From the position
+    ``settled`` up the stairs are right if those before have not changed.
+    """
+    order, came, suffices = course.order, course.came, course.suffices
+    for p in range(first, length):
+        i, j = _before(rules, order, p), order[p]
+        latest = suffices.time[j, 0]
+        size = staircases.forwards(rules, lines, i, j, p > 0, came, i, latest, desk, trial, 0)
+        if size == 0:
+            return False
+        if staircases.take(trial, 0, came, j) and p >= settled:
+            break
+    return True
+
+
+@kernel
+def time_back(rules, lines, course, length, last, settled, desk, trial):
+    """Stairs backwards from a position on; whether all of them suffice.
+
+    From the position ``settled`` down the stairs are right if those behind have not changed.
+    """
+    order, suffices = course.order, course.suffices
+    for p in range(last, -1, -1):
+        j = order[p]
+        if p == length - 1:
+            size = fronts_backward.finish(rules, lines, j, rules.ready, desk, trial, 0)
+        else:
+            size = fronts_backward.backwards(
+                rules, lines, j, order[p + 1], True, suffices, order[p + 1], rules.ready,
+                desk, trial, 0,
+            )  # fmt: skip
+        if size == 0:
+            return False
+        if staircases.take(trial, 0, suffices, j) and p <= settled:
+            break
+    return True
+
+
+@kernel
+def copy_course(source, destination, bodies):
+    """Copy a course, its stairs at all bodies."""
+    write(destination.order, source.order)
+    for side in range(2):
+        one, other = source.came, destination.came
+        if side == 1:
+            one, other = source.suffices, destination.suffices
+        for body in range(bodies):
+            staircases.take(one, body, other, body)
+
+
+@kernel
+def insert(order, source, position):
+    """Move the target at a later place to a position."""
+    j = order[source]
+    for p in range(source, position, -1):
+        order[p] = order[p - 1]
+    order[position] = j
+
+
+@kernel
+def left_with(rules, lines, course, length, j, p, latest, desk, trial):
+    """Time that is left once a target is put in at a position [s]; −inf if it does not fit.
+
+    ``latest`` is when the chaser has to be ready at the next target, or when the mission ends.
+    """
+    order, came, suffices = course.order, course.came, course.suffices
+    i = _before(rules, order, p)
+    size = staircases.forwards(rules, lines, i, j, p > 0, came, i, latest, desk, trial, 0)
+    if size == 0:
+        return -np.inf
+    earliest = trial.time[0, 0]
+    if p == length:
+        size = fronts_backward.finish(rules, lines, j, earliest, desk, trial, 1)
+    else:
+        size = fronts_backward.backwards(
+            rules, lines, j, order[p], True, suffices, order[p], earliest, desk, trial, 1
+        )
+    if size == 0:
+        return -np.inf
+    return staircases.slack(trial, 0, trial, 1)
+
+
+@kernel
+def best_position(rules, lines, reach, course, length, j, desk, trial, rng):
+    """Where most time is left once a target is put in; −1 if it fits in nowhere."""
+    rules, lines, reach = borrowed(rules), borrowed(lines), borrowed(reach)
+    course, trial = borrowed(course), borrowed(trial)
+    best, most = -1, -np.inf
+    order, came, suffices = course.order, course.came, course.suffices
+    for p in range(length + 1):
+        if rng.random() < PASSED_OVER:
+            continue
+        i = _before(rules, order, p)
+        k, latest, need = np.int64(-1), rules.duration, 0.0
+        if p < length:
+            k = order[p]
+            latest, need = suffices.time[k, 0], suffices.tank[k, suffices.size[k] - 1]
+        times, tanks = (came.time[i, 0], latest), (came.tank[i, came.size[i] - 1], need)
+        if may_fit(rules, reach, i, j, k, times, tanks, p > 0):
+            left = left_with(rules, lines, course, length, j, p, latest, desk, trial)
+            if left > most:
+                best, most = p, left
+    return best
+
+
+@kernel
+def new_course(order, bodies):
+    """A course for a copy of an order, of which nothing is timed yet."""
+    return Course(order.copy(), staircases.new_stairs(bodies), staircases.new_stairs(bodies))
+
+
+@kernel
+def prize_of(rules, course, length):
+    """What an order collects."""
+    prize = 0.0
+    for p in range(length):
+        prize += rules.prize[course.order[p]]
+    return prize
+
+
+@kernel
+def spare(course, length):
+    """Time that the chaser might be later by, in the mean over all targets of an order [s]."""
+    total = 0.0
+    for p in range(length):
+        j = course.order[p]
+        total += staircases.slack(course.came, j, course.suffices, j)
+    return total / max(length, 1)
+
+
+@kernel
+def with_refuelling(rules, course, length):
+    """The sequence of bodies that ends first, refuelling stops included."""
+    order, came = course.order, course.came
+    backwards = np.empty(2 * length, np.int64)
+    moves, stair = 0, 0
+    for p in range(length - 1, -1, -1):
+        j = order[p]
+        backwards[moves] = j
+        moves += 1
+        if came.via[j, stair] != STRAIGHT:
+            backwards[moves] = came.via[j, stair]
+            moves += 1
+        stair = came.parent[j, stair]
+    return backwards[:moves][::-1].copy()

@@ -1,0 +1,97 @@
+"""The connections that orders of targets are timed on: for each pair those worth taking.
+
+Where nodes drift a pair has thousands of connections. Those that some value of time chooses are a
+tenth of them, and an order of targets is timed on them a hundred thousand times a second.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from adr_opt.common.constants import HOUR_S
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.tables import timetable_making as making
+from adr_opt.mission.problem import Mission
+
+from ..beams.beams import TIME_VALUE_M_S_PER_H
+
+SHARES = (0.0, 0.1, 0.35, 1.0, 3.0, 10.0, 30.0)
+"""Values of time whose choices are taken, as multiples of what beams take an hour to be worth."""
+
+
+class Lines(NamedTuple):
+    """Connections of all pairs, those of a pair side by side and in order of departure.
+
+    Attributes
+    ----------
+    first : (bodies, bodies) int64
+        Place of the first connection of each pair.
+    total : (bodies, bodies) int64
+        How many a pair has.
+    least : (bodies, bodies) float64
+        Least ΔV among them, +inf for none [m/s].
+    departure, end, delta_v : (connections,) float64
+        Departure, end of the service at the destination [s], and ΔV [m/s].
+    by_end : (connections,) int32
+        The connections of each pair in order of their end, counted from the first of the pair.
+    """
+
+    first: np.ndarray
+    total: np.ndarray
+    least: np.ndarray
+    departure: np.ndarray
+    end: np.ndarray
+    delta_v: np.ndarray
+    by_end: np.ndarray
+
+
+@kernel
+def _mark(found, limits, j, values, taken, wanted):
+    """Mark the connections of a pair that one of the values of time [m/s per s] chooses."""
+    for c in range(wanted.size):
+        wanted[c] = False
+    for value in values:
+        count = making.choose(found, limits, j, value, taken)
+        for place in range(taken.size - count, taken.size):
+            wanted[taken[place]] = True
+
+
+def lines_of(mission: Mission) -> Lines:
+    """The lines of a mission under which nodes drift; its timetable is built."""
+    rules, limits = mission.rules, mission.timetable.limits
+    connecting = mission.timetable.connecting
+    usual = TIME_VALUE_M_S_PER_H * mission.instance.hurry / HOUR_S
+    values = usual * np.array(SHARES)
+    bodies = rules.service.size
+    first, total = np.zeros((2, bodies, bodies), dtype=np.int64)
+    least = np.full((bodies, bodies), np.inf)
+    departures, ends, costs, orders = [], [], [], []
+    count = 0
+    for i, j in connecting.counts:
+        found = connecting.found(i, j)
+        taken = np.empty(found.departure.size, dtype=np.int64)
+        wanted = np.empty(found.departure.size, dtype=np.bool_)
+        _mark(found, limits, j, values, taken, wanted)
+        end = np.maximum(found.arrival[wanted], rules.opens[j]) + rules.service[j]
+        cost = found.delta_v[wanted]
+        kept = (end <= min(rules.closes[j], rules.duration)) & (cost <= rules.budget)
+        end, cost = end[kept], cost[kept]
+        departures.append(found.departure[wanted][kept])
+        ends.append(end)
+        costs.append(cost)
+        orders.append(np.argsort(end, kind="stable").astype(np.int32))
+        first[i, j], total[i, j] = count, end.size
+        least[i, j] = cost.min(initial=np.inf)
+        count += end.size
+    empty = np.empty(0)
+    return Lines(
+        first,
+        total,
+        least,
+        np.concatenate([empty, *departures]),
+        np.concatenate([empty, *ends]),
+        np.concatenate([empty, *costs]),
+        np.concatenate([np.empty(0, dtype=np.int32), *orders]),
+    )

@@ -1,0 +1,303 @@
+"""Slack induction by string removals (Christiaens and Vanden Berghe 2020), for one chaser.
+
+An iteration takes some strings of targets out of the order, from where a target that is drawn would
+have its neighbours, and puts all targets that are missing back in, one after the other, each where
+most time is left afterwards; positions are passed over at random now and then. Simulated annealing
+decides whether to go on with the result. The value of an order is what it collects, and what the
+time is worth by which the chaser might be later, in the mean over its targets: the time of its end
+says little, as a plan of months waits for planes here and there. Whether a target fits in is asked
+of :mod:`.fronts`, which answers for hundreds of connections of a pair and all ways to refuel.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from copy import copy
+
+import numpy as np
+import numpy.typing as npt
+
+from adr_opt.common.constants import HOUR_S
+from adr_opt.common.stop import Stop
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.lists import rising
+from adr_opt.kernels.core.memory import borrowed, write
+from adr_opt.mission.problem import Mission
+
+from ..beams.beams import TIME_VALUE_M_S_PER_H
+from ..beams.exchange_rates import worth_of
+from ..progress.halting import halted_by
+from . import bit_orders
+from . import fronts as staircases
+from .connection_table import lines_of
+from .reach import reach_of
+
+LONGEST_STRING = 6
+MOST_STRINGS = 3
+
+HOT, COLD = 1.0, 0.03
+"""Temperatures of the annealing, in mean prizes."""
+
+TIME_COUNTS = 0.3
+"""Share of what time is worth by which an order is judged. Targets that are hard to come by take
+more of it than their prize is worth, and an order that spares time for nothing is none better."""
+
+NEIGHBOURS = 3
+"""A target is as far from others as the mean of so many that are nearest to it."""
+
+PATIENCE = 0.99
+"""Share of the memory that a target was missing which an iteration leaves."""
+
+
+@kernel
+def ruin(order, length, near, rng):
+    """Take strings of targets out of an order.
+
+    Returns
+    -------
+    length, first, last : int
+        Targets left; positions before ``first`` are as they were, and so are those from ``last``
+        on, counted anew.
+    """
+    targets = order.size
+    place = np.empty(near.shape[0], np.int64)
+    for p in range(near.shape[0]):
+        place[p] = -1
+    for p in range(length):
+        place[order[p]] = p
+    out = np.zeros(length, np.bool_)
+    seed = order[rng.integers(0, length)]
+    if length < targets and rng.random() < 0.5:
+        seed = order[rng.integers(length, targets)]
+    wanted = rng.integers(1, MOST_STRINGS + 1)
+    longest = rng.integers(1, LONGEST_STRING + 1)
+    for rank in range(near.shape[1]):
+        p = place[near[seed, rank]]
+        if wanted == 0:
+            break
+        if p < 0 or out[p]:
+            continue
+        size = min(rng.integers(1, longest + 1), length)
+        begin = min(max(p - rng.integers(0, size), 0), length - size)
+        for q in range(begin, begin + size):
+            out[q] = True
+        wanted -= 1
+    kept = np.empty(targets, np.int64)
+    size, first, last, taken = 0, length, 0, 0
+    for p in range(length):
+        if out[p]:
+            first = min(first, p)
+            last = size
+            taken += 1
+        else:
+            kept[size] = order[p]
+            size += 1
+    missing = size
+    for p in range(length):
+        if out[p]:
+            kept[missing] = order[p]
+            missing += 1
+    for p in range(length):
+        order[p] = kept[p]
+    return size, min(first, size), last
+
+
+@kernel
+def _recreate(rules, lines, reach, course, length, far, absent, desk, trial, rng):
+    """Put missing targets back in, as far as they fit; returns how many are visited, or −1."""
+    order = course.order
+    missing = order.size - length
+    keys = np.empty(missing)
+    way = rng.random()
+    for m in range(missing):
+        j = order[length + m]
+        keys[m] = rng.random()
+        if way < 0.3:
+            keys[m] -= absent[j]
+        elif way < 0.6:
+            keys[m] = -far[j] * (0.8 + 0.4 * keys[m])
+    ranks = rising(keys, missing)
+    turns = np.empty(missing, np.int64)
+    for m in range(missing):
+        turns[m] = order[length + ranks[m]]
+    for j in turns:
+        if length == rules.most_targets:
+            break
+        position = bit_orders.best_position(
+            rules, lines, reach, course, length, j, desk, trial, rng
+        )
+        if position < 0:
+            continue
+        source = length
+        while order[source] != j:
+            source += 1
+        bit_orders.insert(order, source, position)
+        length += 1
+        if not (
+            bit_orders.time_back(rules, lines, course, length, position, position - 1, desk, trial)
+            and bit_orders.time_forth(
+                rules, lines, course, length, position, position + 1, desk, trial
+            )
+        ):
+            # Of stairs of about one height the one that would have done was left out.
+            return -1
+    return length
+
+
+@kernel
+def anneal(rules, lines, reach, order, length, near, far, absent, weights, iterations, rng, halt):
+    """Improve an order.
+
+    Parameters
+    ----------
+    rules : Rules
+    lines : Lines
+    order : (targets,) int64
+        All targets: those visited in order, as far as they can be timed, then the others. Left as
+        the last order accepted.
+    length : int
+        How many are visited.
+    near : (bodies, targets) int64
+        The targets by how near they are to each body, itself first.
+    far : (bodies,) float64
+        How far each target is from others.
+    absent : (bodies,) float64
+        Share of the iterations in which each target was missing, smoothed; updated.
+    weights : tuple of float
+        Worth of a second [prizes per s], temperature at the beginning and at the end [prizes].
+    iterations : int
+    rng : numpy.random.Generator
+    halt : (1,) bool
+        Once another thread sets it, the annealing ends.
+
+    Returns
+    -------
+    best : (moves,) int64
+        Bodies in the order of the best plan: most prize, then the earliest end.
+    length : int
+        Of the last order accepted.
+    """
+    rules, lines, reach = borrowed(rules), borrowed(lines), borrowed(reach)
+    worth, hot, cold = weights
+    bodies = rules.service.size
+    desk = staircases.new_desk(lines)
+    trial = staircases.new_stairs(2)
+    here, there = bit_orders.new_course(order, bodies), bit_orders.new_course(order, bodies)
+    for course in (here, there):
+        start, came = rules.start, course.came
+        came.size[start], came.time[start, 0], came.tank[start, 0] = 1, rules.ready, rules.budget
+    while not (
+        bit_orders.time_back(rules, lines, here, length, length - 1, -1, desk, trial)
+        and bit_orders.time_forth(rules, lines, here, length, 0, length, desk, trial)
+    ):
+        # A schedule over all connections may get farther than these lines do.
+        length -= 1
+    bit_orders.copy_course(here, there, bodies)
+    prize = bit_orders.prize_of(rules, here, length)
+    value = prize + worth * bit_orders.spare(here, length)
+    best, best_value = bit_orders.with_refuelling(rules, here, length), value
+    best_prize = prize
+    for iteration in range(iterations):
+        if halt[0]:
+            break
+        temperature = hot * (cold / hot) ** (iteration / iterations)
+        size, first, last = length, 0, 0
+        if length > 0:
+            size, first, last = ruin(there.order, length, near, rng)
+        possible = bit_orders.time_back(
+            rules, lines, there, size, min(last, size) - 1, first - 1, desk, trial
+        ) and bit_orders.time_forth(rules, lines, there, size, 0, max(last, 1), desk, trial)
+        new_value = -np.inf
+        if possible:
+            size = _recreate(rules, lines, reach, there, size, far, absent, desk, trial, rng)
+            possible = size >= 0
+        if possible:
+            prize = bit_orders.prize_of(rules, there, size)
+            new_value = prize + worth * bit_orders.spare(there, size)
+        if possible and new_value >= value + temperature * math.log(1.0 - rng.random()):
+            length, value = size, new_value
+            bit_orders.copy_course(there, here, bodies)
+            if prize > best_prize or (prize == best_prize and value > best_value):
+                best, best_prize = bit_orders.with_refuelling(rules, here, length), prize
+                best_value = value
+        else:
+            bit_orders.copy_course(here, there, bodies)
+        for p in range(order.size):
+            j = here.order[p]
+            absent[j] = PATIENCE * absent[j] + (1.0 - PATIENCE if p >= length else 0.0)
+    write(order, here.order)
+    return best, length
+
+
+@kernel
+def _nearness(rules, lines, time_value):
+    """What the best connection of each pair costs in either direction, time at its value [m/s]."""
+    bodies = rules.service.size
+    apart = np.full((bodies, bodies), np.inf)
+    for i in range(bodies):
+        for j in range(bodies):
+            begin = lines.first[i, j]
+            for c in range(begin, begin + lines.total[i, j]):
+                cost = lines.delta_v[c] + time_value * (lines.end[c] - lines.departure[c])
+                apart[i, j] = min(apart[i, j], cost)
+                apart[j, i] = min(apart[j, i], cost)
+        apart[i, i] = 0.0
+    return apart
+
+
+class Strings:
+    """Anneals orders of one mission, and goes on from where it was.
+
+    Parameters
+    ----------
+    mission : Mission
+        One whose connections are kept: nodes drift.
+    seed : int
+    stop : Stop
+    """
+
+    def __init__(self, mission: Mission, seed: int, stop: Stop) -> None:
+        self._mission, self._stop = mission, stop
+        self._rng = np.random.default_rng(seed)
+        self._lines = lines_of(mission)
+        rules = mission.rules
+        value = TIME_VALUE_M_S_PER_H * mission.instance.hurry / HOUR_S
+        self._reach = reach_of(self._lines, rules.stations, rules.duration)
+        first = rules.first_target
+        apart = _nearness(rules, self._lines, value)[:, first:]
+        self._near = np.argsort(apart, axis=1, kind="stable") + first
+        self._far = np.sort(apart, axis=1)[:, 1 : 1 + NEIGHBOURS].mean(axis=1)
+        self._far[~np.isfinite(self._far)] = 0.0
+        self._absent = np.zeros(rules.service.size)
+        self._order = np.arange(first, rules.service.size, dtype=np.int64)
+        self._length = 0
+
+    def beside(self, seed: int) -> Strings:
+        """Another one of the same mission, that may anneal at the same time."""
+        other = copy(self)
+        other._rng = np.random.default_rng(seed)
+        other._absent, other._order = self._absent.copy(), self._order.copy()
+        return other
+
+    def begin(self, sequence: Iterable[int]) -> None:
+        """Go on from a plan: bodies in order."""
+        rules = self._mission.rules
+        visited = [int(j) for j in sequence if j >= rules.first_target]
+        others = sorted(set(range(rules.first_target, rules.service.size)) - set(visited))
+        self._order = np.array(visited + others, dtype=np.int64)
+        self._length = len(visited)
+
+    def anneal(self, iterations: int) -> npt.NDArray[np.int64]:
+        """Anneal the order; the best plan on the way, refuelling stops included."""
+        mission = self._mission
+        rules, prize = mission.rules, worth_of(mission).prize
+        worth = max(mission.prizes(self._order[: self._length]), prize) / rules.duration
+        worth *= TIME_COUNTS
+        with halted_by(self._stop) as halt:
+            best, self._length = anneal(
+                rules, self._lines, self._reach, self._order, self._length, self._near, self._far,
+                self._absent, (worth, HOT * prize, COLD * prize), iterations, self._rng, halt,
+            )  # fmt: skip
+        found: npt.NDArray[np.int64] = best
+        return found

@@ -1,0 +1,175 @@
+"""An order of targets, timed with the best refuelling stops between them.
+
+Local search works on orders of targets alone. Where to refuel is not searched but solved: on the
+way from one target to the next the chaser may pass by a station, and all ways to do so are kept
+as *labels* (end of service, ΔV left), less those that are not earlier and not richer than another.
+So moving, adding and dropping refuelling stops are part of every evaluation. The order is timed on
+the timetable of the mission's choice; when to fly it best is for the schedule to say.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.memory import borrowed
+from adr_opt.kernels.rules import rules as rule_kernels
+from adr_opt.kernels.rules.rules import State
+from adr_opt.mission.problem import Mission
+
+STRAIGHT = -1
+"""Stands for no station on the way."""
+
+MOST_LABELS = 6
+"""Labels kept at a target: the earliest ones. More are rare, and only cost plans, not legality."""
+
+
+class Labels(NamedTuple):
+    """Labels by position in the order; position 0 is the start at the station.
+
+    Attributes
+    ----------
+    size : (positions,) int64
+        Number of labels.
+    end, left : (positions, MOST_LABELS) float64
+        End of service [s], ascending, and ΔV left then [m/s], ascending too.
+    parent : (positions, MOST_LABELS) int8
+        Label of the position before.
+    via : (positions, MOST_LABELS) int16
+        Station that the chaser comes by, or STRAIGHT.
+    """
+
+    size: np.ndarray
+    end: np.ndarray
+    left: np.ndarray
+    parent: np.ndarray
+    via: np.ndarray
+
+
+def make_labels(mission: Mission) -> Labels:
+    """Labels for orders of the targets of a mission, the start filled in."""
+    targets, rules = len(mission.instance.targets), mission.rules
+    shape = (targets + 1, MOST_LABELS)
+    labels = Labels(
+        np.zeros(targets + 1, dtype=np.int64),
+        np.zeros(shape),
+        np.zeros(shape),
+        np.zeros(shape, dtype=np.int8),
+        np.zeros(shape, dtype=np.int16),
+    )
+    labels.size[0] = 1
+    labels.end[0, 0], labels.left[0, 0] = rules.ready, rules.budget
+    return labels
+
+
+@kernel
+def _add(labels, position, count, end, left, parent, via):
+    """Add a label unless one there is as good; drop those that it makes useless."""
+    labels = borrowed(labels)
+    for a in range(count):
+        if labels.end[position, a] <= end and labels.left[position, a] >= left:
+            return count
+    kept = 0
+    for a in range(count):
+        if labels.end[position, a] < end or labels.left[position, a] > left:
+            if kept < a:
+                labels.end[position, kept] = labels.end[position, a]
+                labels.left[position, kept] = labels.left[position, a]
+                labels.parent[position, kept] = labels.parent[position, a]
+                labels.via[position, kept] = labels.via[position, a]
+            kept += 1
+    if kept == MOST_LABELS:
+        if end >= labels.end[position, kept - 1]:
+            return kept
+        kept -= 1
+    at = kept
+    while at > 0 and labels.end[position, at - 1] > end:
+        labels.end[position, at] = labels.end[position, at - 1]
+        labels.left[position, at] = labels.left[position, at - 1]
+        labels.parent[position, at] = labels.parent[position, at - 1]
+        labels.via[position, at] = labels.via[position, at - 1]
+        at -= 1
+    labels.end[position, at], labels.left[position, at] = end, left
+    labels.parent[position, at], labels.via[position, at] = parent, via
+    return kept + 1
+
+
+@kernel
+def extend(rules, order, labels, position):
+    """Labels of the target at a position (counted from 0) from those of the one before it.
+
+    Returns
+    -------
+    count : int
+        0 if the target cannot be reached.
+    """
+    rules, labels = borrowed(rules), borrowed(labels)
+    j = order[position]
+    i = np.int64(rules.start if position == 0 else order[position - 1])
+    count = 0
+    for a in range(labels.size[position]):
+        here = State(
+            i, labels.end[position, a], labels.left[position, a], np.int64(position),
+            np.int64(position), np.int64(0),
+        )  # fmt: skip
+        legal, _, then = rule_kernels.step(rules, here, j)
+        if legal:
+            count = _add(labels, position + 1, count, then.time, then.left, a, STRAIGHT)
+        for s in range(rules.stations):
+            if s == i:
+                continue
+            legal, _, full = rule_kernels.step(rules, here, s)
+            if legal:
+                legal, _, then = rule_kernels.step(rules, full, j)
+                if legal:
+                    count = _add(labels, position + 1, count, then.time, then.left, a, s)
+    labels.size[position + 1] = count
+    return count
+
+
+@kernel
+def time_order(rules, order, length, start, labels, changed, reference, patience):
+    """Labels of the targets from a position on.
+
+    Parameters
+    ----------
+    order : (targets,) int64
+        Its first ``length`` targets are visited.
+    start : int
+        First position to time; the labels before it are right.
+    changed : int
+        From here on the order is the reference's again.
+    reference : (positions,) float64
+        Earliest end at each position in the order compared with [s].
+    patience : float
+        Give up where the order is the reference's again and still so much later [s].
+
+    Returns
+    -------
+    end : float
+        Earliest end of the last service [s]; +inf if not legal or given up.
+    """
+    labels, reference = borrowed(labels), borrowed(reference)
+    for position in range(start, length):
+        if extend(rules, order, labels, position) == 0:
+            return np.inf
+        if position >= changed and labels.end[position + 1, 0] > reference[position + 1] + patience:
+            return np.inf
+    return labels.end[length, 0]
+
+
+@kernel
+def with_refuelling(order, length, labels):
+    """The sequence of bodies of the label that ends first, refuelling stops included."""
+    backwards = np.empty(2 * length, np.int64)
+    moves, label = 0, 0
+    for position in range(length, 0, -1):
+        backwards[moves] = order[position - 1]
+        moves += 1
+        if labels.via[position, label] != STRAIGHT:
+            backwards[moves] = labels.via[position, label]
+            moves += 1
+        label = labels.parent[position, label]
+    return backwards[:moves][::-1].copy()

@@ -1,0 +1,212 @@
+"""Beam search over what a policy sees, level by level over visits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from adr_opt.common.constants import HOUR_S
+from adr_opt.kernels.episodes import episodes as kernels
+from adr_opt.kernels.episodes.lookahead import EQUAL_PRIZES
+from adr_opt.kernels.episodes.outlook import HOME
+from adr_opt.learning.episodes import Board
+
+from .decoding import BestPromise, Enough, Field, Found, Sequence, pick
+from .policy import FloatArray, log_probabilities
+from .promises import FloatArray as Promised
+from .promises import time_left_of_best
+
+AFTERWARDS = 0.5
+"""Worth of ten hours left at the end of the chain that promises most [mean prizes]."""
+
+MOVED = 6
+"""So many children, as a multiple of the width, are moved and compared exactly."""
+
+REFUELLED = 0.25
+"""Share of the width that goes on from the station."""
+
+
+@dataclass(frozen=True)
+class BeamSettings:
+    """How a beam by policy keeps partial plans.
+
+    Attributes
+    ----------
+    width : int
+        Partial plans kept after each visit.
+    prior_weight : float
+        Worth of a unit of log-probability [mean prizes].
+    time_weight, delta_v_weight : float
+        Worth of an hour [mean prizes per h] and of a km/s left [mean prizes per km/s].
+    """
+
+    width: int
+    prior_weight: float = 0.05
+    time_weight: float = 0.17
+    delta_v_weight: float = 0.38
+
+
+class _Trail:
+    """How all partial plans came about: a tree of moves."""
+
+    def __init__(self) -> None:
+        self._bodies = [HOME]
+        self._parents = [-1]
+
+    def add(self, bodies: Sequence, parents: Sequence) -> Sequence:
+        """One more move each; returns the new nodes."""
+        first = len(self._bodies)
+        self._bodies.extend(bodies.tolist())
+        self._parents.extend(parents.tolist())
+        return np.arange(first, len(self._bodies))
+
+    def back(self, node: int) -> list[int]:
+        """The bodies on the way to a node."""
+        sequence: list[int] = []
+        while node > 0:
+            sequence.append(self._bodies[node])
+            node = self._parents[node]
+        return sequence[::-1]
+
+
+class _Partial(NamedTuple):
+    """Partial plans: their states, nodes in the trail, and sums of log-probabilities."""
+
+    episodes: kernels.Episodes
+    nodes: Sequence
+    priors: FloatArray
+
+
+class _Children(NamedTuple):
+    """Partial plans after one more move: parents are nodes of the trail, worth in mean prizes."""
+
+    episodes: kernels.Episodes
+    parents: Sequence
+    priors: FloatArray
+    worth: npt.NDArray[np.float64]
+
+    def best(self, most: int, words: Sequence, trail: _Trail) -> _Partial:
+        """Those worth most, of equal visits and body only one; ``words`` hash the visits."""
+        order = np.argsort(-self.worth, kind="stable")
+        body = self.episodes.body.astype(np.int64)
+        same = (self.episodes.visited * words).sum(axis=1) ^ (body << 1)
+        _, firsts = np.unique(same[order], return_index=True)
+        kept = order[np.sort(firsts)][:most]
+        nodes = trail.add(body[kept], self.parents[kept])
+        return _Partial(pick(self.episodes, kept), nodes, self.priors[kept])
+
+
+def beam(field: Field, settings: BeamSettings, found: Found, enough: Enough) -> int:
+    """Level by level over visits, all states of a level judged by the network at once.
+
+    A refuelling on the way is part of the level, so states before and after it are never compared.
+    Plans that service the same targets and end at the same body are the same state but for time
+    and ΔV; only the best of them is kept. Where the policy sees chains, partial plans are compared
+    by what these promise, and the best promise is kept, whatever becomes of the plan behind it.
+
+    Returns
+    -------
+    states : int
+        States judged.
+    """
+    trail = _Trail()
+    level = _Partial(field.begin(1), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.float32))
+    best_promise = BestPromise(field)
+    words = np.random.default_rng(0).integers(1, 2**62, size=field.targets + 1, dtype=np.int64)
+    best, most, states, ended = 0, -np.inf, 0, False
+    while level.nodes.size:
+        # With unequal prizes the last level need not have the plan that collects most.
+        collected, delta_v = level.episodes.collected, level.episodes.delta_v
+        first = int(np.lexsort((delta_v, -collected))[0])
+        if collected[first] > most + EQUAL_PRIZES:
+            best, most = int(level.nodes[first]), float(collected[first])
+        partial, targets = level, []
+        for refuelled in (False, True):
+            board = field.board(partial.episodes)
+            states += partial.nodes.size
+            promised = best_promise.look(board, partial.episodes)
+            if best_promise.row >= 0:
+                best_promise.made = trail.back(int(partial.nodes[best_promise.row]))
+            ended = enough()
+            if ended or not board.legal.any():
+                break
+            worth, priors = _worth_of_moves(field, settings, board, partial, promised)
+            targets.append(_move(field, settings, partial, worth, priors, slice(0, field.targets)))
+            if refuelled:
+                break
+            station = slice(field.targets, field.targets + 1)
+            stops = _move(field, settings, partial, worth, priors, station)
+            if not stops.parents.size:
+                break
+            partial = stops.best(max(1, int(REFUELLED * settings.width)), words, trail)
+        if ended or not targets:
+            break
+        level = _side_by_side(targets).best(settings.width, words, trail)
+    found(np.array(trail.back(best), dtype=np.int64))
+    best_promise.keep(most, found)
+    return states
+
+
+def _worth_of_moves(
+    field: Field,
+    settings: BeamSettings,
+    board: Board,
+    partial: _Partial,
+    promised: Promised | None,
+) -> tuple[npt.NDArray[np.float64], FloatArray]:
+    """Worth of every move before it is made, and its log-probability with all before it.
+
+    −inf where a move is illegal or, with chains, not followed by any.
+    """
+    scores, _ = field.policy.judge(board.arrays, board.mask)
+    priors: FloatArray = log_probabilities(scores) + partial.priors[:, None]
+    # Illegal moves have no log-probability; 0 keeps 0 · −∞ out of what follows.
+    logs = np.where(board.mask, priors, 0.0).astype(np.float64)
+    worth: npt.NDArray[np.float64] = settings.prior_weight * logs
+    if promised is None:
+        worth = worth + partial.episodes.collected[:, None]
+        worth[~board.mask] = -np.inf
+    else:
+        worth = worth + promised + AFTERWARDS * time_left_of_best(board)
+    return worth, priors
+
+
+def _move(
+    field: Field,
+    settings: BeamSettings,
+    partial: _Partial,
+    worth: npt.NDArray[np.float64],
+    priors: FloatArray,
+    actions: slice,
+) -> _Children:
+    """Make the moves among ``actions`` that are worth most, and say what their ends are worth."""
+    rows, moves = np.nonzero(worth[:, actions] > -np.inf)
+    moves = moves + actions.start
+    value = worth[rows, moves]
+    most = MOVED * settings.width
+    if most < rows.size:
+        chosen = np.argpartition(-value, most - 1)[:most]
+        rows, moves, value = rows[chosen], moves[chosen], value[chosen]
+    episodes = pick(partial.episodes, rows)
+    rewards = np.zeros(rows.size, dtype=np.float32)
+    kernels.act(field.pool.arrays, episodes, 0, rows.size, moves, rewards)
+    ends = (
+        value
+        - settings.time_weight * episodes.time / HOUR_S
+        + settings.delta_v_weight * episodes.left / 1000.0
+    )
+    return _Children(episodes, partial.nodes[rows], priors[rows, moves], ends)
+
+
+def _side_by_side(parts: list[_Children]) -> _Children:
+    """Children of the same level as one."""
+    episodes = kernels.Episodes(
+        *(np.concatenate(arrays) for arrays in zip(*(part.episodes for part in parts), strict=True))
+    )
+    parents, priors, worth = (
+        np.concatenate(arrays) for arrays in zip(*(part[1:] for part in parts), strict=True)
+    )
+    return _Children(episodes, parents, priors, worth)

@@ -1,0 +1,1 @@
+"""What every method keeps track of: incumbent, gap, time."""

@@ -1,0 +1,99 @@
+"""A proof beside a search: it works on a certificate of its own, compared between rounds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Generic, Protocol, TypeVar
+
+from adr_opt.common.stop import Stop
+
+from ..progress.gap import CertificateOf, Found
+
+LEAST_PROOF_S, LEAST_SET_UPS = 1.0, 2.0
+"""With less time left, or less than so many times what setting it up takes, no proof is begun."""
+
+
+class Rounds(Protocol):
+    """A proof that goes on round by round."""
+
+    done: bool
+
+    def begin(self) -> None:
+        """What takes little time."""
+
+    def advance(self, enough: Callable[[], bool]) -> None:
+        """One round."""
+
+    @property
+    def counters(self) -> dict[str, float]:
+        """What was done so far."""
+
+    def close(self) -> None:
+        """End the threads."""
+
+
+AnyProof = TypeVar("AnyProof", bound=Rounds)
+
+
+class Beside(Generic[Found, AnyProof]):
+    """The proving half of a planner.
+
+    Parameters
+    ----------
+    shared, own : CertificateOf
+        That of the planner, and that of the proof.
+    stop : Stop
+        Its time alone counts here.
+    made : callable
+        Gives the proof; None where there is no time for it.
+
+    Attributes
+    ----------
+    proof : Rounds or None
+        None before the first round.
+    """
+
+    def __init__(
+        self,
+        shared: CertificateOf[Found],
+        own: CertificateOf[Found],
+        stop: Stop,
+        made: Callable[[], AnyProof | None],
+    ) -> None:
+        self._shared, self._own, self._stop, self._made = shared, own, stop, made
+        self.proof: AnyProof | None = None
+
+    @property
+    def done(self) -> bool:
+        """Whether the proof can do no more."""
+        return self.proof is not None and self.proof.done
+
+    def advance(self) -> None:
+        """One round; the first one is the beginning of the proof alone."""
+        if self.proof is None:
+            self.proof = self._made()
+            if self.proof is not None:
+                self.proof.begin()
+            return
+        self.proof.advance(lambda: self._stop.remaining_s() <= 0.0)
+
+    def fetch(self) -> None:
+        """Hear of the incumbent, before a round."""
+        if self._shared.sequence is not None:
+            self._own.offer(self._shared.sequence)
+
+    def deliver(self) -> None:
+        """Tell what the round has found."""
+        if self._own.sequence is not None:
+            self._shared.offer(self._own.sequence)
+        self._shared.lower(self._own.bound, self._own.evidence)
+
+    @property
+    def counters(self) -> dict[str, float]:
+        """What was done."""
+        return {} if self.proof is None else self.proof.counters
+
+    def close(self) -> None:
+        """End the threads."""
+        if self.proof is not None:
+            self.proof.close()

@@ -1,0 +1,101 @@
+"""The earliest end of plans that collect as much, proven by missions that end sooner.
+
+Where the cost is the end of the last service, a plan costs less than D exactly if it is a plan of
+the same mission with the duration D. So no plan worth as much ends before D if what a mission of
+that duration can collect is proven to be less: the question is one about prizes, which all that is
+known of them answers, for one chaser and for several, under every rule. The first such question
+is asked just below the plan's end. Where the time does not suffice for the answer, durations are
+halved for one that is easy to rule out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from adr_opt.common.errors import InputError
+from adr_opt.common.stop import Stop
+from adr_opt.mission.campaign import Problem
+from adr_opt.mission.result import Result
+
+from ..progress.cost_rounds import RELATIVE, asked
+from ..progress.gap import CertificateOf
+from ..progress.halting import Part
+
+JUST_BELOW = 0.9 * RELATIVE
+"""The first duration asked about, below the end by so much of it: what counts as the same."""
+
+SHARE = 0.5
+"""Each question may take so much of the time that is left."""
+
+CLOSE = 0.01
+"""Halving ends when so much of the end is left between what is ruled out and what is not."""
+
+LEAST_S = 0.05
+"""With less time left nothing more is asked [s]."""
+
+
+class _Answered(Part):
+    """Enough as soon as it is known whether a shorter mission is worth as much."""
+
+    def __init__(self, goal: float, stop: Stop) -> None:
+        super().__init__(stop, SHARE)
+        self._goal = goal
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether it is enough."""
+        return incumbent >= self._goal or bound < self._goal or super().__call__(incumbent, bound)
+
+
+def prove_end(
+    problem: Problem,
+    certificate: CertificateOf[Any],
+    stop: Stop,
+    solve: Callable[[Any, Stop], Result],
+    offer: Callable[[Result], bool],
+) -> tuple[float, dict[str, float]]:
+    """Prove when the plans end at the earliest that are worth as much as the incumbent.
+
+    Parameters
+    ----------
+    problem : Mission or Campaign
+        Whose cost is the end of the last service.
+    certificate : Certificate
+        With a plan that is proven to be worth most.
+    stop : Stop
+        Its time alone counts here.
+    solve : callable
+        Plans and bounds a problem as far as a stop lets it.
+    offer : callable
+        Hands the plan of a result to the certificate; whether it is a better one.
+
+    Returns
+    -------
+    bound : float
+        No plan worth as much ends sooner [s].
+    counters : dict
+        ``ends_asked``: how many shorter missions were looked at.
+    """
+    goal = asked(problem, certificate.incumbent)
+    ruled_out, open_from, asked_about = 0.0, math.inf, 0
+    while stop.remaining_s() > LEAST_S and certificate.cost > 0.0:
+        end = certificate.cost * (1.0 - JUST_BELOW)
+        if math.isfinite(open_from):
+            open_from = min(open_from, end)
+            if open_from - ruled_out <= CLOSE * end:
+                break
+            end = 0.5 * (ruled_out + open_from)
+        try:
+            sooner = problem.with_limits(duration_s=end)
+        except InputError:
+            break  # somebody is there only later
+        asked_about += 1
+        found = solve(sooner, _Answered(goal, stop))
+        if problem.worth(found.upper_bound) < goal:
+            ruled_out = end
+            if math.isinf(open_from):
+                break
+        elif found.plan is None or problem.worth(found.objective) < goal or not offer(found):
+            open_from = end
+    return ruled_out, {"ends_asked": asked_about}

@@ -1,8 +1,0 @@
-"""The relaxation behind all bounds (MODEL section 8): each target at most once, by multipliers.
-
-1. :mod:`.network`: every connection at its own departure, and waiting.
-2. :mod:`.walks`: the best walk for given multipliers, by one sweep backwards in time.
-3. :mod:`.multipliers`: where to evaluate it next.
-4. :mod:`.latest`: how late a chaser may be, by a sweep: what guides a search.
-5. :mod:`.labels`, :mod:`.routes`: is there a plan worth so much?
-"""

@@ -1,0 +1,1 @@
+"""Routes of several chasers: pooled, packed, exchanged."""

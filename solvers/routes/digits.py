@@ -1,0 +1,77 @@
+"""Sums of large prizes compared exactly by HiGHS, which knows a dozen digits and forgives the last.
+
+A sum of whole numbers reaches a goal exactly if its digits do, from the last to the first, with
+what is carried from each to the next: of digits S₀, S₁ … of the numbers summed, and g₀, g₁ … of the
+goal, in base B, there are whole numbers t₀, t₁ … with
+
+    S₀ − g₀ ≥ B t₀,      S₁ + t₀ − g₁ ≥ B t₁,      …,      S_L + t_{L−1} − g_L ≥ 0.
+
+Each of these rows has small coefficients, so that no tolerance counts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import LinearConstraint
+from scipy.sparse import csc_array, hstack
+
+from adr_opt.mission.campaign import Campaign
+
+BASE = 2**12
+"""Of the digits: a thousand columns that are whole to 10⁻⁶ each miss a sum by far less than 1."""
+
+FEW = 1e6
+"""Sums of numbers below this are compared as they are."""
+
+PARTS = 64
+"""Prizes without a common step are counted in such parts of what arithmetic can tell apart."""
+
+OFF = 0.25
+"""What sums of whole numbers may be off by."""
+
+
+def has_large(campaign: Campaign) -> bool:
+    """Whether prizes have too many steps for sums of them to be compared as they are."""
+    largest = float(campaign.worths.max(initial=0.0))
+    step = campaign.prize_step
+    return largest > 0.0 and (not step or largest > FEW * step)
+
+
+def in_units(campaign: Campaign, worths: Sequence[float], goal: float) -> tuple[list[int], int]:
+    """Worths and a goal as whole numbers; in favour of the worths where they have no step."""
+    step = campaign.prize_step
+    if step:
+        return [round(worth / step) for worth in worths], math.ceil(goal / step - OFF)
+    unit = campaign.prize_resolution / PARTS
+    return [math.ceil(worth / unit) for worth in worths], math.floor(goal / unit)
+
+
+def reaching(numbers: Sequence[int], goal: int) -> tuple[LinearConstraint, int]:
+    """Columns whose numbers sum to a goal at least, and how many carries stand behind them."""
+    levels, largest = 1, max([goal, *numbers])
+    while BASE**levels <= largest:
+        levels += 1
+    carries = levels - 1
+    matrix = np.zeros((levels, len(numbers) + carries))
+    least = np.empty(levels)
+    for level in range(levels):
+        place = BASE**level
+        last = level == carries
+        digits = [number // place % BASE for number in numbers]
+        matrix[level, : len(numbers)] = digits
+        if level:
+            matrix[level, len(numbers) + level - 1] = 1.0
+        if not last:
+            matrix[level, len(numbers) + level] = -BASE
+        least[level] = (goal // place if last else goal // place % BASE) - OFF
+    return LinearConstraint(csc_array(matrix), least, np.inf), carries
+
+
+def beside(constraint: LinearConstraint, carries: int) -> LinearConstraint:
+    """A constraint on columns that asks nothing of carries behind them."""
+    matrix = csc_array(constraint.A)
+    wider = hstack([matrix, csc_array((matrix.shape[0], carries))], format="csc")
+    return LinearConstraint(wider, constraint.lb, constraint.ub)

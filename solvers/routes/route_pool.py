@@ -1,0 +1,155 @@
+"""Routes that were met, and the best plan that can be put together from them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from adr_opt.mission.campaign import Campaign, Routes
+from adr_opt.plan.station_limits import Use
+
+from .one_chaser import FloatArray
+from .set_packing import cheapest_of, packing
+
+LEAST_COST = 1e-3
+"""Of two choices worth the same the cheaper one: all costs together count for less than so many
+steps of prize."""
+
+
+Stops = tuple[tuple[int, int], ...]
+
+Key = tuple[int, frozenset[int], Stops]
+"""Kind, targets, and refuellings at stations that have a limit."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """A route that a chaser of a kind can fly.
+
+    Attributes
+    ----------
+    kind : int
+    targets : frozenset of int
+    worth, cost : float
+    route : tuple of int
+    use : tuple of float
+        What it takes of stations, see :class:`adr_opt.plan.station_limits.StationLimits`.
+    stops : tuple of (int, int)
+        Stations that have a limit at which it refuels, by their numbers, and how often.
+    """
+
+    kind: int
+    targets: frozenset[int]
+    worth: float
+    cost: float
+    route: tuple[int, ...]
+    use: Use = ()
+    stops: Stops = ()
+
+    @property
+    def key(self) -> Key:
+        """What columns are told apart by."""
+        return self.kind, self.targets, self.stops
+
+    @property
+    def taken(self) -> dict[int, float]:
+        """How often it takes what may be taken so often only: targets once, refuellings."""
+        return {**dict.fromkeys(sorted(self.targets), 1.0), **dict(self.stops)}
+
+    def paid(self, prices: FloatArray) -> float:
+        """What it pays for all that, at prices of shape (bodies,)."""
+        return math.fsum(prices[body] * times for body, times in self.taken.items())
+
+
+def dealt(campaign: Campaign, flown: Iterable[tuple[int, tuple[int, ...]]]) -> Routes:
+    """Routes of kinds given to chasers of these kinds; nothing to the others."""
+    routes: list[tuple[int, ...]] = [()] * len(campaign.missions)
+    free = [list(kind.chasers) for kind in campaign.kinds]
+    for kind, route in flown:
+        routes[free[kind].pop(0)] = route
+    return tuple(routes)
+
+
+class Pool:
+    """The cheapest route met for each set of targets and kind of chaser.
+
+    And for each number of refuellings where stations have limits.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    """
+
+    def __init__(self, campaign: Campaign) -> None:
+        self._campaign = campaign
+        self._first = campaign.instance.first_target
+        self._columns: dict[Key, Column] = {}
+
+    def columns(self) -> list[Column]:
+        """All of them, in the order in which their sets were met."""
+        return list(self._columns.values())
+
+    def take(self, other: Pool) -> None:
+        """Keep the routes of another pool that are new or cheaper."""
+        for column in other.columns():
+            known = self._columns.get(column.key)
+            if known is None or column.cost < known.cost:
+                self._columns[column.key] = column
+
+    def add(self, kind: int, route: Iterable[int]) -> Column | None:
+        """Keep a route that a chaser of a kind can fly to an end; None if it cannot."""
+        mission = self._campaign.kinds[kind].mission
+        moves = mission.closed(route)
+        targets = frozenset(j for j in moves if j >= self._first)
+        stops = tuple(
+            (station, moves.count(station))
+            for station in self._campaign.limits.stations
+            if station in moves
+        )
+        known = self._columns.get((kind, targets, stops))
+        if known is not None and known.route == moves:
+            return known
+        schedule = mission.time(moves)
+        if schedule.made < len(moves) or not mission.may_stop(moves):
+            return None
+        if known is not None and known.cost <= schedule.cost:
+            return known
+        use = self._campaign.use(mission, moves, schedule.delta_vs)
+        if not self._campaign.limits.allow([use]):
+            return None
+        worth = self._campaign.collected(targets)
+        column = Column(kind, targets, worth, schedule.cost, moves, use, stops)
+        self._columns[column.key] = column
+        return column
+
+    def best(self, columns: Sequence[Column], time_limit_s: float) -> Routes | None:
+        """The plan worth most that some columns make, by set packing with HiGHS.
+
+        Parameters
+        ----------
+        columns : sequence of Column
+        time_limit_s : float
+            Then the best so far, if there is one.
+        """
+        if not columns or time_limit_s <= 0.0:
+            return None
+        campaign = self._campaign
+        step = campaign.prize_step or 1e-3 * max(column.worth for column in columns) or 1.0
+        chasers = len(campaign.missions)
+        dearest = math.fsum(sorted(column.cost for column in columns)[-chasers:])
+        price = LEAST_COST * step / max(dearest, 1e-9)
+        gain = np.array([column.worth - price * column.cost for column in columns])
+        constraint = packing(
+            campaign,
+            [(column.kind, column.targets) for column in columns],
+            [column.use for column in columns],
+            all_flown=True,
+        )
+        found = cheapest_of(-gain, [constraint], time_limit_s)
+        if found.taken is None:
+            return None
+        taken = [columns[at] for at in found.taken]
+        return dealt(campaign, [(column.kind, column.route) for column in taken])

@@ -1,0 +1,225 @@
+"""Ruin and recreate across routes: some chasers fly anew over what the others leave."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from adr_opt.common.stop import Stop
+from adr_opt.mission.campaign import Campaign, Routes
+from adr_opt.mission.problem import Mission
+from adr_opt.plan.station_limits import Use
+
+from ..beams.beams import BeamSettings, beam_search, hurried, usual_settings
+from ..beams.greedy_order import guarded_sequence
+from ..beams.varied_beams import varied
+from ..progress.campaign_incumbent import CampaignCertificate
+from .one_chaser import FloatArray, left, one_after_another, targets_of, trimmed, without_empty
+from .route_pool import Column, Pool, dealt
+
+FIRST_WIDTH = 200
+"""Of the beams of the first plans."""
+
+MOST_FLOWN_ANEW = 3
+"""Chasers whose routes are given up at once."""
+
+ADRIFT = 100
+"""So many moves that find nothing better are followed by a return to the best plan."""
+
+TOLERANCE = 0.3
+"""Mean noise by which routes are preferred that are to be completed, in mean prizes."""
+
+WITHOUT_STATIONS = 0.3
+"""Share of routes that do without stations that have a limit."""
+
+LEAST_OFFER = 0.05
+"""Share of its worth that a target keeps at least where it is worth something to others."""
+
+
+class RouteSearch:
+    """Looks for plans of a campaign, and keeps all routes that it meets.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    seed : int
+    stop : Stop
+    certificate : CampaignCertificate
+    pool : Pool
+
+    Attributes
+    ----------
+    multipliers : (bodies,) float64
+        What one more of each target would be worth to all chasers together, as far as it is known.
+        Who flies anew before others leaves them what is worth much to all.
+    """
+
+    def __init__(
+        self,
+        campaign: Campaign,
+        seed: int,
+        stop: Stop,
+        certificate: CampaignCertificate,
+        pool: Pool,
+    ) -> None:
+        self._campaign = campaign
+        self._rng = np.random.default_rng(seed)
+        self._stop = stop
+        self._certificate = certificate
+        self._pool = pool
+        self._kind_of = campaign.kind_of
+        self._routes: Routes = tuple(() for _ in campaign.missions)
+        self._worth = -np.inf
+        self._idle = 0
+        self.multipliers = np.zeros(len(campaign.names))
+        worthy = campaign.worths[campaign.worths > 0.0]
+        self._mean_worth = float(worthy.mean()) if worthy.size else 1.0
+        self.counters = {"beams": 0, "recreations": 0, "completions": 0, "packings": 0}
+
+    def begin(self, start: Routes | None = None) -> None:
+        """The guarded greedy plan, one by beams, chaser after chaser, and one that is given."""
+        self._meet(one_after_another(self._campaign, guarded_sequence))
+        self._meet(one_after_another(self._campaign, self._usual))
+        if start is not None:
+            self._meet(start)
+        self.begin_again()
+
+    def begin_again(self) -> None:
+        """Go on from the best plan, whoever has found it."""
+        best = self._certificate.sequence
+        if best is not None:
+            self._meet(best)
+
+    def _usual(self, mission: Mission) -> tuple[int, ...]:
+        if self._stop.remaining_s() <= 0.0:
+            return ()
+        layer = hurried(mission)
+        self.counters["beams"] += 1
+        return self._beam(layer, usual_settings(layer, FIRST_WIDTH), 0)
+
+    def _beam(self, mission: Mission, settings: BeamSettings, seed: int) -> tuple[int, ...]:
+        found = beam_search(mission, settings, seed=seed, stop=self._stop)[0]
+        return tuple(int(j) for j in found)
+
+    def _meet(self, routes: Routes) -> None:
+        """Go on from routes, and tell of them."""
+        for chaser, route in enumerate(routes):
+            if route:
+                self._pool.add(self._kind_of[chaser], route)
+        self._certificate.offer(routes)
+        self._routes = routes
+        self._worth = self._campaign.collected(targets_of(self._campaign, routes))
+
+    def move(self, width: int) -> None:
+        """Give up the routes of some chasers, and fly anew over what the others leave."""
+        campaign, rng = self._campaign, self._rng
+        count = len(campaign.missions)
+        flown_anew = rng.permutation(count)[: int(rng.integers(1, min(count, MOST_FLOWN_ANEW) + 1))]
+        routes = list(self._routes)
+        for chaser in flown_anew:
+            routes[chaser] = ()
+        done = targets_of(campaign, routes)
+        uses = [self._use(chaser, route) for chaser, route in enumerate(routes)]
+        for number, chaser in enumerate(flown_anew):
+            worths = left(campaign, done)
+            considerate = float(rng.uniform())
+            if number < flown_anew.size - 1:
+                offered = worths - considerate * self.multipliers
+                worths = np.maximum(offered, LEAST_OFFER * worths)
+            found = self._fly(int(chaser), worths, uses, width)
+            if found is None:
+                return
+            routes[chaser] = found
+            uses[chaser] = self._use(int(chaser), found)
+            done |= targets_of(campaign, [routes[chaser]])
+        self.counters["recreations"] += 1
+        worth = campaign.collected(done)
+        if worth >= self._worth:
+            self._idle = 0 if worth > self._worth else self._idle + 1
+            self._routes, self._worth = tuple(routes), worth
+            self._certificate.offer(routes)
+        else:
+            self._idle += 1
+        if self._idle >= ADRIFT:
+            self.begin_again()
+            self._idle = 0
+
+    def _fly(
+        self, chaser: int, worths: FloatArray, uses: list[Use], width: int
+    ) -> tuple[int, ...] | None:
+        """A route of a chaser, by a beam with settings of its own; None if the time is over.
+
+        Parameters
+        ----------
+        chaser : int
+        worths : (bodies,) float64
+            Written.
+        uses : list of tuple of float
+            What others take of stations.
+        width : int
+        """
+        campaign, rng = self._campaign, self._rng
+        mission = campaign.missions[chaser]
+        if campaign.limits:
+            worths = without_empty(campaign, worths, uses)
+            if rng.random() < WITHOUT_STATIONS:
+                worths[list(campaign.limits.stations)] = -np.inf
+        layer, settings, seed = varied(mission.offering(worths), width, rng)
+        if self._stop.remaining_s() <= 0.0:
+            return None
+        route = self._beam(layer, settings, seed)
+        self._pool.add(self._kind_of[chaser], route)
+        return trimmed(campaign, mission, route, uses)[0]
+
+    def _use(self, chaser: int, route: tuple[int, ...]) -> Use:
+        """What a chaser takes of stations."""
+        campaign, mission = self._campaign, self._campaign.missions[chaser]
+        if not campaign.limits:
+            return ()
+        moves = mission.closed(route)
+        schedule = mission.time(moves)
+        return campaign.use(mission, moves[: schedule.made], schedule.delta_vs)
+
+    def complete(self, width: int) -> None:
+        """Let all chasers but one fly routes met that do not meet, and one go for the rest.
+
+        Routes that are worth much, less multipliers, are preferred: there are no better ones left
+        to find for who flies them, and the others lose little by them.
+        """
+        campaign, rng = self._campaign, self._rng
+        columns = self._pool.columns()
+        if not columns:
+            return
+        spare = [len(kind.chasers) for kind in campaign.kinds]
+        last = int(rng.integers(len(campaign.missions)))
+        spare[self._kind_of[last]] -= 1
+        noise = rng.exponential(TOLERANCE * self._mean_worth, len(columns))
+        losses = noise - [self._less_multipliers(column) for column in columns]
+        done, taken, uses = set[int](), list[Column](), list[Use]()
+        for at in np.argsort(losses, kind="stable").tolist():
+            column = columns[at]
+            fits = spare[column.kind] and done.isdisjoint(column.targets)
+            if fits and campaign.limits.allow([*uses, column.use]):
+                spare[column.kind] -= 1
+                uses.append(column.use)
+                done |= column.targets
+                taken.append(column)
+                if not any(spare):
+                    break
+        found = self._fly(last, left(campaign, done), uses, width)
+        if found is None:
+            return
+        added = self._pool.add(self._kind_of[last], found)
+        self.counters["completions"] += 1
+        if added is not None:
+            flown = [(column.kind, column.route) for column in (*taken, added)]
+            self._certificate.offer(dealt(campaign, flown))
+
+    def _less_multipliers(self, column: Column) -> float:
+        return column.worth - column.paid(self.multipliers)
+
+    def pack(self, time_limit_s: float) -> None:
+        """The best plan of the routes met."""
+        found = self._pool.best(self._pool.columns(), min(time_limit_s, self._stop.remaining_s()))
+        self.counters["packings"] += 1
+        if found is not None and self._certificate.offer(found):
+            self._meet(found)

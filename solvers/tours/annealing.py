@@ -1,0 +1,278 @@
+"""Ruin and recreate of a tour, with annealing on its true expense."""
+
+import math
+
+import numpy as np
+
+from adr_opt.kernels.core.compile import inlined, kernel
+
+from .costs import BLOCK, FAR, FORBIDDEN, expense_of
+from .inserting import put_back
+from .sweeps import backwards
+
+MOST_GROWTH = 30.0
+"""Times the mass of an empty chaser: what is heavier is too heavy, whatever it weighs."""
+
+TOO_DEAR = 0.05
+"""What a metre per second costs that such a chaser flies."""
+
+LEAST_MARGINAL = 0.002
+"""Of a kilogram: what slopes are made of at least, so that tiny missions draw not everything."""
+
+
+@kernel
+def judged(cost, order, begins, slope, size, behind, grid, expense, at, kit, fresh):
+    """True expense of a tour at the times that its slopes make best.
+
+    Parameters
+    ----------
+    behind : (targets, times) float32
+    grid : Grid
+    expense : Expense
+    at : (targets + 1,) int64
+        Is filled: the times.
+    kit, fresh : (targets + 1,) float64, float32
+        Are filled: what another target costs in a mission besides legs, and slopes as these
+        missions have them.
+
+    Returns
+    -------
+    float
+        Infinite where there is no way through.
+    """
+    times, gaps = cost.shape[3], cost.shape[2]
+    best, now = FAR, -1
+    first = behind[order[0]]
+    for t in range(times):
+        if first[t] < best:
+            best, now = first[t], t
+    if now < 0:
+        return np.inf
+    at[0] = now
+    legs = np.zeros(size)
+    for k in range(1, size):
+        row = behind[order[k]]
+        best, then = FAR, -1
+        if begins[k]:
+            for t in range(now + grid.apart, times):
+                if row[t] < best:
+                    best, then = row[t], t
+        else:
+            for g in range(gaps):
+                t = now + grid.least_gap + g
+                if t >= times:
+                    break
+                units = cost[order[k - 1], order[k], g, now]
+                if units == FORBIDDEN:
+                    continue
+                found = row[t] + slope[k] * np.float32(units)
+                if found < best:
+                    best, then = found, t
+                    legs[k] = units * grid.unit_m_s
+        if then < 0:
+            return np.inf
+        at[k] = now = then
+    total, end = 0.0, size
+    while end > 0:
+        # Mass backwards to the first of the mission, then what a unit of each leg adds to it.
+        mass, begin = expense.dry_kg + expense.kit_kg, end - 1
+        while not begins[begin] and begin > 0:
+            mass = mass * math.exp(legs[begin] / expense.exhaust_m_s) + expense.kit_kg
+            if mass > MOST_GROWTH * expense.dry_kg:
+                mass = MOST_GROWTH * expense.dry_kg
+                total += TOO_DEAR * legs[begin]
+            begin -= 1
+        carried = mass - expense.dry_kg
+        spent, marginal = expense_of(expense, carried, end - begin)
+        total += spent
+        marginal = max(marginal, LEAST_MARGINAL)
+        growth, left = 1.0, mass
+        per_unit = marginal * grid.unit_m_s / expense.exhaust_m_s
+        for k in range(begin, end):
+            if k > begin:
+                # Without the kits that were left before, times what grew on the way.
+                growth = min(growth * math.exp(legs[k] / expense.exhaust_m_s), MOST_GROWTH)
+            else:
+                left = mass - expense.kit_kg
+            if k > begin:
+                fresh[k] = np.float32(per_unit * max(left, expense.dry_kg))
+                left -= expense.kit_kg * growth
+            else:
+                fresh[k] = np.float32(per_unit * left)
+            kit[k] = marginal * expense.kit_kg * math.sqrt(mass / expense.dry_kg)
+        end = begin
+    return total
+
+
+@inlined
+def marked_string(marks, begin, count):
+    """Mark some neighbours of a tour."""
+    for k in range(begin, begin + count):
+        marks[k] = True
+
+
+@kernel
+def marked(least, order, begins, at, size, most, marks):
+    """Mark what a tour is to lose.
+
+    Returns
+    -------
+    int
+        Where a mission is to be cut in two as well; −1 for nowhere.
+    """
+    for k in range(size):
+        marks[k] = False
+    count = min(np.random.randint(2, most + 1), size - 1)
+    kind = np.random.random()
+    if kind < 0.25:
+        marked_string(marks, np.random.randint(0, size - count + 1), count)
+    elif kind < 0.4:
+        half = max(1, count // 2)
+        for _ in range(2):
+            marked_string(marks, np.random.randint(0, size - half + 1), half)
+    elif kind < 0.7:
+        # Strings about those that a target could be reached from, or could reach, cheaply.
+        seed = np.random.randint(0, size)
+        near = np.empty(size)
+        for k in range(size):
+            there = min(at[k] // BLOCK, least.shape[2] - 1)
+            one = least[order[k], order[seed], there]
+            other = least[order[seed], order[k], there]
+            near[k] = min(one, other) * (0.5 + np.random.random())
+        near[seed] = -1.0
+        rank = np.argsort(near)
+        length = np.random.randint(1, 4)
+        gone, place = 0, 0
+        while gone < count and place < size:
+            begin = max(0, min(size - length, rank[place] - np.random.randint(0, length)))
+            for k in range(begin, begin + length):
+                if not marks[k] and gone < count:
+                    marks[k] = True
+                    gone += 1
+            place += 1
+    elif kind < 0.9:
+        for _ in range(count):
+            marks[np.random.randint(0, size)] = True
+    elif kind < 0.95:
+        begin = np.random.randint(0, size)
+        while begin > 0 and not begins[begin]:
+            begin -= 1
+        end = begin + 1
+        while end < size and not begins[end]:
+            end += 1
+        if end - begin < min(size, 2 * most):
+            marked_string(marks, begin, end - begin)
+    else:
+        for _ in range(count // 2):
+            marks[np.random.randint(0, size)] = True
+        return np.random.randint(0, size)
+    return -1
+
+
+@kernel
+def anneal(
+    cost, least, order, begins, at, grid, expense, iterations, seed, heat, most, wide, near, blinks,
+    noise,
+):  # fmt: skip
+    """Ruin and recreate a tour.
+
+    Parameters
+    ----------
+    cost : (targets, targets, gaps, times) uint16
+    least : (targets, targets, blocks) uint16
+        See :func:`~.costs.nearby`.
+    order, begins, at : (targets,) int64, bool, int64
+        The tour, whether a mission begins with a target, and about when it is reached.
+    grid : Grid
+    expense : Expense
+    iterations, seed : int
+    heat : float
+        Temperature, in units of expense.
+    most : int
+        Targets that are taken out at once.
+    wide, near : int
+        See :func:`~.sweeps.forwards` and :func:`~.inserting.at_place`.
+    blinks, noise : float
+        See :func:`~.inserting.put_back`.
+
+    Returns
+    -------
+    best : float
+        Its expense on the grid.
+    order, begins, at : (targets,) int64, bool, int64
+        Of the best tour; that at which the search stood last is in the arguments.
+    """
+    np.random.seed(seed)
+    count, times = order.size, cost.shape[3]
+    ahead, behind = np.full((count, times), FAR), np.full((count, times), FAR)
+    into, on = np.full((1, times), FAR), np.full((1, times), FAR)
+    usual = np.float32(0.012 * grid.unit_m_s)
+    slope, kit = np.full(count + 1, usual), np.full(count + 1, 0.37)
+    now, cut = np.zeros(count + 1, np.int64), np.zeros(count + 1, np.bool_)
+    when = np.zeros(count + 1, np.int64)
+    trial, trial_cut = now.copy(), cut.copy()
+    trial_at, trial_slope, trial_kit = when.copy(), slope.copy(), kit.copy()
+    fresh = slope.copy()
+    marks, bag = np.zeros(count, np.bool_), np.zeros(count, np.int64)
+    now[:count], cut[:count], when[:count] = order, begins, at
+    present = np.inf
+    for _ in range(4):
+        when[:] = times // 2
+        backwards(
+            cost, now, cut, slope, when, grid.least_gap, grid.apart, times, count - 1, count, behind
+        )
+        present = judged(cost, now, cut, slope, count, behind, grid, expense, when, kit, fresh)
+        slope[:] = fresh
+    best = present
+    order[:], begins[:], at[:] = now[:count], cut[:count], when[:count]
+    best_order, best_begins, best_at = order.copy(), begins.copy(), at.copy()
+    fixed = expense.fixed + expense.per_kg * expense.kit_kg
+    for _ in range(iterations):
+        split = marked(least, now, cut, when, count, most, marks)
+        size, lost, pending = 0, 0, False
+        for k in range(count):
+            pending = pending or cut[k] or k == split
+            if marks[k]:
+                bag[lost] = now[k]
+                lost += 1
+                continue
+            trial[size], trial_cut[size], trial_at[size] = now[k], pending or size == 0, when[k]
+            trial_slope[size], trial_kit[size] = slope[k], kit[k]
+            size, pending = size + 1, False
+        if size == 0 or (lost == 0 and split < 0):
+            continue
+        for item in range(lost - 1, 0, -1):
+            other = np.random.randint(0, item + 1)
+            bag[item], bag[other] = bag[other], bag[item]
+        size, complete = put_back(
+            cost, least, trial, trial_cut, trial_slope, trial_kit, trial_at, size, bag, lost, ahead,
+            behind, fixed, usual, 0.25, grid.least_gap, grid.apart, wide, near, blinks,
+            noise * heat, into, on,
+        )  # fmt: skip
+        if not complete:
+            continue
+        found = judged(
+            cost, trial, trial_cut, trial_slope, size, behind, grid, expense, trial_at, trial_kit,
+            fresh,
+        )  # fmt: skip
+        if found < present + 3.0 * heat:
+            # Once more with the slopes of what came out.
+            backwards(
+                cost, trial, trial_cut, fresh, trial_at, grid.least_gap, grid.apart, wide,
+                size - 1, size, behind,
+            )  # fmt: skip
+            trial_slope[:] = fresh
+            found = judged(
+                cost, trial, trial_cut, trial_slope, size, behind, grid, expense, trial_at,
+                trial_kit, fresh,
+            )  # fmt: skip
+        if found < present - heat * math.log(1.0 - np.random.random()):
+            present = found
+            now[:], cut[:], when[:] = trial, trial_cut, trial_at
+            slope[:], kit[:] = fresh, trial_kit
+            if present < best - 1e-9:
+                best = present
+                best_order[:], best_begins[:] = now[:count], cut[:count]
+                best_at[:] = when[:count]
+    order[:], begins[:], at[:] = now[:count], cut[:count], when[:count]
+    return best, best_order, best_begins, best_at

@@ -1,0 +1,117 @@
+"""What a tour costs: legs on a grid of times, and the expense of missions by what they carry."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from adr_opt.kernels.core.compile import inlined, kernel
+
+FORBIDDEN = 65535
+"""Units of ΔV that no leg costs."""
+
+BLOCK = 32
+"""Times of the grid that :func:`nearby` takes together."""
+
+FAR = np.float32(1e30)
+"""Where there is no way."""
+
+Costs = npt.NDArray[np.uint16]
+
+
+class Grid(NamedTuple):
+    """The grid of times.
+
+    Attributes
+    ----------
+    least_gap : int
+        Steps from an arrival to the next one in the first place of the costs.
+    apart : int
+        Least steps from the last arrival of a mission to the launch of the next one.
+    unit_m_s : float
+        ΔV of one unit of the costs [m/s].
+    """
+
+    least_gap: int
+    apart: int
+    unit_m_s: float
+
+
+class Expense(NamedTuple):
+    """What a mission costs by what its chaser carries at launch.
+
+    That is ``fixed + per_kg c + per_kg_squared c²`` with c the kits and the least propellant [kg].
+
+    Attributes
+    ----------
+    fixed, per_kg, per_kg_squared : float
+    dry_kg, kit_kg : float
+        Mass of an empty chaser; mass that it leaves at every target.
+    exhaust_m_s : float
+        Specific impulse times g₀.
+    most_propellant_kg : float
+    """
+
+    fixed: float
+    per_kg: float
+    per_kg_squared: float
+    dry_kg: float
+    kit_kg: float
+    exhaust_m_s: float
+    most_propellant_kg: float
+
+
+OVERWEIGHT = 0.1
+"""What a kilogram of propellant beyond the tank costs a plan that is not legal yet."""
+
+
+@inlined
+def expense_of(expense, carried, kits):
+    """Expense of a mission, and what another kilogram would add.
+
+    Parameters
+    ----------
+    expense : Expense
+    carried : float
+        Kits and propellant [kg].
+    kits : int
+    """
+    marginal = expense.per_kg + 2.0 * expense.per_kg_squared * carried
+    total = expense.fixed + expense.per_kg * carried + expense.per_kg_squared * carried * carried
+    excess = carried - kits * expense.kit_kg - expense.most_propellant_kg
+    if excess > 0.0:
+        total += OVERWEIGHT * excess
+        marginal += OVERWEIGHT
+    return total, marginal
+
+
+@kernel
+def nearby(cost, least):
+    """The least cost of each pair about each block of times.
+
+    Parameters
+    ----------
+    cost : (targets, targets, gaps, times) uint16
+    least : (targets, targets, blocks) uint16
+        Is filled: from half a block before to half a block after.
+    """
+    targets, _, gaps, times = cost.shape
+    for i in range(targets):
+        for j in range(targets):
+            for block in range(least.shape[2]):
+                found = FORBIDDEN
+                begin = max(0, block * BLOCK - BLOCK // 2)
+                end = min(times, (block + 1) * BLOCK + BLOCK // 2)
+                for g in range(gaps):
+                    for t in range(begin, end):
+                        if cost[i, j, g, t] < found:
+                            found = cost[i, j, g, t]
+                least[i, j, block] = found
+
+
+def blocks(times: int) -> int:
+    """How many blocks there are."""
+    return math.ceil(times / BLOCK)

@@ -1,0 +1,175 @@
+"""Least costs of a tour up to each target and from it, at every time of a window about it.
+
+A mission's expense is taken as linear: each leg has a slope, what another unit of ΔV there costs.
+Rows of costs lie along time, so that loops over them use all lanes of the processor.
+"""
+
+import numpy as np
+
+from adr_opt.kernels.core.compile import inlined, kernel
+
+from .costs import FAR
+
+
+@inlined
+def along(source, i, cost, j, k, slope, least_gap, low, high, first, last, target, o):
+    """Lower the costs of arrivals to what legs from earlier arrivals give.
+
+    Numbers of places are unsigned: for others each look asks whether it counts from the end, and
+    loops do not use all lanes of the processor.
+
+    Parameters
+    ----------
+    source : (…, times) float32
+        Row ``i`` holds the costs up to the earlier arrival.
+    i, j, k, o : int
+    cost : (targets, targets, gaps, times) uint16
+        By gap and earlier arrival for the pair ``j``, ``k``.
+    slope : float32
+        What a unit costs.
+    least_gap : int
+    low, high : int
+        Window of the earlier arrival.
+    first, last : int
+        Window of the later one.
+    target : (…, times) float32
+        Row ``o`` is lowered.
+    """
+    i, j, k, o = np.uint64(i), np.uint64(j), np.uint64(k), np.uint64(o)
+    for g in range(np.uint64(cost.shape[2])):
+        step = least_gap + np.int64(g)
+        begin, end = max(low, first - step), min(high, last - step)
+        ahead = np.uint64(step)
+        for t in range(np.uint64(begin), np.uint64(max(begin, end))):
+            found = source[i, t] + slope * np.float32(cost[j, k, g, t])
+            kept = target[o, t + ahead]
+            target[o, t + ahead] = found if found < kept else kept
+
+
+@inlined
+def against(source, i, cost, j, k, slope, least_gap, low, high, first, last, target, o):
+    """Lower the costs from arrivals on to what legs to later arrivals give.
+
+    As :func:`along`, with row ``i`` of the source the costs from the later arrival on, whose window
+    is from ``first`` to ``last``, and row ``o`` of the target those from the earlier one on, from
+    ``low`` to ``high``.
+    """
+    i, j, k, o = np.uint64(i), np.uint64(j), np.uint64(k), np.uint64(o)
+    for g in range(np.uint64(cost.shape[2])):
+        step = least_gap + np.int64(g)
+        begin, end = max(low, first - step), min(high, last - step)
+        ahead = np.uint64(step)
+        for t in range(np.uint64(begin), np.uint64(max(begin, end))):
+            found = source[i, t + ahead] + slope * np.float32(cost[j, k, g, t])
+            kept = target[o, t]
+            target[o, t] = found if found < kept else kept
+
+
+@inlined
+def launched(source, apart, low, high, first, last, target):
+    """Costs of launches, from those of the last arrivals of the mission before."""
+    least, s = FAR, low
+    for t in range(first, last):
+        while s < high and s <= t - apart:
+            if source[s] < least:
+                least = source[s]
+            s += 1
+        target[t] = least
+
+
+@inlined
+def ended(source, apart, low, high, first, last, target):
+    """Costs from the last arrivals of a mission on, from those of the next launch on."""
+    least, s = FAR, last - 1
+    for t in range(high - 1, low - 1, -1):
+        while s >= first and s >= t + apart:
+            if source[s] < least:
+                least = source[s]
+            s -= 1
+        target[t] = least
+
+
+@inlined
+def wiped(row):
+    """No way anywhere."""
+    for t in range(row.size):
+        row[t] = FAR
+
+
+@kernel
+def forwards(cost, order, begins, slope, at, least_gap, apart, wide, start, size, ahead):
+    """Costs up to the targets of a tour, from one of them on.
+
+    Parameters
+    ----------
+    cost : (targets, targets, gaps, times) uint16
+    order : (targets + 1,) int64
+    begins : (targets + 1,) bool
+        Whether a mission begins with it.
+    slope : (targets + 1,) float32
+        Of the leg to it.
+    at : (targets + 1,) int64
+        About which time its window lies.
+    least_gap, apart, wide : int
+        See :class:`~.costs.Grid`; half of the window.
+    start, size : int
+    ahead : (targets, times) float32
+        Rows of ``order`` from ``start`` to ``size`` are filled, far outside of windows.
+    """
+    times = cost.shape[3]
+    for k in range(start, size):
+        first, last = max(0, at[k] - wide), min(times, at[k] + wide)
+        now = ahead[order[k]]
+        wiped(now)
+        if k == 0:
+            for t in range(first, last):
+                now[t] = np.float32(0.0)
+            continue
+        low, high = max(0, at[k - 1] - wide), min(times, at[k - 1] + wide)
+        before = ahead[order[k - 1]]
+        if begins[k]:
+            launched(before, apart, low, high, first, last, now)
+        else:
+            one, other = order[k - 1], order[k]
+            along(
+                ahead, one, cost, one, other, slope[k], least_gap, low, high, first, last, ahead,
+                other,
+            )  # fmt: skip
+
+
+@kernel
+def backwards(cost, order, begins, slope, at, least_gap, apart, wide, start, size, behind):
+    """Costs from the targets of a tour on, from ``start`` back to the first (:func:`forwards`)."""
+    times = cost.shape[3]
+    for k in range(start, -1, -1):
+        low, high = max(0, at[k] - wide), min(times, at[k] + wide)
+        now = behind[order[k]]
+        wiped(now)
+        if k == size - 1:
+            for t in range(low, high):
+                now[t] = np.float32(0.0)
+            continue
+        first, last = max(0, at[k + 1] - wide), min(times, at[k + 1] + wide)
+        after = behind[order[k + 1]]
+        if begins[k + 1]:
+            ended(after, apart, low, high, first, last, now)
+        else:
+            one, other = order[k], order[k + 1]
+            against(
+                behind, other, cost, one, other, slope[k + 1], least_gap, low, high, first, last,
+                behind, one,
+            )  # fmt: skip
+
+
+@kernel
+def settle(ahead, behind, order, at, wide, first, last):
+    """Move windows of some targets to their best times."""
+    times = ahead.shape[1]
+    for k in range(first, last):
+        best, place = FAR, at[k]
+        up, down = ahead[order[k]], behind[order[k]]
+        for t in range(max(0, at[k] - wide), min(times, at[k] + wide)):
+            found = up[t] + down[t]
+            if found < best:
+                best, place = found, t
+        at[k] = place

@@ -1,0 +1,190 @@
+"""The values of walks, worked out backwards in time: the kernels of :mod:`.walks`."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.events import earliest_taken
+
+from ..networks import simd
+from ..networks.layers import after_service, top_of
+
+NEVER = -(2**30)
+"""Value of what is not possible; far enough from −2³¹ that adding to it cannot wrap around."""
+
+
+class Values(NamedTuple):
+    """Values of all states, by the number of kits aboard: one layer where loads do not count.
+
+    A value is packed with the next body of the walk, ``value << bits | next``, so that comparing
+    compares values and the better next body comes along. A walk that stops has itself as next.
+
+    Attributes
+    ----------
+    best : (layers, slots before + buckets·width) int32
+        Best walk of (bucket, ΔV slots left); ``width`` numbers before the first one keep reads in
+        bounds.
+    second : the same shape
+        Best walk with another next body: what a chaser that just left the best's next may take.
+    landed_best, landed_second : the same shape
+        The same for who has just landed, before the service; the same arrays where a service
+        leaves ΔV and kits as they are.
+    """
+
+    best: np.ndarray
+    second: np.ndarray
+    landed_best: np.ndarray
+    landed_second: np.ndarray
+
+
+@kernel
+def _sweep_buckets(
+    buckets, best, second, landed_best, landed_second, code, toll, stop, bits, width, top, i, high,
+    low,
+):  # fmt: skip
+    """Values of the buckets ``low`` to ``high`` − 1 (counted within body i), backwards."""
+    mask = (1 << bits) - 1
+    keep_value = simd.spread(~mask)
+    keep_next = simd.spread(mask)
+    never = simd.spread(NEVER)
+    # From a station nothing is forbidden; no code has all bits set.
+    came_from = simd.spread(mask if buckets.is_station[i] else i)
+    base = buckets.start[i]
+    priced, timed = toll.size > 0, stop.size > 0
+    for bucket in range(base + high - 1, base + low - 1, -1):
+        begin, end = buckets.first[bucket], buckets.first[bucket + 1]
+        for c in range(0, width, simd.LANES):
+            # to wait
+            found = simd.load(best, (bucket + 2) * width + c)
+            other = simd.load(second, (bucket + 2) * width + c)
+            if timed:
+                # Who stops here has paid for less time than who stops later.
+                value = simd.spread(stop[bucket])
+                loser = simd.smaller(found, value)
+                found = simd.larger(found, value)
+                other = simd.larger(other, simd.where_same(found, loser, keep_next, never))
+            left = simd.plus(simd.count_up(), simd.spread(c))
+            for leg in range(begin, end):
+                cost = buckets.cost[leg]
+                if c + simd.LANES <= cost:
+                    continue
+                j = buckets.destination[leg]
+                landing = (buckets.landing[leg] + 1) * width
+                if buckets.is_station[j]:
+                    full = landed_best[landing + top]
+                    if full & mask == i:
+                        full = landed_second[landing + top]
+                    value = simd.both(simd.spread(full), keep_value)
+                else:
+                    value = simd.load(landed_best, landing + c - cost)
+                    instead = simd.load(landed_second, landing + c - cost)
+                    value = simd.where_equal(simd.both(value, keep_next), came_from, instead, value)
+                    value = simd.both(value, keep_value)
+                gain = code[j]
+                if priced:
+                    gain -= toll[leg] << bits
+                value = simd.plus(value, simd.spread(gain))
+                value = simd.where_less(left, simd.spread(cost), never, value)
+                loser = simd.smaller(found, value)
+                found = simd.larger(found, value)
+                loser = simd.where_same(found, loser, keep_next, never)
+                other = simd.larger(other, loser)
+            simd.store(best, (bucket + 1) * width + c, found)
+            simd.store(second, (bucket + 1) * width + c, other)
+
+
+@kernel
+def _land(values, layers, width, i, first, last):
+    """Values of who lands in the buckets ``first`` to ``last`` − 1 of body i."""
+    best, second, landed_best, landed_second = values
+    for kits in range(best.shape[0]):
+        rest = kits - layers.takes[i]
+        for at in range((first + 1) * width, (last + 1) * width, width):
+            for c in range(width):
+                place = np.int64(layers.image[i, kits, c])
+                if rest < 0 or place < 0:
+                    landed_best[kits, at + c] = landed_second[kits, at + c] = NEVER
+                else:
+                    landed_best[kits, at + c] = best[rest, at + place]
+                    landed_second[kits, at + c] = second[rest, at + place]
+
+
+@kernel
+def begin(buckets, values, layers, stop, width, begun):
+    """In closing buckets a walk can only stop, where it may; what lies before all is NEVER."""
+    for array in values:
+        array[:, :width] = NEVER
+    for i in range(buckets.start.size - 1):
+        closing = buckets.start[i + 1] * width
+        stops = i if buckets.may_end[i] else NEVER
+        if stop.size > 0:
+            stops = stop[buckets.start[i + 1] - 1]
+        values.best[:, closing : closing + width] = stops
+        values.second[:, closing : closing + width] = NEVER
+        begun[i] = buckets.start[i + 1] - 1 - buckets.start[i]
+        if layers is not None:
+            _land(values, layers, width, i, buckets.start[i + 1] - 1, buckets.start[i + 1])
+
+
+@kernel
+def sweep_until(
+    buckets, values, layers, code, toll, stop, bits, width, top, begun, begin, step, time
+):  # fmt: skip
+    """Values of all buckets that open at a time or after, of every step-th body from ``begin``."""
+    earliest = earliest_taken(time)
+    best, second, landed_best, landed_second = values
+    for i in range(begin, buckets.start.size - 1, step):
+        high = begun[i]
+        low = high
+        while low > 0 and buckets.opens[buckets.start[i] + low - 1] >= earliest:
+            low -= 1
+        for kits in range(best.shape[0]):
+            full = top_of(layers, top, kits)
+            _sweep_buckets(
+                buckets, best[kits], second[kits], landed_best[kits], landed_second[kits],
+                code, toll[min(kits, toll.shape[0] - 1)], stop, bits, width, full, i, high, low,
+            )  # fmt: skip
+        if layers is not None:
+            _land(values, layers, width, i, buckets.start[i] + low, buckets.start[i] + high)
+        begun[i] = low
+
+
+@kernel
+def trace(
+    buckets, values, layers, code, toll, stop, bits, width, top, bucket, body, kits, left, walk
+):  # fmt: skip
+    """Follow the best walk from a state; returns its length."""
+    best, second, landed_best, landed_second = values
+    mask = (1 << bits) - 1
+    came_from = mask
+    length = 0
+    while True:
+        packed = best[kits, (bucket + 1) * width + left]
+        if packed & mask == came_from:
+            packed = second[kits, (bucket + 1) * width + left]
+        j = packed & mask
+        if j == body:
+            return length
+        # The first leg that yields this value: waiting for it costs nothing.
+        onward, leg = -1, buckets.first[bucket]
+        while onward < 0:
+            if buckets.destination[leg] == j and buckets.cost[leg] <= left:
+                rest = left - buckets.cost[leg]
+                if buckets.is_station[j]:
+                    rest = top_of(layers, top, kits)
+                landing = buckets.landing[leg]
+                ahead = landed_best[kits, (landing + 1) * width + rest]
+                if not buckets.is_station[body] and ahead & mask == body:
+                    ahead = landed_second[kits, (landing + 1) * width + rest]
+                paid = toll[min(kits, toll.shape[0] - 1), leg] if toll.size > 0 else 0
+                if (ahead >> bits) + (code[j] >> bits) - paid == packed >> bits:
+                    onward = landing
+            leg += 1
+        walk[length] = j
+        length += 1
+        kits, left = after_service(layers, j, kits, rest)
+        came_from = mask if buckets.is_station[body] else body
+        bucket, body = onward, j
