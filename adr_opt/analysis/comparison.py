@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from difflib import SequenceMatcher
 from typing import Any, Literal
 
-from ..common.card import Card, Shown
+from ..common.card import Shown
 from ..common.errors import InputError
 from ..judge.check.verdict import check
 from ..plan.plan import Leg, Plan
@@ -147,11 +147,6 @@ class Comparison(Shown):
     plans: Mapping[str, Plan]
     sides: tuple[Side, ...]
     differences: tuple[Difference, ...]
-
-    def _card(self) -> Card:
-        from ..ui.cards.of_analysis import of_comparison
-
-        return of_comparison(self)
 
     def to_dict(self) -> dict[str, Any]:
         """The fields, for JSON."""

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..common.card import Card, Shown
+from ..common.card import Shown
 from ..common.errors import InputError
 from ..common.wording import counted
 from ..mission.build_legs import legs
@@ -57,11 +57,6 @@ class PricedRoute(Shown):
     missing: Missing = NOTHING
     mendings: tuple[Mending, ...] = ()
 
-    def _card(self) -> Card:
-        from ..ui.cards.of_analysis import of_priced_route
-
-        return of_priced_route(self)
-
     @property
     def holds(self) -> bool:
         """Whether all of it can be flown."""
@@ -104,11 +99,6 @@ class PricedOrder(Shown):
     lacking: tuple[str, ...]
     unended: tuple[str, ...]
     runtime_s: float
-
-    def _card(self) -> Card:
-        from ..ui.cards.of_analysis import of_priced_order
-
-        return of_priced_order(self)
 
     @property
     def holds(self) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..common.card import Card, Shown
+from ..common.card import Shown
 from ..mission.result import Result
 from ..plan.plan import Plan, Route
 from ..problem.instance import Instance
@@ -60,11 +60,6 @@ class Replanned(Shown):
     kept: int
     notes: tuple[str, ...]
     runtime_s: float
-
-    def _card(self) -> Card:
-        from ..ui.cards.of_analysis import of_replanned
-
-        return of_replanned(self)
 
     @property
     def plan(self) -> Plan | None:

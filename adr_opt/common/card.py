@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import cache
 from html import escape
+from importlib.metadata import entry_points
 from typing import NamedTuple
 
 from .constants import DAY_S
+
+VIEWS = "adr_opt.views"
+"""Entry-point group of functions that make the card of an object, or say None."""
 
 MOST_ROWS = 60
 """So many rows of a table are shown in a notebook; a line says how many more there are."""
@@ -95,23 +100,37 @@ class Card(NamedTuple):
         return f"<div>{''.join(parts)}{''.join(table.html() for table in self.tables)}</div>"
 
 
+View = Callable[[object], Card | None]
+
+
 class Shown:
-    """Something that shows itself by a card."""
+    """Something that shows itself by a card, which a view makes (:data:`VIEWS`)."""
 
     __slots__ = ()
 
-    def _card(self) -> Card:
-        raise NotImplementedError
-
     def __repr__(self) -> str:
-        return self._card().line()
+        return card_of(self).line()
 
     def __str__(self) -> str:
-        return self._card().line()
+        return card_of(self).line()
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""
-        return self._card().html()
+        return card_of(self).html()
+
+
+def card_of(shown: object) -> Card:
+    """The card of an object; of one that no view knows, the name of its class."""
+    for view in _views():
+        card = view(shown)
+        if card is not None:
+            return card
+    return Card(type(shown).__name__, "", ())
+
+
+@cache
+def _views() -> tuple[View, ...]:
+    return tuple(entry.load() for entry in entry_points(group=VIEWS))
 
 
 def order_words(names: Iterable[str]) -> str:

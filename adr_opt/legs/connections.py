@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..common.card import Card, Shown
+from ..common.card import Shown
 from ..common.constants import HOUR_S, SLACK_M_S, SLACK_S
 from ..common.errors import InputError
 from ..kernels.legs import connections as kernels
@@ -51,11 +51,6 @@ class Connections(Shown):
     arrival: FloatArray
     delta_v: FloatArray
     revolutions: npt.NDArray[np.int8]
-
-    def _card(self) -> Card:
-        from ..ui.cards.of_connections import of_connections
-
-        return of_connections(self)
 
     def after(self, ready: float) -> Connections:
         """Those that a chaser can take that is ready at a time [s]."""
@@ -99,11 +94,6 @@ class AllConnections(Shown):
     def __len__(self) -> int:
         """How many there are."""
         return int(self.departure.size)
-
-    def _card(self) -> Card:
-        from ..ui.cards.of_connections import of_all
-
-        return of_all(self)
 
     def columns(self) -> dict[str, npt.NDArray[Any]]:
         """The arrays by the names of :meth:`.Timetable.from_connections`, for tables of others.

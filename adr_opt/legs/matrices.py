@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ..common.card import Card, Shown
+from ..common.card import Shown
 from ..common.constants import SLACK_M_S, SLACK_S
 
 FloatArray = npt.NDArray[np.float64]
@@ -76,8 +76,3 @@ class Matrices(Shown):
                 ("departures", time_s), ("delta_v", delta_v_m_s), ("duration", time_s)
             )
         )  # fmt: skip
-
-    def _card(self) -> Card:
-        from ..ui.cards.of_timetable import of_matrices
-
-        return of_matrices(self)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..common.card import Card, Shown
+from ..common.card import Shown
 from ..common.errors import InputError
 from ..kernels.tables import timetable as kernels
 from ..kernels.tables import timetable_making as making
@@ -204,11 +204,6 @@ class Timetable(Shown):
         made.pairs = all_pairs(bodies.size)
         made.built = bodies.size * (bodies.size - 1)
         return made
-
-    def _card(self) -> Card:
-        from ..ui.cards.of_timetable import of_timetable
-
-        return of_timetable(self)
 
     @classmethod
     def from_connections(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from ..common.card import Card, Shown
+from ..common.card import Shown
 from ..common.errors import InputError
 from ..kernels.tables.timetable_making import Pairs
 from ..legs.connections import Connecting
@@ -102,11 +102,6 @@ class Campaign(Shown, Prizes):
         self.kinds = tuple(
             Kind(self.missions[numbers[0]], tuple(numbers)) for numbers in alike.values()
         )
-
-    def _card(self) -> Card:
-        from ..ui.cards.of_instance import of_problem
-
-        return of_problem("Campaign", self.instance, self.margin, built=self.has_timetable)
 
     @cached_property
     def kind_of(self) -> tuple[int, ...]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..common.card import Card, Shown
+from ..common.card import Shown
 from ..common.constants import SLACK_M_S
 from ..common.errors import InputError
 from ..kernels.legs.co_elliptic import TransferRule
@@ -103,14 +103,6 @@ class Mission(Shown, Prizes):
             self.__dict__["timetable"] = timetable
             self.__dict__["connecting"] = timetable.connecting
         self._of_length[instance.mission.duration_s, self.time_value_m_s_per_h] = self
-
-    def _card(self) -> Card:
-        from ..ui.cards.of_instance import of_problem
-
-        return of_problem(
-            "Mission", self.instance, self.margin, built=self.has_timetable,
-            chaser=self.chaser.name,
-        )  # fmt: skip
 
     @property
     def missions(self) -> tuple[Mission, ...]:

@@ -11,7 +11,7 @@ from importlib.metadata import PackageNotFoundError, version
 from itertools import chain
 from typing import Any, NamedTuple
 
-from ..common.card import Card, Shown
+from ..common.card import Shown
 from ..common.errors import InputError
 from ..common.tolerance import COST_RELATIVE
 from ..plan.expense import cost_of_routes
@@ -89,11 +89,6 @@ class Result(Shown):
     routes: tuple[tuple[int, ...], ...] = ()
     versions: Mapping[str, str] = field(default_factory=versions)
     evidence: Evidence | None = None
-
-    def _card(self) -> Card:
-        from ..ui.cards.of_result import of_result
-
-        return of_result(self)
 
     @property
     def destinations(self) -> tuple[str, ...]:

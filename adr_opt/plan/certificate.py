@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
-from ..common.card import Card, Shown
+from ..common.card import Shown
 from ..common.errors import InputError
 from ..common.files import parse_model, read_text, to_text, write_bytes
 from ..common.records import Name, NonNegative, Positive, Record
@@ -89,11 +89,6 @@ class Certificate(Shown, Record):
     @model_serializer(mode="wrap")
     def _without_former_model(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
         return without_former_model(write(self))
-
-    def _card(self) -> Card:
-        from ..ui.cards.of_refined import of_certificate
-
-        return of_certificate(self)
 
     def to_json(self) -> str:
         """The certificate file."""

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
-from ..common.card import Card, Shown
+from ..common.card import Shown
 from ..common.files import read_model, to_text, write_text
 from ..common.records import DeltaV, Name, Record, Time, without
 from ..problem.instance import Instance
@@ -104,11 +104,6 @@ class Leg(Shown, Record):
     eccentricity_delta_v_m_s: DeltaV = 0.0
     burns: Annotated[tuple[Burn, ...], Field(strict=False)]
 
-    def _card(self) -> Card:
-        from ..ui.cards.of_plan import of_leg
-
-        return of_leg(self)
-
     @model_serializer(mode="wrap")
     def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
         content: dict[str, Any] = write(self)
@@ -160,11 +155,6 @@ class Route(Shown, Record):
     chaser: Name
     legs: Annotated[tuple[Leg, ...], Field(strict=False)]
 
-    def _card(self) -> Card:
-        from ..ui.cards.of_plan import of_route
-
-        return of_route(self)
-
 
 class Unvisited(Record):
     """A target that the plan leaves out, and why.
@@ -211,11 +201,6 @@ class Plan(Shown, Record):
     routes: Annotated[tuple[Route, ...], Field(strict=False)] = ()
     unvisited: Annotated[tuple[Unvisited, ...], Field(strict=False)] = ()
     flown: PlanFlight | None = None
-
-    def _card(self) -> Card:
-        from ..ui.cards.of_plan import of_plan
-
-        return of_plan(self)
 
     @model_serializer(mode="wrap")
     def _without_former_model(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from pydantic import (
     model_validator,
 )
 
-from ..common.card import Card, Shown
+from ..common.card import Shown
 from ..common.files import read_model, read_text, to_text, write_text
 from ..common.records import DeltaV, Name, NonNegative, Record, Time
 from .plan import InstanceReference, Plan, Vector
@@ -221,11 +221,6 @@ class RefinedPlan(Shown, Record):
     bodies: Annotated[tuple[BodyState, ...], Field(strict=False)] = ()
     legs: Annotated[tuple[RefinedLeg, ...], Field(strict=False)] = ()
     missing: Annotated[tuple[Missing, ...], Field(strict=False)] = ()
-
-    def _card(self) -> Card:
-        from ..ui.cards.of_refined import of_refined
-
-        return of_refined(self)
 
     @model_validator(mode="after")
     def _whole(self) -> Self:

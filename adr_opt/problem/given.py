@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..common.card import Card, Shown
+from ..common.card import Shown
 from ..common.errors import InputError
 from ..common.records import LARGEST_DELTA_V_M_S, LARGEST_TIME_S
 from ..kernels.legs.given_connections import sifted
@@ -66,11 +66,6 @@ class Given(Shown):
         for array in (self.origin, self.destination, self.departure, self.arrival, self.cost):
             array.setflags(write=False)
         object.__setattr__(self, "_number", {name: at for at, name in enumerate(self.names)})
-
-    def _card(self) -> Card:
-        from ..ui.cards.of_given import of_given
-
-        return of_given(self)
 
     @cached_property
     def _first(self) -> npt.NDArray[np.int64]:

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import PrivateAttr, ValidationError
 
-from ..common.card import Card, Shown
+from ..common.card import Shown
 from ..common.constants import OBLATENESS_M2
 from ..common.errors import InputError
 from ..common.files import check_writable, parse_model, read_model, sentence, write_text
@@ -44,11 +44,6 @@ class Instance(Shown, InstanceFile):
 
     _time_value_m_s_per_h: float | None = PrivateAttr(default=None)
     _given: Given | None = PrivateAttr(default=None)
-
-    def _card(self) -> Card:
-        from ..ui.cards.of_instance import of_instance
-
-        return of_instance(self)
 
     def replace(self, **changes: Any) -> Self:
         """A validated copy with some fields changed.

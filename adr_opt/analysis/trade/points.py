@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
-from ...common.card import Card, Shown
+from ...common.card import Shown
 from ...common.tolerance import meets, tolerance
 from ...problem.instance import Instance
 from .axes import Axis, Limits
@@ -57,11 +57,6 @@ class Point(Shown):
     runtime_s: float = 0.0
     cpu_s: float = 0.0
     propellant_kg: float | None = None
-
-    def _card(self) -> Card:
-        from ...ui.cards.of_analysis import of_point
-
-        return of_point(self)
 
     def value(self, kind: str) -> float:
         """Its limit of a kind, in SI."""
@@ -140,11 +135,6 @@ class Tradeoff(Shown):
     points: tuple[Point, ...]
     runtime_s: float = field(default=0.0, compare=False)
     cpu_s: float = field(default=0.0, compare=False)
-
-    def _card(self) -> Card:
-        from ...ui.cards.of_analysis import of_tradeoff
-
-        return of_tradeoff(self)
 
     @property
     def proven(self) -> int:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any
 
-from ...common.card import Card, Shown
+from ...common.card import Shown
 from ...common.errors import InputError
 from ...common.progress import Progress, silent
 from ...common.stop import Stop
@@ -114,11 +114,6 @@ class RefinedResult(Shown):
     refined: RefinedPlan | None
     rounds: tuple[Round, ...]
     reason: str
-
-    def _card(self) -> Card:
-        from ...ui.cards.of_refined import of_refined_result
-
-        return of_refined_result(self)
 
     @property
     def holds(self) -> bool:

@@ -9,6 +9,8 @@ from ...common.wording import counted
 from ...problem.chasers import AtStation, Chaser, TankByMass
 
 if TYPE_CHECKING:
+    from ...mission.campaign import Campaign
+    from ...mission.problem import Mission
     from ...problem.instance import Instance
 
 COSTS = {"delta-v": "ΔV", "duration": "duration", "expense": "expense"}
@@ -76,12 +78,15 @@ def _chaser(chaser: Chaser) -> tuple[str, ...]:
     )  # fmt: skip
 
 
-def of_problem(
-    kind: str, instance: Instance, margin: float, *, built: bool, chaser: str = ""
-) -> Card:
+def of_problem(problem: Mission | Campaign) -> Card:
     """The card of a mission or a campaign."""
-    facts = [*facts_of(instance), "with its timetable" if built else "timetable not built yet"]
-    if margin:
-        facts.append(f"{100.0 * margin:g} % of each tank kept back")
-    whose = f" for {chaser!r}" if chaser and len(instance.chasers) > 1 else ""
-    return Card(kind, f"over {instance.name!r}{whose}", tuple(facts))
+    instance = problem.instance
+    facts = [
+        *facts_of(instance),
+        "with its timetable" if problem.has_timetable else "timetable not built yet",
+    ]
+    if problem.margin:
+        facts.append(f"{100.0 * problem.margin:g} % of each tank kept back")
+    chaser = getattr(problem, "chaser", None)
+    whose = f" for {chaser.name!r}" if chaser is not None and len(instance.chasers) > 1 else ""
+    return Card(type(problem).__name__, f"over {instance.name!r}{whose}", tuple(facts))
