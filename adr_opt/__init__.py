@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from .common.errors import InputError, MissingExtra
     from .fly.refine import RefinedPlan, load_refined, refine
     from .fly.refine.loop import RefinedResult, solve_refined
-    from .judge.check.verdict import Violation, check
+    from .judge.check.verdict import check
+    from .judge.check.violation import Violation
     from .judge.verify import Verdict, verify
     from .legs.matrices import Matrices
     from .legs.timetable import Timetable
@@ -42,7 +43,7 @@ _HOME = {
     "load_certificate": "plan.certificate",
     "Verdict": "judge.verify",
     "verify": "judge.verify",
-    "Violation": "judge.check.verdict",
+    "Violation": "judge.check.violation",
     "check": "judge.check.verdict",
     "InputError": "common.errors",
     "MissingExtra": "common.errors",

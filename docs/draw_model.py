@@ -25,7 +25,7 @@ from adr_opt.kernels.legs import drift_linear as drifts
 from adr_opt.kernels.legs import sequences
 from adr_opt.kernels.orbits import ephemeris
 from adr_opt.kernels.tables import timetable as kernels
-from adr_opt.mission.result import certify
+from adr_opt.mission.certified import certify
 from adr_opt.problem.settings import KeepOutZone
 from adr_opt.ui import plot
 

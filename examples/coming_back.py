@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import adr_opt
+from adr_opt.mission.certified import certify
 from adr_opt.mission.order_repair import as_it_is, mended
-from adr_opt.mission.result import certify
 
 
 def come_back(solver: str, mission: adr_opt.Mission, order: Iterable[int]) -> adr_opt.Plan:

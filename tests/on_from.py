@@ -10,7 +10,7 @@ import numpy as np
 import adr_opt
 from adr_opt.analysis import Replanned
 from adr_opt.common.constants import SLACK_M_S, SLACK_S
-from adr_opt.judge.check.verdict import Violation
+from adr_opt.judge.check.violation import Violation
 from adr_opt.plan.expense import cost_of_routes
 from adr_opt.plan.plan import InstanceReference, Unvisited
 from adr_opt.problem.instance import Instance

@@ -15,8 +15,8 @@ from brute_force import brute_force
 from random_rules import drifting_mission, given_mission, random_mission, towing_mission
 
 import adr_opt
+from adr_opt.mission.certified import certify
 from adr_opt.mission.problem import Mission
-from adr_opt.mission.result import certify
 from adr_opt.problem.settings import Objective
 from solvers.labels.label_search import Routes
 from solvers.proof.cost import CostProof

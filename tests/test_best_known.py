@@ -24,8 +24,9 @@ from adr_opt.kernels.rules.schedule import follow
 from adr_opt.legs.connections import Connecting
 from adr_opt.legs.service_limits import limits_of
 from adr_opt.mission.campaign import Campaign, Routes
+from adr_opt.mission.certified import certify, certify_routes
 from adr_opt.mission.problem import Mission
-from adr_opt.mission.result import Result, certify, certify_routes
+from adr_opt.mission.result import Result
 from adr_opt.plan.cargo import loads_of
 from adr_opt.problem.instance import Instance
 from adr_opt.run import methods

@@ -9,8 +9,8 @@ from two_chasers import HOME, OWN, campaign, planned
 import adr_opt
 from adr_opt.analysis import price
 from adr_opt.common.errors import InputError
+from adr_opt.mission.certified import certify
 from adr_opt.mission.order_repair import as_it_is, mended
-from adr_opt.mission.result import certify
 
 OPTIMAL = ("south", "station", "north", "beyond")
 

@@ -9,7 +9,7 @@ from conftest import Cli, refused
 
 import adr_opt
 from adr_opt.mission.campaign import Campaign
-from adr_opt.mission.result import certify_routes
+from adr_opt.mission.certified import certify_routes
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.chasers import AtStation, InOrbit
 from adr_opt.problem.instance import Instance

@@ -9,7 +9,7 @@ from hand_made import OPTIMAL_PLAN, PERIOD_S, hand_made
 from plans import with_legs
 
 import adr_opt
-from adr_opt.mission.result import certify
+from adr_opt.mission.certified import certify
 from adr_opt.plan.expense import cost_of_routes
 from adr_opt.plan.plan import Plan, Unvisited
 from adr_opt.problem.settings import KeepOutZone

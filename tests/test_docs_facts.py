@@ -10,7 +10,7 @@ from pages import ROOT, read, tables
 
 import adr_opt
 from adr_opt.common import constants
-from adr_opt.judge.check import verdict, zone_crossings
+from adr_opt.judge.check import violation, zone_crossings
 from adr_opt.run import methods as planner
 from adr_opt.sources.generator import FAMILIES, generate
 from adr_opt.sources.library import load_library
@@ -19,9 +19,9 @@ from adr_opt.sources.library import load_library
 def test_tolerances_are_those_of_the_code() -> None:
     """docs/files.md states the tolerances of the check and of its keep-out zones."""
     assert (zone_crossings.MARGIN_M, zone_crossings.MARGIN_S) == (1.0, 1e-2)
-    assert verdict.TIME_TOLERANCE_S == 1e-3
-    assert verdict.DELTA_V_TOLERANCE_M_S == 1e-4
-    assert verdict.OBJECTIVE_TOLERANCE == 1e-6
+    assert violation.TIME_TOLERANCE_S == 1e-3
+    assert violation.DELTA_V_TOLERANCE_M_S == 1e-4
+    assert violation.OBJECTIVE_TOLERANCE == 1e-6
     section = read("docs/files.md").partition("## What `check` tolerates")[2]
     assert "1 ms" in section
     assert "0.1 mm/s" in section

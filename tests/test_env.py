@@ -36,7 +36,7 @@ from adr_opt.learning.environment import (
 )
 from adr_opt.learning.environment.drawn import ready
 from adr_opt.learning.environment.fields import FIRST_SEED
-from adr_opt.mission.result import certify
+from adr_opt.mission.certified import certify
 from adr_opt.problem.instance import Instance
 
 

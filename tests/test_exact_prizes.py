@@ -17,9 +17,10 @@ from adr_opt.common.errors import InputError, MissingExtra
 from adr_opt.common.stop import MaxRuntime
 from adr_opt.judge.verify import verify
 from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.certified import certify
 from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.problem import Mission
-from adr_opt.mission.result import Result, certify
+from adr_opt.mission.result import Result
 from adr_opt.problem.instance import Instance
 from adr_opt.run.methods import BOUNDS, PLANNERS, get, takes_jobs
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from adr_opt.kernels.legs.connections import Found
+from adr_opt.kernels.legs.found import Found
 from adr_opt.legs.connection_cache import Kept
 
 EACH_BYTES = 29 * 10

@@ -27,7 +27,7 @@ from adr_opt.kernels.episodes import episodes as kernels  # noqa: E402
 from adr_opt.learning.environment import Fields  # noqa: E402
 from adr_opt.learning.environment.vector import MissionVecEnv  # noqa: E402
 from adr_opt.learning.episodes.board import MISSION, MOVES, move_fields  # noqa: E402
-from adr_opt.mission.result import certify  # noqa: E402
+from adr_opt.mission.certified import certify  # noqa: E402
 from solvers.planners.ppo import ppo  # noqa: E402
 from solvers.policies import SHIPPED, Policy, load_policy  # noqa: E402
 from solvers.policies.decoding import Field, finish  # noqa: E402

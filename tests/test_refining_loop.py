@@ -20,7 +20,7 @@ from adr_opt.fly.flight.tanks import tanks_of
 from adr_opt.fly.refine import RefinedPlan
 from adr_opt.fly.refine.lessons import Lessons
 from adr_opt.fly.refine.loop import RefinedResult
-from adr_opt.kernels.legs.connections import Found
+from adr_opt.kernels.legs.found import Found
 from adr_opt.legs.corrections import Corrections
 from adr_opt.mission.problem import Mission
 from adr_opt.plan.plan import InstanceReference, Plan

@@ -9,7 +9,13 @@ from drift_cases import Pair, drawn, pair_of, pairs
 from rows import oblate_rule
 
 from adr_opt.common.constants import DAY_S
-from adr_opt.kernels.legs import co_elliptic, fixed_points, phasing, precession, short_transfers
+from adr_opt.kernels.legs import (
+    co_elliptic,
+    departure_events,
+    fixed_points,
+    phasing,
+    precession,
+)
 
 
 def one_by_one(pair, law, half_turns, number, met):
@@ -51,7 +57,7 @@ def test_many_at_a_time_are_those_one_by_one(drawn_pairs):
     unsure = none = compared = 0
     for pair in drawn_pairs:
         made = co_elliptic.prepare(pair.i, pair.j, 0.0, law)
-        half_turns, numbers = short_transfers.events_of(made, 2.0 * DAY_S, 0.0)
+        half_turns, numbers = departure_events.events_of(made, 2.0 * DAY_S, 0.0)
         half_turns, numbers = half_turns[::-3][::-1], np.ascontiguousarray(numbers[::-3][::-1])
         lap, first = 2.0 * math.pi / made.rate_j, made.shortest - fixed_points.BAND_S
         bases = np.array(

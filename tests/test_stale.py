@@ -4,8 +4,9 @@ import numpy as np
 
 import adr_opt
 from adr_opt.mission.problem import Mission
+from solvers.networks.arrays import Network
 from solvers.networks.dominated_legs import LOOK_BACK
-from solvers.networks.network import Network, build
+from solvers.networks.network import build
 
 
 def networks() -> list[Network]:

@@ -18,8 +18,9 @@ from conftest import Cli
 import adr_opt
 from adr_opt.common.progress import Progress, silent
 from adr_opt.common.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime, Stop
+from adr_opt.mission.certified import certify
 from adr_opt.mission.problem import Mission
-from adr_opt.mission.result import Result, certify
+from adr_opt.mission.result import Result
 from adr_opt.run import front, methods
 from adr_opt.run.side_by_side import InvalidBound, Meeting, Seat, together
 

@@ -18,8 +18,8 @@ from ..judge.check.verdict import check
 from ..legs.connections import Connections
 from ..mission.build_legs import transfer_of
 from ..mission.campaign import Campaign, Problem, problem_of
+from ..mission.certified import certify_routes
 from ..mission.problem import Mission
-from ..mission.result import certify_routes
 from ..plan.plan import Plan
 from ..problem.instance import AnyInstance
 from ..run.start_plan import why_illegal

@@ -10,8 +10,9 @@ from typing import Any
 from ..common.errors import InputError
 from ..common.stop import AnyOf, MaxRuntime, Stop
 from ..mission.campaign import Problem, is_campaign, problem_of
+from ..mission.certified import certify_routes
 from ..mission.problem import Mission
-from ..mission.result import Result, certify_routes
+from ..mission.result import Result
 from ..plan.cargo import kits_of
 from ..plan.plan import Plan
 from ..plan.routes import routes_of

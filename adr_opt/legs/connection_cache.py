@@ -7,7 +7,7 @@ from collections import OrderedDict
 from collections.abc import Callable
 from threading import Lock
 
-from ..kernels.legs.connections import Found
+from ..kernels.legs.found import Found
 
 Pair = tuple[int, int]
 """Numbers of origin and destination."""

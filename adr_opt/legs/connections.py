@@ -17,6 +17,7 @@ from ..common.constants import HOUR_S, SLACK_M_S, SLACK_S
 from ..common.errors import InputError
 from ..kernels.legs import connections as kernels
 from ..kernels.legs import drifting_connections, given_connections
+from ..kernels.legs.found import Found
 from ..kernels.tables import timetable as tables
 from ..kernels.tables import timetable_making as making
 from ..plan.tows import leaving_eccentricity_delta_v, leaving_orbits
@@ -178,7 +179,7 @@ class Connecting:
         self._spent = instance.spent_m_s
         self.kept = Kept()
         self.counts: dict[Pair, int] = {}
-        self._chosen: dict[Pair, kernels.Found] = {}
+        self._chosen: dict[Pair, Found] = {}
         self._chosen_for = math.nan
         self._resolution = instance.transfer.delta_v_resolution_m_s
         self._end = instance.mission.duration_s + SLACK_S
@@ -211,11 +212,11 @@ class Connecting:
         """
         return self._resolution if self.times is not None else 0.0
 
-    def find(self, i: int, j: int, resolution_m_s: float) -> kernels.Found:
+    def find(self, i: int, j: int, resolution_m_s: float) -> Found:
         """Work out all connections of two bodies."""
         return self._charged(i, j, self._of_model(i, j, resolution_m_s))
 
-    def _charged(self, i: int, j: int, found: kernels.Found) -> kernels.Found:
+    def _charged(self, i: int, j: int, found: Found) -> Found:
         """What connections take out of a tank: corrected, and with what was spent before.
 
         A chaser whose tank is not full at the start pays for what is lacking with its first leg:
@@ -230,14 +231,14 @@ class Connecting:
         """What connections from a body cost besides, because it was spent before the start."""
         return self._spent.get(i, 0.0)
 
-    def _of_model(self, i: int, j: int, resolution_m_s: float) -> kernels.Found:
+    def _of_model(self, i: int, j: int, resolution_m_s: float) -> Found:
         if i in self._launches or j in self._launches:
             return self._launch(i, j)
         if self._longer is not None and resolution_m_s == self.planning_resolution_m_s:
             known = self._longer.kept_of_model(self._numbers[i], self._numbers[j])
             in_time = known.arrival <= self._end
-            return known if in_time.all() else kernels.Found(*(part[in_time] for part in known))
-        found: kernels.Found
+            return known if in_time.all() else Found(*(part[in_time] for part in known))
+        found: Found
         if self.given is not None:
             rows = self.given.of_pair(self._names[i], self._names[j])
             found = given_connections.sifted(*rows, self._end, resolution_m_s)
@@ -250,20 +251,20 @@ class Connecting:
             found = drifting_connections.of_pair(*pair, self.times, self._end, resolution_m_s)
         return found
 
-    def _launch(self, i: int, j: int) -> kernels.Found:
+    def _launch(self, i: int, j: int) -> Found:
         """Onto a target, for nothing, as soon as the chaser is there: to be early is no loss."""
         leads_on = i in self._launches and j >= self.instance.first_target
         when = np.full(int(leads_on), self._launches.get(i, 0.0))
         nothing = np.zeros_like(when)
-        return kernels.Found(when, when, nothing, nothing.astype(np.int8), nothing.astype(np.int32))
+        return Found(when, when, nothing, nothing.astype(np.int8), nothing.astype(np.int32))
 
-    def found(self, i: int, j: int) -> kernels.Found:
+    def found(self, i: int, j: int) -> Found:
         """What planning needs of a pair: kept, or worked out."""
         if self.times is None and self.given is None:
             return self.find(i, j, self.planning_resolution_m_s)
         return self._charged(i, j, self.kept_of_model(i, j))
 
-    def kept_of_model(self, i: int, j: int) -> kernels.Found:
+    def kept_of_model(self, i: int, j: int) -> Found:
         """The connections of a pair as the model has them, kept."""
         return self.kept.get((i, j), lambda: self._of_model(i, j, self.planning_resolution_m_s))
 
@@ -348,7 +349,7 @@ class Connecting:
             taken = np.empty(found.departure.size, dtype=np.int64)
             count = making.choose(found, limits, j, time_value_m_s_per_h / HOUR_S, taken)
             chosen = taken[taken.size - count :]
-            self._chosen[i, j] = kernels.Found(*(column[chosen] for column in found))
+            self._chosen[i, j] = Found(*(column[chosen] for column in found))
             self.counts[i, j] = found.departure.size
 
     def table(self, duration: float, slot: npt.NDArray[np.int16]) -> tables.Table:

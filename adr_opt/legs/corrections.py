@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..kernels.legs.connections import Found
+from ..kernels.legs.found import Found
 
 Kind = Literal["short", "drift"]
 

@@ -3,24 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from itertools import chain
 from typing import Any, NamedTuple
 
 from ..common.card import Shown
-from ..common.errors import InputError
 from ..common.tolerance import COST_RELATIVE
-from ..plan.expense import cost_of_routes
-from ..plan.plan import MODEL, InstanceReference, Plan, Route, Status, relative_gap
-from .build_legs import APPROXIMATE, legs, unvisited
-from .campaign import Problem
+from ..plan.plan import Plan, Status, relative_gap
 from .evidence import Evidence
 from .prizes import Prizes
-from .problem import Mission
 
 PACKAGES = ("adr-opt", "numpy", "numba", "ortools")
 
@@ -122,28 +115,6 @@ class Result(Shown):
         }
 
 
-def _lacks(problem: Prizes, lacking: tuple[int, ...], status: Status) -> str:
-    """What to say where there is no plan for want of required targets."""
-    names = ", ".join(repr(problem.names[body]) for body in lacking)
-    if status == "infeasible":
-        return f"no plan services all required targets; the best one found lacks {names}"
-    return f"no plan was found that services all required targets; the best one lacks {names}"
-
-
-def _refuse_doubles(problem: Prizes, moves: Sequence[int]) -> None:
-    """A target is done once, by one chaser.
-
-    Raises
-    ------
-    InputError
-        One is done twice.
-    """
-    first = problem.instance.first_target
-    twice = [body for body, times in Counter(moves).items() if times > 1 and body >= first]
-    if twice:
-        raise InputError(f"{problem.names[twice[0]]!r} is visited twice; a target is done once")
-
-
 def cost_gap(cost: float, bound: float) -> float:
     """(cost − bound) / cost; 0 where the plan costs nothing."""
     return (cost - bound) / cost if cost > 0.0 else 0.0
@@ -197,136 +168,6 @@ def proven_of(problem: Prizes, objective: float, upper_bound: float = math.inf) 
     if not math.isfinite(upper_bound):
         return Proven(status, None, None)
     return Proven(status, upper_bound, relative_gap(objective, upper_bound))
-
-
-def certify(
-    mission: Mission,
-    method: str,
-    sequence: Iterable[int | str] | None,
-    *,
-    seed: int,
-    runtime_s: float,
-    upper_bound: float = math.inf,
-    cost_bound: float | None = None,
-    evidence: Evidence | None = None,
-    counters: Mapping[str, float] | None = None,
-    notes: Iterable[str] = (),
-) -> Result:
-    """Make the certificate of a sequence of bodies and a bound: the way every method ends.
-
-    Parameters
-    ----------
-    mission : Mission
-    method : str
-    sequence : iterable of int or str, or None
-        The best plan found: bodies by number or by name.
-    seed : int
-    runtime_s : float
-    upper_bound : float
-        Proven bound on what plans are worth to a planner (:attr:`Prizes.bonus`), +inf for none.
-    cost_bound : float, optional
-        Proven: no plan that collects as much costs less. None if nobody asked.
-    evidence : Evidence, optional
-        What the upper bound rests on.
-    counters, notes
-        As in :class:`Result`.
-
-    Raises
-    ------
-    InputError
-        The sequence breaks the mission rules.
-    """
-    routes = None if sequence is None else [sequence]
-    return certify_routes(
-        mission, method, routes, seed=seed, runtime_s=runtime_s, upper_bound=upper_bound,
-        cost_bound=cost_bound, evidence=evidence, counters=counters, notes=notes,
-    )  # fmt: skip
-
-
-def certify_routes(
-    problem: Problem,
-    method: str,
-    routes: Iterable[Iterable[int | str]] | None,
-    *,
-    seed: int,
-    runtime_s: float,
-    upper_bound: float = math.inf,
-    cost_bound: float | None = None,
-    evidence: Evidence | None = None,
-    counters: Mapping[str, float] | None = None,
-    notes: Iterable[str] = (),
-) -> Result:
-    """Make the certificate of the routes of all chasers, likewise.
-
-    Parameters
-    ----------
-    problem : Mission or Campaign
-    method : str
-    routes : iterable of sequences of int or str, or None
-        Bodies in order for each chaser, by number or by name; no target twice.
-    seed, runtime_s, upper_bound, cost_bound, evidence, counters, notes
-        As :func:`certify` takes them.
-
-    Raises
-    ------
-    InputError
-        A sequence breaks the mission rules.
-    """
-    said = tuple(notes)
-    if problem.instance.is_approximate:
-        said = (*said, APPROXIMATE)
-    upper_bound = problem.shown(upper_bound)
-    found = () if routes is None else routes
-    flown = [
-        (mission, mission.closed(sequence))
-        for mission, sequence in zip(problem.missions, found, strict=routes is not None)
-    ]
-    moves = tuple(chain.from_iterable(sequence for _, sequence in flown))
-    _refuse_doubles(problem, moves)
-    lacking = () if routes is None else problem.lacking(moves)
-    may_stop = all(mission.may_stop(sequence) for mission, sequence in flown)
-    if routes is None or lacking or not may_stop:
-        # A bound that no plan with all required targets reaches says that there is none.
-        status: Status = "infeasible" if upper_bound == -math.inf else "unknown"
-        if lacking:
-            said = (*said, _lacks(problem, lacking, status))
-        return Result(
-            method, None, None, -math.inf, upper_bound, status, dict(counters or {}), seed,
-            runtime_s, said, evidence=evidence,
-        )  # fmt: skip
-    priced = tuple(
-        Route(chaser=mission.chaser.name, legs=legs(mission, sequence))
-        for mission, sequence in flown
-    )
-    objective = problem.prizes(moves)
-    status, bound, gap = proven_of(problem, objective, upper_bound)
-    cost = cost_of_routes(problem.instance, priced)
-    if cost_bound is not None:
-        cost_bound = min(cost_bound, cost)  # they may differ by rounding
-    plan = Plan(
-        model=MODEL,
-        instance=InstanceReference(name=problem.instance.name, sha256=problem.sha256),
-        method=method,
-        seed=seed,
-        status=status,
-        objective=objective,
-        upper_bound=bound,
-        gap=gap,
-        cost=cost,
-        cost_bound=cost_bound,
-        cost_gap=None if cost_bound is None else cost_gap(cost, cost_bound),
-        cost_status=None if cost_bound is None else cost_status(cost, cost_bound),
-        runtime_s=runtime_s,
-        versions=versions(),
-        notes=said,
-        routes=priced,
-        unvisited=unvisited(flown),
-    )
-    upper_bound = math.inf if bound is None else bound
-    return Result(
-        method, moves, plan, objective, upper_bound, status, dict(counters or {}), seed, runtime_s,
-        said, tuple(sequence for _, sequence in flown), evidence=evidence,
-    )  # fmt: skip
 
 
 def noted(result: Result, notes: Sequence[str]) -> Result:

@@ -15,7 +15,8 @@ from ..common.stop import Stop
 from ..common.wording import counted
 from ..mission.build_legs import APPROXIMATE
 from ..mission.campaign import Campaign, Problem
-from ..mission.result import Result, certify_routes, noted
+from ..mission.certified import certify_routes
+from ..mission.result import Result, noted
 from ..plan.cargo import loads_of, what_counts
 from ..sources.generator import LARGEST_SEED
 from .methods import (
@@ -155,7 +156,7 @@ def _check_result(method: str, result: object) -> None:
         returned = "None" if result is None else f"an object of type {type(result).__name__}"
         raise InputError(
             f"method {method!r} returned {returned} in place of a Result; let it return what "
-            "adr_opt.mission.result.certify makes"
+            "adr_opt.mission.certified.certify makes"
         )
 
 

@@ -12,7 +12,8 @@ from ..common.progress import Progress
 from ..common.stop import Proven, Stop
 from ..mission.build_legs import APPROXIMATE
 from ..mission.campaign import Problem
-from ..mission.result import Result, certify_routes
+from ..mission.certified import certify_routes
+from ..mission.result import Result
 
 Method = Callable[[Problem, Stop, Progress], Result]
 

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import adr_opt
 from adr_opt.mission.campaign import Problem
+from adr_opt.mission.certified import certify_routes
 from adr_opt.mission.order_repair import as_it_is, mended
-from adr_opt.mission.result import certify_routes
 from adr_opt.run.front import method_of
 from adr_opt.run.methods import takes_jobs
 

@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 
-from adr_opt.mission.result import certify
+from adr_opt.mission.certified import certify
 
 
 def random_walks(mission, *, seed, stop, progress, walks=100):

@@ -19,7 +19,8 @@ from stable_baselines3.common.env_util import make_vec_env
 
 import adr_opt
 from adr_opt.learning.environment import ID, MissionEnv
-from adr_opt.mission.result import Result, certify
+from adr_opt.mission.certified import certify
+from adr_opt.mission.result import Result
 
 Choose = Callable[[dict[str, np.ndarray], np.ndarray], int]
 

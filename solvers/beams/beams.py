@@ -31,14 +31,12 @@ from adr_opt.kernels.tables.timetable import asks
 from adr_opt.mission.problem import Mission
 
 from ..progress.halting import halted_by
-from ..walks.completion_times import Latest, no_latest
+from ..walks.completion_times import no_latest
+from ..walks.latest_times import Latest
 from . import levels
 from .exchange_rates import worth_of
 from .levels import Scratch, Search, Weights
-
-TIME_VALUE_M_S_PER_H = 110.0
-"""What an hour is worth where beams, and windows, choose one connection for each move; where planes
-drift it is less by as much as time is cheaper there."""
+from .time_value import TIME_VALUE_M_S_PER_H
 
 FloatArray = npt.NDArray[np.float64]
 

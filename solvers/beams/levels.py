@@ -14,7 +14,7 @@ from adr_opt.kernels.rules.loads import full_tank, kits_after, may_stand_for
 from adr_opt.kernels.rules.rules import Rules, State
 from adr_opt.kernels.tables.timetable import asks
 
-from ..walks.completion_times import Latest, latest_time
+from ..walks.latest_times import Latest, latest_time
 
 STRAIGHT = -1
 """Stands for no station on the way."""

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from adr_opt.common.stop import Stop
 from adr_opt.mission.problem import Mission
 
-from ..walks.completion_times import Latest
+from ..walks.latest_times import Latest
 from .beams import BeamSettings, beam_search
 
 PILOT_WIDTH = 100

@@ -15,8 +15,9 @@ from adr_opt.common.stop import Stop
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.legs import co_elliptic
 from adr_opt.kernels.rules.rules import Rules
+from adr_opt.mission.certified import certify
 from adr_opt.mission.problem import Mission
-from adr_opt.mission.result import Result, certify
+from adr_opt.mission.result import Result
 
 from ..models.answer import Hear
 from ..models.cp_sat_run import run

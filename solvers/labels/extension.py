@@ -36,7 +36,7 @@ from adr_opt.kernels.rules.loads import (
 )
 from adr_opt.mission.evidence import WORD
 
-from ..networks.buckets import SLACK
+from ..networks.layers import SLACK
 from .pending import is_preceded, next_of, send, take
 from .waiting import FINE, arrive, is_dominated, keep
 

@@ -16,11 +16,12 @@ from adr_opt.common.options import MOST_JOBS, Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop, TimeIsOver
 from adr_opt.kernels.rules.rules import Rules
+from adr_opt.mission.certified import certify
 from adr_opt.mission.problem import Mission
-from adr_opt.mission.result import Result, certify
+from adr_opt.mission.result import Result
 
 from ..beams.greedy_order import greedy_sequence
-from ..networks.network import Network as Rows
+from ..networks.arrays import Network as Rows
 from ..progress.gap import Certificate
 from ..progress.proof_size import bound_notes, set_up_s
 from ..walks.multipliers import Descent

@@ -26,7 +26,7 @@ from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.lists import with_stair
 from adr_opt.kernels.rules.rules import Rules
 
-from ..networks.network import Network as Rows
+from ..networks.arrays import Network as Rows
 
 GUARD_M_S = 1e-6
 """Guard of sums of ΔV, which may be rounded in another order: what exceeds the budget by less is
@@ -183,7 +183,7 @@ def all_of(rows: Rows, rules: Rules) -> Network:
 
     Parameters
     ----------
-    rows : solvers.networks.network.Network
+    rows : solvers.networks.arrays.Network
     rules : adr_opt.kernels.rules.rules.Rules
     """
     order = np.argsort(rows.departure, kind="stable")
@@ -205,7 +205,7 @@ def of_rows(rows: Rows, rules: Rules) -> Network:
 
     Parameters
     ----------
-    rows : solvers.networks.network.Network
+    rows : solvers.networks.arrays.Network
     rules : adr_opt.kernels.rules.rules.Rules
     """
     whole = all_of(rows, rules)

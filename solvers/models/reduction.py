@@ -24,7 +24,7 @@ import numpy as np
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.rules.rules import Rules
 
-from ..networks.buckets import SLACK
+from ..networks.layers import SLACK
 from .network import Network
 
 MOST_STATES = 10_000_000

@@ -17,10 +17,8 @@ import numpy as np
 
 from adr_opt.kernels.core.compile import kernel
 
-from .network import Network, joined
-
-SLACK = 1e-9
-"""Guard of roundings to slots, always in the optimistic direction [slots]."""
+from .arrays import Network, joined
+from .layers import SLACK
 
 LONGEST = 0.5
 """Share of the shortest leg that a bucket may take at most, so that none lands where it left."""

@@ -25,7 +25,7 @@ def mark_stale(begin, end, bodies, destination, first, landing, delta_v, since, 
         The rows of the body.
     bodies : int
     destination, first, delta_v
-        As in :class:`.network.Network`.
+        As in :class:`.arrays.Network`.
     landing : (legs,) int32 or float64
         When legs land, in any measure of time.
     since : (legs,) int32

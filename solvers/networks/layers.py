@@ -15,7 +15,8 @@ from adr_opt.common.constants import SLACK_M_S
 from adr_opt.kernels.core.compile import inlined
 from adr_opt.kernels.rules.loads import Loads
 
-from .buckets import SLACK
+SLACK = 1e-9
+"""Guard of roundings to slots, always in the optimistic direction [slots]."""
 
 
 class Layers(NamedTuple):

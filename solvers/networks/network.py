@@ -19,58 +19,11 @@ from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
 from adr_opt.kernels.core.lists import chosen, rising
 from adr_opt.kernels.legs import connections
+from adr_opt.kernels.legs.found import Found
 from adr_opt.mission.problem import Mission
 
+from .arrays import Network, joined
 from .dominated_legs import mark_stale
-
-
-class Network(NamedTuple):
-    """Rows, body after body, each body's in order of departure, and their legs.
-
-    One row more closes each body: nothing leaves any more.
-
-    Attributes
-    ----------
-    start : (bodies + 1,) int64
-        First row of each body.
-    departure : (rows,) float64
-        [s]; +inf in closing rows.
-    destination : (rows,) int32
-        Of all legs of the row.
-    first : (rows + 1,) int64
-        First leg of each row; the legs of a row in order of arrival, each cheaper than the one
-        before.
-    landing : (legs,) int32
-        Row of the destination at the end of service.
-    delta_v : (legs,) float64
-        [m/s].
-    since : (legs,) int32
-        Who was ready by this row has no use for the leg, see :mod:`.dominated_legs`; −1 for none.
-    fresh : (rows,) int32
-        Who was ready by this row has no use for any leg of the row.
-    is_station, may_end : (bodies,) bool
-        As in :class:`adr_opt.kernels.rules.rules.Rules`.
-    roots : (starts,) int64
-        Row at which each of the missions begins that move on it.
-    shortest : float
-        Least time from departure to the end of service of any leg but launches [s].
-    end : (legs,) float64
-        End of service [s], or empty: only walks that pay for time ask for it.
-    """
-
-    start: np.ndarray
-    departure: np.ndarray
-    destination: np.ndarray
-    first: np.ndarray
-    landing: np.ndarray
-    delta_v: np.ndarray
-    since: np.ndarray
-    fresh: np.ndarray
-    is_station: np.ndarray
-    may_end: np.ndarray
-    roots: np.ndarray
-    shortest: float
-    end: np.ndarray
 
 
 class Outgoing(NamedTuple):
@@ -115,7 +68,7 @@ def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
     Parameters
     ----------
     departure, arrival, delta_v, crossing : (connections,)
-        As in :class:`adr_opt.kernels.legs.connections.Found`; crossings become numbers of services.
+        As in :class:`adr_opt.kernels.legs.found.Found`; crossings become numbers of services.
     before : int
         Services of the bodies before.
     end : (crossings,) float64
@@ -177,7 +130,7 @@ def found_of(i, j, leaving, orbits, extra_delta_v, transfer_rule, listed, last):
     for c in range(size):
         departure[c], arrival[c] = listed.departure[begin + c], listed.arrival[begin + c]
         delta_v[c], crossing[c] = listed.delta_v[begin + c], listed.crossing[begin + c]
-    return connections.Found(departure, arrival, delta_v, np.empty(0, np.int8), crossing)
+    return Found(departure, arrival, delta_v, np.empty(0, np.int8), crossing)
 
 
 @kernel
@@ -367,7 +320,7 @@ class Listed(NamedTuple):
         First connection to each destination.
     departure, arrival, delta_v : (connections,) float64
     crossing : (connections,) int32
-        As in :class:`adr_opt.kernels.legs.connections.Found`.
+        As in :class:`adr_opt.kernels.legs.found.Found`.
     """
 
     first: np.ndarray
@@ -395,10 +348,3 @@ def listed_of(mission: Mission, i: int) -> Listed | None:
         np.concatenate([none, *(found.delta_v for _, found in there)]),
         np.concatenate([nowhere, *(found.crossing for _, found in there)]),
     )
-
-
-def joined(firsts: list[np.ndarray]) -> np.ndarray:
-    """One list of first legs out of those of all bodies; what closes a body has none."""
-    before = np.cumsum([0, *(int(first[-1]) for first in firsts)])
-    parts = [first + legs for first, legs in zip(firsts, before[:-1], strict=True)]
-    return np.append(np.concatenate(parts), before[-1])

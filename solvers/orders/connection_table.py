@@ -15,7 +15,7 @@ from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.tables import timetable_making as making
 from adr_opt.mission.problem import Mission
 
-from ..beams.beams import TIME_VALUE_M_S_PER_H
+from ..beams.time_value import TIME_VALUE_M_S_PER_H
 
 SHARES = (0.0, 0.1, 0.35, 1.0, 3.0, 10.0, 30.0)
 """Values of time whose choices are taken, as multiples of what beams take an hour to be worth."""

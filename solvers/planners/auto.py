@@ -16,8 +16,9 @@ from adr_opt.common.options import option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.certified import certify
 from adr_opt.mission.problem import Mission
-from adr_opt.mission.result import Result, certify
+from adr_opt.mission.result import Result
 from adr_opt.run.methods import bounds_all_pairs, for_campaigns, plans_on_demand, shows_evidence
 
 from ..beams.beams import USUAL, hurried, usual_settings
@@ -32,7 +33,7 @@ from ..progress.proof_size import proof_notes
 from ..proof.concurrent_proof import LEAST_PROOF_S, LEAST_SET_UPS, Beside
 from ..proof.large_proof import LargeProof
 from ..proof.proof import Proof, ProofOptions, proof_of
-from ..walks.completion_times import Latest
+from ..walks.latest_times import Latest
 from .fleet_plan import plan
 
 USUAL_WIDTH = 2000

@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 from adr_opt.common.options import Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
+from adr_opt.mission.certified import certify
 from adr_opt.mission.problem import Mission
-from adr_opt.mission.result import Result, certify
+from adr_opt.mission.result import Result
 from adr_opt.run.methods import plans_on_demand
 
 from ..beams.beams import USUAL, BeamSettings, hurried

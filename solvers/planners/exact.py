@@ -20,8 +20,9 @@ from adr_opt.common.options import option
 from adr_opt.common.progress import Progress, silent
 from adr_opt.common.stop import Clock, Stop
 from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.certified import certify
 from adr_opt.mission.problem import Mission
-from adr_opt.mission.result import Result, certify
+from adr_opt.mission.result import Result
 from adr_opt.run.methods import bounds_all_pairs, for_campaigns, plans_on_demand, shows_evidence
 from adr_opt.run.warm_up import practises
 
@@ -33,7 +34,7 @@ from ..progress.gap import Certificate
 from ..progress.proof_size import proof_notes
 from ..proof.least_end import prove_end
 from ..proof.proof import MOST_LABELS, ProofOptions, prove, prove_cost
-from ..walks.completion_times import Latest
+from ..walks.latest_times import Latest
 from .fleet_plan import plan
 
 WIDTH = 2000

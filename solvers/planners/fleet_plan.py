@@ -13,7 +13,8 @@ import numpy as np
 from adr_opt.common.progress import Progress, silent
 from adr_opt.common.stop import Stop
 from adr_opt.mission.campaign import Campaign, Routes
-from adr_opt.mission.result import Result, certify_routes
+from adr_opt.mission.certified import certify_routes
+from adr_opt.mission.result import Result
 
 from ..columns.all_sets import lacks_plan, settle
 from ..columns.least_cost import prove_campaign_cost

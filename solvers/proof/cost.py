@@ -34,7 +34,7 @@ from adr_opt.mission.problem import Mission
 
 from ..labels.extension import Table
 from ..labels.label_search import Routes
-from ..networks.network import Network
+from ..networks.arrays import Network
 from ..progress.cost_rounds import RELATIVE, CostRounds, asked, is_least
 from ..walks.sweeps import NEVER
 from ..walks.tariffs import Tariff

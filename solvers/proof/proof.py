@@ -22,8 +22,9 @@ import numpy as np
 from adr_opt.common.options import MOST_JOBS, Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop, TimeIsOver
+from adr_opt.mission.certified import certify
 from adr_opt.mission.problem import Mission
-from adr_opt.mission.result import Result, certify
+from adr_opt.mission.result import Result
 
 from ..labels.label_search import Routes
 from ..labels.waiting import bytes_each
@@ -31,8 +32,9 @@ from ..networks.evidence import evidence_of
 from ..progress.cost_rounds import settled
 from ..progress.gap import Certificate
 from ..progress.proof_size import fits_memory, proof_notes, set_up_s
-from ..walks.completion_times import Latest, latest_of
+from ..walks.completion_times import latest_of
 from ..walks.floors import floor_evidence
+from ..walks.latest_times import Latest
 from ..walks.multipliers import Descent
 from ..walks.walks import WalkBound
 from .cost import CostProof

@@ -7,13 +7,12 @@ compared by their time to spare, in whatever they are short of.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.core.compile import kernel
 from adr_opt.mission.problem import Mission
 
+from .latest_times import Latest
 from .walks import WalkBound
 
 STEPS = 64
@@ -21,53 +20,6 @@ STEPS = 64
 
 NO_TIME_S = 0.0
 """When one has to be where one can no longer collect enough: the beginning of time [s]."""
-
-
-class Latest(NamedTuple):
-    """Latest times, for kernels: see :func:`latest_time`.
-
-    Attributes
-    ----------
-    time : (bodies, slots + 1, steps + 1) float64
-        Latest time at which the best walk from a body with so many slots of ΔV left still collects
-        so many steps [s].
-    slot : float
-        [m/s].
-    step : float
-        Worth of a step.
-    multipliers : (bodies,) float64
-        Each target's; 0 for other bodies.
-    goal : float
-        What a whole plan is to be worth.
-    """
-
-    time: np.ndarray
-    slot: float
-    step: float
-    multipliers: np.ndarray
-    goal: float
-
-
-@inlined
-def latest_time(latest, body, left, rest):
-    """Latest time at which a chaser at a body can still collect a rest, between slots linearly.
-
-    Parameters
-    ----------
-    latest : Latest
-    body : int
-    left : float
-        ΔV left [m/s].
-    rest : float
-        What is still to be collected, less the multipliers of the targets not visited.
-    """
-    steps = latest.time.shape[2] - 1
-    # Rounded down: who can collect the rest can collect that, so no time is too early.
-    n = min(max(int(np.floor(rest / latest.step + 1e-6)), 0), steps)
-    slots = max(left, 0.0) / latest.slot
-    c = min(int(slots), latest.time.shape[1] - 2)
-    share = min(slots - c, 1.0)
-    return (1.0 - share) * latest.time[body, c, n] + share * latest.time[body, c + 1, n]
 
 
 @kernel

@@ -35,10 +35,11 @@ from adr_opt.kernels.core.events import earliest_taken
 from adr_opt.mission.problem import Mission
 
 from ..networks import simd
-from ..networks.buckets import SLACK, Buckets, assign
+from ..networks.arrays import Network
+from ..networks.buckets import Buckets, assign
 from ..networks.buckets import build as fill
-from ..networks.layers import layers_of
-from ..networks.network import Network, build
+from ..networks.layers import SLACK, layers_of
+from ..networks.network import build
 from .sweeps import Values, begin, sweep_until, trace
 
 LARGEST = 2**29

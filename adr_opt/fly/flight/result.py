@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from ...judge.check.verdict import DELTA_V_TOLERANCE_M_S
+from ...judge.check.violation import DELTA_V_TOLERANCE_M_S
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,11 @@
 """Check a plan against its instance, from the instance alone.
 
-Shares nothing with the planners but the physics of one transfer (`kernels.orbits`,
-`kernels.transfer`, `kernels.precession`, `kernels.keep_out`, `kernels.burns`, `drift_burns`) and
-the slack of the model (`kernels.constants`): what eccentricity costs and drifts do, departure
-events, the choice of the entry and the mission rules are stated here a second time, on purpose, and
-plainly; so are the keep-out zones, in `keep_out`, from the burns alone. Where connections are given
-(`given`), a leg is looked up among them as they are: those that planners leave out count as well.
+Shares nothing with the planners but the physics of one transfer (orbits, co-elliptic sequences,
+planes that drift, zones, burns) and the slack of the model: what eccentricity costs and drifts do,
+departure events, the choice of the entry and the mission rules are stated here a second time, on
+purpose, and plainly; so are the keep-out zones, in `zone_crossings`, from the burns alone. Where
+connections are given (`given`), a leg is looked up among them as they are: those that planners
+leave out count as well.
 
 The mission is followed by a clock and a tank of its own, and the rules are asked about those, with
 the slack and nothing more. The figures of the plan only have to agree with them, to the tolerances
@@ -21,15 +21,7 @@ from ...problem.instance import AnyInstance, instance_of
 from .model import check_model
 from .routes import check_legs, check_routes
 from .totals import check_cost, check_totals
-from .violation import DELTA_V_TOLERANCE_M_S, OBJECTIVE_TOLERANCE, TIME_TOLERANCE_S, Violation
-
-__all__ = [
-    "DELTA_V_TOLERANCE_M_S",
-    "OBJECTIVE_TOLERANCE",
-    "TIME_TOLERANCE_S",
-    "Violation",
-    "check",
-]
+from .violation import Violation
 
 
 def check(instance: AnyInstance, plan: Plan) -> tuple[Violation, ...]:

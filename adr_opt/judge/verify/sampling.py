@@ -18,7 +18,7 @@ from ...legs.connections import Connecting, Connections
 from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ..check.leg import Physics, check_transfer
-from ..check.verdict import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S
+from ..check.violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S
 from .sequences import Way, ways_after
 
 DEPARTURES_SHARE = 0.1

@@ -24,6 +24,7 @@ from ..core.lists import ending
 from ..core.memory import borrowed
 from . import co_elliptic, phasing, zones
 from .co_elliptic import TWO_PI
+from .found import Found
 
 BLOCK = 256
 """Departure events that are laid out at once; the processor's cache holds them."""
@@ -156,26 +157,6 @@ def _sift(pair, rule, zoned, grid, e, approach, latest, resolution, known, kept)
                 count += 1
         crossing += 2
     return count
-
-
-class Found(NamedTuple):
-    """Connections of a pair, in order of departure, then of arrival.
-
-    Attributes
-    ----------
-    departure, arrival, delta_v : (connections,) float64
-        [s], [s], [m/s]. The arrival is the end of the approach.
-    revolutions : (connections,) int8
-        Phasing revolutions k.
-    crossing : (connections,) int32
-        Those of one crossing arrive at one time, up to rounding; the later the crossing, the later.
-    """
-
-    departure: np.ndarray
-    arrival: np.ndarray
-    delta_v: np.ndarray
-    revolutions: np.ndarray
-    crossing: np.ndarray
 
 
 @kernel

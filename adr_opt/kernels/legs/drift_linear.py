@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 from ...common.constants import MU_M3_S2
 from ..core.compile import inlined, kernel
-from ..orbits import ephemeris
+from ..orbits import eccentricity, ephemeris
 
 POLAR = 1e-3
 """Where the cosine of the mean inclination is less, q is taken by its limit."""
@@ -148,7 +148,7 @@ def node_left_from(pair, departure, arrival):
 def shape_left(pair, arrival):
     """E: ΔV at either end that the eccentricity vectors ask for, on arrival [m/s]."""
     angle = pair.perigee_lag + pair.perigee_lag_rate * arrival
-    return 0.25 * pair.speed * ephemeris.chord(pair.eccentricity_i, pair.eccentricity_j, angle)
+    return 0.25 * pair.speed * eccentricity.chord(pair.eccentricity_i, pair.eccentricity_j, angle)
 
 
 @inlined

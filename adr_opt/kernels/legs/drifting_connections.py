@@ -12,7 +12,7 @@ import numpy as np
 from ..core.compile import kernel
 from ..core.lists import chosen, ranks, rising
 from . import co_elliptic, drift_grid, drift_pair
-from .connections import Found
+from .found import Found
 from .short_transfers import short
 
 

@@ -21,7 +21,7 @@ from ..core.lists import rising
 from ..core.memory import borrowed
 from ..orbits import eccentricity
 from .co_elliptic import TWO_PI
-from .phasing import NODES
+from .curves import NODES
 
 BLOCK = 128
 """Events that are laid out at once. Offsets within an array are known to the compiler, so that it

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core.compile import kernel
 from ..core.lists import chosen, ranks
-from .connections import Found
+from .found import Found
 
 
 @kernel

@@ -9,15 +9,12 @@ for. What is left of interpolation is at the level of rounding where the altitud
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from ..core.compile import inlined, kernel
 from . import co_elliptic, precession
-
-NODES = 16
-"""Nodes of an interpolation. The compiler unrolls the loop over them only if it knows how many."""
+from .curves import NODES, Curves
 
 WIDE = 0.17
 """Half the span of the altitude limits, as a share of their mean radius, up to which so many nodes
@@ -35,22 +32,6 @@ def _spread_nodes():
 
 
 POINTS = _spread_nodes()
-
-
-class Curves(NamedTuple):
-    """What sequences of a pair cost by their flight time, for each number of revolutions.
-
-    Attributes
-    ----------
-    time : (revolutions + 1, nodes) float64
-        Flight times of the nodes [s].
-    coefficients : (revolutions + 1, 5, nodes) float64
-        Newton's divided differences of the four numbers, and of ε (:mod:`.precession`) under J2;
-        none where limits are wide.
-    """
-
-    time: np.ndarray
-    coefficients: np.ndarray
 
 
 @kernel

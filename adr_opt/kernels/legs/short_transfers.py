@@ -18,11 +18,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ...common.constants import SLACK_S
-from ..core.compile import inlined, kernel
+from ..core.compile import kernel
 from ..core.memory import borrowed
 from ..orbits import eccentricity
 from . import co_elliptic, fixed_points, phasing, precession, zones
 from .co_elliptic import TWO_PI
+from .departure_events import events_of, least_speed, listed_at
 from .fixed_points import BAND_S, BLOCK, COST, FLAT_RAD, LEFT, MET, REVOLUTIONS
 
 SURE_STEPS = 3
@@ -39,39 +40,6 @@ RESTLESS = 0.3
 
 ERROR_M_S, BEND_M_S = 0.05, 400.0
 """How far the estimate of a ΔV may be off: so much, and so much times (ε/θ)²."""
-
-
-@kernel
-def events_of(pair, duration, spacing):
-    """The departure events of a mission, not closer than a spacing [s].
-
-    Returns
-    -------
-    half_turns : (events,) int64
-    numbers : (events, 5) float64
-        The other fields of :class:`.precession.Event`.
-    """
-    steps = max(1, math.ceil(spacing * pair.rate_i / math.pi - 1e-9))
-    most = int(max(duration, 0.0) * pair.rate_i / math.pi / steps) + 3
-    half_turns, numbers = np.empty(most, np.int64), np.empty((most, 5))
-    event = precession.first_event(pair)
-    count, after = 0, steps * math.pi / pair.rate_i
-    while event.time <= duration and count < most:
-        half_turns[count] = event.half_turns
-        numbers[count, 0], numbers[count, 1] = event.time, event.lag
-        numbers[count, 2], numbers[count, 3] = event.alpha_i, event.alpha_j
-        numbers[count, 4] = event.theta
-        count += 1
-        later = precession.later_event(pair, event, steps, after)
-        event, after = later, later.time - event.time
-    return half_turns[:count], numbers[:count]
-
-
-@inlined
-def listed_at(event, departure):
-    """By when a chaser has to be ready that leaves at a time near an event [s]."""
-    steps = math.floor((departure - event + precession.ROUNDING_S) / precession.STEP_S)
-    return min(departure, event + steps * precession.STEP_S)
 
 
 @kernel
@@ -260,15 +228,6 @@ def _sift(
             )
             known.delta_v[crossing] = min(known.delta_v[crossing], best)
     return count
-
-
-@inlined
-def least_speed(pair, rule):
-    """No chaser is slower where it turns, which costs that much times the sine at least [m/s]."""
-    return (1.0 - 1e-9) * pair.speed_i * math.sqrt(
-        2.0 * pair.radius_i * pair.radius_i
-        / (rule.max_radius * (pair.radius_i + rule.max_radius))
-    )  # fmt: skip
 
 
 @kernel

@@ -16,7 +16,32 @@ import numpy as np
 
 from ...common.constants import MU_M3_S2
 from ..core.compile import inlined, kernel
-from . import ephemeris
+from . import columns
+
+
+@kernel
+def chord(eccentricity_i, eccentricity_j, angle):
+    """|e_j e^{iω_j} − e_i e^{iω_i}| for perigees an angle apart, without its cancellation."""
+    between = 4.0 * eccentricity_i * eccentricity_j * math.sin(0.5 * angle) ** 2
+    return math.sqrt((eccentricity_j - eccentricity_i) ** 2 + between)
+
+
+@inlined
+def along_turn(inclination_i, inclination_j, lag):
+    """α_i − α_j: what latitudes lose when their plane is turned about the line of nodes [rad].
+
+    By Napier's analogies in the triangle of the two nodes and the line: unlike the two latitudes of
+    the line themselves it is steady where planes nearly coincide.
+
+    Parameters
+    ----------
+    inclination_i, inclination_j, lag : float
+        Of the planes; Ω_j − Ω_i [rad].
+    """
+    across = math.sin(0.5 * lag) * math.cos(0.5 * (inclination_i + inclination_j))
+    return 2.0 * math.atan2(
+        across, math.cos(0.5 * lag) * math.cos(0.5 * (inclination_j - inclination_i))
+    )
 
 
 @inlined
@@ -38,8 +63,8 @@ def whole(circles, turned, matching):
 @inlined
 def _alone(speed, eccentricity_i, eccentricity_j, perigee_lag, inclination_i, inclination_j, lag):
     """Half of v |Δe| with what ω_j − ω_i and Ω_j − Ω_i are at a time [m/s]."""
-    angle = perigee_lag + ephemeris.along_turn(inclination_i, inclination_j, lag)
-    return 0.5 * speed * ephemeris.chord(eccentricity_i, eccentricity_j, angle)
+    angle = perigee_lag + along_turn(inclination_i, inclination_j, lag)
+    return 0.5 * speed * chord(eccentricity_i, eccentricity_j, angle)
 
 
 @inlined
@@ -65,7 +90,7 @@ def matchings(bodies):
     Parameters
     ----------
     bodies : (bodies, columns) float64
-        Rows of :data:`.ephemeris.ORBIT_COLUMNS`.
+        Rows of :data:`.columns.ORBIT_COLUMNS`.
 
     Returns
     -------
@@ -77,13 +102,13 @@ def matchings(bodies):
         for j in range(i):
             costs[i, j] = costs[j, i] = _alone(
                 math.sqrt(
-                    MU_M3_S2 / math.sqrt(bodies[i, ephemeris.RADIUS] * bodies[j, ephemeris.RADIUS])
+                    MU_M3_S2 / math.sqrt(bodies[i, columns.RADIUS] * bodies[j, columns.RADIUS])
                 ),
-                bodies[i, ephemeris.ECCENTRICITY],
-                bodies[j, ephemeris.ECCENTRICITY],
-                bodies[j, ephemeris.PERIGEE] - bodies[i, ephemeris.PERIGEE],
-                bodies[i, ephemeris.INCLINATION],
-                bodies[j, ephemeris.INCLINATION],
-                bodies[j, ephemeris.RAAN] - bodies[i, ephemeris.RAAN],
+                bodies[i, columns.ECCENTRICITY],
+                bodies[j, columns.ECCENTRICITY],
+                bodies[j, columns.PERIGEE] - bodies[i, columns.PERIGEE],
+                bodies[i, columns.INCLINATION],
+                bodies[j, columns.INCLINATION],
+                bodies[j, columns.RAAN] - bodies[i, columns.RAAN],
             )
     return costs

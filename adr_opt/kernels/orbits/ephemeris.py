@@ -11,19 +11,17 @@ import numpy as np
 
 from ...common.constants import MU_M3_S2
 from ..core.compile import inlined, kernel
-
-ORBIT_COLUMNS = (
-    "radius", "inclination", "raan", "argument_of_latitude", "raan_rate", "latitude_rate",
-    "eccentricity", "perigee", "perigee_rate",
-)  # fmt: skip
-(
-    RADIUS, INCLINATION, RAAN, ARGUMENT_OF_LATITUDE, RAAN_RATE, LATITUDE_RATE,
-    ECCENTRICITY, PERIGEE, PERIGEE_RATE,
-) = range(9)  # fmt: skip
-
-COASTING_RAAN_RATE = len(ORBIT_COLUMNS)
-"""One column more in rows of bodies as they are left: how fast the node of the chaser moves after
-that, where it leaves from another orbit than the body's; see :mod:`adr_opt.plan.tows` [rad/s]."""
+from .columns import ARGUMENT_OF_LATITUDE as ARGUMENT_OF_LATITUDE
+from .columns import COASTING_RAAN_RATE as COASTING_RAAN_RATE
+from .columns import ECCENTRICITY as ECCENTRICITY
+from .columns import INCLINATION as INCLINATION
+from .columns import LATITUDE_RATE as LATITUDE_RATE
+from .columns import ORBIT_COLUMNS as ORBIT_COLUMNS
+from .columns import PERIGEE as PERIGEE
+from .columns import PERIGEE_RATE as PERIGEE_RATE
+from .columns import RAAN as RAAN
+from .columns import RAAN_RATE as RAAN_RATE
+from .columns import RADIUS as RADIUS
 
 COPLANAR_RAD = 1e-9
 """Nearer than this to equal or opposite, two planes have a line of nodes of free choice [rad]."""
@@ -107,31 +105,6 @@ def latitude_at(orbit, time):
 def revolution(orbit):
     """How long a body takes from node to node [s]."""
     return 2.0 * math.pi / orbit[LATITUDE_RATE]
-
-
-@kernel
-def chord(eccentricity_i, eccentricity_j, angle):
-    """|e_j e^{iω_j} − e_i e^{iω_i}| for perigees an angle apart, without its cancellation."""
-    between = 4.0 * eccentricity_i * eccentricity_j * math.sin(0.5 * angle) ** 2
-    return math.sqrt((eccentricity_j - eccentricity_i) ** 2 + between)
-
-
-@inlined
-def along_turn(inclination_i, inclination_j, lag):
-    """α_i − α_j: what latitudes lose when their plane is turned about the line of nodes [rad].
-
-    By Napier's analogies in the triangle of the two nodes and the line: unlike the two latitudes of
-    the line themselves it is steady where planes nearly coincide.
-
-    Parameters
-    ----------
-    inclination_i, inclination_j, lag : float
-        Of the planes; Ω_j − Ω_i [rad].
-    """
-    across = math.sin(0.5 * lag) * math.cos(0.5 * (inclination_i + inclination_j))
-    return 2.0 * math.atan2(
-        across, math.cos(0.5 * lag) * math.cos(0.5 * (inclination_j - inclination_i))
-    )
 
 
 @kernel

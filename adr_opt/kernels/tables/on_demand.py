@@ -21,8 +21,8 @@ from ...common.constants import DAY_S
 from ..core.compile import kernel
 from ..core.events import earliest_taken, first_counted
 from ..legs import co_elliptic, precession, sequences, zones
+from ..legs.departure_events import least_speed, listed_at
 from ..legs.fixed_points import BAND_S
-from ..legs.short_transfers import least_speed, listed_at
 from ..orbits import ephemeris
 
 

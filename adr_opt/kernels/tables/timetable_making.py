@@ -8,7 +8,7 @@ import numpy as np
 from ..core.compile import kernel
 from ..core.events import earliest_taken
 from ..legs import co_elliptic, sequences
-from ..legs.connections import Found
+from ..legs.found import Found
 from ..orbits import ephemeris
 from .on_demand import Source
 from .timetable import LEAST_STEPS, NO_SLOTS, Table, slot_of
@@ -137,7 +137,7 @@ def choose(found, limits, j, time_value, taken):
 
     Parameters
     ----------
-    found : adr_opt.kernels.legs.connections.Found
+    found : adr_opt.kernels.legs.found.Found
     limits : Limits
     j : int
         Destination.

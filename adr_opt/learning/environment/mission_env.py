@@ -91,7 +91,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
     ----------
     sequence : list of int
         Bodies of the moves made so far, the station is 0: what
-        :func:`adr_opt.mission.result.certify` makes a plan of.
+        :func:`adr_opt.mission.certified.certify` makes a plan of.
 
     Raises
     ------

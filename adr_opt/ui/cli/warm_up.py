@@ -77,7 +77,7 @@ def _common() -> dict[str, Any]:
     """Compile the timetable, the rules, the burns, the check and the flight in mean motion."""
     from ...fly.flight.aimed import practise
     from ...judge.check.verdict import check
-    from ...mission.result import certify
+    from ...mission.certified import certify
     from ...run.warm_up import practice_mission
 
     for drifts in (False, True):

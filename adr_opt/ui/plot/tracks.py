@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...common.constants import EARTH_RADIUS_M
-from ...fly.trajectory import Arc, LegPath, body_states, sample
+from ...fly.trajectory.bodies import body_states
 from ...fly.trajectory.kepler import Array, drift, revolution
-from ...fly.trajectory.sampling import LONG_STEP_S
+from ...fly.trajectory.sampling import LONG_STEP_S, Arc, LegPath, sample
 from ...kernels.orbits.ephemeris import period
 from ...plan.plan import Plan
 from ...problem.instance import Instance

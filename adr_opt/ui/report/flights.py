@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from ...common.wording import counted
-from ...fly.flight import EccentricFlight, Flight, LegFlight, RefinedFlight, TankFlight
-from ...fly.flight.result import legs_named
+from ...fly.flight.refined_result import RefinedFlight
+from ...fly.flight.result import EccentricFlight, Flight, LegFlight, TankFlight, legs_named
 from ...fly.flight.tanks import tanks_of
 from ...plan.refined_plan import RefinedPlan
 from ...problem.instance import Instance

@@ -13,9 +13,12 @@ from ...common.errors import InputError
 from ...common.files import check_writable, write_text
 from ...common.version import __version__
 from ...common.wording import counted, status_words
-from ...fly.flight import Flight, RefinedFlight, TankFlight, fly
+from ...fly.flight.fly import fly
+from ...fly.flight.refined_result import RefinedFlight
+from ...fly.flight.result import Flight, TankFlight
 from ...fly.flight.tanks import tanks_of
-from ...judge.check.verdict import Violation, check
+from ...judge.check.verdict import check
+from ...judge.check.violation import Violation
 from ...plan.palette import PHASES
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan, reference

@@ -7,8 +7,9 @@ from datetime import UTC
 
 from ...common.constants import DAY_S
 from ...common.wording import counted, status_words
-from ...fly.flight import Flight, RefinedFlight
-from ...judge.check.verdict import Violation
+from ...fly.flight.refined_result import RefinedFlight
+from ...fly.flight.result import Flight
+from ...judge.check.violation import Violation
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import several

@@ -35,7 +35,7 @@ import numpy.typing as npt
 from adr_opt.common.constants import DAY_S, OBLATENESS_M2
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.legs import drift_linear as drift
-from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.orbits import eccentricity
 
 from ..reading import FloatArray
 from .estimate import LIMITS_M
@@ -64,7 +64,7 @@ def least_shape(pair, begin, end):
         angle = 0.0
     else:
         angle = low if abs(math.sin(0.5 * low)) < abs(math.sin(0.5 * high)) else high
-    return 0.25 * pair.speed * ephemeris.chord(pair.eccentricity_i, pair.eccentricity_j, angle)
+    return 0.25 * pair.speed * eccentricity.chord(pair.eccentricity_i, pair.eccentricity_j, angle)
 
 
 @inlined

@@ -12,8 +12,9 @@ import numpy as np
 from adr_opt.common.options import Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
+from adr_opt.mission.certified import certify
 from adr_opt.mission.problem import Mission
-from adr_opt.mission.result import Result, certify
+from adr_opt.mission.result import Result
 
 from ...beams.exchange_rates import worth_of
 from ...beams.greedy_order import guarded_sequence

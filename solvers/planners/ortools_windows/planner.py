@@ -17,8 +17,9 @@ from adr_opt.common.options import MOST_JOBS, Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.mission.campaign import Campaign, Problem
+from adr_opt.mission.certified import certify_routes
 from adr_opt.mission.problem import Mission
-from adr_opt.mission.result import Result, certify_routes
+from adr_opt.mission.result import Result
 from adr_opt.plan.plan import Plan
 from adr_opt.run.methods import for_campaigns
 from adr_opt.run.start_plan import Start, legal_beginning, start_destinations

@@ -9,12 +9,9 @@ from ....plan.routes import routes_of, several
 from ....problem.instance import Instance
 from ...plot.segments import segments
 from ..text import in_chart, lasting
-from .parts import Figure, days, leg_title, period, time_axis
+from .parts import FRAME_PX, LONGEST_TICK, Figure, days, leg_title, period, time_axis
 
 ROW_PX = 19
-FRAME_PX = 70
-LONGEST_TICK = 16
-"""Longer names are cut beside the chart; the whole name is in the hover text and in the tables."""
 
 
 def gantt(instance: Instance, plan: Plan) -> Figure:

@@ -12,8 +12,7 @@ from ....problem.instance import Instance
 from ...plot.segments import Segment, segments
 from ...plot.traffic import Stay, stays
 from ..text import clock, in_chart, lasting
-from .gantt import FRAME_PX, LONGEST_TICK
-from .parts import Figure, days, leg_title, period, time_axis
+from .parts import FRAME_PX, LONGEST_TICK, Figure, days, leg_title, period, time_axis
 
 LANE_PX = 30
 SHARED = 0.72

@@ -19,6 +19,10 @@ from ..text import clock, in_chart
 
 Figure = dict[str, Any]
 
+FRAME_PX = 70
+LONGEST_TICK = 16
+"""Longer names are cut beside the chart; the whole name is in the hover text and in the tables."""
+
 
 def column(values: npt.ArrayLike, digits: int) -> list[float | None]:
     """Numbers for JSON, rounded; a NaN, which makes a gap in a line, becomes null."""

@@ -1,0 +1,24 @@
+"""Curves of phase over time between two planes, at nodes."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+NODES = 16
+"""Nodes of an interpolation. The compiler unrolls the loop over them only if it knows how many."""
+
+
+class Curves(NamedTuple):
+    """What sequences of a pair cost by their flight time, for each number of revolutions.
+
+    Attributes
+    ----------
+    time : (revolutions + 1, nodes) float64
+        Flight times of the nodes [s].
+    coefficients : (revolutions + 1, 5, nodes) float64
+        Newton's divided differences of the four numbers, and of ε (:mod:`.precession`) under J2;
+        none where limits are wide.
+    """
+
+    time: np.ndarray
+    coefficients: np.ndarray

@@ -1,0 +1,25 @@
+"""Connections that were found, as arrays."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Found(NamedTuple):
+    """Connections of a pair, in order of departure, then of arrival.
+
+    Attributes
+    ----------
+    departure, arrival, delta_v : (connections,) float64
+        [s], [s], [m/s]. The arrival is the end of the approach.
+    revolutions : (connections,) int8
+        Phasing revolutions k.
+    crossing : (connections,) int32
+        Those of one crossing arrive at one time, up to rounding; the later the crossing, the later.
+    """
+
+    departure: np.ndarray
+    arrival: np.ndarray
+    delta_v: np.ndarray
+    revolutions: np.ndarray
+    crossing: np.ndarray

@@ -1,0 +1,14 @@
+"""The columns of a body: elements at t = 0, and their secular rates."""
+
+ORBIT_COLUMNS = (
+    "radius", "inclination", "raan", "argument_of_latitude", "raan_rate", "latitude_rate",
+    "eccentricity", "perigee", "perigee_rate",
+)  # fmt: skip
+(
+    RADIUS, INCLINATION, RAAN, ARGUMENT_OF_LATITUDE, RAAN_RATE, LATITUDE_RATE,
+    ECCENTRICITY, PERIGEE, PERIGEE_RATE,
+) = range(9)  # fmt: skip
+
+COASTING_RAAN_RATE = len(ORBIT_COLUMNS)
+"""One column more in rows of bodies as they are left: how fast the node of the chaser moves after
+that, where it leaves from another orbit than the body's; see :mod:`adr_opt.plan.tows` [rad/s]."""
