@@ -1,0 +1,67 @@
+"""The tour runs from top to bottom and says what it said when it was committed."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+nbformat = pytest.importorskip("nbformat")
+nbclient = pytest.importorskip("nbclient")
+for package in ("ipykernel", "matplotlib", "plotly"):
+    pytest.importorskip(package)
+
+TOUR = Path(__file__).parents[2] / "examples" / "tour.ipynb"
+
+
+def said(notebook: Any) -> list[str]:
+    """The text that the cells print."""
+    return [
+        output["text"]
+        for cell in notebook.cells
+        if cell.cell_type == "code"
+        for output in cell.outputs
+        if output.output_type == "stream"
+    ]
+
+
+def pictures(notebook: Any) -> int:
+    """How many pictures the cells show."""
+    return sum(
+        "image/png" in output.get("data", {})
+        for cell in notebook.cells
+        if cell.cell_type == "code"
+        for output in cell.outputs
+    )
+
+
+def test_the_tour_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every cell runs without an error or a warning, and prints and draws what is committed."""
+    # the kernel asks for a place of its own
+    monkeypatch.setenv("IPYTHONDIR", str(tmp_path / "ipython"))
+    monkeypatch.setenv("JUPYTER_RUNTIME_DIR", str(tmp_path / "runtime"))
+    monkeypatch.setenv("PYDEVD_DISABLE_FILE_VALIDATION", "1")
+    committed = nbformat.read(TOUR, as_version=4)
+    notebook = nbformat.read(TOUR, as_version=4)
+    nbformat.validate(notebook)
+    client = nbclient.NotebookClient(
+        notebook, timeout=600, resources={"metadata": {"path": str(tmp_path)}}
+    )
+    client.execute()
+    size = re.compile(r"[\d.]+ MB")  # of the page, which the version of plotly decides
+    assert [size.sub("", text) for text in said(notebook)] == [
+        size.sub("", text) for text in said(committed)
+    ]
+    assert pictures(notebook) == pictures(committed) == 6
+    assert os.path.getsize(tmp_path / "mission.html") < 6e6
+
+
+def test_the_tour_is_small_and_names_no_machine() -> None:
+    """The committed notebook stays under a megabyte and holds no path of where it was run."""
+    text = TOUR.read_text(encoding="utf-8")
+    assert len(text) < 1_000_000
+    assert "stderr" not in text
+    assert not re.search(r"/(home|tmp|usr|work|root)/", text)

@@ -1,0 +1,103 @@
+"""Walks of certificates: the best plan is one of them, and with full memory walks are plans."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from brute_force import brute_force
+from exact_variants import variant
+from random_rules import drifting_mission, given_mission, random_mission, towing_mission
+from verify_fields import laden, legs_for, refuelling, towing_and_laden, worths_of
+
+from adr_opt.judge.verify.walks import walks_reach
+from adr_opt.mission.problem import Mission
+
+every_mission = pytest.mark.parametrize(
+    "draw",
+    [random_mission, drifting_mission, given_mission, laden, towing_mission, towing_and_laden,
+     refuelling],
+)  # fmt: skip
+
+
+@every_mission
+def test_whatever_walks_remember_the_best_plan_is_one_of_them(draw):
+    """With any multipliers and neighbourhoods, a walk collects what brute force says, or more."""
+    asked = 0
+    for seed in range(40):
+        instance = draw(seed)
+        prizes, _, _ = brute_force(Mission(instance))
+        if not math.isfinite(prizes):
+            continue
+        rng, bonus = np.random.default_rng(seed), Fraction(100)
+        worths = worths_of(instance, bonus)
+        best = Fraction(prizes) + bonus * sum(each.required for each in instance.targets)
+        bodies = len(worths)
+        multipliers = [Fraction(0)] * instance.first_target
+        drawn = rng.uniform(0.0, 1.5, bodies) * rng.integers(0, 2, bodies)
+        multipliers += [Fraction(float(each)) for each in drawn[instance.first_target :]]
+        gains = [worth - less for worth, less in zip(worths, multipliers, strict=True)]
+        remembered = rng.random((bodies, bodies)) < rng.choice([0.0, 0.3, 1.0])
+        slot = float(rng.choice([3.0, 20.0, 400.0]))
+        # A hair less: brute force has summed prizes as floating-point numbers.
+        most = best - sum(multipliers) - Fraction(1, 10**9)
+        assert walks_reach(legs_for(instance), gains, remembered, most, slot).reached, seed
+        asked += 1
+    assert asked > 25
+
+
+@pytest.mark.parametrize("draw", [laden, towing_and_laden])
+def test_whatever_the_slot_the_best_plan_is_a_walk(draw):
+    """However coarsely labels look ahead past services that make a tank worth more or less."""
+    asked = 0
+    for seed in range(120):
+        instance = draw(seed)
+        if instance.chaser.kit_mass_kg == 0.0:
+            continue
+        prizes, _, _ = brute_force(Mission(instance))
+        if not prizes > 0.0 or any(each.required for each in instance.targets):
+            continue
+        legs, worths = legs_for(instance), worths_of(instance, Fraction(0))
+        remembered = np.ones((len(worths), len(worths)), dtype=np.bool_)
+        most = Fraction(prizes) - Fraction(1, 10**9)
+        for slot in np.geomspace(2.0, 1000.0, 12):
+            assert walks_reach(legs, worths, remembered, most, float(slot)).reached, (seed, slot)
+        asked += 1
+    assert asked > 20
+
+
+@every_mission
+def test_walks_that_remember_all_are_the_plans(draw):
+    """Without multipliers and with full memory, no walk collects more than the best plan."""
+    decided = 0
+    for seed in range(40):
+        instance = draw(seed)
+        prizes, _, _ = brute_force(Mission(instance))
+        if not math.isfinite(prizes) or any(each.required for each in instance.targets):
+            continue
+        worths = worths_of(instance, Fraction(0))
+        remembered = np.ones((len(worths), len(worths)), dtype=np.bool_)
+        more = Fraction(prizes) + Fraction(1, 10**4)
+        assert not walks_reach(legs_for(instance), worths, remembered, more, 20.0).reached, seed
+        decided += prizes < sum(worths)
+    assert decided > 10
+
+
+def test_no_label_is_dropped_that_the_best_plan_needs():
+    """Where every set of targets is worth something else, the best plan alone is found, and is.
+
+    One of these missions is a trap for whoever drops labels without looking at what they remember.
+    """
+    for seed in range(16, 32):
+        instance = variant(seed)
+        prizes = np.random.default_rng(seed).uniform(0.2, 1.0, len(instance.targets)).round(3)
+        pairs = zip(instance.targets, prizes.tolist(), strict=True)
+        instance = instance.replace(targets=tuple(t.replace(prize=worth) for t, worth in pairs))
+        best, _, _ = brute_force(Mission(instance))
+        legs, worths = legs_for(instance), worths_of(instance, Fraction(0))
+        remembered = np.ones((len(worths), len(worths)), dtype=np.bool_)
+        for off, reached in ((-1e-6, True), (1e-6, False)):
+            most = Fraction(best) + Fraction(off)
+            assert walks_reach(legs, worths, remembered, most, 20.0).reached == reached, seed

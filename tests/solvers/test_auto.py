@@ -1,0 +1,223 @@
+"""The default planner: anytime, reproducible under a work limit, and it knows when it is done."""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from brute_force import brute_force
+from calling import call
+from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
+
+import adr_opt
+from adr_opt.common.progress import silent
+from adr_opt.common.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
+from adr_opt.mission.problem import Mission
+from adr_opt.mission.result import Result
+from adr_opt.run.method_call import warm_up
+from adr_opt.run.methods import PLANNERS
+from solvers.beams import timely_beams
+from solvers.beams.time_value import TIME_VALUE_M_S_PER_H
+from solvers.planners import auto as auto_module
+from solvers.planners.auto import auto
+from solvers.planners.beam import beam
+
+TINY = sorted((Path(__file__).parents[2] / "instances" / "tiny").glob("*.json"))
+
+
+def plan(mission: Mission, iterations: int = 50, seed: int = 0, **options: Any) -> Result:
+    """Plan with a reproducible limit, on one core unless told otherwise."""
+    stop = AnyOf(MaxIterations(iterations), MaxRuntime(60.0))
+    return call(auto, mission, seed=seed, stop=stop, **{"jobs": 1, **options})
+
+
+@pytest.fixture(scope="module")
+def field() -> Mission:
+    """A field that is not proven within a round."""
+    instance = adr_opt.generate("nominal", 1, targets=30)
+    return Mission(instance.with_limits(duration_s=3.0 * 86400.0, delta_v_m_s=1500.0), threads=1)
+
+
+@pytest.mark.parametrize("path", TINY, ids=lambda path: path.stem)
+def test_tiny_instances_are_proven(path: Path) -> None:
+    """Every committed tiny instance ends by itself as optimal, with brute force's objective."""
+    mission = Mission(adr_opt.load(path), threads=1)
+    result = plan(mission)
+    assert result.status == "optimal"
+    assert result.objective == brute_force(mission)[0]
+    assert result.upper_bound >= result.objective
+
+
+def test_hand_made_is_proven() -> None:
+    """The worked-out optimum is found, and the unreachable target does not spoil the proof."""
+    result = plan(Mission(hand_made(), threads=1))
+    assert result.sequence == OPTIMAL_PLAN
+    assert result.upper_bound == OPTIMUM
+    assert result.status == "optimal"
+
+
+@pytest.mark.parametrize("iterations", [1, 2, 3, 4])
+def test_cut_short_the_bound_is_valid(iterations: int) -> None:
+    """After any number of rounds, brute force lies between plan and bound."""
+    for seed in (2, 4, 7):
+        instance = adr_opt.generate("tiny", seed, zones=2)
+        mission = Mission(
+            instance.replace(
+                targets=tuple(
+                    target.replace(prize=0.3 + 0.7 * number)
+                    for number, target in enumerate(instance.targets)
+                )
+            ),
+            threads=1,
+        )
+        result = plan(mission, iterations)
+        best, _, _ = brute_force(mission)
+        assert result.objective <= best + 1e-9
+        assert result.upper_bound >= best - 1e-6
+
+
+def test_cores_do_not_change_the_plan(field: Mission) -> None:
+    """One core or two, the same rounds give the same plan and the same bound."""
+    one, two = (plan(field, 4, jobs=jobs) for jobs in (1, 2))
+    assert one.sequence == two.sequence
+    assert one.upper_bound == two.upper_bound
+    assert one.counters == two.counters
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_never_behind_beam(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A single round does every search of the planner beam, and keeps what is best."""
+    searched: list[timely_beams.BeamSettings] = []
+    search = timely_beams.beam_search
+
+    def spied(mission: Mission, settings: timely_beams.BeamSettings, **more: Any) -> Any:
+        searched.append(settings)
+        return search(mission, settings, **more)
+
+    monkeypatch.setattr(timely_beams, "beam_search", spied)
+    mission = Mission(adr_opt.generate("nominal", seed, zones=6 * seed), threads=1)
+    alone = beam(mission, seed=0, stop=MaxIterations(1), progress=silent)
+    of_beam = set(searched)
+    assert len(of_beam) == 2
+    searched.clear()
+    assert plan(mission, 2, prove=False).objective >= alone.objective
+    assert of_beam <= set(searched)
+
+
+def test_what_is_told_never_gets_worse(field: Mission) -> None:
+    """On two cores, too, incumbents rise, bounds fall, and both end at the result."""
+    heard: list[tuple[float, float]] = []
+    result = call(
+        auto, field, stop=MaxIterations(4), jobs=2,
+        progress=lambda incumbent, bound: heard.append((incumbent, bound)),
+    )  # fmt: skip
+    incumbents, bounds = zip(*heard, strict=True)
+    assert list(incumbents) == sorted(incumbents)
+    assert list(bounds) == sorted(bounds, reverse=True)
+    assert len(set(heard)) == len(heard)
+    assert incumbents[-1] == result.objective
+    assert bounds[-1] == result.upper_bound
+
+
+def test_start_plan_is_never_lost(field: Mission) -> None:
+    """However little time there is, a good start plan comes back, or a better one."""
+    good = plan(field, 4)
+    stop = Interrupted()
+    stop.interrupt()
+    result = call(auto, field, seed=1, stop=stop, start=good.sequence, jobs=1, prove=False)
+    assert result.objective == good.objective
+    assert plan(field, 1, start=good.sequence, prove=False).objective >= good.objective
+
+
+def test_a_poor_start_plan_does_no_harm(field: Mission) -> None:
+    """The guarded greedy plan is taken where the start plan is worse."""
+    first = plan(field, 4).sequence
+    assert first is not None
+    assert plan(field, 1, start=first[:1]).objective >= 5.0
+
+
+def test_interrupted_at_once() -> None:
+    """Told to stop before it begins, it still returns the guarded greedy plan, at once."""
+    mission = Mission(adr_opt.generate("nominal", 0), threads=1)
+    assert mission.rules.prize.size == 51
+    stop = Interrupted()
+    stop.interrupt()
+    began = time.perf_counter()
+    result = auto(mission, seed=0, stop=stop, progress=silent)
+    assert time.perf_counter() - began < 5.0
+    assert result.plan is not None
+    assert adr_opt.check(mission.instance, result.plan) == ()
+    greedy = adr_opt.solve(mission, "greedy-guarded", time_value_m_s_per_h=TIME_VALUE_M_S_PER_H)
+    assert result.objective == greedy.objective
+    assert result.counters["rounds"] == 0
+
+
+def test_interrupted_in_the_middle(field: Mission) -> None:
+    """Interrupted by whoever hears of the first bound, it ends soon with what there is."""
+    stop = Interrupted()
+
+    def hear(incumbent: float, bound: float) -> None:
+        if bound < field.total_prize:
+            stop.interrupt()
+
+    result = call(auto, field, stop=AnyOf(stop, MaxRuntime(30.0)), progress=hear, jobs=1)
+    assert stop.is_set
+    assert result.counters["rounds"] == 1
+    assert result.plan is not None
+    assert adr_opt.check(field.instance, result.plan) == ()
+    assert math.isfinite(result.upper_bound)
+
+
+def test_without_a_proof(field: Mission) -> None:
+    """Without proving it only searches: no bound, as good a plan as guarded greedy at least."""
+    result = plan(field, 5, prove=False)
+    assert result.upper_bound == math.inf
+    assert "labels" not in result.counters
+    assert result.objective >= adr_opt.solve(field, "greedy-guarded").objective
+    everything = plan(Mission(hand_made(), threads=1), 5, prove=False)
+    assert everything.objective == OPTIMUM
+
+
+def test_proof_and_search_help_each_other(field: Mission) -> None:
+    """With a proof the plan is at least as good as without, and the bound is above both."""
+    proving, searching = plan(field, 4), plan(field, 4, prove=False)
+    assert proving.objective >= searching.objective
+    assert proving.upper_bound >= proving.objective
+
+
+def test_a_large_field_ends_on_time() -> None:
+    """120 targets over two days: a legal plan within the time limit of three seconds."""
+    instance = adr_opt.generate("nominal", 0, targets=120)
+    mission = Mission(instance.with_limits(duration_s=2.0 * 86400.0))
+    assert mission.rules.prize.size == 121
+    began = time.perf_counter()
+    result = adr_opt.solve(mission, "auto", time_limit=3.0)
+    assert time.perf_counter() - began < 15.0
+    assert result.plan is not None
+    assert adr_opt.check(mission.instance, result.plan) == ()
+    assert result.objective >= adr_opt.solve(mission, "greedy-guarded").objective
+
+
+def test_on_one_core_the_beam_comes_before_the_proof(monkeypatch):
+    """A proof that takes all the time there is cannot keep auto from the beam of `beam`."""
+    warm_up(PLANNERS, "auto")  # whose practice is not looked at
+    done = []
+    usual, advance = auto_module._Search.usual, auto_module.Beside.advance
+
+    def searching(self, width):
+        done.append(width)
+        usual(self, width)
+
+    def proving(self):
+        done.append("proof")
+        advance(self)
+
+    monkeypatch.setattr(auto_module._Search, "usual", searching)
+    monkeypatch.setattr(auto_module.Beside, "advance", proving)
+    mission = Mission(adr_opt.generate("nominal", 0, targets=30))
+    adr_opt.solve(mission, "auto", jobs=1, iterations=2, time_limit=60.0)
+    assert "proof" in done
+    assert done.index(auto_module.USUAL_WIDTH) < done.index("proof")

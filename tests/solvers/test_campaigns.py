@@ -1,0 +1,172 @@
+"""Several chasers: planners, bounds and `check` against plain enumeration, and one another."""
+
+from __future__ import annotations
+
+import math
+from itertools import permutations
+
+import numpy as np
+import pytest
+from against_enumeration import compared, compared_cost
+from brute_force import brute_force_campaign, labels_of
+from random_rules import (
+    carrying,
+    drifting_mission,
+    given_field,
+    given_mission,
+    mixed_campaign,
+    random_campaign,
+    random_mission,
+    towing,
+)
+from resonant_fields import RARE, resonant
+
+import adr_opt
+from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Mission
+from solvers.labels.label_search import Routes
+from solvers.walks.walks import WalkBound
+
+PROVING = ("auto", "exact")
+CAMPAIGNS = 100
+DRIFTING, GIVEN = 30, 40
+
+every_part = pytest.mark.parametrize(
+    ("draw", "seeds"),
+    [
+        pytest.param(
+            draw, range(part, most, parts), id=f"{name}-{part}",
+            marks=[pytest.mark.slow] if part else [],
+        )
+        for name, draw, most, parts in (
+            ("two-body", random_mission, CAMPAIGNS, 4), ("j2", drifting_mission, DRIFTING, 3),
+            ("given", given_field, GIVEN, 2),
+        )
+        for part in range(parts)
+    ],
+)  # fmt: skip
+"""Random campaigns; a part of each kind in every run of the tests."""
+
+
+@every_part
+@pytest.mark.parametrize("method", [*PROVING, "greedy-guarded", "ortools"])
+def test_plans_pass_and_bounds_hold(method, draw, seeds):
+    """What is planned passes `check`, and enumeration knows nothing above what is proven."""
+    planned = proven = 0
+    for seed in seeds:
+        campaign = Campaign(random_campaign(seed, draw))
+        result = adr_opt.solve(campaign, method, time_limit=30.0, iterations=8)
+        if compared(campaign, result, seed):
+            planned += 1
+            proven += result.status == "optimal"
+    assert planned > 0.6 * len(seeds)
+    if method in PROVING:
+        assert proven == planned
+
+
+@every_part
+@pytest.mark.parametrize("method", [*PROVING, "ortools"])
+def test_chasers_of_many_kinds(method, draw, seeds):
+    """What differs between chasers is each one's own, a margin is kept by all, proofs hold."""
+    proven = planned = several = 0
+    for seed in seeds:
+        instance, margin = mixed_campaign(seed, draw), 0.1 * (seed % 3 == 0)
+        campaign = Campaign(instance, margin=margin)
+        several += len(campaign.kinds) > 1
+        result = adr_opt.solve(instance, method, time_limit=30.0, iterations=8, margin=margin)
+        if compared(campaign, result, seed):
+            planned += 1
+            proven += result.status == "optimal"
+    assert several > 0.7 * len(seeds)
+    assert planned > 0.33 * len(seeds)
+    if method in PROVING:
+        assert proven >= 0.6 * planned
+
+
+@every_part
+@pytest.mark.parametrize("make", [random_campaign, mixed_campaign])
+def test_the_least_cost_is_that_of_enumeration(make, draw, seeds):
+    """No bound on the cost lies above the least, and what is proven to be the least is."""
+    closed = []
+    for seed in seeds:
+        instance = make(seed, draw)
+        if seed % 2:
+            instance = carrying(instance, seed)
+        if seed % 3 == 0 and instance.given is None:
+            instance = towing(instance, seed)
+        campaign = Campaign(instance)
+        result = adr_opt.solve(campaign, "exact", time_limit=30.0, iterations=8, cost=True)
+        closed.append(compared_cost(campaign, result, seed))
+    asked = [each for each in closed if each is not None]
+    assert sum(asked) >= 0.8 * len(asked) > 0.2 * len(seeds)
+
+
+@pytest.mark.parametrize("seed", [*RARE, *range(30)])
+def test_proofs_hold_on_knife_edges(seed):
+    """Where rounding decides, what is proven of several chasers is what enumeration finds."""
+    rng = np.random.default_rng([6, seed])
+    instance = resonant(seed)
+    first = instance.chaser
+    second = first.replace(name="second", max_targets=1 if rng.random() < 0.3 else None)
+    chasers = [first, second] if rng.random() < 0.5 else [first, second, first.replace(name="c")]
+    campaign = Campaign(instance.replace(chasers=tuple(chasers)))
+    prizes, _ = brute_force_campaign(campaign)
+    for method in ("auto", "exact"):
+        result = adr_opt.solve(campaign, method, time_limit=30.0, iterations=8)
+        assert adr_opt.check(campaign.instance, result.plan) == ()
+        assert result.status == "optimal"
+        assert result.objective == pytest.approx(prizes)
+
+
+@pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_mission])
+def test_every_set_of_targets_that_is_worth_enough_is_listed(draw):
+    """What ends proofs has a route for each set that enumeration finds, and for no other."""
+    listed = several = 0
+    for seed in range(120):
+        mission = Mission(draw(seed))
+        rng = np.random.default_rng([7, seed])
+        multipliers = rng.uniform(0.0, 1.0, len(mission.names)) * mission.worths
+        first, end = mission.instance.first_target, mission.chaser.end
+        possible = {
+            int(done) for done, body, _ in labels_of(mission)[0]
+            if end == "anywhere" or end.station == mission.names[body]
+        }  # fmt: skip
+        worth = {
+            done: math.fsum(
+                mission.worths[j] - multipliers[j]
+                for j in range(first, len(mission.names)) if done >> (j - first) & 1
+            )
+            for done in possible - {0}
+        }  # fmt: skip
+        if not worth:
+            continue
+        least = float(rng.choice([-5.0, 0.0, 0.5, 1.0])) * mission.worths.max()
+        search = Routes(WalkBound(mission, 20.0), all_sets=True)
+        search.use(multipliers)
+        finished, _, _, _ = search.search(search.total + least, 10**6, lambda: False)
+        found = {
+            sum(1 << (j - first) for j in route if j >= first) for route in search.plans(10**6)
+        } - {0}
+        assert finished
+        off = 1e-6 * mission.worths.max()
+        assert found >= {done for done in worth if worth[done] > least + off}, seed
+        assert found <= {done for done in worth if worth[done] > least - 1e-3}, seed
+        listed += len(found)
+        several += any(one & other == one for one in found for other in found - {one})
+    assert listed > 100
+    assert several > 10
+
+
+@pytest.mark.parametrize("seed", range(1, 40, 3))
+def test_the_order_of_chasers_decides_nothing(seed):
+    """In whatever order chasers are listed, as much is proven, and one more takes nothing away."""
+    instance = mixed_campaign(seed)
+    idle = instance.chasers[0].replace(name="one more", end="anywhere")
+    fleets = [*list(permutations(instance.chasers))[:3], (*instance.chasers, idle)]
+    *results, with_more = [
+        adr_opt.solve(instance.replace(chasers=chasers), time_limit=30.0, iterations=8)
+        for chasers in fleets
+    ]
+    for one in results:
+        assert one.status != "unknown"
+        assert all(one.objective <= other.upper_bound + 1e-9 for other in (*results, with_more))

@@ -1,0 +1,341 @@
+"""The exact models: equal to brute force, whatever they are asked for and however they end."""
+
+from __future__ import annotations
+
+import math
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+from brute_force import brute_force
+from calling import prove
+from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
+from random_rules import random_mission as all_rules
+from resonant_fields import resonant
+from small_missions import DAY_S, TINY, featured_mission, random_mission
+
+import adr_opt
+from adr_opt.common.constants import SLACK_M_S
+from adr_opt.common.errors import MissingExtra
+from adr_opt.common.stop import Interrupted, MaxIterations, MaxRuntime
+from adr_opt.mission.certified import certify
+from adr_opt.mission.problem import Mission
+from solvers.bounds.routing_bound import routing_bound
+from solvers.models import course
+from solvers.models.steps import in_steps
+from solvers.planners.cpsat import cpsat
+from solvers.planners.mip import mip
+
+RARE = (5034, 5065, 5505)
+"""Where prizes come close to what a required target is worth, and where staying is best."""
+
+LONGEST = "tiny-006"
+"""Takes as long as all others of the family together."""
+
+exact_methods = pytest.mark.parametrize("method", [mip, cpsat])
+all_methods = pytest.mark.parametrize("method", [mip, cpsat, routing_bound])
+
+
+@pytest.fixture(autouse=True)
+def _mip_extra(request):
+    """Tests of the mip method need its extra."""
+    if "mip" in request.node.name:
+        pytest.importorskip("pyomo")
+        pytest.importorskip("pyomo")
+
+
+def has_proven(result, mission, optimum):
+    """Whether a result is a certificate that the optimum is what it is."""
+    if optimum == -math.inf:
+        assert (result.status, result.upper_bound) == ("infeasible", -math.inf)
+        return result.plan is None
+    near = 1e-6 * max(1.0, optimum)
+    assert result.status == "optimal"
+    assert abs(result.objective - optimum) <= near
+    assert optimum - 1e-9 <= result.upper_bound <= optimum + near
+    assert adr_opt.check(mission.instance, result.plan) == ()
+    return True
+
+
+@exact_methods
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * (path.stem == LONGEST))
+        for path in TINY
+    ],
+)
+def test_tiny_family(method, path):
+    """On every committed tiny instance the optimum is proven, with and without a start plan."""
+    mission = Mission(adr_opt.load(path), threads=1)
+    optimum, _, best = brute_force(mission)
+    assert has_proven(prove(method, mission), mission, optimum)
+    assert has_proven(prove(method, mission, start=best), mission, optimum)
+    assert has_proven(prove(method, mission, start=best[:1]), mission, optimum)
+
+
+@exact_methods
+@pytest.mark.parametrize("start", [None, (), OPTIMAL_PLAN])
+def test_hand_made(method, start):
+    """The optimum worked out on paper is found and proven; its plan is the only one."""
+    mission = Mission(hand_made(), threads=1)
+    result = prove(method, mission, start=start)
+    assert has_proven(result, mission, OPTIMUM)
+    assert result.sequence == OPTIMAL_PLAN
+
+
+@exact_methods
+@pytest.mark.parametrize("seed", range(24))
+def test_random_missions(method, seed):
+    """With zones, unequal and non-integer prizes the methods equal brute force."""
+    mission = random_mission(seed)
+    optimum, _, _ = brute_force(mission)
+    assert has_proven(prove(method, mission), mission, optimum)
+
+
+@exact_methods
+@pytest.mark.parametrize("seed", range(12))
+def test_reduced_networks(method, seed, monkeypatch):
+    """With arcs removed by reduced costs, goal by goal, the methods still equal brute force."""
+    monkeypatch.setattr(course, "WHOLE_LEGS", 0)
+    mission = random_mission(seed)
+    optimum, _, best = brute_force(mission)
+    assert has_proven(prove(method, mission, jobs=1), mission, optimum)
+    assert has_proven(prove(method, mission, jobs=1, start=best), mission, optimum)
+
+
+@exact_methods
+@pytest.mark.parametrize("whole", [True, False])
+@pytest.mark.parametrize("seed", [*range(40), *RARE])
+def test_missions_with_every_feature(method, whole, seed, monkeypatch):
+    """With several stations or none, windows, ends, a start of its own and few targets, too."""
+    monkeypatch.setattr(course, "WHOLE_LEGS", 10**9 if whole and method is mip else 0)
+    mission = featured_mission(seed)
+    optimum, _, best = brute_force(mission)
+    start = best if seed % 2 and optimum > -math.inf else None
+    assert has_proven(prove(method, mission, jobs=1, start=start), mission, optimum)
+
+
+@all_methods
+@pytest.mark.parametrize("part", range(4))
+def test_all_rules_at_random(method, part):
+    """On the missions that all planners and bounds are tried on, they equal enumeration, too."""
+    for seed in range(3000 + part, 3060, 4):
+        mission = Mission(all_rules(seed), threads=1)
+        optimum, _, _ = brute_force(mission)
+        result = prove(method, mission)
+        assert result.upper_bound >= optimum - 1e-9
+        assert method is routing_bound or has_proven(result, mission, optimum)
+
+
+@all_methods
+@pytest.mark.parametrize("seed", range(100, 125))
+def test_limits_that_the_best_plan_just_meets(method, seed, monkeypatch):
+    """Where rounding decides whether the best plan fits, enumeration decides the same."""
+    monkeypatch.setattr(course, "WHOLE_LEGS", 0 if seed % 2 else 1000)
+    instance = resonant(seed)
+    mission = Mission(instance, threads=1)
+    _, _, best = brute_force(mission)
+    if not best:
+        pytest.skip("nothing can be reached")
+    schedule, tanks = mission.time(best), [0.0]
+    for j, delta_v in zip(best, schedule.delta_vs, strict=True):
+        tanks[-1] += float(delta_v)
+        if mission.rules.is_station[j]:
+            tanks.append(0.0)
+    rng = np.random.default_rng(seed)
+    limits = []
+    for limit in (max(tanks), float(schedule.ends[-1])):
+        near = np.nextafter(limit, rng.choice([-np.inf, np.inf]))
+        short = limit - rng.choice([0.0, 1e-12, 1e-9, 1.5e-6, 5e-5])
+        limits.append(max(0.0, float(rng.choice([limit, near, short]))))
+    tight = instance.with_limits(delta_v_m_s=limits[0], duration_s=limits[1])
+    mission = Mission(tight, threads=1)
+    optimum, _, _ = brute_force(mission)
+    result = prove(method, mission)
+    assert result.upper_bound >= optimum - 1e-9
+    assert method is routing_bound or has_proven(result, mission, optimum)
+
+
+def test_features_matter():
+    """The missions above are not all alike: there are some of every kind, and many have plans."""
+    missions = [featured_mission(seed) for seed in range(40)]
+    optima = np.array([brute_force(mission)[0] for mission in missions])
+    assert np.sum(optima == -math.inf) >= 3
+    for kind in (
+        lambda rules: rules.stations == 0,
+        lambda rules: rules.stations == 2,
+        lambda rules: rules.start == rules.stations > 0,
+        lambda rules: rules.returns,
+        lambda rules: rules.ready > 0.0,
+        lambda rules: rules.most_targets == 1,
+        lambda rules: rules.opens.max() > rules.ready,
+        lambda rules: rules.closes.min() < rules.duration,
+    ):
+        of_kind = np.array([kind(mission.rules) for mission in missions])
+        assert np.sum(optima[of_kind] > 0.0) >= 3
+
+
+@all_methods
+def test_no_targets(method):
+    """Without targets the empty plan, or the bound 0, is proven at once."""
+    mission = Mission(adr_opt.generate("tiny", 0, targets=0))
+    result = prove(method, mission)
+    assert result.upper_bound == 0.0
+    if method is not routing_bound:
+        assert (result.sequence, result.status) == ((), "optimal")
+
+
+@all_methods
+@pytest.mark.parametrize("change", [{"delta_v_m_s": 0.0}, {"duration_s": 0.0}])
+def test_nothing_can_be_reached(method, change):
+    """Without ΔV or without time the bound is 0."""
+    instance = adr_opt.generate("tiny", 1)
+    mission = Mission(instance.with_limits(**change))
+    result = prove(method, mission)
+    assert result.upper_bound == 0.0
+    assert result.objective <= 0.0
+
+
+@all_methods
+def test_worthless_targets(method):
+    """Where no prize is worth anything, the bound is 0."""
+    instance = adr_opt.generate("tiny", 1)
+    worthless = tuple(target.replace(prize=0.0) for target in instance.targets)
+    assert prove(method, Mission(instance.replace(targets=worthless))).upper_bound == 0.0
+
+
+@exact_methods
+@pytest.mark.parametrize("prizes", [(1e12, 1.0), (1e-7, 3e-7), (1e9, 0.5), (6e6, 9e6)])
+def test_prizes_of_any_size(method, prizes):
+    """Prizes far from 1 and far apart: proven to the step, or it is said that none could be told.
+
+    HiGHS knows no more than seven digits of an objective, and CP-SAT counts in whole numbers.
+    """
+    instance = adr_opt.generate("tiny", 4)
+    targets = tuple(
+        target.replace(prize=prizes[number % 2]) for number, target in enumerate(instance.targets)
+    )
+    mission = Mission(instance.replace(targets=targets))
+    optimum, _, _ = brute_force(mission)
+    result = prove(method, mission)
+    assert optimum * (1.0 - 1e-12) <= result.upper_bound <= optimum + 1e-6 * max(1.0, optimum)
+    if method.__name__ == "mip" and max(prizes) > 1e6 * mission.prize_step:
+        assert result.status == "feasible"
+        assert any("within its tolerances" in note for note in result.notes)
+    else:
+        assert (result.status, result.objective) == ("optimal", pytest.approx(optimum, rel=1e-15))
+
+
+@exact_methods
+def test_a_tank_that_is_just_too_small(method):
+    """Paths that exceed the tank by less than the solver can tell are ruled out, to a proof."""
+    mission = Mission(hand_made(), threads=1)
+    spent = 2.0 * (
+        300.0
+        - certify(mission, "x", OPTIMAL_PLAN, seed=0, runtime_s=0.0).plan.legs[0].delta_v_left_m_s
+    )
+    mission = Mission(hand_made(delta_v_m_s=spent - 1.05 * SLACK_M_S), threads=1)
+    optimum, _, _ = brute_force(mission)
+    result = prove(method, mission)
+    assert optimum < OPTIMUM
+    assert has_proven(result, mission, optimum)
+    assert result.counters["forbidden"] > 0
+
+
+@all_methods
+def test_too_short_a_time_limit(method):
+    """A limit too short for anything still gives a valid bound, and a plan stays legal."""
+    mission = Mission(adr_opt.generate("reduced-time", 0, targets=15))
+    began = time.monotonic()
+    result = prove(method, mission, stop=MaxRuntime(1e-9))
+    assert result.upper_bound == 15.0
+    assert result.status != "optimal"
+    result = prove(method, mission, stop=MaxRuntime(0.5))
+    assert result.upper_bound <= 15.0
+    assert result.objective <= result.upper_bound
+    assert time.monotonic() - began < 20.0
+
+
+@exact_methods
+def test_an_interruption_ends_the_solver(method, monkeypatch):
+    """Someone who says enough from outside, without a time limit, does not wait for the proof."""
+    monkeypatch.setattr(course, "WHOLE_LEGS", 10**9)
+    instance = adr_opt.generate("reduced-time", 0, targets=14)
+    mission = Mission(instance.with_limits(duration_s=2.0 * DAY_S))
+    stop = Interrupted()
+    timer = threading.Timer(1.5, stop.interrupt)
+    timer.start()
+    began = time.monotonic()
+    result = prove(method, mission, stop=stop, most_arcs=10**9)
+    assert result.upper_bound <= 14.0
+    assert result.status == "feasible"
+    assert time.monotonic() - began < 60.0
+    timer.cancel()
+
+
+@exact_methods
+def test_a_network_that_is_too_large(method):
+    """What is too large for the solver is not tried: a bound, a plan, and a note that says so."""
+    mission = Mission(adr_opt.generate("reduced-time", 0, targets=15))
+    result = prove(method, mission, most_arcs=1, evaluations=20)
+    assert result.upper_bound < 15.0
+    assert result.counters["solves"] == 0
+    assert result.status == "feasible"
+    assert any("most_arcs = 1" in note for note in result.notes)
+
+
+@exact_methods
+def test_iterations_limit_the_work(method):
+    """With a limit on iterations the same work is done twice, to the same result."""
+    mission = Mission(adr_opt.generate("reduced-time", 0, targets=15))
+    first, second = (prove(method, mission, stop=MaxIterations(3), most_arcs=1) for _ in range(2))
+    assert first.counters["evaluations"] <= 3
+    assert first.upper_bound == second.upper_bound
+    assert first.sequence == second.sequence
+
+
+@exact_methods
+def test_progress_is_monotone(method):
+    """The bound only falls and the incumbent only rises, down to the result."""
+    mission = Mission(adr_opt.load(TINY[8]), threads=1)
+    told = []
+    result = prove(method, mission, progress=lambda *pair: told.append(pair))
+    incumbents, bounds = zip(*told, strict=True)
+    assert list(incumbents) == sorted(incumbents)
+    assert list(bounds) == sorted(bounds, reverse=True)
+    assert told[-1] == (result.objective, result.upper_bound)
+
+
+def test_missing_extra(monkeypatch):
+    """Without Pyomo the method says which extra to install."""
+    module = sys.modules["solvers.planners.mip"]
+    found = module.find_spec
+    monkeypatch.setattr(module, "find_spec", lambda name: None if name == "pyomo" else found(name))
+    with pytest.raises(MissingExtra, match=r"pyomo.*\[mip\]"):
+        prove(mip, Mission(hand_made()))
+
+
+def test_prizes_in_steps_are_never_too_few():
+    """Whole multiples stay exact; all others are rounded up by less than a billionth of the sum."""
+    steps, step = in_steps(np.array([0.0, 6.0, 15.0]), 3.0)
+    assert (steps.tolist(), step) == ([0, 2, 5], 3.0)
+    prize = np.random.default_rng(0).uniform(0.0, 1.0, 100)
+    prize[0] = 0.0
+    steps, step = in_steps(prize, 1.0)
+    assert np.all(steps * step >= prize)
+    assert np.all(steps * step <= prize + 1e-9 * prize.sum())
+    assert steps[0] == 0
+
+
+@pytest.mark.slow
+@exact_methods
+def test_three_days_with_twenty_targets(method):
+    """A reduced instance: goals are proven one after the other, within a margin of a visit."""
+    mission = Mission(adr_opt.generate("reduced-time", 0, targets=20))
+    result = prove(method, mission, stop=MaxRuntime(240.0))
+    assert result.upper_bound == 12.0
+    assert math.isfinite(result.objective)
+    assert result.upper_bound - result.objective <= 1.0

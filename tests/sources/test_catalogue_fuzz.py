@@ -1,0 +1,100 @@
+"""No content of a catalogue file ends in anything but records, bad rows or one sentence."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+from catalogue_files import SPELLINGS, field
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from spoilt_catalogues import PIECES, SEEDS, outcome, with_checksums
+
+from adr_opt.common.errors import InputError
+from adr_opt.sources.catalogue.reading import read_bytes
+
+pytest.importorskip("sgp4")
+
+
+@st.composite
+def spoilt(draw: st.DrawFn) -> bytes:
+    """A file of any spelling with some pieces cut, doubled, or replaced."""
+    data = draw(st.sampled_from(SEEDS))
+    for _ in range(draw(st.integers(1, 4))):
+        begin = draw(st.integers(0, len(data)))
+        end = min(len(data), begin + draw(st.sampled_from([0, 1, 1, 2, 8, 70, 10_000])))
+        piece = draw(
+            st.one_of(
+                st.sampled_from(PIECES),
+                st.binary(max_size=4),
+                st.just(data[begin:end] * 2),
+            )
+        )
+        data = data[:begin] + piece + data[end:]
+    return data
+
+
+@given(spoilt(), st.booleans())
+@settings(max_examples=600, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+def test_spoilt_files(data: bytes, skip_bad: bool) -> None:
+    """A spoilt file is read as far as it is good, or refused in one printable sentence."""
+    outcome(data, skip_bad=skip_bad)
+    outcome(with_checksums(data), skip_bad=skip_bad)
+
+
+@given(st.binary(max_size=300), st.booleans())
+@settings(max_examples=200, deadline=None)
+def test_any_bytes(data: bytes, skip_bad: bool) -> None:
+    """Bytes that are no catalogue are refused in one printable sentence."""
+    outcome(data, skip_bad=skip_bad)
+
+
+NUMBER = st.one_of(
+    st.floats().map(repr),
+    st.integers().map(str),
+    st.sampled_from(["", "0", "1", "1e-9", "99.9", "16.5", "0.999999", "179.99", "360", "null"]),
+)
+
+
+@given(
+    st.dictionaries(
+        st.sampled_from(
+            [
+                "MEAN_MOTION", "ECCENTRICITY", "INCLINATION", "RA_OF_ASC_NODE", "BSTAR",
+                "ARG_OF_PERICENTER", "MEAN_ANOMALY", "MEAN_MOTION_DOT", "MEAN_MOTION_DDOT",
+                "NORAD_CAT_ID", "EPHEMERIS_TYPE",
+            ]
+        ),
+        NUMBER,
+        min_size=1,
+    )
+)  # fmt: skip
+@settings(max_examples=300, deadline=None)
+def test_any_elements(values: dict[str, str]) -> None:
+    """Whatever the elements are, SGP4 gives a usable orbit, or the object is named and left out."""
+    rows = SPELLINGS["csv"](field(2)).splitlines()
+    changed = dict(zip(rows[0].split(","), rows[1].split(","), strict=True)) | values
+    text = "\n".join([rows[0], ",".join(changed.values()), rows[2]])
+    outcome(text.encode(), skip_bad=True)
+    outcome(text.encode(), skip_bad=False)
+
+
+@pytest.mark.parametrize(
+    ("begin", "end"),
+    [
+        (b'<ndm><omm id="', b'"/></ndm>'),
+        (b"<ndm><omm ", b"='1'/></ndm>"),
+        (b"<ndm><", b"/></ndm>"),
+        (b"<ndm><!--", b"--></ndm>"),
+        (b"<ndm><?a ", b"?></ndm>"),
+        (b"<!--", b"--><ndm/>"),
+    ],
+)
+def test_a_token_without_end_is_refused_at_once(begin: bytes, end: bytes) -> None:
+    """One tag, attribute or comment of 30 MB costs no more time than one of 2 MB."""
+    began = time.perf_counter()
+    with pytest.raises(InputError, match="line 1: a tag or a comment longer than 1 MiB"):
+        read_bytes(begin + b"a" * 30_000_000 + end, "file")
+    assert time.perf_counter() - began < 5.0
+    with pytest.raises(InputError, match="no element set"):
+        read_bytes(begin + b"a" * 900_000 + end, "file")

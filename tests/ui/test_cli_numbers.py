@@ -1,0 +1,66 @@
+"""Numbers at the edge of what can be written, in every option that takes one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+import pytest
+from conftest import Cli
+
+from adr_opt.ui.cli.verbs import command
+
+CLOUD = str(Path(__file__).parents[2] / "examples/catalogue/cloud.tle")
+NUMBERS = ("1e308", "-1e308", "1e-320", "nan", "inf", "-0.0", "99999999999999999999")
+CALLS = {
+    "generate": ("tiny",),
+    "import": (CLOUD, "--max-targets", "5", "--out", "x.json"),
+    "solve": ("tiny.json", "--method", "greedy-guarded", "--time-limit", "1"),
+    "bound": ("tiny.json", "--method", "lagrangian", "--time-limit", "1"),
+    "verify": ("tiny.json", "p.json", "c.json"),
+    "replan": ("tiny.json", "p.json", "--at", "0.1", "--time-limit", "1"),
+    "tradeoff": ("tiny.json", "--vary", "delta-v=500", "--time-limit", "1"),
+    "fly": ("tiny.json", "p.json"),
+    "matrix": ("tiny.json", "--at", "0", "--out", "m.npz"),
+    "export": ("tiny.json", "p.json", "--out", "x.oem"),
+}
+"""A call of each verb that has options with numbers and ends soon."""
+
+SLOW = ("solve", "bound", "verify", "replan", "tradeoff", "fly", "matrix", "export")
+ON_CORES = ("--jobs",)
+"""So many processes would be begun."""
+
+
+def options_of(verb: str) -> list[click.Option]:
+    """The options of a verb that take a number."""
+    context = click.Context(command)
+    found = command.get_command(context, verb)
+    assert found is not None
+    kinds = (click.types.FloatParamType, click.types.IntParamType)
+    return [
+        option for option in found.params
+        if isinstance(option, click.Option) and isinstance(option.type, kinds)
+        and option.opts[0] not in ON_CORES
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "verb", [pytest.param(verb, marks=pytest.mark.slow if verb in SLOW else []) for verb in CALLS]
+)
+def test_numbers_at_the_edge(cli: Cli, tiny_file: Path, verb: str) -> None:
+    """Whatever number an option has, the verb does its work or says one sentence."""
+    if verb == "import":
+        pytest.importorskip("sgp4")
+    if verb in SLOW:
+        call = ("solve", "tiny.json", "--method", "exact", "--certificate", "c.json")
+        assert cli(*call, "--out", "p.json").status == 0
+    assert cli(verb, *CALLS[verb]).status in (0, 1)
+    options = options_of(verb)
+    assert options
+    for option in options:
+        for number in NUMBERS:
+            outcome = cli(verb, *CALLS[verb], option.opts[0], number)
+            assert outcome.status in (0, 1, 2), (option.opts, number)
+            if outcome.status == 2:
+                assert outcome.err.startswith("adr-opt: "), outcome.err
+                assert "Traceback" not in outcome.err
