@@ -37,7 +37,7 @@ def test_filters_keep_what_is_inside() -> None:
     )
     made = to_instance(records, filters=filters)
 
-    def inside(target: adr_opt.problem.instance.Target) -> bool:
+    def inside(target: adr_opt.problem.bodies.Target) -> bool:
         orbit = target.orbit
         return (
             700e3 <= orbit.semi_major_axis_m - EARTH_RADIUS_M <= 900e3
@@ -106,7 +106,7 @@ def test_max_targets_are_the_nearest_planes() -> None:
     assert (home.inclination_deg, home.raan_deg, home.true_anomaly_deg) == (86.4, 120.0, 0.0)
     station = adr_opt.kernels.orbits.ephemeris.frame(*np.radians([86.4, 120.0]))[2]
 
-    def angle(target: adr_opt.problem.instance.Target) -> float:
+    def angle(target: adr_opt.problem.bodies.Target) -> float:
         _, i, o, _ = target.orbit.circular_elements()
         return math.acos(station @ adr_opt.kernels.orbits.ephemeris.frame(i, o)[2])
 

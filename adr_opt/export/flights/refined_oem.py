@@ -47,7 +47,7 @@ def write_refined(
     refined : RefinedPlan
     path : path
     frame : {"EME2000", "GCRF", "ICRF", "TEME"}, optional
-        As for :func:`.trajectory.write_plan`.
+        As for :func:`.write.write_plan`.
     body, step_s, leg
         As :func:`adr_opt.fly.refine.ephemeris.tracks` takes them.
     chaser : str, optional
