@@ -20,7 +20,7 @@ import numpy.typing as npt
 from machine import heading
 
 import adr_opt
-from adr_opt.kernels.episodes.episodes import Episodes, Pool
+from adr_opt.kernels.episodes.episodes import Episodes, StackedFields
 from adr_opt.kernels.episodes.observation import MOVE_FIELDS
 from adr_opt.learning.environment import OBSERVATIONS, MissionEnv, MissionVecEnv
 from adr_opt.learning.episodes import Board
@@ -35,7 +35,7 @@ class Cheap:
     def __init__(self, count: int, targets: int) -> None:
         self.board = Board("transfer", count, targets)
 
-    def __call__(self, pool: Pool, episodes: Episodes) -> npt.NDArray[np.int64]:
+    def __call__(self, pool: StackedFields, episodes: Episodes) -> npt.NDArray[np.int64]:
         """Actions of all episodes."""
         self.board.observe(pool, episodes, 0, self.board.legal.size)
         seen = self.board.arrays

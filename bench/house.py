@@ -150,6 +150,17 @@ def arguments(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
     return len([name for name in names if name not in ("self", "cls")])
 
 
+def shared_names(trees: Mapping[str, ast.Module]) -> list[str]:
+    """Names that more than one public class has."""
+    times = Counter(
+        node.name
+        for tree in trees.values()
+        for node in tree.body
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+    )
+    return sorted(name for name in times if times[name] > 1)
+
+
 def lines() -> int:
     """Lines of all modules of the product."""
     return sum(
@@ -191,14 +202,7 @@ def main() -> None:
             if arguments(each) > MOST_ARGUMENTS]  # fmt: skip
     show("functions with more than 8 arguments", long, is_listed)
     print(f"{'  as a share of all':58} {len(long) / len(every):7.2%}")
-    classes = Counter(
-        node.name
-        for tree in trees.values()
-        for node in tree.body
-        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
-    )
-    twice = sorted(name for name, times in classes.items() if times > 1)
-    show("names of public classes that stand more than once", twice, is_listed)
+    show("names of public classes that stand more than once", shared_names(trees), is_listed)
     print(f"{'lines of adr_opt and solvers':58} {lines():7}")
 
 

@@ -29,7 +29,7 @@ from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.legs import connections
 from adr_opt.run.methods import get
 from solvers.networks import network
-from solvers.progress.gap import Certificate
+from solvers.progress.gap import GapTracker
 from solvers.proof.proof import COARSER, Proof, ProofOptions
 from solvers.walks.walks import WalkBound
 
@@ -77,7 +77,7 @@ def all_connections(mission: adr_opt.Mission, jobs: int) -> int:
 
 def first_bound(mission: adr_opt.Mission, jobs: int) -> float:
     """The first bound of a proof, with the usual options."""
-    certificate = Certificate(mission, silent)
+    certificate = GapTracker(mission, silent)
     proof = Proof(mission, certificate, MaxIterations(1), ProofOptions(jobs=jobs))
     proof.begin()
     proof.close()

@@ -22,7 +22,7 @@ from machine import heading
 import adr_opt
 from adr_opt.common.progress import silent
 from adr_opt.common.stop import MaxIterations
-from solvers.progress.gap import Certificate
+from solvers.progress.gap import GapTracker
 from solvers.proof.proof import Proof, ProofOptions
 
 FIELDS = (
@@ -45,7 +45,7 @@ def resident() -> int:
 def proof_of(mission: adr_opt.Mission, jobs: int) -> Proof:
     """A proof that gives up at its first labels."""
     options = ProofOptions(jobs=jobs, most_labels=1)
-    return Proof(mission, Certificate(mission, silent), MaxIterations(10**6), options)
+    return Proof(mission, GapTracker(mission, silent), MaxIterations(10**6), options)
 
 
 def begun(mission: adr_opt.Mission) -> None:

@@ -19,7 +19,7 @@ from pathlib import Path
 from PIL import Image
 
 import adr_opt
-from adr_opt.ui.serve.desk import Desk
+from adr_opt.ui.serve.desk import EditingSession
 from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.server import Server, listening
 
@@ -62,7 +62,7 @@ def main() -> None:
     out = parser.parse_args().out
     with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as profile:
         instance = adr_opt.generate("reduced-time", 7)
-        desk = Desk(instance, None, Folder(Path(folder) / "my-served", "my.json"))
+        desk = EditingSession(instance, None, Folder(Path(folder) / "my-served", "my.json"))
         server = Server(desk, listening())
         server.start()
         try:

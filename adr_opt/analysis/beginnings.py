@@ -16,7 +16,7 @@ from ..mission.problem import Mission
 from ..plan.plan import Leg, Plan
 from ..plan.routes import weighed
 from ..problem.instance import Instance
-from .state import State, heavier
+from .state import ChaserState, heavier
 
 NEAR_EMPTY = 0.5
 """With less of a tank than this it is tried to refuel first."""
@@ -25,7 +25,7 @@ Former = Mapping[str, tuple[str, ...]]
 """What each chaser was about to do, by its name."""
 
 
-def former_orders(plan: Plan, states: Sequence[State]) -> Former:
+def former_orders(plan: Plan, states: Sequence[ChaserState]) -> Former:
     """What the plan was about to do after what is fixed."""
     flown = {route.chaser: route.legs for route in plan.routes}
     if len(states) == 1:
@@ -38,8 +38,10 @@ def former_orders(plan: Plan, states: Sequence[State]) -> Former:
 
 
 def beginnings(
-    left: Callable[[tuple[State, ...]], Instance | None], states: tuple[State, ...], former: Former
-) -> Iterator[tuple[Instance, tuple[State, ...]]]:
+    left: Callable[[tuple[ChaserState, ...]], Instance | None],
+    states: tuple[ChaserState, ...],
+    former: Former,
+) -> Iterator[tuple[Instance, tuple[ChaserState, ...]]]:
     """The instances that the rest may begin with: chasers as they are, or refuelled first.
 
     The last one is that of chasers as they are, where no other one is possible.
@@ -48,7 +50,7 @@ def beginnings(
     ----------
     left : callable
         The instance that is left with chasers so; None where stations do not allow it.
-    states : tuple of State
+    states : tuple of ChaserState
         Where the chasers are.
     former : mapping
         What they were about to do.
@@ -73,7 +75,7 @@ def beginnings(
         yield rest, states
 
 
-def _refuelled(rest: Instance, state: State, number: int) -> Iterator[State]:
+def _refuelled(rest: Instance, state: ChaserState, number: int) -> Iterator[ChaserState]:
     """The chaser as it is after refuelling first, at each station that it can reach."""
     if not state.is_at_target or not (rest.targets or state.has_to_return):
         return
@@ -119,7 +121,10 @@ def _refuelled(rest: Instance, state: State, number: int) -> Iterator[State]:
 
 
 def orders_left(
-    beginning: Instance, former: Former, states: tuple[State, ...], before: tuple[State, ...]
+    beginning: Instance,
+    former: Former,
+    states: tuple[ChaserState, ...],
+    before: tuple[ChaserState, ...],
 ) -> list[list[str]]:
     """The former rest as far as there are such bodies; a stop that is made already is left out.
 

@@ -55,7 +55,7 @@ class Side:
 
 
 @dataclass(frozen=True)
-class Pair:
+class LegPair:
     """A leg of the first plan and that of another one to the same body, or one of them alone.
 
     Attributes
@@ -103,14 +103,14 @@ class Difference:
     Attributes
     ----------
     name : str
-    pairs : tuple of Pair
+    pairs : tuple of LegPair
         All legs of both, in order, chaser by chaser.
     gained, lost : tuple of str
         Targets that this plan visits and the first one does not, and the other way round.
     """
 
     name: str
-    pairs: tuple[Pair, ...]
+    pairs: tuple[LegPair, ...]
     gained: tuple[str, ...]
     lost: tuple[str, ...]
 
@@ -206,7 +206,7 @@ def _side(instance: Instance, name: str, plan: Plan) -> Side:
 
 def _difference(instance: Instance, first: Plan, name: str, other: Plan) -> Difference:
     routes = {flown.chaser.name: flown for flown in routes_of(instance, first)}
-    pairs: list[Pair] = []
+    pairs: list[LegPair] = []
     visited = _targets(instance, first), _targets(instance, other)
     for flown in routes_of(instance, other):
         pairs += _pairs(routes[flown.chaser.name], flown, visited)
@@ -219,26 +219,28 @@ def _targets(instance: Instance, plan: Plan) -> list[str]:
     return [name for name in plan.destinations if name not in instance.station_names]
 
 
-def _pairs(first: Flown, other: Flown, visited: tuple[list[str], list[str]]) -> list[Pair]:
+def _pairs(first: Flown, other: Flown, visited: tuple[list[str], list[str]]) -> list[LegPair]:
     """The legs of a chaser, aligned along the longest runs of bodies that both plans have."""
     chaser = other.chaser.name
     one, two = first.legs, other.legs
     matcher = SequenceMatcher(None, _order(one), _order(two), autojunk=False)
 
-    def alone(legs: Sequence[tuple[int, Leg]], *, in_first: bool) -> list[Pair]:
+    def alone(legs: Sequence[tuple[int, Leg]], *, in_first: bool) -> list[LegPair]:
         found = []
         for leg in legs:
             elsewhere = leg[1].destination in visited[1 if in_first else 0]
             what: What = "moved" if elsewhere else "only"
-            found.append(Pair(what, chaser, leg if in_first else None, None if in_first else leg))
+            found.append(
+                LegPair(what, chaser, leg if in_first else None, None if in_first else leg)
+            )
         return found
 
-    pairs: list[Pair] = []
+    pairs: list[LegPair] = []
     for tag, i, i_end, j, j_end in matcher.get_opcodes():
         if tag == "equal":
             for left, right in zip(one[i:i_end], two[j:j_end], strict=True):
                 what: What = "same" if _same(left[1], right[1]) else "retimed"
-                pairs.append(Pair(what, chaser, left, right))
+                pairs.append(LegPair(what, chaser, left, right))
         else:
             pairs += alone(one[i:i_end], in_first=True) + alone(two[j:j_end], in_first=False)
     return pairs

@@ -13,7 +13,7 @@ from functools import partial
 from typing import NamedTuple
 
 from ..kernels.rules.rules import Rules
-from ..legs.connections import Connecting
+from ..legs.connections import ConnectionFinder
 from ..mission.campaign import Problem
 from ..mission.problem import Mission
 from ..mission.schedule import Scheduler
@@ -57,7 +57,9 @@ def on_grid(problem: Problem, plan: Plan, step_s: float) -> GridTrial:
         [s].
     """
     instance = problem.instance
-    other = Connecting(instance.replace(transfer=instance.transfer.replace(drift_step_s=step_s)))
+    other = ConnectionFinder(
+        instance.replace(transfer=instance.transfer.replace(drift_step_s=step_s))
+    )
     missions = {mission.chaser.name: mission for mission in problem.missions}
     orders = plan.orders if len(missions) > 1 else {name: plan.destinations for name in missions}
     total = 0.0

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from ..common.constants import SLACK_M_S
 from ..kernels.rules.rules import Rules
-from ..legs.connections import Connecting
+from ..legs.connections import ConnectionFinder
 from ..legs.service_limits import limits_of
 from ..mission.problem import Mission
 from ..mission.schedule import Front, Scheduler
@@ -27,7 +27,7 @@ Moves = tuple[int, ...]
 
 
 @dataclass(frozen=True)
-class Missing:
+class Shortfall:
     """With what more the whole of an order could be flown.
 
     Attributes
@@ -114,10 +114,10 @@ def _changes(
         yield "swap", moves[at - 1], (*moves[: at - 1], j, moves[at - 1], *moves[at + 1 :])
 
 
-def missing(mission: Mission, moves: Moves, made: int) -> Missing:
+def missing(mission: Mission, moves: Moves, made: int) -> Shortfall:
     """With what more an order could be flown that breaks after so many moves."""
     if mission.in_order(moves) < len(moves):
-        return Missing()  # the order itself is against the rules, and nothing helps
+        return Shortfall()  # the order itself is against the rules, and nothing helps
     chaser = mission.chaser
     larger, longer = _with_tank(chaser, LARGEST), mission.instance.mission.duration_s * LONGEST
     tank, time = _Relaxed(mission, larger, None), _Relaxed(mission, chaser, longer)
@@ -132,7 +132,7 @@ def missing(mission: Mission, moves: Moves, made: int) -> Missing:
         both = by_tank is not None
         if not both:
             by_time = None
-    return Missing(
+    return Shortfall(
         None if by_tank is None else tank.added_m_s(by_tank),
         None if by_time is None else max(by_time - mission.rules.duration, 0.0),
         _window(mission, moves, made),
@@ -206,7 +206,7 @@ class _Relaxed:
         self._instance: Instance = instance.replace(chasers=chasers)
         limits = limits_of(self._instance, number)
         self._rules = mission.rules._replace(closes=limits.closes, duration=limits.duration)
-        connecting = Connecting(self._instance, mission.connecting.corrections)
+        connecting = ConnectionFinder(self._instance, mission.connecting.corrections)
         self._schedules = Scheduler(
             connecting, lambda: self._rules, self._instance.objective.cost, mission.chaser,
             mission.instance.time_m_s_per_s,

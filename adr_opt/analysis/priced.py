@@ -19,13 +19,13 @@ from ..mission.problem import Mission
 from ..plan.plan import Leg, Plan
 from ..problem.instance import AnyInstance, Instance, instance_of
 from ..run.start_plan import why_illegal
-from .mending import Mending, Missing, mendings, missing
+from .mending import Mending, Shortfall, mendings, missing
 
 Route = Iterable[int | str]
 Asked = Plan | Mapping[str, Route] | Iterable[Any]
 """A plan, a route by the name of each chaser, one route, or one for each chaser."""
 
-NOTHING = Missing()
+NOTHING = Shortfall()
 
 METHOD = "by-hand"
 """What plans say that are of an order that somebody gave."""
@@ -44,7 +44,7 @@ class PricedRoute(Shown):
         Of its beginning, as far as that can be flown.
     reason : str
         Why the next leg cannot be flown; empty where all can.
-    missing : Missing
+    missing : Shortfall
         With what more it could be flown.
     mendings : tuple of Mending
         Single changes after which it can be flown, the best first.
@@ -54,7 +54,7 @@ class PricedRoute(Shown):
     order: tuple[str, ...]
     legs: tuple[Leg, ...]
     reason: str = ""
-    missing: Missing = NOTHING
+    missing: Shortfall = NOTHING
     mendings: tuple[Mending, ...] = ()
 
     @property

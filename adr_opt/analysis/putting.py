@@ -12,13 +12,13 @@ from dataclasses import replace
 
 from ..mission.result import Result
 from ..problem.instance import Instance
-from .state import State, put_s
+from .state import ChaserState, put_s
 
 MOMENT_S = 1e-3
 """So much later is later, whatever differs by the slack of the model."""
 
 
-def in_order(zoned: Instance, states: tuple[State, ...]) -> tuple[State, ...]:
+def in_order(zoned: Instance, states: tuple[ChaserState, ...]) -> tuple[ChaserState, ...]:
     """Where some are put onto targets, all by their times, launches apart.
 
     Chasers that start anywhere are launched in the order of the file. Of those that are put
@@ -42,12 +42,12 @@ def in_order(zoned: Instance, states: tuple[State, ...]) -> tuple[State, ...]:
     return tuple(sorted(found, key=lambda state: _begins_s(zoned, state)))
 
 
-def _begins_s(zoned: Instance, state: State) -> float:
+def _begins_s(zoned: Instance, state: ChaserState) -> float:
     """When a chaser begins with its rest [s]."""
     return put_s(zoned, state)[0] if state.is_put else state.free_s
 
 
-def is_usurped(states: Sequence[State], made: Result) -> bool:
+def is_usurped(states: Sequence[ChaserState], made: Result) -> bool:
     """Whether another chaser is first at the target of one that is put there.
 
     That one is free for something better then, as nothing says who it is that has to be put there.
@@ -58,7 +58,7 @@ def is_usurped(states: Sequence[State], made: Result) -> bool:
     return any(state.is_put and first.get(state.chaser.name) != state.body for state in states)
 
 
-def kept_waiting(states: tuple[State, ...]) -> tuple[State, ...]:
+def kept_waiting(states: tuple[ChaserState, ...]) -> tuple[ChaserState, ...]:
     """The states where nobody else flies until all are put who are.
 
     That costs the others some hours, so that it is only done where a target is usurped.

@@ -26,7 +26,7 @@ from .deviations import Deviations
 from .putting import in_order, is_usurped, kept_waiting
 from .replanned import Replanned, compared
 from .rest import crossings, rest_of
-from .state import State, states_at
+from .state import ChaserState, states_at
 
 QUICK, SEVERAL = "beam", "auto"
 """Planners of the rest, where nobody names one: for one chaser and for several."""
@@ -36,7 +36,7 @@ DEFAULT_TIME_LIMIT_S = 2.0
 HURRY = 110.0 / 75.0
 """What an hour is worth to the quick planner, as a multiple of what it is usually worth."""
 
-Found = tuple[Instance, tuple[State, ...], Result]
+Found = tuple[Instance, tuple[ChaserState, ...], Result]
 """What is left of the mission, where chasers go on from, and a plan of it."""
 
 Finding = Callable[[Instance, list[list[str]]], Result]
@@ -125,7 +125,7 @@ def replan(
     former = former_orders(plan, states)
     states = in_order(zoned, states)
 
-    def left(now: tuple[State, ...]) -> Instance | None:
+    def left(now: tuple[ChaserState, ...]) -> Instance | None:
         return rest_of(zoned, now, gone, at_s, went.given_up)
 
     def planned(beginning: Instance, orders: list[list[str]]) -> Result:
@@ -171,7 +171,7 @@ def _each_once(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-def _waits(states: Sequence[State], found: Found) -> Iterator[str]:
+def _waits(states: Sequence[ChaserState], found: Found) -> Iterator[str]:
     """What is said of chasers that go on from a disposal orbit where they have waited."""
     released = {state.chaser.name for state in states if state.is_released}
     instance, begun, made = found
@@ -184,7 +184,7 @@ def _waits(states: Sequence[State], found: Found) -> Iterator[str]:
         )
 
 
-def _carrying(states: tuple[State, ...], found: Found) -> tuple[State, ...]:
+def _carrying(states: tuple[ChaserState, ...], found: Found) -> tuple[ChaserState, ...]:
     """The states with the kits that a new rest leaves behind; more that are aboard stay there."""
     instance, _, made = found
     flown = () if made.plan is None else routes_of(instance, made.plan)
@@ -192,7 +192,7 @@ def _carrying(states: tuple[State, ...], found: Found) -> tuple[State, ...]:
         route.chaser.name: kits_of(instance, (body for body, _ in route.spent)) for route in flown
     }
 
-    def carrying(state: State) -> State:
+    def carrying(state: ChaserState) -> ChaserState:
         if state.is_new or state.kits is None or state.chaser.kit_mass_kg == 0.0:
             return state
         kits = needed.get(state.chaser.name, 0)

@@ -12,7 +12,7 @@ from ..mission.result import Result
 from ..plan.plan import Plan, Route
 from ..problem.instance import Instance
 from .deviations import Deviations
-from .state import State
+from .state import ChaserState
 
 Orders = tuple[tuple[str, ...], ...]
 
@@ -28,7 +28,7 @@ class Replanned(Shown):
         lost, but for objects that are still to be towed; with the new zones.
     result : Result
         Of planning that; its plan belongs to that instance.
-    states : tuple of State
+    states : tuple of ChaserState
         What is flown or fixed, and from where it goes on.
     former : tuple of tuple of str
         What the plan was about to do, for each chaser.
@@ -48,7 +48,7 @@ class Replanned(Shown):
 
     instance: Instance
     result: Result
-    states: tuple[State, ...]
+    states: tuple[ChaserState, ...]
     former: Orders
     gained: tuple[str, ...]
     dropped: tuple[str, ...]
@@ -112,7 +112,7 @@ class Replanned(Shown):
 
 
 def compared(
-    instance: Instance, chosen: Instance, states: tuple[State, ...], result: Result,
+    instance: Instance, chosen: Instance, states: tuple[ChaserState, ...], result: Result,
     former: Orders, lost: tuple[str, ...], went: Deviations, notes: tuple[str, ...],
     began: float,
 ) -> Replanned:  # fmt: skip
@@ -122,7 +122,7 @@ def compared(
     ----------
     instance, chosen : Instance
         The whole mission, and what is left of it.
-    states : tuple of State
+    states : tuple of ChaserState
         Where chasers go on from.
     result : Result
         Of planning what is left.

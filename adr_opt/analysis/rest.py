@@ -14,17 +14,19 @@ from ..problem.given import among
 from ..problem.instance import Instance
 from ..problem.numbering import Numbering
 from .deviations import without_service
-from .state import State, as_flown, going_on, put_s
+from .state import ChaserState, as_flown, going_on, put_s
 
 
-def crossings(zoned: Instance, states: Sequence[State], at_s: float, before: int) -> Iterator[str]:
+def crossings(
+    zoned: Instance, states: Sequence[ChaserState], at_s: float, before: int
+) -> Iterator[str]:
     """What is said of legs that cross new zones and cannot be helped.
 
     Parameters
     ----------
     zoned : Instance
         With the new zones, behind its own.
-    states : sequence of State
+    states : sequence of ChaserState
     at_s : float
         Since the epoch [s].
     before : int
@@ -51,7 +53,7 @@ def crossings(zoned: Instance, states: Sequence[State], at_s: float, before: int
 
 def rest_of(
     zoned: Instance,
-    states: Sequence[State],
+    states: Sequence[ChaserState],
     lost: Sequence[str],
     at_s: float,
     given_up: Sequence[str] = (),
@@ -62,7 +64,7 @@ def rest_of(
     ----------
     zoned : Instance
         With the new zones.
-    states : sequence of State
+    states : sequence of ChaserState
         What is flown, and where it leads.
     lost : sequence of str
         Targets that are not to be visited any more.
@@ -110,7 +112,7 @@ def rest_of(
     )  # fmt: skip
 
 
-def _changed(instance: Instance, states: Sequence[State], **changes: Any) -> Instance:
+def _changed(instance: Instance, states: Sequence[ChaserState], **changes: Any) -> Instance:
     """The instance with changes, and its given connections as they lead on from where chasers are.
 
     They lead from a start by its name, so that it takes over those of the target that it is at.
@@ -129,7 +131,7 @@ def _changed(instance: Instance, states: Sequence[State], **changes: Any) -> Ins
     return emptied.replace(**changes).with_given(given, file)
 
 
-def _stations_left(instance: Instance, states: Sequence[State]) -> tuple[Station, ...] | None:
+def _stations_left(instance: Instance, states: Sequence[ChaserState]) -> tuple[Station, ...] | None:
     """The stations with what is left of their limits; None where more was taken than there is."""
     missed = [name for state in states for name in state.missed]
     limits = StationLimits(without_service(instance, missed))

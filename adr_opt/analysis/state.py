@@ -34,7 +34,7 @@ DELAY_S = 1.0
 
 
 @dataclass(frozen=True)
-class State:
+class ChaserState:
     """A chaser between what is fixed and what is planned anew.
 
     Attributes
@@ -117,7 +117,7 @@ def states_at(
     keep: int = 0,
     failed: int | None = None,
     went: Deviations = AS_PLANNED,
-) -> tuple[State, ...]:
+) -> tuple[ChaserState, ...]:
     """Where each chaser is at a time.
 
     A leg that has begun is finished: whoever has left cannot turn back. One that leaves a disposal
@@ -205,7 +205,9 @@ def _fixed(
     return Fixed(as_carried_out(instance, legs[:count], at_s, went), since_s, notes)
 
 
-def _state(instance: Instance, flown: Flown, fixed: Fixed, at_s: float, went: Deviations) -> State:
+def _state(
+    instance: Instance, flown: Flown, fixed: Fixed, at_s: float, went: Deviations
+) -> ChaserState:
     """The state after legs that are fixed: kits that missed targets did not take are aboard."""
     chaser, stations = flown.chaser, instance.station_names
     count = len(fixed.legs)
@@ -242,7 +244,7 @@ def _state(instance: Instance, flown: Flown, fixed: Fixed, at_s: float, went: De
     if legs:
         free_s = legs[-1].end_s if is_put else legs[-1].done_s
     left_m_s = max(aboard.on_arrival_m_s if is_put else aboard.left_m_s, 0.0)
-    return State(
+    return ChaserState(
         chaser, legs, body, max(fixed.since_s, free_s), left_m_s, propellant, kits, since, since_s,
         is_put=is_put, missed=missed, notes=fixed.notes,
     )  # fmt: skip
@@ -272,7 +274,7 @@ def _loaded(instance: Instance, flown: Flown) -> Flown:
     return replace(flown, chaser=chaser.replace(tank=_tank(chaser, None, holds_kg)))
 
 
-def as_flown(state: State) -> Chaser:
+def as_flown(state: ChaserState) -> Chaser:
     """The chaser as `check` follows it: full, and with kits that are still aboard all the time."""
     return heavier(state.chaser, (state.kits or 0) + state.idle_kits)
 
@@ -285,7 +287,7 @@ def heavier(chaser: Chaser, kits: int) -> Chaser:
     return chaser.replace(tank=tank.replace(dry_mass_kg=tank.dry_mass_kg + kits_kg))
 
 
-def going_on(instance: Instance, state: State) -> Chaser:
+def going_on(instance: Instance, state: ChaserState) -> Chaser:
     """The chaser of a state, as an instance that begins with it has it.
 
     What it was launched for is paid, so that it has no expense any more.
@@ -318,7 +320,7 @@ def going_on(instance: Instance, state: State) -> Chaser:
     return chaser.replace(**changes, start=InOrbit(orbit=orbit))
 
 
-def put_s(instance: Instance, state: State) -> tuple[float, float]:
+def put_s(instance: Instance, state: ChaserState) -> tuple[float, float]:
     """When the service takes place with which a chaser is put onto its target [s]."""
     assert state.body is not None
     body = instance.names.index(state.body)

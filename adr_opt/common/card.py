@@ -22,7 +22,7 @@ MOST_NAMES = 6
 NUMBER, TEXT = "text-align: right", "text-align: left"
 
 
-class Table(NamedTuple):
+class CardTable(NamedTuple):
     """Rows of texts under heads.
 
     Attributes
@@ -67,7 +67,7 @@ class Card(NamedTuple):
         For the line and the page.
     details : tuple of (str, str)
         For the page alone: what, and its value.
-    tables : tuple of Table
+    tables : tuple of CardTable
         For the page alone.
     """
 
@@ -75,7 +75,7 @@ class Card(NamedTuple):
     said: str
     facts: tuple[str, ...]
     details: tuple[tuple[str, str], ...] = ()
-    tables: tuple[Table, ...] = ()
+    tables: tuple[CardTable, ...] = ()
 
     @property
     def head(self) -> str:

@@ -37,7 +37,7 @@ class Calls(Protocol):
         ...
 
 
-class Pool:
+class LocalPool:
     """Calls made by an executor of this machine.
 
     Parameters

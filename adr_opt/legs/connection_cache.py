@@ -7,13 +7,13 @@ from collections import OrderedDict
 from collections.abc import Callable
 from threading import Lock
 
-from ..kernels.legs.found import Found
+from ..kernels.legs.found import ConnectionArrays
 
 Pair = tuple[int, int]
 """Numbers of origin and destination."""
 
 
-class Kept:
+class ConnectionCache:
     """The connections of pairs, each worked out when it is first asked for.
 
     Beyond the room that there is those are dropped that nobody has asked for longest, and worked
@@ -34,7 +34,7 @@ class Kept:
     def __init__(self, room_bytes: float = math.inf) -> None:
         self.room_bytes = room_bytes
         self.bytes = 0
-        self._found: OrderedDict[Pair, Found] = OrderedDict()
+        self._found: OrderedDict[Pair, ConnectionArrays] = OrderedDict()
         self._lock = Lock()
 
     def __len__(self) -> int:
@@ -46,7 +46,7 @@ class Kept:
             self.room_bytes = room_bytes
             self._shrink()
 
-    def get(self, pair: Pair, find: Callable[[], Found]) -> Found:
+    def get(self, pair: Pair, find: Callable[[], ConnectionArrays]) -> ConnectionArrays:
         """The connections of a pair, worked out by ``find`` if they are not there."""
         with self._lock:
             known = self._found.get(pair)
@@ -66,5 +66,5 @@ class Kept:
             self.bytes -= _bytes_of(self._found.popitem(last=False)[1])
 
 
-def _bytes_of(found: Found) -> int:
+def _bytes_of(found: ConnectionArrays) -> int:
     return sum(column.nbytes for column in found)

@@ -17,12 +17,12 @@ from ..common.constants import HOUR_S, SLACK_M_S, SLACK_S
 from ..common.errors import InputError
 from ..kernels.legs import connections as kernels
 from ..kernels.legs import drifting_connections, given_connections
-from ..kernels.legs.found import Found
+from ..kernels.legs.found import ConnectionArrays
 from ..kernels.tables import timetable as tables
 from ..kernels.tables import timetable_making as making
 from ..plan.tows import leaving_eccentricity_delta_v, leaving_orbits
 from ..problem.instance import Instance
-from .connection_cache import Kept, Pair
+from .connection_cache import ConnectionCache, Pair
 from .corrections import NO_CORRECTIONS, Corrections, Kind
 
 FloatArray = npt.NDArray[np.float64]
@@ -140,12 +140,12 @@ Pairwise = tuple[int, int, Connections]
 """Origin, destination, and the connections between them."""
 
 
-class Connecting:
+class ConnectionFinder:
     """Works out the connections of an instance, pair by pair.
 
     Where events are regular (two-body motion) a pair takes a tenth of a millisecond, and is worked
     out whenever somebody asks. Where nodes drift it takes half a millisecond to many, and what
-    planning needs is kept, as far as there is room (:class:`.connection_cache.Kept`). So it is
+    planning needs is kept, as far as there is room (:mod:`.connection_cache`). So it is
     where connections are given.
 
     Parameters
@@ -159,7 +159,7 @@ class Connecting:
     inputs : tuple
         Bodies as they are left and as they are arrived at, shape (bodies, columns); what matching
         eccentricity vectors alone costs, shape (origin, destination) [m/s]; the transfer rule.
-    kept : Kept
+    kept : ConnectionCache
         The connections of pairs that are kept, as the model has them, where they are listed.
     counts : dict of (origin, destination) to int
         How many connections the pairs have that a table was made of, where they are listed.
@@ -177,13 +177,13 @@ class Connecting:
         self._listed = are_listed(instance)
         self._launches = instance.launches
         self._spent = instance.spent_m_s
-        self.kept = Kept()
+        self.kept = ConnectionCache()
         self.counts: dict[Pair, int] = {}
-        self._chosen: dict[Pair, Found] = {}
+        self._chosen: dict[Pair, ConnectionArrays] = {}
         self._chosen_for = math.nan
         self._resolution = instance.transfer.delta_v_resolution_m_s
         self._end = instance.mission.duration_s + SLACK_S
-        self._longer: Connecting | None = None
+        self._longer: ConnectionFinder | None = None
         self._numbers: list[int] = []
 
     @property
@@ -212,11 +212,11 @@ class Connecting:
         """
         return self._resolution if self.times is not None else 0.0
 
-    def find(self, i: int, j: int, resolution_m_s: float) -> Found:
+    def find(self, i: int, j: int, resolution_m_s: float) -> ConnectionArrays:
         """Work out all connections of two bodies."""
         return self._charged(i, j, self._of_model(i, j, resolution_m_s))
 
-    def _charged(self, i: int, j: int, found: Found) -> Found:
+    def _charged(self, i: int, j: int, found: ConnectionArrays) -> ConnectionArrays:
         """What connections take out of a tank: corrected, and with what was spent before.
 
         A chaser whose tank is not full at the start pays for what is lacking with its first leg:
@@ -231,14 +231,14 @@ class Connecting:
         """What connections from a body cost besides, because it was spent before the start."""
         return self._spent.get(i, 0.0)
 
-    def _of_model(self, i: int, j: int, resolution_m_s: float) -> Found:
+    def _of_model(self, i: int, j: int, resolution_m_s: float) -> ConnectionArrays:
         if i in self._launches or j in self._launches:
             return self._launch(i, j)
         if self._longer is not None and resolution_m_s == self.planning_resolution_m_s:
             known = self._longer.kept_of_model(self._numbers[i], self._numbers[j])
             in_time = known.arrival <= self._end
-            return known if in_time.all() else Found(*(part[in_time] for part in known))
-        found: Found
+            return known if in_time.all() else ConnectionArrays(*(part[in_time] for part in known))
+        found: ConnectionArrays
         if self.given is not None:
             rows = self.given.of_pair(self._names[i], self._names[j])
             found = given_connections.sifted(*rows, self._end, resolution_m_s)
@@ -251,26 +251,28 @@ class Connecting:
             found = drifting_connections.of_pair(*pair, self.times, self._end, resolution_m_s)
         return found
 
-    def _launch(self, i: int, j: int) -> Found:
+    def _launch(self, i: int, j: int) -> ConnectionArrays:
         """Onto a target, for nothing, as soon as the chaser is there: to be early is no loss."""
         leads_on = i in self._launches and j >= self.instance.first_target
         when = np.full(int(leads_on), self._launches.get(i, 0.0))
         nothing = np.zeros_like(when)
-        return Found(when, when, nothing, nothing.astype(np.int8), nothing.astype(np.int32))
+        return ConnectionArrays(
+            when, when, nothing, nothing.astype(np.int8), nothing.astype(np.int32)
+        )
 
-    def found(self, i: int, j: int) -> Found:
+    def found(self, i: int, j: int) -> ConnectionArrays:
         """What planning needs of a pair: kept, or worked out."""
         if self.times is None and self.given is None:
             return self.find(i, j, self.planning_resolution_m_s)
         return self._charged(i, j, self.kept_of_model(i, j))
 
-    def kept_of_model(self, i: int, j: int) -> Found:
+    def kept_of_model(self, i: int, j: int) -> ConnectionArrays:
         """The connections of a pair as the model has them, kept."""
         return self.kept.get((i, j), lambda: self._of_model(i, j, self.planning_resolution_m_s))
 
-    def corrected(self, corrections: Corrections) -> Connecting:
+    def corrected(self, corrections: Corrections) -> ConnectionFinder:
         """The same of other corrections; what is kept of the model is shared."""
-        made = Connecting(self.instance, corrections)
+        made = ConnectionFinder(self.instance, corrections)
         made.kept = self.kept
         return made
 
@@ -279,14 +281,14 @@ class Connecting:
         """Whether other tanks have other connections: those that they can pay, where listed."""
         return self.times is not None
 
-    def shortened(self, instance: Instance) -> Connecting:
+    def shortened(self, instance: Instance) -> ConnectionFinder:
         """That of a mission that differs in limits alone, and is no longer; what is known is used.
 
         A connection is dominated by none that arrives later, so those of the shorter mission are
         those that arrive in time. Tanks may differ unless connections :attr:`depends_on_tank`.
         Prizes may, and targets may be left out: no pair knows of other bodies.
         """
-        made = Connecting(instance, self.corrections)
+        made = ConnectionFinder(instance, self.corrections)
         if self.drifts:
             made._longer, made._numbers = self, self.numbers_of(instance)
         return made
@@ -296,7 +298,7 @@ class Connecting:
         number = {name: at for at, name in enumerate(self._names)}
         return [number[name] for name in part.names]
 
-    def counted_as(self, longer: Connecting) -> None:
+    def counted_as(self, longer: ConnectionFinder) -> None:
         """Take over how many connections pairs have, for a table that is not made of them anew."""
         back = {number: body for body, number in enumerate(longer.numbers_of(self.instance))}
         self.counts |= {
@@ -305,7 +307,7 @@ class Connecting:
             if i in back and j in back
         }
 
-    def limited(self, instance: Instance) -> Connecting:
+    def limited(self, instance: Instance) -> ConnectionFinder:
         """That of a mission that differs in limits alone: :meth:`shortened`, or anew for its tank.
 
         Raises
@@ -320,7 +322,7 @@ class Connecting:
                 "with the longest mission"
             )
         if self.depends_on_tank and instance.largest_tank_m_s != self.instance.largest_tank_m_s:
-            return Connecting(instance, self.corrections)
+            return ConnectionFinder(instance, self.corrections)
         return self.shortened(instance)
 
     def modelled(self, i: int, j: int, revolutions: int, delta_v_m_s: float) -> float:
@@ -336,7 +338,7 @@ class Connecting:
         pairs: making.Pairs,
         first: int,
         last: int,
-        limits: making.Limits,
+        limits: making.ServiceLimits,
         time_value_m_s_per_h: float,
     ) -> None:
         """Make the choice of pairs number ``first`` to before ``last``, for a table."""
@@ -349,7 +351,7 @@ class Connecting:
             taken = np.empty(found.departure.size, dtype=np.int64)
             count = making.choose(found, limits, j, time_value_m_s_per_h / HOUR_S, taken)
             chosen = taken[taken.size - count :]
-            self._chosen[i, j] = Found(*(column[chosen] for column in found))
+            self._chosen[i, j] = ConnectionArrays(*(column[chosen] for column in found))
             self.counts[i, j] = found.departure.size
 
     def table(self, duration: float, slot: npt.NDArray[np.int16]) -> tables.Table:

@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..kernels.legs.found import Found
+from ..kernels.legs.found import ConnectionArrays
 
 Kind = Literal["short", "drift"]
 
@@ -51,7 +51,7 @@ class Corrections:
         factors = (*self.shares.values(), *self.factors.values())
         return any(one != 1.0 for one in factors) or any(self.additions_m_s.values())
 
-    def applied(self, origin: str, destination: str, found: Found) -> Found:
+    def applied(self, origin: str, destination: str, found: ConnectionArrays) -> ConnectionArrays:
         """The connections of a pair at their corrected ΔV, without those nobody shall fly."""
         if not self:
             return found
@@ -64,7 +64,7 @@ class Corrections:
         if np.isfinite(delta_v).all():
             return found._replace(delta_v=delta_v)
         flyable = np.isfinite(delta_v)
-        return Found(*(column[flyable] for column in found._replace(delta_v=delta_v)))
+        return ConnectionArrays(*(column[flyable] for column in found._replace(delta_v=delta_v)))
 
     def corrected(self, origin: str, destination: str, kind: Kind, delta_v_m_s: float) -> float:
         """What a connection costs that has a ΔV by the model [m/s]."""

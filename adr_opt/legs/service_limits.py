@@ -9,13 +9,13 @@ import numpy as np
 from ..common.constants import SLACK_S
 from ..common.records import Window
 from ..kernels.orbits.ephemeris import revolution
-from ..kernels.tables.timetable_making import Limits
+from ..kernels.tables.timetable_making import ServiceLimits
 from ..plan.plan import Leg
 from ..plan.tows import tows_of
 from ..problem.instance import Instance
 
 
-def limits_of(instance: Instance, chaser: int | None = None) -> Limits:
+def limits_of(instance: Instance, chaser: int | None = None) -> ServiceLimits:
     """The times of an instance as the kernels take them; the arrays are read-only.
 
     A tow follows the service at once, or later: the chaser is free only after it. So it counts to
@@ -52,7 +52,7 @@ def limits_of(instance: Instance, chaser: int | None = None) -> Limits:
         closes[body] = min(closed + tow.time_s, duration)
     for array in (service, opens, closes):
         array.setflags(write=False)
-    return Limits(service, opens, closes, begin, duration)
+    return ServiceLimits(service, opens, closes, begin, duration)
 
 
 def service_begins(instance: Instance, leg: Leg) -> float:

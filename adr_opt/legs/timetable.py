@@ -28,7 +28,7 @@ from .connections import (
     CHOICES,
     AllConnections,
     Choice,
-    Connecting,
+    ConnectionFinder,
     Connections,
     Pairwise,
     weights_of,
@@ -65,7 +65,7 @@ class Timetable(Shown):
     time_value_m_s_per_h : float, optional
         What an hour is worth: of all connections that depart at a time or later, the table holds
         the one with the least ΔV + value · (arrival − ready); the instance's by default [m/s].
-    connecting : Connecting, optional
+    connecting : ConnectionFinder, optional
         Of the instance, if there is one already: what it keeps is not worked out again.
     chaser : int, optional
         Number of the one that the choice of transfers is for: when it is there. By default for the
@@ -73,7 +73,7 @@ class Timetable(Shown):
     asked : Neighbours, optional
         Nothing is built: what is chosen is worked out when somebody asks (:attr:`is_asked`), and
         these are the pairs that searches look at. Only where
-        :attr:`~.connections.Connecting.may_be_asked` says so.
+        :attr:`~.connections.ConnectionFinder.may_be_asked` says so.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class Timetable(Shown):
         So many of the pairs are there, from the first on.
     table : adr_opt.kernels.tables.timetable.Table
         The read-only arrays, for kernels.
-    limits : adr_opt.kernels.tables.timetable_making.Limits
+    limits : adr_opt.kernels.tables.timetable_making.ServiceLimits
         Times at the bodies.
     names : tuple of str
         Bodies, the stations first.
@@ -103,7 +103,7 @@ class Timetable(Shown):
         most: int | None = None,
         enough: Callable[[float], bool] = lambda share: False,
         time_value_m_s_per_h: float | None = None,
-        connecting: Connecting | None = None,
+        connecting: ConnectionFinder | None = None,
         chaser: int | None = None,
         asked: Neighbours | None = None,
     ) -> None:
@@ -132,7 +132,7 @@ class Timetable(Shown):
             return enough(filled / max(1, wanted))
 
         if connecting is None or connecting.instance is not instance:
-            connecting = Connecting(instance, corrections)
+            connecting = ConnectionFinder(instance, corrections)
         if asked is not None:
             assert connecting.may_be_asked
             built = 0
@@ -175,7 +175,7 @@ class Timetable(Shown):
         self.limits = limits
         self.time_value_m_s_per_h = time_value_m_s_per_h
 
-    def of_variant(self, instance: Instance, connecting: Connecting) -> Timetable:
+    def of_variant(self, instance: Instance, connecting: ConnectionFinder) -> Timetable:
         """The same timetable for a variant of its instance, with nothing worked out again.
 
         Parameters
@@ -183,7 +183,7 @@ class Timetable(Shown):
         instance : Instance
             With other prizes, with other tanks, or with fewer targets, where that changes no
             connection: :func:`adr_opt.run.reused_timetable.serves` says whether.
-        connecting : Connecting
+        connecting : ConnectionFinder
             Of that instance.
 
         Raises

@@ -11,7 +11,7 @@ from ..common.constants import DAY_S, MU_M3_S2
 from ..common.memory import available_bytes
 from ..kernels.tables import timetable as kernels
 from ..problem.instance import Instance
-from .connections import Connecting, are_listed
+from .connections import ConnectionFinder, are_listed
 
 MEMORY_SHARE = 0.7
 """Part of the free memory that building a timetable may take; planners need some too."""
@@ -148,7 +148,7 @@ def _listed(instance: Instance) -> float:
     if events > 1.0:
         settings = settings.replace(departure_spacing_s=events * spacing)
     coarser = settings.replace(drift_step_s=times * settings.drift_step_s)
-    sample = Connecting(instance.replace(transfer=coarser))
+    sample = ConnectionFinder(instance.replace(transfer=coarser))
     # Pairs all over the field, since how far planes are apart decides what is worth flying.
     rng = np.random.default_rng(0)
     listed = [0.0]

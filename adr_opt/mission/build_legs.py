@@ -15,7 +15,7 @@ from ..legs.families import drift_burns
 from ..plan.plan import Burn, Leg, Reason, Unvisited
 from ..plan.plan import Tow as TowFlown
 from ..plan.routes import weighed
-from ..plan.tows import Tow, burn_vectors, tows_of
+from ..plan.tows import TowPath, burn_vectors, tows_of
 from .problem import Mission
 from .schedule import left_at_start
 
@@ -77,7 +77,7 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
 
 
 def _towing(
-    mission: Mission, tows: Mapping[int, Tow], moves: list[int], legs: list[Leg]
+    mission: Mission, tows: Mapping[int, TowPath], moves: list[int], legs: list[Leg]
 ) -> Iterator[Leg]:
     """Legs with the tows that follow them: as late as the next leg allows."""
     for at, (j, leg) in enumerate(zip(moves, legs, strict=True)):
@@ -89,7 +89,7 @@ def _towing(
         yield leg.replace(tow=tow_flown(mission.transfer_inputs[1][j], tow, start))
 
 
-def tow_flown(orbit: FloatArray, tow: Tow, start_s: float) -> TowFlown:
+def tow_flown(orbit: FloatArray, tow: TowPath, start_s: float) -> TowFlown:
     """A tow that begins at a time, as plans state it.
 
     Parameters

@@ -10,7 +10,7 @@ from typing import Any
 from ..common.card import Shown
 from ..common.errors import InputError
 from ..kernels.tables.timetable_making import Pairs
-from ..legs.connections import Connecting
+from ..legs.connections import ConnectionFinder
 from ..legs.corrections import Corrections
 from ..legs.timetable import Timetable
 from ..plan.cargo import loads_of
@@ -25,7 +25,7 @@ Routes = tuple[tuple[int, ...], ...]
 
 
 @dataclass(frozen=True)
-class Kind:
+class ChaserType:
     """Chasers that can do the same: what one of them flies any other could.
 
     Attributes
@@ -47,7 +47,7 @@ class Campaign(Shown, Prizes):
     instance : Instance
     threads, margin
         As :class:`Mission` takes them.
-    connecting : Connecting, optional
+    connecting : ConnectionFinder, optional
         Of the instance, if there is one already.
     timetables : sequence of Timetable
         Of the instance, one for each chaser, if they are there already.
@@ -59,7 +59,7 @@ class Campaign(Shown, Prizes):
         Bodies, in the order of their numbers.
     missions : tuple of Mission
         Of each chaser; of those of one kind it is the same one but for its name.
-    kinds : tuple of Kind
+    kinds : tuple of ChaserType
     limits : StationLimits
     """
 
@@ -69,7 +69,7 @@ class Campaign(Shown, Prizes):
         *,
         threads: int | None = None,
         margin: float = 0.0,
-        connecting: Connecting | None = None,
+        connecting: ConnectionFinder | None = None,
         timetables: Sequence[Timetable] = (),
     ) -> None:
         super().__init__(instance)
@@ -78,7 +78,7 @@ class Campaign(Shown, Prizes):
         self._threads = threads
         if timetables:
             connecting = timetables[0].connecting
-        self.connecting = connecting or Connecting(instance)
+        self.connecting = connecting or ConnectionFinder(instance)
         # Chasers that are there at the same times choose the same transfers.
         there: dict[Any, Mission] = {}
         available = instance.available_s
@@ -100,7 +100,7 @@ class Campaign(Shown, Prizes):
             by_name = instance.transfer.given is not None and isinstance(chaser.start, InOrbit)
             alike.setdefault((can, chaser.name if by_name else None), []).append(number)
         self.kinds = tuple(
-            Kind(self.missions[numbers[0]], tuple(numbers)) for numbers in alike.values()
+            ChaserType(self.missions[numbers[0]], tuple(numbers)) for numbers in alike.values()
         )
 
     @cached_property

@@ -17,7 +17,7 @@ from ..kernels.rules import rules as kernels
 from ..kernels.tables import on_demand
 from ..kernels.tables.timetable import Table, source_of, transfer_exists
 from ..kernels.tables.timetable_making import Pairs
-from ..legs.connections import Connecting
+from ..legs.connections import ConnectionFinder
 from ..legs.corrections import Corrections
 from ..legs.nearest_pairs import Neighbours
 from ..legs.timetable import Timetable
@@ -47,7 +47,7 @@ class Mission(Shown, Prizes):
         ahead; the instance's by default [m/s per h].
     chaser : int, optional
         Number of the chaser that flies, where there are several.
-    connecting : Connecting, optional
+    connecting : ConnectionFinder, optional
         Of the instance, if there is one already.
     twin : Mission, optional
         That of a chaser of the same instance that is there at the same times: timetables and what
@@ -76,7 +76,7 @@ class Mission(Shown, Prizes):
         margin: float = 0.0,
         time_value_m_s_per_h: float | None = None,
         chaser: int | None = None,
-        connecting: Connecting | None = None,
+        connecting: ConnectionFinder | None = None,
         twin: Mission | None = None,
     ) -> None:
         instance = instance_of(instance)
@@ -332,9 +332,9 @@ class Mission(Shown, Prizes):
         return self._variants[time_value_m_s_per_h]
 
     @cached_property
-    def connecting(self) -> Connecting:
+    def connecting(self) -> ConnectionFinder:
         """Works out the connections of pairs."""
-        return Connecting(self.instance)
+        return ConnectionFinder(self.instance)
 
     @cached_property
     def schedules(self) -> Scheduler:
@@ -352,7 +352,7 @@ class Mission(Shown, Prizes):
     ) -> tuple[
         npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], TransferRule
     ]:
-        """What transfers follow from, see :class:`adr_opt.legs.connections.Connecting`."""
+        """What transfers follow from, see :class:`adr_opt.legs.connections.ConnectionFinder`."""
         return self.connecting.inputs
 
     @cached_property

@@ -135,7 +135,7 @@ def status_of(problem: Prizes, objective: float, upper_bound: float) -> Status:
     return "optimal" if met else "feasible"
 
 
-class Proven(NamedTuple):
+class Claim(NamedTuple):
     """What a plan says of what is proven of it.
 
     Attributes
@@ -150,7 +150,7 @@ class Proven(NamedTuple):
     gap: float | None
 
 
-def proven_of(problem: Prizes, objective: float, upper_bound: float = math.inf) -> Proven:
+def proven_of(problem: Prizes, objective: float, upper_bound: float = math.inf) -> Claim:
     """What is proven of a plan; where all prizes are collected their sum is its bound.
 
     Parameters
@@ -166,8 +166,8 @@ def proven_of(problem: Prizes, objective: float, upper_bound: float = math.inf) 
         # Sums of the same prizes in another order.
         upper_bound = max(upper_bound, objective)
     if not math.isfinite(upper_bound):
-        return Proven(status, None, None)
-    return Proven(status, upper_bound, relative_gap(objective, upper_bound))
+        return Claim(status, None, None)
+    return Claim(status, upper_bound, relative_gap(objective, upper_bound))
 
 
 def noted(result: Result, notes: Sequence[str]) -> Result:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from ..kernels.rules import schedule as kernels
 from ..kernels.rules.rules import Rules
-from ..legs.connections import Connecting, Connections
+from ..legs.connections import ConnectionFinder, Connections
 from ..problem.chasers import Chaser, TankByMass
 
 FloatArray = npt.NDArray[np.float64]
@@ -95,7 +95,7 @@ class Scheduler:
 
     Parameters
     ----------
-    connecting : Connecting
+    connecting : ConnectionFinder
         Of the instance.
     rules : callable
         Gives the rules of the mission, once they are needed.
@@ -109,7 +109,7 @@ class Scheduler:
 
     def __init__(
         self,
-        connecting: Connecting,
+        connecting: ConnectionFinder,
         rules: Callable[[], Rules],
         cost: str,
         chaser: Chaser,

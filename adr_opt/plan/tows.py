@@ -36,7 +36,7 @@ from .planes import Arcs, Plane, ahead, outward
 FloatArray = npt.NDArray[np.float64]
 
 
-class Tow(NamedTuple):
+class TowPath(NamedTuple):
     """How an object is towed.
 
     Attributes
@@ -65,7 +65,7 @@ class Tow(NamedTuple):
         return math.fsum(self.burns_m_s)
 
 
-def tows_of(instance: Instance) -> dict[int, Tow]:
+def tows_of(instance: Instance) -> dict[int, TowPath]:
     """The tows of an instance by the number of the body that is towed."""
     altitude = instance.mission.disposal_altitude_m
     if altitude is None:
@@ -81,11 +81,11 @@ def tows_of(instance: Instance) -> dict[int, Tow]:
         first, second = half_ellipse_speeds(high, low)
         time, shift = arcs.half(high, low, inclination)
         burns = math.sqrt(MU_M3_S2 / high) - first, second - math.sqrt(MU_M3_S2 / low)
-        found[body] = Tow(low, time, burns, shift, target.mass_kg)
+        found[body] = TowPath(low, time, burns, shift, target.mass_kg)
     return found
 
 
-def tow_by_name(instance: Instance) -> dict[str, Tow]:
+def tow_by_name(instance: Instance) -> dict[str, TowPath]:
     """The same by the name of the target."""
     names = instance.names
     return {names[body]: tow for body, tow in tows_of(instance).items()}
@@ -146,7 +146,7 @@ def leaving_eccentricity_delta_v(instance: Instance, leaving: FloatArray) -> Flo
     return costs
 
 
-def burn_vectors(orbit: FloatArray, tow: Tow, start_s: float) -> tuple[FloatArray, FloatArray]:
+def burn_vectors(orbit: FloatArray, tow: TowPath, start_s: float) -> tuple[FloatArray, FloatArray]:
     """The two burns of a tow that begins at a time, inertial, shape (3,) each [m/s].
 
     Parameters

@@ -1,7 +1,7 @@
 """A problem of a variant of an instance, on the timetable that is there.
 
 What a transfer costs knows nothing of prizes, of who is required and of other bodies; and, where
-connections are not listed for a tank (:attr:`adr_opt.legs.connections.Connecting.depends_on_tank`),
+connections are not listed for a tank (``ConnectionFinder.depends_on_tank``),
 nothing of tanks. So whoever changes those and plans again needs no other timetable: that of fewer
 targets is a part of that of more.
 """
@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..common.records import Record
-from ..legs.connections import Connecting
+from ..legs.connections import ConnectionFinder
 from ..mission.campaign import Campaign, Problem, is_campaign, problem_of
 from ..mission.problem import Mission
 from ..problem.instance import Instance
@@ -34,7 +34,7 @@ def _alike(known: Instance, wanted: Instance) -> bool:
     fields = set(Instance.model_fields) - {"name", "targets", "chasers", "mission"}
     if any(getattr(known, name) != getattr(wanted, name) for name in fields):
         return False
-    listed = Connecting(known).depends_on_tank or bool(known.spent_m_s or wanted.spent_m_s)
+    listed = ConnectionFinder(known).depends_on_tank or bool(known.spent_m_s or wanted.spent_m_s)
     changed = () if listed else ("tank",)
     if _but_for(known.chasers, *changed) != _but_for(wanted.chasers, *changed):
         return False
@@ -87,7 +87,7 @@ def _is_part(known: Problem, wanted: Instance) -> bool:
     return shorter and same and _alike(known.instance, wanted)
 
 
-def _connected(instance: Instance, connecting: Connecting) -> Problem:
+def _connected(instance: Instance, connecting: ConnectionFinder) -> Problem:
     if is_campaign(instance):
         return Campaign(instance, connecting=connecting)
     return Mission(instance, connecting=connecting)

@@ -35,7 +35,7 @@ LEAST_S = 1.0
 
 
 @dataclass(frozen=True)
-class Candidates:
+class TableBudget:
     """How much of the timetable there is to plan with: all of it, or the nearest pairs.
 
     Attributes
@@ -167,7 +167,7 @@ def candidates(
     table_bytes: float = TABLE_BYTES,
     hasty: bool = False,
     on_demand: bool = False,
-) -> Candidates:
+) -> TableBudget:
     """Build the timetable of a mission, of as many pairs of bodies as time and memory allow.
 
     Parameters
@@ -193,7 +193,7 @@ def candidates(
         built: then there are no others.
     """
     if whole.has_timetable and (on_demand or not whole.missions[0].timetable.is_asked):
-        return Candidates(whole, 0.0, 0.0)
+        return TableBudget(whole, 0.0, 0.0)
     began = time.perf_counter()
     asker = whole if isinstance(whole, Mission) and may_ask(whole) else None
     on_demand = on_demand and asker is not None
@@ -229,4 +229,4 @@ def candidates(
     if asker is not None and on_demand and not (built and whole.is_whole):
         required = sum(target.required for target in whole.instance.targets)
         asker.ask(neighbours(whole.instance, RANKS + required))
-    return Candidates(whole, time.perf_counter() - began, whole_s)
+    return TableBudget(whole, time.perf_counter() - began, whole_s)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import adr_opt
-from adr_opt.mission.campaign import Campaign, Kind, Problem
+from adr_opt.mission.campaign import Campaign, ChaserType, Problem
 
 STATISTICS = ("mean", "quartile", "best", "epoch", "middle")
 """What a matrix is made of."""
@@ -58,6 +58,6 @@ def one_matrix(problem: Problem, statistic: str) -> tuple[np.ndarray, np.ndarray
     return static_costs(longest, statistic)
 
 
-def kinds_of(problem: Problem) -> tuple[Kind, ...]:
+def kinds_of(problem: Problem) -> tuple[ChaserType, ...]:
     """The kinds of chasers, also where there is one."""
-    return problem.kinds if isinstance(problem, Campaign) else (Kind(problem, (0,)),)
+    return problem.kinds if isinstance(problem, Campaign) else (ChaserType(problem, (0,)),)

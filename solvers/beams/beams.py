@@ -35,7 +35,7 @@ from ..walks.completion_times import no_latest
 from ..walks.latest_times import Latest
 from . import levels
 from .exchange_rates import worth_of
-from .levels import Scratch, Search, Weights
+from .levels import BeamContext, LevelScratch, Weights
 from .time_value import TIME_VALUE_M_S_PER_H
 
 FloatArray = npt.NDArray[np.float64]
@@ -137,7 +137,7 @@ def beam_kernel(rules, done, first, guide, guided, weights, halt):
         keys[j] = levels.key_of(j, weights.seed)
         serviced += done[j]
     remaining = min(bodies - rules.first_target, rules.most_targets) - serviced
-    search = Search(rules, guide, guided, weights, keys)
+    search = BeamContext(rules, guide, guided, weights, keys)
     size = levels.begin(search, done, first, level)
 
     parent_of = np.empty((remaining, width), np.int32)
@@ -151,7 +151,7 @@ def beam_kernel(rules, done, first, guide, guided, weights, halt):
     while buckets < 4 * width:
         buckets *= 2
     which = np.empty(width, np.int64)
-    scratch = Scratch(
+    scratch = LevelScratch(
         np.empty(buckets, np.int32), np.empty(width, np.int32), np.empty(bodies, np.int64),
         np.empty(cand.score.size, np.int64), which,
     )  # fmt: skip

@@ -32,7 +32,7 @@ class Weights(NamedTuple):
     seed: int
 
 
-class Search(NamedTuple):
+class BeamContext(NamedTuple):
     """What does not change from level to level.
 
     Attributes
@@ -82,7 +82,7 @@ class Level(NamedTuple):
     visited: np.ndarray
 
 
-class Candidates(NamedTuple):
+class Successors(NamedTuple):
     """Successors of a level.
 
     Attributes
@@ -103,7 +103,7 @@ class Candidates(NamedTuple):
     spent: np.ndarray
 
 
-class Scratch(NamedTuple):
+class LevelScratch(NamedTuple):
     """Memory of :func:`keep`.
 
     Attributes
@@ -207,7 +207,7 @@ def new_level(width, words):
 @kernel
 def new_candidates(room):
     """Room for candidates."""
-    return Candidates(
+    return Successors(
         np.empty(room), np.empty(room, np.int32), np.empty(room, np.int32),
         np.empty(room, np.int32), np.empty(room), np.empty(room), np.empty(room),
     )  # fmt: skip
@@ -232,12 +232,12 @@ def succeed(search, level, size, serviced, wanted, cand):
 
     Parameters
     ----------
-    search : Search
+    search : BeamContext
     level : Level
     size, serviced : int
         States in it, and targets that each has serviced.
     wanted : int
-    cand : Candidates
+    cand : Successors
         Written.
 
     Returns
@@ -326,16 +326,16 @@ def keep(search, level, serviced, cand, count, most, share, scratch, after):
 
     Parameters
     ----------
-    search : Search
+    search : BeamContext
     level : Level
     serviced : int
         Targets that each of its states has serviced.
-    cand : Candidates
+    cand : Successors
     count : int
         Successors of the level among them.
     most, share : int
         States to keep in all and at one body.
-    scratch : Scratch
+    scratch : LevelScratch
     after : Level
         Written.
     """
@@ -400,7 +400,7 @@ def begin(search, done, first, level):
 
     Parameters
     ----------
-    search : Search
+    search : BeamContext
     done, first
         As :func:`.beams.beam_kernel` takes them.
     level : Level

@@ -22,7 +22,7 @@ from adr_opt.mission.result import Result
 from ..models.answer import Hear
 from ..models.cp_sat_run import run
 from ..models.steps import in_steps
-from ..progress.gap import Certificate
+from ..progress.gap import GapTracker
 from ..progress.proof_size import bound_notes
 
 STEPS_PER_M_S = 1e3
@@ -257,7 +257,7 @@ def routing_bound(
         A plan: bodies in order. The bound may prove it optimal.
     """
     began = time.perf_counter()
-    certificate = Certificate(mission, progress)
+    certificate = GapTracker(mission, progress)
     if start is not None:
         certificate.offer(start)
     counters: dict[str, float] = {"branches": 0}

@@ -20,7 +20,7 @@ from adr_opt.mission.campaign import Campaign
 
 from ..progress.campaign_incumbent import CampaignCertificate
 from ..routes.digits import has_large
-from ..routes.route_pool import Column, Pool, dealt
+from ..routes.route_pool import Column, RoutePool, dealt
 from ..routes.set_packing import cheapest_of, packing
 from .cheapest_routes import cheapest_routes
 from .route_enumeration import PACKING_OFF, SCALE, worth_a_goal
@@ -34,7 +34,9 @@ def lacks_plan(campaign: Campaign, certificate: CampaignCertificate) -> bool:
     return certificate.sequence is None or campaign.shown(certificate.incumbent) < 0.0
 
 
-def settle(campaign: Campaign, certificate: CampaignCertificate, pool: Pool, stop: Stop) -> bool:
+def settle(
+    campaign: Campaign, certificate: CampaignCertificate, pool: RoutePool, stop: Stop
+) -> bool:
     """Put a plan together from the cheapest routes of all sets of targets, where these are few.
 
     Parameters
@@ -42,7 +44,7 @@ def settle(campaign: Campaign, certificate: CampaignCertificate, pool: Pool, sto
     campaign : Campaign
     certificate : CampaignCertificate
         Told of the plan, and of what no plan is worth more than.
-    pool : Pool
+    pool : RoutePool
         Of routes; all that are found are added to it.
     stop : Stop
         Its time alone counts here.
@@ -121,7 +123,7 @@ def _weighs(campaign: Campaign) -> bool:
     return any(station.max_propellant_kg is not None for station in campaign.instance.stations)
 
 
-def _list_all(campaign: Campaign, pool: Pool, stop: Stop) -> bool:
+def _list_all(campaign: Campaign, pool: RoutePool, stop: Stop) -> bool:
     """Add the cheapest route of each kind and set to a pool; False if the time is over."""
     first = campaign.instance.first_target
     targets = range(first, first + len(campaign.instance.targets))

@@ -20,7 +20,7 @@ from adr_opt.mission.campaign import Campaign
 
 from ..progress.campaign_incumbent import CampaignCertificate
 from ..progress.cost_rounds import RELATIVE
-from ..routes.route_pool import Pool, dealt
+from ..routes.route_pool import RoutePool, dealt
 from ..routes.set_packing import cheapest_of, packing
 from .cheapest_routes import cheapest_routes
 
@@ -42,7 +42,7 @@ class CostFinish:
     campaign : Campaign
     certificate : CampaignCertificate
         Told of cheaper plans.
-    pool : Pool
+    pool : RoutePool
         Of routes; added to.
     asked : float
         What a plan has to be worth.
@@ -53,7 +53,7 @@ class CostFinish:
         self,
         campaign: Campaign,
         certificate: CampaignCertificate,
-        pool: Pool,
+        pool: RoutePool,
         asked: float,
         stop: Stop,
     ) -> None:

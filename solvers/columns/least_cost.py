@@ -27,12 +27,12 @@ from scipy.optimize import LinearConstraint
 from adr_opt.common.stop import Stop, TimeIsOver
 from adr_opt.mission.campaign import Campaign
 
-from ..labels.label_search import Routes as Search
+from ..labels.label_search import LabelSearch as Search
 from ..progress.campaign_incumbent import CampaignCertificate
 from ..progress.cost_rounds import CostRounds, asked, is_least, settled
 from ..proof.cost import COARSER, PricedBound
 from ..proof.proof import FIRST_LABELS, GROWTH, ProofOptions
-from ..routes.route_pool import Pool, dealt
+from ..routes.route_pool import RoutePool, dealt
 from ..routes.set_packing import cheapest_of, packing
 from ..walks.tariffs import Tariff, most_expense, tariffs_of
 from .bound import CampaignBound
@@ -86,7 +86,7 @@ class CampaignCost(CostRounds):
     campaign : Campaign
     certificate : CampaignCertificate
         With the plan whose worth is asked for; told of cheaper ones.
-    pool : Pool
+    pool : RoutePool
         Of routes; added to.
     stop : Stop
         Its time alone counts here.
@@ -97,7 +97,7 @@ class CampaignCost(CostRounds):
         self,
         campaign: Campaign,
         certificate: CampaignCertificate,
-        pool: Pool,
+        pool: RoutePool,
         stop: Stop,
         options: ProofOptions,
     ) -> None:
@@ -305,7 +305,7 @@ class CampaignCost(CostRounds):
 def prove_campaign_cost(
     campaign: Campaign,
     certificate: CampaignCertificate,
-    pool: Pool,
+    pool: RoutePool,
     stop: Stop,
     options: ProofOptions,
 ) -> tuple[float, dict[str, float]]:

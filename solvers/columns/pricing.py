@@ -12,7 +12,7 @@ from adr_opt.mission.problem import Mission
 
 from ..beams.beams import beam_search
 from ..beams.varied_beams import varied
-from ..labels.label_search import Routes
+from ..labels.label_search import LabelSearch
 from ..walks.walks import WalkBound
 
 MOST_PLANS = 200
@@ -54,9 +54,9 @@ class LabelPricing:
     """
 
     def __init__(self, bound: WalkBound, start: int) -> None:
-        self._routes = Routes(bound, start=start)
+        self._routes = LabelSearch(bound, start=start)
         # Remembers all, and lets a label dominate another one whatever that remembers.
-        self._quick = Routes(bound, start=start)
+        self._quick = LabelSearch(bound, start=start)
         self._quick.neighbourhood[:], self._quick.compared[:] = -1, 0
         self.most_worth = math.inf
         self.remembered = np.zeros_like(self._routes.neighbourhood)

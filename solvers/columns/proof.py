@@ -29,13 +29,13 @@ from adr_opt.mission.evidence import Evidence
 from ..networks.evidence import evidence_of
 from ..progress.campaign_incumbent import CampaignCertificate
 from ..proof.proof import COARSER, FIRST_LABELS, GROWTH, ProofOptions
-from ..routes.route_pool import Column, Key, Pool
+from ..routes.route_pool import Column, Key, RoutePool
 from ..walks.multipliers import Descent
 from ..walks.walks import WalkBound
 from .bound import CampaignBound
 from .master import Duals, Master
 from .pricing import LabelPricing, by_beam
-from .route_enumeration import Answer, Finish
+from .route_enumeration import EnumerationAnswer, Finish
 
 DESCENT = 30
 """Evaluations of walks before the first columns."""
@@ -64,7 +64,7 @@ class CampaignProof:
     campaign : Campaign
     certificate : CampaignCertificate
         Told of every bound, and asked for the incumbent.
-    pool : Pool
+    pool : RoutePool
         Of routes; added to.
     seed : int
     stop : Stop
@@ -81,7 +81,7 @@ class CampaignProof:
         self,
         campaign: Campaign,
         certificate: CampaignCertificate,
-        pool: Pool,
+        pool: RoutePool,
         seed: int,
         stop: Stop,
         options: ProofOptions,
@@ -195,7 +195,7 @@ class CampaignProof:
                 goal, multipliers, most_worth, self._options.most_labels, enough,
                 self._stop.remaining_s,
             )  # fmt: skip
-            if answer is Answer.NONE:
+            if answer is EnumerationAnswer.NONE:
                 certificate.lower(certificate.below(goal))
             if routes is None or not certificate.offer(routes):
                 break

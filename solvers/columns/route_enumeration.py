@@ -19,7 +19,7 @@ from scipy.optimize import LinearConstraint
 from adr_opt.mission.campaign import Campaign, Routes
 from adr_opt.plan.station_limits import Use
 
-from ..labels.label_search import Routes as Search
+from ..labels.label_search import LabelSearch as Search
 from ..routes.digits import beside, has_large, in_units, reaching
 from ..routes.route_pool import dealt
 from ..routes.set_packing import Packed, cheapest_of, packing
@@ -64,7 +64,7 @@ def worth_a_goal(
     return cheapest_of(costs, [*wider, row], time_limit_s, carries=carries)
 
 
-class Answer(Enum):
+class EnumerationAnswer(Enum):
     """What became of a question for a better plan."""
 
     NONE = "there is none"
@@ -100,7 +100,7 @@ class Finish:
         most_labels: int,
         enough: Callable[[], bool],
         remaining_s: Callable[[], float],
-    ) -> tuple[Answer, Routes | None]:
+    ) -> tuple[EnumerationAnswer, Routes | None]:
         """Whether a plan is worth a goal, and if so one.
 
         Parameters
@@ -127,11 +127,11 @@ class Finish:
             least -= LEAST_OFF * self._largest
             finished, _, _, _ = search.search(search.total + least, most_labels, enough)
             if not finished:
-                return Answer.UNKNOWN, None
+                return EnumerationAnswer.UNKNOWN, None
             found = search.plans(MOST_ROUTES + 1)
             routes += [(kind, route) for route in found]
             if len(routes) > MOST_ROUTES:
-                return Answer.UNKNOWN, None
+                return EnumerationAnswer.UNKNOWN, None
         return self._pack(goal, routes, remaining_s)
 
     def _pack(
@@ -139,26 +139,29 @@ class Finish:
         goal: float,
         routes: list[tuple[int, tuple[int, ...]]],
         remaining_s: Callable[[], float],
-    ) -> tuple[Answer, Routes | None]:
+    ) -> tuple[EnumerationAnswer, Routes | None]:
         """Whether some of the routes make a plan that is worth the goal.
 
         Where stations have limits a route of the same targets may keep to them that was not
         listed: then there is no plan only if there is none without limits.
         """
         if not routes:
-            return Answer.NONE, None
+            return EnumerationAnswer.NONE, None
         answer, taken = self._packed(
             goal, routes, remaining_s(), limited=bool(self._campaign.limits)
         )
-        if answer is Answer.NONE and self._campaign.limits:
-            if self._packed(goal, routes, remaining_s(), limited=False)[0] is not Answer.NONE:
-                answer = Answer.UNKNOWN
+        if answer is EnumerationAnswer.NONE and self._campaign.limits:
+            if (
+                self._packed(goal, routes, remaining_s(), limited=False)[0]
+                is not EnumerationAnswer.NONE
+            ):
+                answer = EnumerationAnswer.UNKNOWN
         return answer, taken
 
     def _packed(
         self, goal: float, routes: list[tuple[int, tuple[int, ...]]], time_limit_s: float,
         *, limited: bool,
-    ) -> tuple[Answer, Routes | None]:  # fmt: skip
+    ) -> tuple[EnumerationAnswer, Routes | None]:  # fmt: skip
         """The same, of these very routes, with the limits of stations or without."""
         campaign, first = self._campaign, self._campaign.instance.first_target
         sets = [(kind, frozenset(j for j in route if j >= first)) for kind, route in routes]
@@ -167,9 +170,9 @@ class Finish:
         packed = packing(campaign, sets, uses, all_flown=True)
         found = worth_a_goal(campaign, worths, goal, [packed], time_limit_s)
         if found.taken is None:
-            return Answer.NONE if found.solved else Answer.UNKNOWN, None
+            return EnumerationAnswer.NONE if found.solved else EnumerationAnswer.UNKNOWN, None
         taken = [routes[at] for at in found.taken]
-        return Answer.FOUND, dealt(campaign, taken)
+        return EnumerationAnswer.FOUND, dealt(campaign, taken)
 
     def _use(self, kind: int, route: tuple[int, ...]) -> Use:
         """What a route takes of stations."""

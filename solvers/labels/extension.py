@@ -46,7 +46,7 @@ MOST_PAID = 2.0**60
 EXHAUSTED, CHUNK_DONE, FULL, CROWDED, PILED = 0, 1, 2, 3, 4
 
 
-class Table(NamedTuple):
+class CompletionValues(NamedTuple):
     """Completion values: what a walk can still collect, by body, time and ΔV left.
 
     Attributes
@@ -71,12 +71,12 @@ class Table(NamedTuple):
     slot: float
 
 
-class Search(NamedTuple):
+class LabelQuery(NamedTuple):
     """What a search asks for, and what it may not forget.
 
     Attributes
     ----------
-    values : Table
+    values : CompletionValues
         Of one kind, or several where ΔV is paid for.
     shift : (kinds,) float64
         What worth adds to the value of a walk to make its value of that kind [fine units].
@@ -111,13 +111,13 @@ class Search(NamedTuple):
         told apart, whatever they remember; else nothing.
     least_worth : float
         Walks worth less are of no use, where it is.
-    reach : Table
+    reach : CompletionValues
         Most worth that is still to be had, where it is.
     reach_unit : float
         Worth of a unit of these values.
     """
 
-    values: Table
+    values: CompletionValues
     shift: np.ndarray
     need: np.ndarray
     gain: np.ndarray
@@ -133,7 +133,7 @@ class Search(NamedTuple):
     asked: int
     worths: np.ndarray
     least_worth: float
-    reach: Table
+    reach: CompletionValues
     reach_unit: float
 
 
@@ -255,7 +255,7 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
         Body of each row.
     order : (rows,) int64
         Rows by departure.
-    search : Search
+    search : LabelQuery
     labels : Labels
     pending : Pending
         Updated.

@@ -19,7 +19,16 @@ from adr_opt.kernels.rules.loads import KITS_BIT
 from adr_opt.mission.evidence import WORD
 
 from ..walks.walks import WalkBound
-from .extension import CROWDED, EXHAUSTED, FULL, MOST_PAID, PILED, Search, Table, extend
+from .extension import (
+    CROWDED,
+    EXHAUSTED,
+    FULL,
+    MOST_PAID,
+    PILED,
+    CompletionValues,
+    LabelQuery,
+    extend,
+)
 from .ng_augmentation import learn, most_of, path_of, plans_of
 from .pending import more_room, pending_room, send
 from .waiting import FINE, Labels, labels_room, larger, room
@@ -46,16 +55,16 @@ WALKS = 1000
 """Walks to learn from after a search."""
 
 
-def table_of(bound: WalkBound) -> Table:
+def table_of(bound: WalkBound) -> CompletionValues:
     """The completion values of the last evaluation of a bound."""
     best, second = bound.values.best, bound.values.second
-    return Table(
+    return CompletionValues(
         bound.buckets.of_row, best.reshape(1, -1), second.reshape(1, -1), best.shape[1],
         bound.bits, bound.width, bound.top, bound.slot,
     )  # fmt: skip
 
 
-class Routes:
+class LabelSearch:
     """Searches with the completion values of a bound, and the memory that grows meanwhile.
 
     Parameters
@@ -124,12 +133,14 @@ class Routes:
         self.multipliers, self.total = kept, math.fsum(kept)
         return value + self.total
 
-    def pay(self, values: Table, prices: np.ndarray, reach: WalkBound, least_worth: float) -> None:
+    def pay(
+        self, values: CompletionValues, prices: np.ndarray, reach: WalkBound, least_worth: float
+    ) -> None:
         """Let walks pay for ΔV from now on: without multipliers.
 
         Parameters
         ----------
-        values : Table
+        values : CompletionValues
             Of the same walks at several prices of worth.
         prices : (kinds,) float64
             These [m/s].
@@ -166,7 +177,7 @@ class Routes:
         needs[0] = need
         needs -= math.ceil(min(bound.ahead(self._start) / self._unit, MOST_PAID))
         price = np.broadcast_to(bound.price / self._unit, self._roots).copy()
-        search = Search(
+        search = LabelQuery(
             self._values, shift, needs, self._gain, self.neighbourhood, self.compared,
             bound.budget, bound.loads, bound.most_targets, price, bool(price.any()),
             bound.time_price / self._unit, float(bound.since[self._start]), need, self._worths,

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 
-class Answer(NamedTuple):
+class SolverAnswer(NamedTuple):
     """What a solver says of a network.
 
     Attributes

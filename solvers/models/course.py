@@ -22,12 +22,12 @@ from adr_opt.mission.result import Result
 
 from ..beams.greedy_order import greedy_sequence
 from ..networks.arrays import Network as Rows
-from ..progress.gap import Certificate
+from ..progress.gap import GapTracker
 from ..progress.proof_size import bound_notes, set_up_s
 from ..walks.multipliers import Descent
 from ..walks.walks import WalkBound
-from .answer import Answer, Hear
-from .network import Network, bodies_along, keep, of_rows, path_of
+from .answer import Hear, SolverAnswer
+from .network import SolverNetwork, bodies_along, keep, of_rows, path_of
 from .reduction import best_through, can_reach, finest_slot
 
 WHOLE_LEGS = 1_000
@@ -48,10 +48,10 @@ FINER = 0.8
 """Reduced costs are worked out again where slots can be finer by this factor."""
 
 
-class Model(Protocol):
+class SolverModel(Protocol):
     """A network written for a solver."""
 
-    def solve(self, *, seed: int, hear: Hear) -> Answer:
+    def solve(self, *, seed: int, hear: Hear) -> SolverAnswer:
         """Solve it, or as much as the time allows."""
         ...
 
@@ -60,7 +60,7 @@ class Model(Protocol):
         ...
 
 
-MakeModel = Callable[[Network, Rules, float, list[int]], Model]
+MakeModel = Callable[[SolverNetwork, Rules, float, list[int]], SolverModel]
 """Network, rules, unit of the objective, legs of a plan to begin from."""
 
 
@@ -107,7 +107,7 @@ def prove(
         As for any planner. Without a start, the guarded greedy planner gives one.
     """
     began = time.perf_counter()
-    certificate = Certificate(mission, progress)
+    certificate = GapTracker(mission, progress)
     course = _Course(mission, make_model, certificate, stop, seed)
     if start is None:
         start = greedy_sequence(mission)
@@ -139,7 +139,7 @@ class _Course:
         self,
         mission: Mission,
         make_model: MakeModel,
-        certificate: Certificate,
+        certificate: GapTracker,
         stop: Stop,
         seed: int,
     ) -> None:
@@ -217,7 +217,7 @@ class _Course:
             if certificate.bound >= before:
                 return
 
-    def _network(self, rows: Rows) -> Network:
+    def _network(self, rows: Rows) -> SolverNetwork:
         """The network of a mission, counted."""
         network = of_rows(rows, self._mission.rules)
         self.counters |= {"network_nodes": network.nodes, "network_arcs": network.legs}
@@ -236,7 +236,9 @@ class _Course:
                 break
         return descent.multipliers
 
-    def _reduced(self, network: Network, multipliers: np.ndarray, goal: float) -> Network:
+    def _reduced(
+        self, network: SolverNetwork, multipliers: np.ndarray, goal: float
+    ) -> SolverNetwork:
         """The network of the legs that a plan worth the goal may use, by finer and finer slots."""
         rules = self._mission.rules
         slot = math.inf
@@ -248,11 +250,11 @@ class _Course:
             network = keep(network, can_reach(through, goal), rules)
         return network
 
-    def _solve(self, network: Network, goal: float) -> None:
+    def _solve(self, network: SolverNetwork, goal: float) -> None:
         """Hand a network to the solver that holds every plan worth a goal."""
         certificate, rules = self._certificate, self._mission.rules
         stays = bool(rules.may_end[rules.start])
-        answer = Answer((), 0.0 if stays else -math.inf, 0)
+        answer = SolverAnswer((), 0.0 if stays else -math.inf, 0)
         if network.legs:
             self.counters["solves"] += 1
             self.counters["solved_arcs"] = network.legs
@@ -279,7 +281,7 @@ class _Course:
         certificate.lower(max(answer.upper_bound, goal))
 
 
-def _too_dear(network: Network, rules: Rules, path: tuple[int, ...]) -> list[list[int]]:
+def _too_dear(network: SolverNetwork, rules: Rules, path: tuple[int, ...]) -> list[list[int]]:
     """Legs that exceed a tank when one is taken of each group; none if a path keeps to it.
 
     Each group goes from one body to the next of the path's first tank that does not reach, and

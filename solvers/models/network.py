@@ -36,7 +36,7 @@ ENOUGH = 0.98
 """Nodes and legs are gone through again while no more than this share of the legs is left."""
 
 
-class Network(NamedTuple):
+class SolverNetwork(NamedTuple):
     """Nodes in order of time, the start first, and the ways between them.
 
     Attributes
@@ -178,7 +178,7 @@ def _dominated(pair, landing, delta_v, dominated):
         size = with_stair(lands, costs, size, low, landing[leg], delta_v[leg])
 
 
-def all_of(rows: Rows, rules: Rules) -> Network:
+def all_of(rows: Rows, rules: Rules) -> SolverNetwork:
     """Rows, legs and waits of a mission as a network in order of time: nothing is cut.
 
     Parameters
@@ -197,10 +197,12 @@ def all_of(rows: Rows, rules: Rules) -> Network:
     onward = number[np.minimum(order + 1, rows.departure.size - 1)]
     onward[np.isinf(rows.departure[order])] = -1
     bodies = np.repeat(np.arange(rules.service.size, dtype=np.int32), np.diff(rows.start))
-    return Network(bodies[order], onward, first, number[rows.landing[legs]], rows.delta_v[legs])
+    return SolverNetwork(
+        bodies[order], onward, first, number[rows.landing[legs]], rows.delta_v[legs]
+    )
 
 
-def of_rows(rows: Rows, rules: Rules) -> Network:
+def of_rows(rows: Rows, rules: Rules) -> SolverNetwork:
     """The network of a mission.
 
     Parameters
@@ -212,12 +214,12 @@ def of_rows(rows: Rows, rules: Rules) -> Network:
     return keep(whole, np.ones(whole.legs, dtype=np.bool_), rules)
 
 
-def keep(network: Network, kept: np.ndarray, rules: Rules) -> Network:
+def keep(network: SolverNetwork, kept: np.ndarray, rules: Rules) -> SolverNetwork:
     """The network of some of its legs, without what has become superfluous.
 
     Parameters
     ----------
-    network : Network
+    network : SolverNetwork
     kept : (legs,) bool
     rules : adr_opt.kernels.rules.rules.Rules
     """
@@ -229,7 +231,7 @@ def keep(network: Network, kept: np.ndarray, rules: Rules) -> Network:
         kept = np.ones(network.legs, dtype=np.bool_)
 
 
-def _cut(network: Network, kept: np.ndarray, rules: Rules) -> Network:
+def _cut(network: SolverNetwork, kept: np.ndarray, rules: Rules) -> SolverNetwork:
     """Drop what is of no use, merge, and drop what is dominated then."""
     kept = kept.copy()
     nodes = network.nodes
@@ -250,7 +252,7 @@ def _cut(network: Network, kept: np.ndarray, rules: Rules) -> Network:
     tail = number[tail[left]]
     heads = np.flatnonzero(landed)
     count = np.bincount(tail, minlength=heads.size)
-    return Network(
+    return SolverNetwork(
         network.body[heads],
         _next_of_body(network.body[heads]),
         np.concatenate(([0], np.cumsum(count))).astype(np.int64),
@@ -268,12 +270,12 @@ def _next_of_body(body: np.ndarray) -> np.ndarray:
     return onward
 
 
-def path_of(network: Network, order, rules: Rules) -> list[int]:
+def path_of(network: SolverNetwork, order, rules: Rules) -> list[int]:
     """The legs of an order of bodies, or of its longest beginning that is in the network.
 
     Parameters
     ----------
-    network : Network
+    network : SolverNetwork
     order : iterable of int
         Bodies.
     rules : adr_opt.kernels.rules.rules.Rules
@@ -309,12 +311,12 @@ def path_of(network: Network, order, rules: Rules) -> list[int]:
     return path[::-1]
 
 
-def bodies_along(network: Network, chosen) -> tuple[int, ...]:
+def bodies_along(network: SolverNetwork, chosen) -> tuple[int, ...]:
     """The bodies of the path that takes some legs, in order.
 
     Parameters
     ----------
-    network : Network
+    network : SolverNetwork
     chosen : iterable of int
         Legs, in any order.
     """

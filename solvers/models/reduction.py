@@ -25,7 +25,7 @@ from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.rules.rules import Rules
 
 from ..networks.layers import SLACK
-from .network import Network
+from .network import SolverNetwork
 
 MOST_STATES = 10_000_000
 """States of a sweep; slots of ΔV are widened until they are no more."""
@@ -45,7 +45,7 @@ LARGEST = 2**40
 """No sum of values exceeds it in size, and NEVER is far below whatever is added to it."""
 
 
-def finest_slot(network: Network, budget: float) -> float:
+def finest_slot(network: SolverNetwork, budget: float) -> float:
     """The finest slot of ΔV that a sweep over the network can afford [m/s]."""
     return max(FINEST_SLOT_M_S, budget * network.nodes / MOST_STATES)
 
@@ -138,13 +138,13 @@ def _backwards(network, is_station, may_end, cost, gain, top, best, second, thro
 
 
 def best_through(
-    network: Network, rules: Rules, multipliers: np.ndarray, slot: float
+    network: SolverNetwork, rules: Rules, multipliers: np.ndarray, slot: float
 ) -> np.ndarray:
     """No plan that uses a leg is worth more than this.
 
     Parameters
     ----------
-    network : Network
+    network : SolverNetwork
     rules : adr_opt.kernels.rules.rules.Rules
     multipliers : (bodies,) float64
         At least 0, and 0 where there is no target.

@@ -19,7 +19,7 @@ from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
 from adr_opt.kernels.core.lists import chosen, rising
 from adr_opt.kernels.legs import connections
-from adr_opt.kernels.legs.found import Found
+from adr_opt.kernels.legs.found import ConnectionArrays
 from adr_opt.mission.problem import Mission
 
 from .arrays import Network, joined
@@ -68,7 +68,7 @@ def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
     Parameters
     ----------
     departure, arrival, delta_v, crossing : (connections,)
-        As in :class:`adr_opt.kernels.legs.found.Found`; crossings become numbers of services.
+        As in :mod:`adr_opt.kernels.legs.found`; crossings become numbers of services.
     before : int
         Services of the bodies before.
     end : (crossings,) float64
@@ -130,7 +130,7 @@ def found_of(i, j, leaving, orbits, extra_delta_v, transfer_rule, listed, last):
     for c in range(size):
         departure[c], arrival[c] = listed.departure[begin + c], listed.arrival[begin + c]
         delta_v[c], crossing[c] = listed.delta_v[begin + c], listed.crossing[begin + c]
-    return Found(departure, arrival, delta_v, np.empty(0, np.int8), crossing)
+    return ConnectionArrays(departure, arrival, delta_v, np.empty(0, np.int8), crossing)
 
 
 @kernel
@@ -320,7 +320,7 @@ class Listed(NamedTuple):
         First connection to each destination.
     departure, arrival, delta_v : (connections,) float64
     crossing : (connections,) int32
-        As in :class:`adr_opt.kernels.legs.found.Found`.
+        As in :class:`adr_opt.kernels.legs.found.ConnectionArrays`.
     """
 
     first: np.ndarray

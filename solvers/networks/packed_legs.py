@@ -160,7 +160,7 @@ def _of_body(
     return room[:count], least
 
 
-class Source:
+class LegSource:
     """The legs of a mission, origin by origin.
 
     Parameters

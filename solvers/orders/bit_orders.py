@@ -15,26 +15,26 @@ from adr_opt.kernels.core.memory import borrowed, write
 
 from . import fronts as staircases
 from . import fronts_backward
-from .fronts import STRAIGHT, Stairs
+from .fronts import STRAIGHT, ParetoFront
 from .reach import may_fit
 
 PASSED_OVER = 0.15
 """Probability that a position is not looked at."""
 
 
-class Course(NamedTuple):
+class BitOrder(NamedTuple):
     """An order of targets, and how far it can be flown from both ends; places are bodies.
 
     Attributes
     ----------
     order : (targets,) int64
         All targets: those visited in order, then the others.
-    came, suffices : Stairs
+    came, suffices : ParetoFront
     """
 
     order: np.ndarray
-    came: Stairs
-    suffices: Stairs
+    came: ParetoFront
+    suffices: ParetoFront
 
 
 @inlined
@@ -155,7 +155,7 @@ def best_position(rules, lines, reach, course, length, j, desk, trial, rng):
 @kernel
 def new_course(order, bodies):
     """A course for a copy of an order, of which nothing is timed yet."""
-    return Course(order.copy(), staircases.new_stairs(bodies), staircases.new_stairs(bodies))
+    return BitOrder(order.copy(), staircases.new_stairs(bodies), staircases.new_stairs(bodies))
 
 
 @kernel

@@ -21,7 +21,7 @@ SHARES = (0.0, 0.1, 0.35, 1.0, 3.0, 10.0, 30.0)
 """Values of time whose choices are taken, as multiples of what beams take an hour to be worth."""
 
 
-class Lines(NamedTuple):
+class ConnectionTable(NamedTuple):
     """Connections of all pairs, those of a pair side by side and in order of departure.
 
     Attributes
@@ -58,7 +58,7 @@ def _mark(found, limits, j, values, taken, wanted):
             wanted[taken[place]] = True
 
 
-def lines_of(mission: Mission) -> Lines:
+def lines_of(mission: Mission) -> ConnectionTable:
     """The lines of a mission under which nodes drift; its timetable is built."""
     rules, limits = mission.rules, mission.timetable.limits
     connecting = mission.timetable.connecting
@@ -86,7 +86,7 @@ def lines_of(mission: Mission) -> Lines:
         least[i, j] = cost.min(initial=np.inf)
         count += end.size
     empty = np.empty(0)
-    return Lines(
+    return ConnectionTable(
         first,
         total,
         least,

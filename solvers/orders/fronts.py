@@ -28,7 +28,7 @@ STEPS = 60
 """A stair is higher than the one before by this part of a tank."""
 
 
-class Stairs(NamedTuple):
+class ParetoFront(NamedTuple):
     """Stairs at several places, side by side.
 
     Attributes
@@ -50,7 +50,7 @@ class Stairs(NamedTuple):
     via: np.ndarray
 
 
-class Desk(NamedTuple):
+class Workspace(NamedTuple):
     """Memory to work in.
 
     Attributes
@@ -59,19 +59,19 @@ class Desk(NamedTuple):
         By connection of a pair [m/s].
     parent : (connections,) int16
         By connection of a pair.
-    parts : Stairs
+    parts : ParetoFront
         Three places, for stairs before they are merged.
     """
 
     tank: np.ndarray
     parent: np.ndarray
-    parts: Stairs
+    parts: ParetoFront
 
 
 @kernel
 def new_stairs(places):
     """Room for stairs."""
-    return Stairs(
+    return ParetoFront(
         np.zeros(places, np.int64), np.empty((places, MOST_STAIRS)),
         np.empty((places, MOST_STAIRS)), np.empty((places, MOST_STAIRS), np.int16),
         np.empty((places, MOST_STAIRS), np.int16),
@@ -82,7 +82,7 @@ def new_stairs(places):
 def new_desk(lines):
     """Memory to work in, enough for any pair."""
     most = max(1, lines.total.max())
-    return Desk(np.empty(most), np.empty(most, np.int16), new_stairs(3))
+    return Workspace(np.empty(most), np.empty(most, np.int16), new_stairs(3))
 
 
 @inlined
@@ -228,8 +228,8 @@ def forwards(rules, lines, i, j, refuels, here, at, latest, desk, there, to):
         Whether the chaser may come by a station: it has serviced a target since the last.
     latest : float
         [s].
-    desk : Desk
-    there : Stairs
+    desk : Workspace
+    there : ParetoFront
         Written at the place ``to``.
 
     Returns

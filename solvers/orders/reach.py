@@ -17,7 +17,7 @@ from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
 from adr_opt.kernels.core.memory import borrowed
 
-from .connection_table import Lines
+from .connection_table import ConnectionTable
 
 CELLS = 73
 """The mission in cells of time: of five days, if it takes a year."""
@@ -99,7 +99,7 @@ def _reach_of(lines, stations, duration, spans):
     return Reach(cell_s, rank, least, straight, shortest)
 
 
-def reach_of(lines: Lines, stations: int, duration: float) -> Reach:
+def reach_of(lines: ConnectionTable, stations: int, duration: float) -> Reach:
     """Bounds on the legs of a mission that lasts so long [s], over its lines."""
     reach: Reach = _reach_of(lines, stations, duration, np.array(SPANS, dtype=np.int64))
     return reach

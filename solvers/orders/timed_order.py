@@ -26,7 +26,7 @@ MOST_LABELS = 6
 """Labels kept at a target: the earliest ones. More are rare, and only cost plans, not legality."""
 
 
-class Labels(NamedTuple):
+class OrderLabels(NamedTuple):
     """Labels by position in the order; position 0 is the start at the station.
 
     Attributes
@@ -48,11 +48,11 @@ class Labels(NamedTuple):
     via: np.ndarray
 
 
-def make_labels(mission: Mission) -> Labels:
+def make_labels(mission: Mission) -> OrderLabels:
     """Labels for orders of the targets of a mission, the start filled in."""
     targets, rules = len(mission.instance.targets), mission.rules
     shape = (targets + 1, MOST_LABELS)
-    labels = Labels(
+    labels = OrderLabels(
         np.zeros(targets + 1, dtype=np.int64),
         np.zeros(shape),
         np.zeros(shape),

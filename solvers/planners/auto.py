@@ -27,10 +27,10 @@ from ..beams.recreate import recreate
 from ..beams.timely_beams import Beams, pilots
 from ..beams.varied_beams import varied
 from ..orders.string_removal import Strings
-from ..progress.gap import Certificate
+from ..progress.gap import GapTracker
 from ..progress.incumbent import Incumbent
 from ..progress.proof_size import proof_notes
-from ..proof.concurrent_proof import LEAST_PROOF_S, LEAST_SET_UPS, Beside
+from ..proof.concurrent_proof import LEAST_PROOF_S, LEAST_SET_UPS, ConcurrentProof
 from ..proof.large_proof import LargeProof
 from ..proof.proof import Proof, ProofOptions, proof_of
 from ..walks.latest_times import Latest
@@ -73,7 +73,7 @@ Task = Callable[[], None]
 class _Search:
     """The searching half: beams, and ruin and recreate."""
 
-    def __init__(self, mission: Mission, seed: int, stop: Stop, certificate: Certificate) -> None:
+    def __init__(self, mission: Mission, seed: int, stop: Stop, certificate: GapTracker) -> None:
         self._mission = mission
         self._stop = stop
         self._certificate = certificate
@@ -204,11 +204,11 @@ class _Search:
 
 
 def _prover(
-    mission: Mission, certificate: Certificate, stop: Stop, options: ProofOptions
-) -> Beside[tuple[int, ...], Proof | LargeProof]:
+    mission: Mission, certificate: GapTracker, stop: Stop, options: ProofOptions
+) -> ConcurrentProof[tuple[int, ...], Proof | LargeProof]:
     """The proving half."""
-    own = Certificate(mission, certificate.tell)
-    return Beside(
+    own = GapTracker(mission, certificate.tell)
+    return ConcurrentProof(
         certificate, own, stop,
         lambda: proof_of(mission, own, stop, options, LEAST_PROOF_S, LEAST_SET_UPS),
     )  # fmt: skip
@@ -283,7 +283,7 @@ def auto(
     """
     began = time.perf_counter()
     given, mission = mission, hurried(mission, options.time_value_m_s_per_h)
-    certificate = Certificate(mission, progress)
+    certificate = GapTracker(mission, progress)
     search = _Search(mission, seed, stop, certificate)
     certificate.offer(guarded_sequence(given))
     if start is not None:

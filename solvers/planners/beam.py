@@ -20,7 +20,7 @@ from ..beams.exchange_rates import worth_of
 from ..beams.timely_beams import Beams, pilots
 from ..policies import load_policy
 from ..policies.decoding import Field
-from ..policies.policy_beam import BeamSettings as PolicyBeam
+from ..policies.policy_beam import PolicyBeamSettings as PolicyBeam
 from ..policies.policy_beam import beam as beam_by_policy
 from ..progress.incumbent import Incumbent
 

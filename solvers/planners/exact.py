@@ -30,7 +30,7 @@ from ..beams.beams import hurried, usual_settings
 from ..beams.greedy_order import guarded_sequence
 from ..beams.timely_beams import Beams, pilots
 from ..beams.varied_beams import varied
-from ..progress.gap import Certificate
+from ..progress.gap import GapTracker
 from ..progress.proof_size import proof_notes
 from ..proof.least_end import prove_end
 from ..proof.proof import MOST_LABELS, ProofOptions, prove, prove_cost
@@ -96,7 +96,7 @@ def exact(
         A plan to begin with, compared with one found by beam search.
     """
     began = time.perf_counter()
-    certificate = Certificate(mission, progress)
+    certificate = GapTracker(mission, progress)
     if start is not None:
         certificate.offer(start)
 

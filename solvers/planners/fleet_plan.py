@@ -20,13 +20,13 @@ from ..columns.all_sets import lacks_plan, settle
 from ..columns.least_cost import prove_campaign_cost
 from ..columns.proof import CampaignProof
 from ..progress.campaign_incumbent import CampaignCertificate
-from ..progress.halting import Part
+from ..progress.halting import ShareOfTime
 from ..progress.proof_size import fits_memory, proof_notes, set_up_s, sweep_s
-from ..proof.concurrent_proof import LEAST_PROOF_S, LEAST_SET_UPS, Beside
+from ..proof.concurrent_proof import LEAST_PROOF_S, LEAST_SET_UPS, ConcurrentProof
 from ..proof.least_end import prove_end
 from ..proof.proof import ProofOptions
 from ..routes.one_chaser import FloatArray
-from ..routes.route_pool import Pool
+from ..routes.route_pool import RoutePool
 from ..routes.route_search import RouteSearch
 from ..routes.target_exchange import Exchanges
 from ..walks.floors import floor_bound
@@ -54,20 +54,20 @@ EXCHANGES = 30
 where planes drift, so that routes are more than a way through a cloud."""
 
 
-class _Prover(Beside[Routes, CampaignProof]):
+class _Prover(ConcurrentProof[Routes, CampaignProof]):
     """The proving half: with a pool of its own as well."""
 
     def __init__(
         self,
         campaign: Campaign,
         certificate: CampaignCertificate,
-        pool: Pool,
+        pool: RoutePool,
         seed: int,
         stop: Stop,
         options: ProofOptions,
     ) -> None:
         own, self._shared_pool = CampaignCertificate(campaign, certificate.tell), pool
-        self._pool = Pool(campaign)
+        self._pool = RoutePool(campaign)
         self._nothing = np.zeros(len(campaign.names))
 
         def made() -> CampaignProof | None:
@@ -140,9 +140,9 @@ def plan(
         The plan need not be cheap: no time is kept for that.
     """
     began = time.perf_counter()
-    certificate, pool = CampaignCertificate(campaign, progress), Pool(campaign)
+    certificate, pool = CampaignCertificate(campaign, progress), RoutePool(campaign)
     asks_for_cost = campaign.instance.objective.asks_for_more and not prizes_alone
-    within: Stop = Part(stop, 1.0 - LAST_FOR_COST) if asks_for_cost else stop
+    within: Stop = ShareOfTime(stop, 1.0 - LAST_FOR_COST) if asks_for_cost else stop
     search = RouteSearch(campaign, seed, within, certificate, pool)
     exchanges = Exchanges(campaign, seed, certificate, pool)
     drifts = campaign.instance.transfer.may_drift
@@ -196,7 +196,7 @@ def plan(
         settle(campaign, certificate, pool, stop)
         search.pack(PACKING_S)
     if asks_for_cost or (cost and certificate.proven):
-        exchanges.anneal(_many(certificate), Part(stop, FOR_COST) if cost else stop)
+        exchanges.anneal(_many(certificate), ShareOfTime(stop, FOR_COST) if cost else stop)
     counters: dict[str, float] = {"rounds": rounds, **search.counters, **exchanges.counters}
     if prover is not None:
         counters |= prover.counters

@@ -18,7 +18,7 @@ from adr_opt.mission.result import Result
 
 from ..policies import SHIPPED, load_policy
 from ..policies.decoding import Field, chunks, gumbel, play
-from ..policies.policy_beam import BeamSettings, beam
+from ..policies.policy_beam import PolicyBeamSettings, beam
 from ..progress.incumbent import Incumbent
 
 PUNCTUAL = 0.9
@@ -128,7 +128,7 @@ def ppo(
                 if wide <= widest:
                     break
                 widest = wide
-                settings = BeamSettings(wide, weight)
+                settings = PolicyBeamSettings(wide, weight)
                 since = time.perf_counter()
                 counters["states"] += beam(
                     field, settings, best.offer, lambda: bool(stop(best.objective, math.inf))

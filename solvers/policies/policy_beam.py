@@ -30,7 +30,7 @@ REFUELLED = 0.25
 
 
 @dataclass(frozen=True)
-class BeamSettings:
+class PolicyBeamSettings:
     """How a beam by policy keeps partial plans.
 
     Attributes
@@ -99,7 +99,7 @@ class _Children(NamedTuple):
         return _Partial(pick(self.episodes, kept), nodes, self.priors[kept])
 
 
-def beam(field: Field, settings: BeamSettings, found: Found, enough: Enough) -> int:
+def beam(field: Field, settings: PolicyBeamSettings, found: Found, enough: Enough) -> int:
     """Level by level over visits, all states of a level judged by the network at once.
 
     A refuelling on the way is part of the level, so states before and after it are never compared.
@@ -152,7 +152,7 @@ def beam(field: Field, settings: BeamSettings, found: Found, enough: Enough) -> 
 
 def _worth_of_moves(
     field: Field,
-    settings: BeamSettings,
+    settings: PolicyBeamSettings,
     board: Board,
     partial: _Partial,
     promised: Promised | None,
@@ -176,7 +176,7 @@ def _worth_of_moves(
 
 def _move(
     field: Field,
-    settings: BeamSettings,
+    settings: PolicyBeamSettings,
     partial: _Partial,
     worth: npt.NDArray[np.float64],
     priors: FloatArray,

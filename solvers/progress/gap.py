@@ -145,7 +145,7 @@ class CertificateOf(Generic[Found]):
         return max(value, self.incumbent + 0.5 * self._mission.prize_resolution)
 
 
-class Certificate(CertificateOf[tuple[int, ...]]):
+class GapTracker(CertificateOf[tuple[int, ...]]):
     """Incumbent and bound of one chaser's mission, and who is told of them."""
 
     def __init__(self, mission: Mission, progress: Progress) -> None:

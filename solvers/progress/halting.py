@@ -38,7 +38,7 @@ def halted_by(stop: Stop | None) -> Iterator[npt.NDArray[np.bool_]]:
         thread.join()
 
 
-class Part:
+class ShareOfTime:
     """A share of the time that a criterion has left now; the criterion itself is not asked."""
 
     def __init__(self, stop: Stop, share: float) -> None:

@@ -35,7 +35,7 @@ class Rounds(Protocol):
 AnyProof = TypeVar("AnyProof", bound=Rounds)
 
 
-class Beside(Generic[Found, AnyProof]):
+class ConcurrentProof(Generic[Found, AnyProof]):
     """The proving half of a planner.
 
     Parameters

@@ -32,8 +32,8 @@ import numpy.typing as npt
 from adr_opt.common.stop import TimeIsOver
 from adr_opt.mission.problem import Mission
 
-from ..labels.extension import Table
-from ..labels.label_search import Routes
+from ..labels.extension import CompletionValues
+from ..labels.label_search import LabelSearch
 from ..networks.arrays import Network
 from ..progress.cost_rounds import RELATIVE, CostRounds, asked, is_least
 from ..walks.sweeps import NEVER
@@ -193,7 +193,7 @@ class CostProof(CostRounds):
         self._worth = asked(mission, least_worth)
         # Walks pay for what the tank lacked before the start, and plans do not.
         self._spent = mission.connecting.spent_m_s(mission.rules.start)
-        self._proving, self._finding = Routes(self._walks), Routes(self._walks)
+        self._proving, self._finding = LabelSearch(self._walks), LabelSearch(self._walks)
         # All that was visited is remembered, so that each walk found is a plan; labels are told
         # apart by what proofs remember only, so that some are lost, but there are not too many.
         self._finding.neighbourhood[:] = -1
@@ -241,7 +241,7 @@ class CostProof(CostRounds):
         for price in prices:
             walks.cost_at(price, self._worth)
             tables.append((walks.values.best[0].copy(), walks.values.second[0].copy()))
-        values = Table(
+        values = CompletionValues(
             walks.buckets.of_row, np.stack([one for one, _ in tables]),
             np.stack([one for _, one in tables]), tables[0][0].size, walks.bits, walks.width,
             walks.top, walks.slot,

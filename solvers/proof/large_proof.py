@@ -23,8 +23,8 @@ from adr_opt.common.memory import available_bytes
 from adr_opt.common.stop import Stop, TimeIsOver
 from adr_opt.mission.problem import Mission
 
-from ..networks.packed_legs import MOST, NoRoom, Source, Stream
-from ..progress.gap import Certificate
+from ..networks.packed_legs import MOST, LegSource, NoRoom, Stream
+from ..progress.gap import GapTracker
 from ..walks.floors import floor_evidence
 from ..walks.multipliers import Descent
 from ..walks.priced_walks import PooledBound
@@ -111,7 +111,7 @@ class LargeProof:
     ----------
     mission : Mission
         Its timetable may be that of some pairs: connections are worked out of all.
-    certificate : Certificate
+    certificate : GapTracker
         Told of every bound.
     stop : Stop
         Its time alone counts here.
@@ -128,7 +128,7 @@ class LargeProof:
 
     latest: None = None
 
-    def __init__(self, mission: Mission, certificate: Certificate, stop: Stop, jobs: int) -> None:
+    def __init__(self, mission: Mission, certificate: GapTracker, stop: Stop, jobs: int) -> None:
         self._mission, self._certificate, self._stop = mission, certificate, stop
         self._jobs = jobs
         self._descent: Descent | None = None
@@ -174,7 +174,7 @@ class LargeProof:
 
     def _set_up(self) -> None:
         """Make the legs, as fine as there is room for."""
-        source = Source(self._mission)
+        source = LegSource(self._mission)
         most = min(ROOM_BYTES, MEMORY_SHARE * available_bytes()) / LEG_BYTES
         remaining_s = TIME_SHARE * self._jobs * self._stop.remaining_s()
         for layout in layouts(source, self._mission, most, remaining_s):
@@ -216,7 +216,7 @@ class LargeProof:
         self._bound = self._descent = None  # their legs make room for others
         for layout in ways:
             stream = self._made(
-                Source(self._mission), layout, math.ceil(SPARE * layout.legs) + 1000
+                LegSource(self._mission), layout, math.ceil(SPARE * layout.legs) + 1000
             )
             if stream is not None and stream.least > 0:
                 self._bound = TankBound(
@@ -225,7 +225,7 @@ class LargeProof:
                 self._descent, self._unit = Descent(self._bound), layout.unit
                 return
 
-    def _made(self, source: Source, layout: Layout, room: int) -> Stream | None:
+    def _made(self, source: LegSource, layout: Layout, room: int) -> Stream | None:
         """The legs, or None if they are more than was expected."""
         try:
             return source.stream(layout.length, layout.unit, room, jobs=self._jobs, over=self._over)
@@ -247,14 +247,14 @@ class LargeProof:
             self._bound.close()
 
 
-def layouts(source: Source, mission: Mission, most: float, most_s: float) -> Iterator[Layout]:
+def layouts(source: LegSource, mission: Mission, most: float, most_s: float) -> Iterator[Layout]:
     """Ways to count legs, the finest first, by a sample of origins.
 
     Where a service changes what is left of a tank, ΔV is not counted at all.
 
     Parameters
     ----------
-    source : Source
+    source : LegSource
     mission : Mission
         Of the source.
     most, most_s : float

@@ -21,7 +21,7 @@ from adr_opt.mission.result import Result
 
 from ..progress.cost_rounds import RELATIVE, asked
 from ..progress.gap import CertificateOf
-from ..progress.halting import Part
+from ..progress.halting import ShareOfTime
 
 JUST_BELOW = 0.9 * RELATIVE
 """The first duration asked about, below the end by so much of it: what counts as the same."""
@@ -36,7 +36,7 @@ LEAST_S = 0.05
 """With less time left nothing more is asked [s]."""
 
 
-class _Answered(Part):
+class _Answered(ShareOfTime):
     """Enough as soon as it is known whether a shorter mission is worth as much."""
 
     def __init__(self, goal: float, stop: Stop) -> None:

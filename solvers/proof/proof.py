@@ -26,11 +26,11 @@ from adr_opt.mission.certified import certify
 from adr_opt.mission.problem import Mission
 from adr_opt.mission.result import Result
 
-from ..labels.label_search import Routes
+from ..labels.label_search import LabelSearch
 from ..labels.waiting import bytes_each
 from ..networks.evidence import evidence_of
 from ..progress.cost_rounds import settled
-from ..progress.gap import Certificate
+from ..progress.gap import GapTracker
 from ..progress.proof_size import fits_memory, proof_notes, set_up_s
 from ..walks.completion_times import latest_of
 from ..walks.floors import floor_evidence
@@ -83,7 +83,7 @@ class Proof:
     Parameters
     ----------
     mission : Mission
-    certificate : Certificate
+    certificate : GapTracker
         Told of every bound and plan; asked for the incumbent.
     stop : Stop
         Its time alone counts here: a round is broken off when none is left.
@@ -98,7 +98,7 @@ class Proof:
     """
 
     def __init__(
-        self, mission: Mission, certificate: Certificate, stop: Stop, options: ProofOptions
+        self, mission: Mission, certificate: GapTracker, stop: Stop, options: ProofOptions
     ) -> None:
         self._certificate = certificate
         self._options = options
@@ -107,7 +107,7 @@ class Proof:
             mission, COARSER * options.delta_v_slot_m_s, jobs=options.cores, over=self._over
         )
         self._fine: WalkBound | None = None
-        self._routes: Routes | None = None
+        self._routes: LabelSearch | None = None
         self._descent = Descent(self._bound)
         self._evaluations = FIRST_EVALUATIONS
         self._labels = min(FIRST_LABELS, options.most_labels)
@@ -189,7 +189,7 @@ class Proof:
                 self._mission, self._options.delta_v_slot_m_s, jobs=self._options.cores,
                 over=self._over, network=self._bound.network,
             )  # fmt: skip
-            self._routes = Routes(self._fine)
+            self._routes = LabelSearch(self._fine)
         none = np.zeros(self._mission.rules.prize.size)
         if self._plain is not None:
             return self._ask(none if self._plain else self._descent.multipliers, enough)[0]
@@ -262,7 +262,7 @@ class Proof:
 
 def proof_of(
     mission: Mission,
-    certificate: Certificate,
+    certificate: GapTracker,
     stop: Stop,
     options: ProofOptions,
     least_s: float = 0.0,
@@ -286,7 +286,7 @@ def proof_of(
 
 def prove(
     mission: Mission,
-    certificate: Certificate,
+    certificate: GapTracker,
     stop: Stop,
     enough: Callable[[], bool],
     options: ProofOptions,
@@ -320,7 +320,7 @@ def prove(
 
 
 def prove_cost(
-    mission: Mission, certificate: Certificate, stop: Stop, options: ProofOptions
+    mission: Mission, certificate: GapTracker, stop: Stop, options: ProofOptions
 ) -> tuple[float, dict[str, float]]:
     """Prove how much ΔV the plans cost at least that are worth as much as the incumbent.
 
@@ -356,7 +356,7 @@ def bounded(
 ) -> Result:
     """The result of a bound that is only rounds of proof, from a start plan if there is one."""
     began = time.perf_counter()
-    certificate = Certificate(mission, progress)
+    certificate = GapTracker(mission, progress)
     if start is not None:
         certificate.offer(start)
 

@@ -73,7 +73,7 @@ def dealt(campaign: Campaign, flown: Iterable[tuple[int, tuple[int, ...]]]) -> R
     return tuple(routes)
 
 
-class Pool:
+class RoutePool:
     """The cheapest route met for each set of targets and kind of chaser.
 
     And for each number of refuellings where stations have limits.
@@ -92,7 +92,7 @@ class Pool:
         """All of them, in the order in which their sets were met."""
         return list(self._columns.values())
 
-    def take(self, other: Pool) -> None:
+    def take(self, other: RoutePool) -> None:
         """Keep the routes of another pool that are new or cheaper."""
         for column in other.columns():
             known = self._columns.get(column.key)

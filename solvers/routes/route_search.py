@@ -14,7 +14,7 @@ from ..beams.greedy_order import guarded_sequence
 from ..beams.varied_beams import varied
 from ..progress.campaign_incumbent import CampaignCertificate
 from .one_chaser import FloatArray, left, one_after_another, targets_of, trimmed, without_empty
-from .route_pool import Column, Pool, dealt
+from .route_pool import Column, RoutePool, dealt
 
 FIRST_WIDTH = 200
 """Of the beams of the first plans."""
@@ -44,7 +44,7 @@ class RouteSearch:
     seed : int
     stop : Stop
     certificate : CampaignCertificate
-    pool : Pool
+    pool : RoutePool
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class RouteSearch:
         seed: int,
         stop: Stop,
         certificate: CampaignCertificate,
-        pool: Pool,
+        pool: RoutePool,
     ) -> None:
         self._campaign = campaign
         self._rng = np.random.default_rng(seed)

@@ -21,7 +21,7 @@ from adr_opt.plan.station_limits import Use
 
 from ..progress.campaign_incumbent import CampaignCertificate
 from .one_chaser import targets_of
-from .route_pool import Pool
+from .route_pool import RoutePool
 
 HOT, COLD = 0.01, 0.0003
 """First and last temperature, as shares of what the best plan costs."""
@@ -83,7 +83,7 @@ class Exchanges:
     seed : int
     certificate : CampaignCertificate
         Has the plan to begin from; told of better ones.
-    pool : Pool
+    pool : RoutePool
         Routes of better plans are added to it.
     """
 
@@ -92,7 +92,7 @@ class Exchanges:
         campaign: Campaign,
         seed: int,
         certificate: CampaignCertificate,
-        pool: Pool,
+        pool: RoutePool,
     ) -> None:
         self._campaign, self._certificate, self._pool = campaign, certificate, pool
         self._rng = np.random.default_rng(seed)

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .costs import FORBIDDEN, Costs, Expense, Grid
+from .costs import FORBIDDEN, Costs, TimeGrid, TourExpense
 from .walks import sweep, trace
 
 FloatArray = npt.NDArray[np.float64]
@@ -66,12 +66,12 @@ class Tangent:
     touches_kg: float
 
     @classmethod
-    def at(cls, expense: Expense, carried_kg: float) -> Tangent:
+    def at(cls, expense: TourExpense, carried_kg: float) -> Tangent:
         """The tangent where so much is carried.
 
         Parameters
         ----------
-        expense : Expense
+        expense : TourExpense
         carried_kg : float
             Kits and propellant.
         """
@@ -180,12 +180,12 @@ def memories(neighbours: Integers) -> tuple[Integers, npt.NDArray[np.uint16]]:
     return bit, carried
 
 
-def levels_of(expense: Expense, tangent: Tangent, count: int) -> FloatArray:
+def levels_of(expense: TourExpense, tangent: Tangent, count: int) -> FloatArray:
     """Masses from an empty chaser to more than the tangent touches, in a geometric series [kg].
 
     Parameters
     ----------
-    expense : Expense
+    expense : TourExpense
     tangent : Tangent
     count : int
     """
@@ -194,7 +194,7 @@ def levels_of(expense: Expense, tangent: Tangent, count: int) -> FloatArray:
     return np.geomspace(expense.dry_kg, max(top_kg, BEFORE * expense.dry_kg), count)
 
 
-def growths(expense: Expense, unit_m_s: float) -> FloatArray:
+def growths(expense: TourExpense, unit_m_s: float) -> FloatArray:
     """The share by which legs of so many units make mass grow, shape (65536,)."""
     growth: FloatArray = np.exp(np.arange(FORBIDDEN + 1) * (unit_m_s / expense.exhaust_m_s))
     growth[FORBIDDEN] = BEYOND
@@ -207,8 +207,8 @@ class _Walks:
     def __init__(
         self,
         cells: Costs,
-        grid: Grid,
-        expense: Expense,
+        grid: TimeGrid,
+        expense: TourExpense,
         tangent: Tangent,
         bit: Integers,
         carried: npt.NDArray[np.uint16],
@@ -258,8 +258,8 @@ class _Walks:
 
 def bound(
     cells: Costs,
-    grid: Grid,
-    expense: Expense,
+    grid: TimeGrid,
+    expense: TourExpense,
     tangent: Tangent,
     bit: Integers,
     carried: npt.NDArray[np.uint16],
@@ -275,9 +275,9 @@ def bound(
     ----------
     cells : (times, targets, targets, gaps) uint16
         At most what a leg costs between arrivals in two cells, by the first of them.
-    grid : Grid
+    grid : TimeGrid
         Of the cells: least gap, and cells between a last arrival and a launch.
-    expense : Expense
+    expense : TourExpense
     tangent : Tangent
         Of that expense.
     bit, carried : int64, uint16

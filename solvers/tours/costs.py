@@ -22,7 +22,7 @@ FAR = np.float32(1e30)
 Costs = npt.NDArray[np.uint16]
 
 
-class Grid(NamedTuple):
+class TimeGrid(NamedTuple):
     """The grid of times.
 
     Attributes
@@ -40,7 +40,7 @@ class Grid(NamedTuple):
     unit_m_s: float
 
 
-class Expense(NamedTuple):
+class TourExpense(NamedTuple):
     """What a mission costs by what its chaser carries at launch.
 
     That is ``fixed + per_kg c + per_kg_squared c²`` with c the kits and the least propellant [kg].
@@ -74,7 +74,7 @@ def expense_of(expense, carried, kits):
 
     Parameters
     ----------
-    expense : Expense
+    expense : TourExpense
     carried : float
         Kits and propellant [kg].
     kits : int

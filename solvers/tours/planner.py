@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .annealing import anneal
-from .costs import FAR, Costs, Expense, Grid, blocks, nearby
+from .costs import FAR, Costs, TimeGrid, TourExpense, blocks, nearby
 from .inserting import put_back
 
 Integers = npt.NDArray[np.int64]
@@ -90,7 +90,7 @@ class Annealing:
 
 
 def first_tour(
-    cost: Costs, least: Costs, grid: Grid, expense: Expense, seed: int, missions: int
+    cost: Costs, least: Costs, grid: TimeGrid, expense: TourExpense, seed: int, missions: int
 ) -> Tour:
     """Missions of one target each, spread over time, into which all others are put."""
     count, times = cost.shape[1], cost.shape[3]
@@ -117,8 +117,8 @@ def first_tour(
 def chain(
     cost: Costs,
     least: Costs,
-    grid: Grid,
-    expense: Expense,
+    grid: TimeGrid,
+    expense: TourExpense,
     seed: int,
     settings: Annealing,
     iterations: int | None = None,
@@ -173,8 +173,8 @@ def chain(
 
 def plan(
     cost: Costs,
-    grid: Grid,
-    expense: Expense,
+    grid: TimeGrid,
+    expense: TourExpense,
     seed: int = 0,
     chains: int = 2,
     settings: Annealing | None = None,

@@ -25,7 +25,7 @@ from two_chasers import campaign, planned
 import adr_opt
 from adr_opt.analysis import Replanned, price, replan
 from adr_opt.analysis.deviations import Deviations
-from adr_opt.analysis.state import State, states_at
+from adr_opt.analysis.state import ChaserState, states_at
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.plan.plan import Plan
@@ -45,7 +45,7 @@ def simple(*, by_mass: bool = False) -> tuple[Instance, Plan]:
     return instance, price(instance, {"chaser": ORDER}).plan()
 
 
-def state_of(instance: Instance, plan: Plan, at_s: float, **told) -> State:
+def state_of(instance: Instance, plan: Plan, at_s: float, **told) -> ChaserState:
     """Where the chaser is by then, before it refuels or does anything else that is new."""
     (state,) = states_at(instance, plan, at_s, went=Deviations(**told))
     return state

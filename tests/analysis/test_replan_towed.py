@@ -25,7 +25,7 @@ from adr_opt.analysis.state import states_at
 from adr_opt.common.errors import InputError
 from adr_opt.fly.flight import fly
 from adr_opt.kernels.orbits import ephemeris
-from adr_opt.legs.connections import Connecting
+from adr_opt.legs.connections import ConnectionFinder
 from adr_opt.plan.cargo import followed
 from adr_opt.plan.plan import Leg, Plan
 from adr_opt.plan.tows import leaving_orbits
@@ -115,7 +115,7 @@ def simple(seed: int, dynamics: str = "two-body") -> tuple[Instance, Plan]:
 
 def as_enumerated(instance: Instance) -> Field:
     """The connections of the whole, and what targets take of time and of a tank."""
-    connecting, number = Connecting(instance), {n: at for at, n in enumerate(instance.names)}
+    connecting, number = ConnectionFinder(instance), {n: at for at, n in enumerate(instance.names)}
     tows = {
         target.name: tow_of(target, instance)
         for target in instance.targets

@@ -20,12 +20,12 @@ from two_chasers import campaign
 import adr_opt
 from adr_opt.analysis import Axis, parse_axis, tradeoff
 from adr_opt.analysis.trade.axes import grid
-from adr_opt.analysis.trade.points import Board, Impossible, Point
+from adr_opt.analysis.trade.points import Impossible, KnownPoints, Point
 from adr_opt.analysis.trade.shared import Shared, slack_m_s, variant
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.common.stop import MaxIterations
-from adr_opt.legs.connections import Connecting
+from adr_opt.legs.connections import ConnectionFinder
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.ui.report.charts import BOTTOM, HEIGHT, TOP
 from adr_opt.ui.report.traded import traded_page
@@ -98,10 +98,10 @@ def test_connections_of_shorter_missions_are_those_in_time(seed: int, resolution
         departure_spacing_s=DAY_S,
     )  # fmt: skip
     long = field.replace(transfer=settings).with_limits(duration_s=80.0 * DAY_S)
-    whole = Connecting(long)
+    whole = ConnectionFinder(long)
     for days in (20.0, 33.7, 79.0):
         short = long.with_limits(duration_s=days * DAY_S)
-        mine, own = whole.shortened(short), Connecting(short)
+        mine, own = whole.shortened(short), ConnectionFinder(short)
         for i in range(len(short.names)):
             for j in range(len(short.names)):
                 if i == j:
@@ -116,10 +116,10 @@ def test_connections_of_shorter_missions_are_those_in_time(seed: int, resolution
 def test_larger_tanks_may_leave_out_connections_where_planes_drift() -> None:
     """So each tank has its own there, and bounds count only for tanks that are smaller enough."""
     field = adr_opt.generate("rocket-bodies", 0, targets=4).with_limits(duration_s=30.0 * DAY_S)
-    assert Connecting(field).depends_on_tank
+    assert ConnectionFinder(field).depends_on_tank
     assert slack_m_s(field) == pytest.approx(10.0 * field.transfer.delta_v_resolution_m_s)
     assert slack_m_s(hand_made()) == 0.0
-    board = Board([(100.0, 1.0), (105.0, 1.0), (200.0, 1.0)], slack_m_s=10.0)
+    board = KnownPoints([(100.0, 1.0), (105.0, 1.0), (200.0, 1.0)], slack_m_s=10.0)
     board.add(Point(200.0, 1.0, 5.0, 6.0))
     board.add(Point(105.0, 1.0, 4.0, 5.0))
     assert board.points[100.0, 1.0].upper_bound == 6.0
@@ -151,11 +151,11 @@ def test_campaigns_are_traded_over_durations() -> None:
 
 def test_a_plan_above_a_bound_is_an_error() -> None:
     """Points that contradict each other are not stored: a method is broken."""
-    board = Board([(100.0, 1.0), (200.0, 1.0)])
+    board = KnownPoints([(100.0, 1.0), (200.0, 1.0)])
     board.add(Point(200.0, 1.0, 3.0, 3.0))
     with pytest.raises(Impossible):
         board.add(Point(100.0, 1.0, 4.0, 9.0))
-    board = Board([(100.0, 1.0), (200.0, 1.0)])
+    board = KnownPoints([(100.0, 1.0), (200.0, 1.0)])
     board.add(Point(200.0, 1.0, upper_bound=-math.inf))
     with pytest.raises(Impossible):
         board.add(Point(100.0, 1.0, 0.0, 9.0))
@@ -163,7 +163,7 @@ def test_a_plan_above_a_bound_is_an_error() -> None:
 
 def test_of_a_plateau_the_largest_is_run_first() -> None:
     """Its bound counts for all of them."""
-    board = Board([(100.0, 1.0), (200.0, 1.0), (300.0, 1.0)])
+    board = KnownPoints([(100.0, 1.0), (200.0, 1.0), (300.0, 1.0)])
     board.add(Point(100.0, 1.0, 3.0, 9.0))
     assert next(board.open({})) == (300.0, 1.0)
     board.add(replace(board.points[300.0, 1.0], upper_bound=3.0))
@@ -333,10 +333,10 @@ def test_propellant_is_not_varied_where_a_station_has_little() -> None:
 def test_points_stand_alone_where_planes_drift_and_masses_count() -> None:
     """No plan of a smaller tank is taken for one of a larger tank there, and no bound back."""
     points = [(1000.0, DAY_S), (2000.0, DAY_S), (2000.0, 2.0 * DAY_S)]
-    board = Board(points, slack_m_s(towed("j2")))
+    board = KnownPoints(points, slack_m_s(towed("j2")))
     assert not board.counts(points[0], points[1])
     assert board.counts(points[1], points[2])
-    assert Board(points, slack_m_s(towed())).counts(points[0], points[1])
+    assert KnownPoints(points, slack_m_s(towed())).counts(points[0], points[1])
 
 
 def test_the_verb_writes_what_it_tells(cli: Cli) -> None:

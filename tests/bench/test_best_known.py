@@ -21,7 +21,7 @@ from adr_opt.common.constants import SLACK_M_S
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.kernels.rules.schedule import follow
-from adr_opt.legs.connections import Connecting
+from adr_opt.legs.connections import ConnectionFinder
 from adr_opt.legs.service_limits import limits_of
 from adr_opt.mission.campaign import Campaign, Routes
 from adr_opt.mission.certified import certify, certify_routes
@@ -92,7 +92,7 @@ def flown(instance: Instance, routes: Routes) -> tuple[float, float]:
 
     Followed here once more, because hundreds of timetables would take minutes.
     """
-    connecting, first = Connecting(instance), instance.first_target
+    connecting, first = ConnectionFinder(instance), instance.first_target
     done = [j for route in routes for j in route if j >= first]
     assert len(done) == len(set(done))
     total = 0.0

@@ -24,7 +24,7 @@ from outside.gtoc9.polishing import sensitive
 
 from adr_opt.common.constants import DAY_S, OBLATENESS_M2
 from adr_opt.common.errors import InputError
-from adr_opt.fly.refine.leg import Course
+from adr_opt.fly.refine.leg import LegEnds
 from adr_opt.kernels.legs import drift_linear as drift
 
 assert BENCH.is_dir()
@@ -130,7 +130,7 @@ def test_polishing_knows_its_derivatives(leg):
     """What a miss gains by times and components of impulses is what differences say."""
     one, other, found = leg
     start, end = 23600.0 * DAY_S, 23604.0 * DAY_S
-    course = Course(one.state(start), other.state(end), start, end, 0.0, "j2")
+    course = LegEnds(one.state(start), other.state(end), start, end, 0.0, "j2")
     _, derivatives = sensitive(course, found.times_s, found.impulses_m_s)
     count = len(found.times_s)
     for column, step in [(1, 0.1), (count - 2, 0.1), (count + 4, 1e-4), (4 * count - 1, 1e-4)]:

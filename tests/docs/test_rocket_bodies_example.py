@@ -14,7 +14,7 @@ from catalogue_files import SPELLINGS, as_tle, field
 
 import adr_opt
 from adr_opt.problem.transfer_sizes import transfers_for
-from adr_opt.sources.catalogue import Record
+from adr_opt.sources.catalogue import ElementSet
 
 FOLDER = Path(__file__).parents[2] / "examples/rocket-bodies"
 DAYS = 120.0
@@ -27,7 +27,7 @@ def plan_a_year() -> Callable[..., int]:
     return lambda *arguments: main([str(argument) for argument in arguments])
 
 
-def upper_stages(count: int) -> list[Record]:
+def upper_stages(count: int) -> list[ElementSet]:
     """Objects as a catalogue has them, some of them upper stages near 71° and 840 km."""
     records = field(count + 6)
     return [

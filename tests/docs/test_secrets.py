@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from adr_opt.kernels.tables.stacked_timetables import Column
+from adr_opt.kernels.tables.stacked_timetables import PackedColumn
 from adr_opt.kernels.tables.timetable import Table
 
 ROOT = Path(__file__).parents[2]
@@ -22,7 +22,7 @@ OWNERS = [
 HOLDERS = ("table", "tables", "column", "columns", "home")
 """What tables and columns are called, whoever holds them."""
 
-OWN = {*Table._fields, *Column._fields}
+OWN = {*Table._fields, *PackedColumn._fields}
 
 
 def touched(source: str) -> Iterator[str]:

@@ -113,9 +113,9 @@ def test_a_model_without_a_budget_is_caught(
 ) -> None:
     """Without the rows that keep the ΔV used within the budget, the file promises too much."""
     pytest.importorskip("pyomo")
-    from solvers.planners.mip.constraints import Constraints
+    from solvers.planners.mip.constraints import MipConstraints
 
-    monkeypatch.setattr(Constraints, "_delta_v_fits", lambda self: None)
+    monkeypatch.setattr(MipConstraints, "_delta_v_fits", lambda self: None)
     for mission in (crowded_mission(seed, 5, 600.0, 1.2) for seed in (10, 12, 18, 27)):
         write_timetable(mission, tmp_path / "model.lp")
         assert solved(tmp_path / "model.lp")[0] > brute_force(mission)[0] + 0.5

@@ -13,21 +13,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from adr_opt.sources.catalogue import Record
+from adr_opt.sources.catalogue import ElementSet
 from adr_opt.sources.catalogue.reading import read_bytes
 
 sgp4_alpha5 = pytest.importorskip("sgp4.alpha5")
 sgp4_io = pytest.importorskip("sgp4.io")
 
 
-def field(count: int, seed: int = 0) -> list[Record]:
+def field(count: int, seed: int = 0) -> list[ElementSet]:
     """A synthetic catalogue of low orbits, about as spread as the real one."""
     random = np.random.default_rng(seed)
     begin = datetime(2025, 3, 1, tzinfo=UTC)
     records = []
     for number in range(count):
         records.append(
-            Record(
+            ElementSet(
                 name=f"OBJECT {number % 97} DEB",
                 object_id=f"{1960 + number % 60}-{1 + number % 120:03d}{chr(65 + number % 24)}",
                 number=10_000 + number,
@@ -48,7 +48,7 @@ def field(count: int, seed: int = 0) -> list[Record]:
     return records
 
 
-def omm_fields(record: Record) -> dict[str, Any]:
+def omm_fields(record: ElementSet) -> dict[str, Any]:
     """The fields of a record as OMM JSON of CelesTrak has them."""
     return {
         "OBJECT_NAME": record.name,
@@ -79,12 +79,12 @@ METADATA = {
 }
 
 
-def as_json(records: Iterable[Record]) -> str:
+def as_json(records: Iterable[ElementSet]) -> str:
     """CelesTrak's JSON: one line."""
     return json.dumps([omm_fields(record) for record in records])
 
 
-def as_space_track_json(records: Iterable[Record]) -> str:
+def as_space_track_json(records: Iterable[ElementSet]) -> str:
     """Space-Track's JSON: numbers as text, keys of its own, nulls."""
     return json.dumps(
         [
@@ -98,7 +98,7 @@ def as_space_track_json(records: Iterable[Record]) -> str:
     )
 
 
-def as_csv(records: Iterable[Record]) -> str:
+def as_csv(records: Iterable[ElementSet]) -> str:
     """CelesTrak's CSV."""
     out = io.StringIO()
     rows = [omm_fields(record) for record in records]
@@ -108,7 +108,7 @@ def as_csv(records: Iterable[Record]) -> str:
     return out.getvalue()
 
 
-def as_kvn(records: Iterable[Record]) -> str:
+def as_kvn(records: Iterable[ElementSet]) -> str:
     """KVN with units, one message after the other."""
     units = {"MEAN_MOTION": "[rev/day]", "INCLINATION": "[deg]", "BSTAR": "[1/ER]"}
     text = ""
@@ -119,7 +119,7 @@ def as_kvn(records: Iterable[Record]) -> str:
     return text
 
 
-def as_xml(records: Iterable[Record]) -> str:
+def as_xml(records: Iterable[ElementSet]) -> str:
     """XML, a list of messages."""
 
     def leaves(values: dict[str, Any]) -> str:
@@ -141,7 +141,7 @@ def escape(text: str) -> str:
     return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
 
-def as_tle(records: Iterable[Record], *, space_track: bool = False) -> str:
+def as_tle(records: Iterable[ElementSet], *, space_track: bool = False) -> str:
     """Three lines for each object, with Alpha-5 numbers."""
     text = ""
     for record in records:
@@ -150,7 +150,7 @@ def as_tle(records: Iterable[Record], *, space_track: bool = False) -> str:
     return text
 
 
-def tle_lines(record: Record) -> tuple[str, str]:
+def tle_lines(record: ElementSet) -> tuple[str, str]:
     """The two element lines of a record that fits into them."""
     number = sgp4_alpha5.to_alpha5(record.number)
     year, _, piece = record.object_id.partition("-")
@@ -191,7 +191,7 @@ SPELLINGS = {
 }
 
 
-def one(text: str) -> Record:
+def one(text: str) -> ElementSet:
     """The record of a text that holds one."""
     (record,) = read_bytes(text.encode(), "file").records
     return record

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from adr_opt.ui.serve import work
-from adr_opt.ui.serve.desk import Desk
+from adr_opt.ui.serve.desk import EditingSession
 
 
 def of(*names: str, **changes: Any) -> dict[str, Any]:
@@ -23,7 +23,7 @@ def files_under(folder: Path) -> dict[str, bytes]:
     }
 
 
-def wait(desk: Desk) -> work.Look:
+def wait(desk: EditingSession) -> work.Look:
     """The run once it is over."""
     assert desk._work.wait(60.0)
     return desk.look()

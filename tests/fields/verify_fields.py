@@ -23,7 +23,7 @@ import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.judge.verify.legs import Legs, legs_of
 from adr_opt.judge.verify.rules import kept_apart
-from adr_opt.legs.connections import Connecting, Connections
+from adr_opt.legs.connections import ConnectionFinder, Connections
 from adr_opt.mission.campaign import Campaign, problem_of
 from adr_opt.mission.certify import certificate_of
 from adr_opt.plan.certificate import Certificate
@@ -87,7 +87,7 @@ def weighed(seed: int) -> Instance:
 
 def legs_for(instance: Instance) -> Legs:
     """The legs of the only chaser."""
-    return legs_of(instance, kept_apart(instance)[0], Connecting(instance))
+    return legs_of(instance, kept_apart(instance)[0], ConnectionFinder(instance))
 
 
 def worths_of(instance: Instance, bonus: Fraction) -> list[Fraction]:
@@ -119,7 +119,7 @@ def most_collected(instance: Instance) -> float:
     return brute_force(problem)[0]
 
 
-class Spoilt(Connecting):
+class Spoilt(ConnectionFinder):
     """Connections some of which are missing, or cheaper than they are."""
 
     def __init__(self, instance: Instance, missing: float, cheaper_m_s: float) -> None:

@@ -17,7 +17,7 @@ from plans import solved
 import adr_opt
 from adr_opt.fly.dispersion import Dispersion, FlightErrors, Quantile, sample_flights
 from adr_opt.fly.dispersion.exact import fly_exactly
-from adr_opt.fly.dispersion.feedback import Part, fly, parts_of
+from adr_opt.fly.dispersion.feedback import LegPart, fly, parts_of
 from adr_opt.plan.refined_plan import RefinedPlan
 from adr_opt.problem.instance import Instance
 
@@ -37,11 +37,11 @@ def sampled(flights: int = 400, **changes: float) -> Dispersion:
     return sample_flights(*mission(), flights, FlightErrors(**changes))
 
 
-def first_part(freedom: str = "free", corrections: int = 1) -> Part:
+def first_part(freedom: str = "free", corrections: int = 1) -> LegPart:
     return parts_of(mission(freedom)[1].legs[0], "j2", corrections)[0]
 
 
-def unguided(part: Part) -> Part:
+def unguided(part: LegPart) -> LegPart:
     """The part without feedback."""
     return dataclasses.replace(part, gains=(None,) * len(part.gains))
 

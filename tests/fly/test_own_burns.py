@@ -10,13 +10,13 @@ import pytest
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M
 from adr_opt.fly.refine.bodies import TrueBodies
-from adr_opt.fly.refine.leg import Course, Flown, close, residual
+from adr_opt.fly.refine.leg import FlownImpulses, LegEnds, close, residual
 from adr_opt.fly.refine.one_leg import planned_angles
 from adr_opt.fly.refine.own_burns import settle
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 
-Case = tuple[Course, Flown, np.ndarray]
+Case = tuple[LegEnds, FlownImpulses, np.ndarray]
 
 
 def eccentric(seed: int) -> Instance:
@@ -50,7 +50,7 @@ def cases(shape: str) -> tuple[Case, ...]:
         burns = [burn for burn in leg.burns if burn.phase != "approach"]
         standoff = next(burn.time_s for burn in leg.burns if burn.phase == "approach")
         rule = instance.transfer
-        course = Course(
+        course = LegEnds(
             bodies.state(leg.origin, burns[0].time_s),
             bodies.following(leg.destination, standoff, rule.standoff_m),
             burns[0].time_s,

@@ -17,7 +17,7 @@ from plans import solved, with_legs
 import adr_opt
 from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.refine.bodies import TrueBodies
-from adr_opt.fly.refine.leg import Course, close, fly
+from adr_opt.fly.refine.leg import LegEnds, close, fly
 from adr_opt.fly.refine.one_leg import planned_angles
 from adr_opt.kernels.orbits import coast
 from adr_opt.kernels.orbits.gravity import FIELDS
@@ -127,7 +127,7 @@ def test_revolutions_are_counted() -> None:
     impulses = np.array([burn.delta_v_m_s for burn in own])
     end = next(burn.time_s for burn in leg.burns if burn.phase == "approach")
     angle, _ = planned_angles(instance, leg)
-    course = Course(
+    course = LegEnds(
         bodies.state(leg.origin, times[0]), bodies.following(leg.destination, end, 1000.0),
         times[0], end, angle, "j2",
     )  # fmt: skip

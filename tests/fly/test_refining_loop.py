@@ -20,7 +20,7 @@ from adr_opt.fly.flight.tanks import tanks_of
 from adr_opt.fly.refine import RefinedPlan
 from adr_opt.fly.refine.lessons import Lessons
 from adr_opt.fly.refine.loop import RefinedResult
-from adr_opt.kernels.legs.found import Found
+from adr_opt.kernels.legs.found import ConnectionArrays
 from adr_opt.legs.corrections import Corrections
 from adr_opt.mission.problem import Mission
 from adr_opt.plan.plan import InstanceReference, Plan
@@ -207,7 +207,7 @@ def test_corrections_make_sense() -> None:
     assert not Corrections({("a", "b", "short"): 1.0}, {"short": 1.0}, {"drift": 0.0})
     assert Corrections({}, {}, {"drift": 5.0})
     assert Corrections({("a", "b", "short"): math.inf})
-    nothing = Found(*(np.empty(0) for _ in range(5)))
+    nothing = ConnectionArrays(*(np.empty(0) for _ in range(5)))
     assert Corrections().applied("a", "b", nothing) is nothing
 
 

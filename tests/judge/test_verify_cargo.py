@@ -25,7 +25,7 @@ from verify_fields import (
 import adr_opt
 from adr_opt.common.constants import SLACK_M_S
 from adr_opt.common.errors import InputError
-from adr_opt.judge.check.tank import Tank
+from adr_opt.judge.check.tank import TankLevel
 from adr_opt.judge.verify import verify
 from adr_opt.judge.verify.cargo import after_service
 from adr_opt.judge.verify.claim import bound_of, check_names
@@ -159,7 +159,7 @@ def test_services_leave_what_masses_say():
         legs = legs_for(instance)
         cargo, removals = legs.terms.cargo, [target.removal for target in instance.targets]
         kits = cargo.full.size - 1
-        tank = Tank(chaser, kits)
+        tank = TankLevel(chaser, kits)
         left = float(cargo.begun[kits])
         objects = {target.name: target.mass_kg for target in instance.targets}
         for body, removal in enumerate(removals, start=instance.first_target):

@@ -15,7 +15,7 @@ import adr_opt
 from adr_opt.judge.check.leg import Physics
 from adr_opt.judge.verify.sampling import sample_connections
 from adr_opt.judge.verify.sequences import Way, ways_after
-from adr_opt.legs.connections import Connecting, Connections
+from adr_opt.legs.connections import ConnectionFinder, Connections
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import TransferSettings
 
@@ -50,7 +50,7 @@ def without_spacing(seed: int) -> Instance:
 
 def listed(instance: Instance, i: int, j: int) -> Connections:
     """The connections of a pair, at what they cost by themselves."""
-    connecting = Connecting(instance)
+    connecting = ConnectionFinder(instance)
     found = connecting.of_pair(i, j, connecting.planning_resolution_m_s)
     return replace(found, delta_v=found.delta_v - connecting.spent_m_s(i))
 
@@ -89,7 +89,7 @@ def test_of_sequences_that_meet_on_one_crossing_the_cheapest_is_enough():
     ways = [w for w in ways_after(instance, Physics.of(instance), i, j, 25_300.0)
             if abs(w.arrival - 70_065.0) < 100.0]  # fmt: skip
     assert [way.arrival for way in ways] == pytest.approx(beside, abs=1e-3)
-    assert sample_connections(instance, Connecting(instance), 100, 63).faults == ()
+    assert sample_connections(instance, ConnectionFinder(instance), 100, 63).faults == ()
 
 
 def test_every_listed_short_transfer_is_missed_once_it_is_gone():
@@ -117,7 +117,7 @@ def test_every_listed_short_transfer_is_missed_once_it_is_gone():
     assert needed > 0.9 * all_
 
 
-class Sooner(Connecting):
+class Sooner(ConnectionFinder):
     """Connections that arrive sooner than they do [s]."""
 
     def of_pair(self, i: int, j: int, resolution_m_s: float) -> Connections:
@@ -140,7 +140,7 @@ def test_connections_are_those_of_check(draw):
     found_missing = found_cheaper = looked_at = 0
     for seed in range(24):
         instance = draw(seed)
-        whole = sample_connections(instance, Connecting(instance), 100, seed)
+        whole = sample_connections(instance, ConnectionFinder(instance), 100, seed)
         assert whole.faults == (), seed
         looked_at += whole.departures
         fewer = sample_connections(instance, Spoilt(instance, 0.7, 0.0), 60, seed)
@@ -157,7 +157,7 @@ def test_connections_from_where_tows_lead_are_those_of_check():
     looked_at = 0
     for seed in range(24):
         instance = towing_mission(seed)
-        sampled = sample_connections(instance, Connecting(instance), 100, seed)
+        sampled = sample_connections(instance, ConnectionFinder(instance), 100, seed)
         assert sampled.faults == (), seed
         looked_at += sampled.departures
     assert looked_at > 40

@@ -27,7 +27,7 @@ from adr_opt.judge.verify import steps, verify
 from adr_opt.judge.verify.rules import kept_apart
 from adr_opt.judge.verify.steps import most_in_steps
 from adr_opt.judge.verify.terms import terms_of
-from adr_opt.legs.connections import Connecting
+from adr_opt.legs.connections import ConnectionFinder
 from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.problem import Mission
 from adr_opt.plan.certificate import Certificate
@@ -37,7 +37,7 @@ from solvers.progress import proof_size
 
 def most_of(instance: Instance, *asked: Any) -> Fraction | None:
     """What no walk of the only chaser collects more than."""
-    connecting = Connecting(instance)
+    connecting = ConnectionFinder(instance)
     terms = terms_of(instance, kept_apart(instance)[0], connecting)
     return most_in_steps(terms, connecting, *asked)[0]
 

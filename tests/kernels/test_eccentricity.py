@@ -15,7 +15,7 @@ import rows
 
 import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
-from adr_opt.judge.check.eccentric import Sequence, matching_cost
+from adr_opt.judge.check.eccentric import StatedSequence, matching_cost
 from adr_opt.kernels.legs import co_elliptic, precession
 from adr_opt.kernels.orbits import eccentricity, ephemeris
 from adr_opt.problem.orbit import Orbit
@@ -151,7 +151,7 @@ def test_the_checker_states_the_same_on_its_own(oblateness: float) -> None:
         assert matching > 0.0
         _, _, _, square = co_elliptic.burn_parts(pair, law, k, r)
         expected = math.hypot(matching, 2.0 * math.sqrt(square) * math.sin(0.5 * theta))
-        found = matching_cost(*bodies, law, time, Sequence(time, time, k, r, theta))
+        found = matching_cost(*bodies, law, time, StatedSequence(time, time, k, r, theta))
         assert found == pytest.approx(expected + pair.fixed_delta_v, rel=1e-9)
 
 

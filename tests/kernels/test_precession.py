@@ -23,7 +23,7 @@ from adr_opt.kernels.legs import (
     precession,
 )
 from adr_opt.kernels.orbits import ephemeris as orbits
-from adr_opt.legs.connections import Connecting
+from adr_opt.legs.connections import ConnectionFinder
 from adr_opt.problem.settings import TransferSettings
 
 WEEK_S = 7.0 * DAY_S
@@ -276,7 +276,7 @@ def test_departures_between_planes_that_nearly_coincide_are_found_again() -> Non
         instance = instance.with_limits(duration_s=20.0 * DAY_S).replace(
             transfer=TransferSettings(delta_v_resolution_m_s=0.1)
         )
-        connecting = Connecting(instance)
+        connecting = ConnectionFinder(instance)
         leaving, orbits, extra, rule = connecting.inputs
         for i, j in ((1, 2), (2, 1)):
             found = connecting.find(i, j, 0.1)

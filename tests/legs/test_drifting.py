@@ -18,7 +18,7 @@ from adr_opt.fly.flight.mean import MeanDynamics
 from adr_opt.fly.trajectory.kepler import drift as coast
 from adr_opt.kernels.legs import drift, drift_pair
 from adr_opt.kernels.orbits import ephemeris
-from adr_opt.legs.families.drift_burns import Flight, flown
+from adr_opt.legs.families.drift_burns import DriftBurns, flown
 from adr_opt.mission.campaign import Campaign
 
 LIMITS = EARTH_RADIUS_M + 400e3, EARTH_RADIUS_M + 1300e3
@@ -38,7 +38,7 @@ class Drifted(NamedTuple):
     departure: float
     arrival: float
     planned: float
-    flight: Flight
+    flight: DriftBurns
     met: Met
 
 

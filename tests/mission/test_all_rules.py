@@ -18,7 +18,7 @@ import adr_opt
 from adr_opt.mission.certified import certify
 from adr_opt.mission.problem import Mission
 from adr_opt.problem.settings import Objective
-from solvers.labels.label_search import Routes
+from solvers.labels.label_search import LabelSearch
 from solvers.proof.cost import CostProof
 from solvers.walks.walks import WalkBound
 
@@ -115,7 +115,7 @@ def test_searches_end_at_the_optimum_with_any_multipliers(draw):
         worth = mission.rules.prize
         rng = np.random.default_rng(seed)
         bound = WalkBound(mission, 20.0)
-        routes = Routes(bound)
+        routes = LabelSearch(bound)
         for multipliers in (np.zeros(worth.size), rng.uniform(0.0, 1.0, worth.size) * worth):
             routes.use(multipliers)
             finished, value, _, _ = routes.search(

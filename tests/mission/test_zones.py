@@ -18,7 +18,7 @@ import adr_opt
 from adr_opt.common.errors import MissingExtra
 from adr_opt.kernels.legs import burns as burn_kernels
 from adr_opt.kernels.legs.burns import PHASES
-from adr_opt.legs.connections import Connecting
+from adr_opt.legs.connections import ConnectionFinder
 from adr_opt.mission.problem import Mission
 from adr_opt.plan.plan import InstanceReference, Leg
 from adr_opt.problem.instance import Instance
@@ -154,7 +154,7 @@ def test_no_connection_crosses() -> None:
     """None of the connections that schedules choose from leads through an open zone."""
     instance = mission(2, 12).instance
     of = orbits(instance.name)
-    timetable = Connecting(instance)
+    timetable = ConnectionFinder(instance)
     count = 0
     for i, j, _ in random_pairs(instance, 10):
         origin, destination = of[instance.names[i]], of[instance.names[j]]

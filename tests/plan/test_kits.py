@@ -19,7 +19,7 @@ from random_rules import (
 import adr_opt
 from adr_opt.common.constants import SLACK_M_S
 from adr_opt.fly.flight import fly, fly_refined
-from adr_opt.judge.check.tank import Tank
+from adr_opt.judge.check.tank import TankLevel
 from adr_opt.kernels.rules.loads import after_service
 from adr_opt.mission.campaign import Campaign, is_campaign
 from adr_opt.plan.cargo import loads_of
@@ -84,7 +84,7 @@ def test_what_is_left_is_what_masses_say():
         )
         loads = loads_of(instance, chaser, 0.0)
         kits = int(rng.integers(1, loads.full.size))
-        tank, left = Tank(chaser, kits), float(loads.full[kits])
+        tank, left = TankLevel(chaser, kits), float(loads.full[kits])
         while kits:
             assert left - SLACK_M_S == pytest.approx(tank.left_m_s, rel=1e-9, abs=1e-7)
             if rng.random() < 0.2:

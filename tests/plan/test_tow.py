@@ -26,7 +26,7 @@ from adr_opt.export.flights import write_plan
 from adr_opt.export.tables import write_matrix
 from adr_opt.fly.flight import fly
 from adr_opt.fly.trajectory import sample
-from adr_opt.judge.check.tank import Tank
+from adr_opt.judge.check.tank import TankLevel
 from adr_opt.kernels.legs import drift_linear
 from adr_opt.kernels.orbits import ephemeris
 from adr_opt.kernels.rules.loads import after_service
@@ -130,7 +130,7 @@ def test_what_is_left_is_what_masses_say():
         targets = tuple(target.replace(mass_kg=mass_kg) for target in instance.targets)
         instance = instance.replace(chasers=(chaser,), targets=targets)
         loads = loads_of(instance, chaser, 0.0)
-        judged, left, spent = Tank(chaser, 0), float(loads.full[0]), []
+        judged, left, spent = TankLevel(chaser, 0), float(loads.full[0]), []
         for body, tow in tows_of(instance).items():
             assert left - SLACK_M_S == pytest.approx(judged.left_m_s, rel=1e-9, abs=1e-7)
             delta_v = float(rng.uniform(0.0, 0.3)) * judged.left_m_s

@@ -205,7 +205,7 @@ def test_on_one_core_the_beam_comes_before_the_proof(monkeypatch):
     """A proof that takes all the time there is cannot keep auto from the beam of `beam`."""
     warm_up(PLANNERS, "auto")  # whose practice is not looked at
     done = []
-    usual, advance = auto_module._Search.usual, auto_module.Beside.advance
+    usual, advance = auto_module._Search.usual, auto_module.ConcurrentProof.advance
 
     def searching(self, width):
         done.append(width)
@@ -216,7 +216,7 @@ def test_on_one_core_the_beam_comes_before_the_proof(monkeypatch):
         advance(self)
 
     monkeypatch.setattr(auto_module._Search, "usual", searching)
-    monkeypatch.setattr(auto_module.Beside, "advance", proving)
+    monkeypatch.setattr(auto_module.ConcurrentProof, "advance", proving)
     mission = Mission(adr_opt.generate("nominal", 0, targets=30))
     adr_opt.solve(mission, "auto", jobs=1, iterations=2, time_limit=60.0)
     assert "proof" in done

@@ -24,7 +24,7 @@ from resonant_fields import RARE, resonant
 import adr_opt
 from adr_opt.mission.campaign import Campaign
 from adr_opt.mission.problem import Mission
-from solvers.labels.label_search import Routes
+from solvers.labels.label_search import LabelSearch
 from solvers.walks.walks import WalkBound
 
 PROVING = ("auto", "exact")
@@ -141,7 +141,7 @@ def test_every_set_of_targets_that_is_worth_enough_is_listed(draw):
         if not worth:
             continue
         least = float(rng.choice([-5.0, 0.0, 0.5, 1.0])) * mission.worths.max()
-        search = Routes(WalkBound(mission, 20.0), all_sets=True)
+        search = LabelSearch(WalkBound(mission, 20.0), all_sets=True)
         search.use(multipliers)
         finished, _, _, _ = search.search(search.total + least, 10**6, lambda: False)
         found = {

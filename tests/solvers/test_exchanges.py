@@ -17,7 +17,7 @@ from adr_opt.problem.settings import Objective
 from solvers.beams.greedy_order import guarded_sequence
 from solvers.progress.campaign_incumbent import CampaignCertificate
 from solvers.routes.one_chaser import one_after_another
-from solvers.routes.route_pool import Pool
+from solvers.routes.route_pool import RoutePool
 from solvers.routes.route_search import RouteSearch
 from solvers.routes.target_exchange import Exchanges
 
@@ -41,7 +41,7 @@ def test_what_is_made_cheaper_is_legal_and_mostly_the_cheapest():
     reached = asked = 0
     for seed in range(60):
         campaign = Campaign(drawn(seed))
-        certificate, pool = CampaignCertificate(campaign, lambda *_: None), Pool(campaign)
+        certificate, pool = CampaignCertificate(campaign, lambda *_: None), RoutePool(campaign)
         certificate.offer(one_after_another(campaign, guarded_sequence))
         if certificate.sequence is None:
             continue
@@ -79,14 +79,14 @@ def test_plans_by_expense_are_made_cheaper_without_being_asked():
     assert adr_opt.check(instance, result.plan) == ()
     certificate = CampaignCertificate(campaign, lambda *_: None)
     certificate.offer(result.routes)
-    search = Exchanges(campaign, 1, certificate, Pool(campaign))
+    search = Exchanges(campaign, 1, certificate, RoutePool(campaign))
     assert not search.anneal(100, Proven())
 
 
 def test_exchanges_find_what_beams_miss():
     """In a long campaign they bring in targets that flying anew chaser by chaser leaves out."""
     campaign = Campaign(adr_opt.generate("removal", 7, targets=40, chasers=3))
-    certificate, pool = CampaignCertificate(campaign, lambda *_: None), Pool(campaign)
+    certificate, pool = CampaignCertificate(campaign, lambda *_: None), RoutePool(campaign)
     search = RouteSearch(campaign, 0, Proven(), certificate, pool)
     search.begin()
     for _ in range(20):

@@ -12,7 +12,7 @@ from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.problem import Mission
 from solvers.beams.greedy_order import greedy_sequence
 from solvers.bounds.lagrangian import lagrangian
-from solvers.labels.label_search import Routes
+from solvers.labels.label_search import LabelSearch
 from solvers.networks import simd
 from solvers.walks.completion_times import latest_of
 from solvers.walks.latest_times import latest_time
@@ -283,7 +283,7 @@ def test_a_search_never_refutes_the_optimum(seed):
     mission = tiny_mission(seed, refuelling=seed % 2 == 0)
     optimum, _, _ = brute_force(mission)
     rng = np.random.default_rng(seed)
-    routes = Routes(WalkBound(mission, SLOTS_M_S[seed % 3], SHARES[seed % 4]))
+    routes = LabelSearch(WalkBound(mission, SLOTS_M_S[seed % 3], SHARES[seed % 4]))
     routes.use(rng.uniform(0.0, 0.3, len(mission.names)))
     for _ in range(20):
         finished, value, plan, grown = routes.search(optimum, 10**6, lambda: False)

@@ -25,7 +25,7 @@ import adr_opt
 from adr_opt.mission.campaign import Campaign
 from adr_opt.mission.problem import Mission
 from adr_opt.run import front
-from solvers.networks.packed_legs import AHEAD, FIELD, NoRoom, Source, Stream
+from solvers.networks.packed_legs import AHEAD, FIELD, LegSource, NoRoom, Stream
 from solvers.progress import proof_size
 from solvers.proof import large_proof, proof
 from solvers.proof.large_proof import LargeProof, layouts
@@ -51,7 +51,7 @@ every_kind = pytest.mark.parametrize(
 
 def streamed(mission: Mission, length: float = 0.0, unit: float = 0.0, jobs: int = 1) -> Stream:
     """The legs of a mission, by default as finely as a proof of it would count them."""
-    source = Source(mission)
+    source = LegSource(mission)
     finest = next(layouts(source, mission, MOST, math.inf))
     return source.stream(
         length or finest.length, unit or finest.unit, MOST, jobs=jobs, over=lambda: False
@@ -290,7 +290,7 @@ def test_too_little_room_is_said():
     """More legs than there is room for are refused, and a proof without room keeps its floors."""
     mission = Mission(adr_opt.generate("tiny", 0))
     with pytest.raises(NoRoom):
-        Source(mission).stream(60.0, 5.0, 10, jobs=2, over=lambda: False)
+        LegSource(mission).stream(60.0, 5.0, 10, jobs=2, over=lambda: False)
 
 
 @pytest.fixture
@@ -377,7 +377,7 @@ def test_a_proof_is_over_when_time_is():
 def test_the_proof_tells_what_it_did():
     """Counters name the evaluations and how finely ΔV was counted."""
     mission = Mission(adr_opt.generate("tiny", 1))
-    certificate = proof.Certificate(mission, lambda incumbent, bound: None)
+    certificate = proof.GapTracker(mission, lambda incumbent, bound: None)
     with closing(
         LargeProof(mission, certificate, adr_opt.common.stop.MaxRuntime(60.0), jobs=1)
     ) as proving:

@@ -190,7 +190,7 @@ def test_memory_bounds_tree_not_plan(nominal, monkeypatch):
 def test_uniform_rollouts_are_uniform(tiny):
     """The first move of a uniform rollout is any legal move, all equally often."""
     rules, bodies = tiny.rules, len(tiny.names)
-    policy = policies.Policy(1, False, 0.0, 1.0)
+    policy = policies.RolloutSettings(1, False, 0.0, 1.0)
     start = policies.rule_kernels.beginning(rules)
     memory, rng = policies.scratch(bodies), np.random.default_rng(0)
     counts = np.zeros(bodies)

@@ -19,7 +19,7 @@ from adr_opt.mission.problem import Mission
 from adr_opt.run.methods import get
 from solvers.planners.ortools_windows import ortools
 from solvers.planners.ortools_windows.fill import best_insertion
-from solvers.planners.ortools_windows.network import Worth, fly_rest
+from solvers.planners.ortools_windows.network import SlackWorth, fly_rest
 from solvers.planners.ortools_windows.order import flown
 
 
@@ -226,7 +226,7 @@ def test_the_pace_is_a_schedule_of_the_order(nominal):
     order = flown(nominal, sequence)
     assert order is not None
     assert order.timing.made == sequence.size
-    for worth in (Worth(1e-5, 1e-4), Worth(1e-9, 1e-3), Worth(1e-3, 1e-9)):
+    for worth in (SlackWorth(1e-5, 1e-4), SlackWorth(1e-9, 1e-3), SlackWorth(1e-3, 1e-9)):
         pace = order.pace(worth)
         cost = worth.per_m_s * pace.costs[-1] + worth.per_s * pace.times[-1]
         assert pace.value == pytest.approx(order.timing.objective - cost)
@@ -239,7 +239,7 @@ def test_the_pace_is_a_schedule_of_the_order(nominal):
         refuelled = sequence < nominal.rules.first_target
         assert spent[~refuelled] == pytest.approx(legs[~refuelled])
         assert (pace.lefts[1:][refuelled] == nominal.rules.budget).all()
-    quick, cheap = order.pace(Worth(1.0, 1e-9)), order.pace(Worth(1e-12, 1.0))
+    quick, cheap = order.pace(SlackWorth(1.0, 1e-9)), order.pace(SlackWorth(1e-12, 1.0))
     assert quick.times[-1] < cheap.times[-1]
     assert cheap.costs[-1] == pytest.approx(order.timing.delta_v)
 
@@ -255,7 +255,7 @@ def test_the_rest_is_flown_by_the_rules(nominal):
     begin = State(rules.start, rules.ready, rules.budget, 0, 0, 0)
     made, _, _ = replay(rules, sequence, begin, visited, ends, lefts)
     assert made == sequence.size
-    worth = Worth(1e-5, 1e-4)
+    worth = SlackWorth(1e-5, 1e-4)
     stop = int(np.flatnonzero(rules.is_station[sequence])[-1])
     for cut in range(1, sequence.size):
         value, need = fly_rest(rules, worth, sequence[cut:], int(sequence[cut - 1]), ends[cut - 1])
@@ -278,7 +278,7 @@ def test_insertions_are_legal_and_found(nominal):
         shorter = flown(nominal, np.delete(order.moves, place))
         if shorter is None:
             continue
-        pace = shorter.pace(Worth(1e-5, 1e-4))
+        pace = shorter.pace(SlackWorth(1e-5, 1e-4))
         target, at = best_insertion(
             nominal.rules, shorter.moves, pace.bodies, pace.times, pace.lefts, shorter.targets
         )

@@ -26,12 +26,12 @@ from solvers.planners.ortools_windows import network, ortools
 from solvers.planners.ortools_windows.fleet import Fleet
 from solvers.planners.ortools_windows.joined import joined
 from solvers.planners.ortools_windows.model import best_paths
-from solvers.planners.ortools_windows.network import Limits, Window, Worth
+from solvers.planners.ortools_windows.network import SlackWorth, UnrollLimits, Window
 from solvers.planners.ortools_windows.prices import edge_worths
 from solvers.routes.one_chaser import one_after_another
 
-LIMITS = Limits(20_000, 10, 0.02, 1.0)
-WORTH = Worth(1e-6, 1e-4)
+LIMITS = UnrollLimits(20_000, 10, 0.02, 1.0)
+WORTH = SlackWorth(1e-6, 1e-4)
 FLOOR = -1e3
 """Below all worths."""
 

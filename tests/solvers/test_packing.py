@@ -14,7 +14,7 @@ from scipy.sparse import csc_array
 
 from adr_opt.mission.campaign import Campaign
 from solvers.columns import route_enumeration
-from solvers.columns.route_enumeration import Answer, Finish
+from solvers.columns.route_enumeration import EnumerationAnswer, Finish
 from solvers.routes.set_packing import PRESOLVED, cheapest_of
 from solvers.walks.walks import WalkBound
 
@@ -96,5 +96,5 @@ def test_the_end_of_a_proof_asks_for_the_time_when_it_packs(monkeypatch):
     none = np.zeros(len(campaign.names))
     most = np.full(len(campaign.kinds), campaign.total_worth)
     answer, _ = Finish(campaign, bounds).ask(1e-3, none, most, 10**6, enough, lambda: left[0])
-    assert answer is not Answer.UNKNOWN
+    assert answer is not EnumerationAnswer.UNKNOWN
     assert asked == [2.0]

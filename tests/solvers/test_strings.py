@@ -32,7 +32,7 @@ def field() -> Mission:
     return mission
 
 
-def begun(mission: Mission, order: list[int], length: int) -> bit_orders.Course:
+def begun(mission: Mission, order: list[int], length: int) -> bit_orders.BitOrder:
     """A course whose chaser is at the start with a full tank; nothing else is timed."""
     rules = mission.rules
     course = bit_orders.new_course(np.array(order, dtype=np.int64), rules.service.size)

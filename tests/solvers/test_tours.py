@@ -10,11 +10,11 @@ import pytest
 
 from solvers.tours import walks
 from solvers.tours.bound import Bounding, Tangent, bound, memories, neighbourhoods
-from solvers.tours.costs import FORBIDDEN, Expense, Grid
+from solvers.tours.costs import FORBIDDEN, TimeGrid, TourExpense
 from solvers.tours.planner import Annealing, plan
 
-GRID = Grid(least_gap=1, apart=3, unit_m_s=1.0)
-EXPENSE = Expense(20.0, 0.0, 2e-6, 2000.0, 30.0, 3334.0, 5000.0)
+GRID = TimeGrid(least_gap=1, apart=3, unit_m_s=1.0)
+EXPENSE = TourExpense(20.0, 0.0, 2e-6, 2000.0, 30.0, 3334.0, 5000.0)
 QUICK = Annealing(starts=2, chunk=20, most=4, wide=20, near=20, missions=2)
 
 

@@ -23,10 +23,10 @@ from adr_opt.common.errors import InputError
 from adr_opt.mission.result import Result
 from adr_opt.problem.instance import Instance
 from adr_opt.run import front
-from adr_opt.ui.serve.desk import Desk
+from adr_opt.ui.serve.desk import EditingSession
 from adr_opt.ui.serve.drafts import read_edit
 from adr_opt.ui.serve.folder import Folder
-from adr_opt.ui.serve.work import Order, Work
+from adr_opt.ui.serve.work import PlanningOrder, Work
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
@@ -49,10 +49,10 @@ def world(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def desk(world: Path) -> Iterator[Desk]:
+def desk(world: Path) -> Iterator[EditingSession]:
     """A desk whose working folder is `work` in there; none of the other files may change."""
     before = files_under(world)
-    made = Desk(hand_made(), None, Folder(world / "work", world / "my.json"))
+    made = EditingSession(hand_made(), None, Folder(world / "work", world / "my.json"))
     yield made
     assert made.close(60.0)
     after = files_under(world)
@@ -60,7 +60,7 @@ def desk(world: Path) -> Iterator[Desk]:
     assert {Path(name).parts[0] for name in after.keys() - before.keys()} <= {"work"}
 
 
-def let_in(desk: Desk, **more: Any) -> Any:
+def let_in(desk: EditingSession, **more: Any) -> Any:
     """Somebody who has the token."""
     app = application(desk, TOKEN, PORT, threading.Event())
     client = testclient.TestClient(app, base_url=f"http://127.0.0.1:{PORT}", **more)
@@ -68,7 +68,7 @@ def let_in(desk: Desk, **more: Any) -> Any:
     return client
 
 
-def test_without_the_token_nothing_is_answered(desk: Desk) -> None:
+def test_without_the_token_nothing_is_answered(desk: EditingSession) -> None:
     """Every address, with no token or a wrong one, in the query or in the cookie: 403."""
     client = let_in(desk)
     client.cookies.clear()
@@ -86,7 +86,7 @@ def test_without_the_token_nothing_is_answered(desk: Desk) -> None:
     assert desk.revision == 0
 
 
-def test_the_token_opens_the_page_and_becomes_a_cookie(desk: Desk) -> None:
+def test_the_token_opens_the_page_and_becomes_a_cookie(desk: EditingSession) -> None:
     """The address that is printed gives the page, under a strict law; its cookie does the rest."""
     client = let_in(desk)
     client.cookies.clear()
@@ -124,7 +124,9 @@ def test_the_token_opens_the_page_and_becomes_a_cookie(desk: Desk) -> None:
         {"sec-fetch-site": "same-site"},
     ],
 )
-def test_other_hosts_and_other_pages_are_refused(desk: Desk, headers: dict[str, str]) -> None:
+def test_other_hosts_and_other_pages_are_refused(
+    desk: EditingSession, headers: dict[str, str]
+) -> None:
     """Names that lead here (DNS rebinding), and pages elsewhere, get 403 with a valid cookie."""
     client = let_in(desk)
     assert client.get("/state", headers=headers).status_code == 403
@@ -133,7 +135,7 @@ def test_other_hosts_and_other_pages_are_refused(desk: Desk, headers: dict[str, 
     assert desk.state()["undoes"] is None
 
 
-def test_what_changes_something_is_a_post_of_json_of_sensible_size(desk: Desk) -> None:
+def test_what_changes_something_is_a_post_of_json_of_sensible_size(desk: EditingSession) -> None:
     """Other methods, other types and too large requests are refused, and change nothing."""
     client = let_in(desk)
     for path in ("/edit", "/undo", "/redo", "/plan", "/stop"):
@@ -162,7 +164,7 @@ def test_what_changes_something_is_a_post_of_json_of_sensible_size(desk: Desk) -
     assert desk.revision == 0
 
 
-def test_a_day_at_the_desk(desk: Desk, world: Path) -> None:
+def test_a_day_at_the_desk(desk: EditingSession, world: Path) -> None:
     """Edit, plan, edit, undo: the page hears of it, and the folder holds a plan that is legal."""
     pytest.importorskip("plotly")
     client = let_in(desk)
@@ -210,7 +212,7 @@ def test_a_day_at_the_desk(desk: Desk, world: Path) -> None:
     assert adr_opt.load_plan(folder / "plan.json") == other
 
 
-def test_what_cannot_be_planned_is_said_on_the_page(desk: Desk) -> None:
+def test_what_cannot_be_planned_is_said_on_the_page(desk: EditingSession) -> None:
     """Unknown methods and limits are refused; a mission without a plan says why."""
     client = let_in(desk)
     for wrong, named in (
@@ -233,7 +235,7 @@ def test_what_cannot_be_planned_is_said_on_the_page(desk: Desk) -> None:
     assert client.get("/state").json()["plan"] is None
 
 
-def heard(desk: Desk, until: str, seconds: float = 60.0) -> list[tuple[str, Any]]:
+def heard(desk: EditingSession, until: str, seconds: float = 60.0) -> list[tuple[str, Any]]:
     """Server-sent events, up to the one of a run in that phase."""
 
     async def listen() -> list[tuple[str, Any]]:
@@ -249,9 +251,9 @@ def heard(desk: Desk, until: str, seconds: float = 60.0) -> list[tuple[str, Any]
     return asyncio.run(listen())
 
 
-def test_incumbent_and_bound_are_told_as_they_come(desk: Desk) -> None:
+def test_incumbent_and_bound_are_told_as_they_come(desk: EditingSession) -> None:
     """Events tell the state, then the run, in numbers that JSON knows, and the plan at the end."""
-    desk.plan(Order("exact", 60.0))
+    desk.plan(PlanningOrder("exact", 60.0))
     events = heard(desk, "done")
     assert events[0][0] == "state"
     last = events[-1][1]
@@ -262,10 +264,10 @@ def test_incumbent_and_bound_are_told_as_they_come(desk: Desk) -> None:
     # One timetable for all that differ in prizes, targets and tanks.
     known = desk._work._reused._built
     desk.edit(read_edit(json.dumps(of("south", excluded=True))))
-    desk.plan(Order("exact", 60.0))
+    desk.plan(PlanningOrder("exact", 60.0))
     assert wait(desk).incumbent == 2.0
     desk.edit(read_edit(json.dumps({"budget": {"chaser": "chaser", "amount": 1000.0}})))
-    desk.plan(Order("exact", 60.0))
+    desk.plan(PlanningOrder("exact", 60.0))
     assert wait(desk).phase == "done"
     assert desk._work._reused._built is known
 
@@ -277,8 +279,8 @@ def test_the_run_ends_with_what_its_plan_states(
     monkeypatch.setattr(front, "TABLE_BYTES", 1e-4 * 2.0**30)
     field = adr_opt.generate("nominal", 0, targets=30)
     field.save(tmp_path / "my.json")
-    made = Desk(field, None, Folder(tmp_path / "work", tmp_path / "my.json"))
-    made.plan(Order("auto", 3.0))
+    made = EditingSession(field, None, Folder(tmp_path / "work", tmp_path / "my.json"))
+    made.plan(PlanningOrder("auto", 3.0))
     look, plan = wait(made), made.state()["plan"]
     assert any("nothing is proven" in note for note in plan["notes"])
     assert plan["upper_bound"] is None
@@ -289,7 +291,7 @@ def test_the_run_ends_with_what_its_plan_states(
     assert "none given" in made.report()
 
 
-def test_the_run_ends_with_what_the_result_states(desk: Desk) -> None:
+def test_the_run_ends_with_what_the_result_states(desk: EditingSession) -> None:
     """What was told on the way gives way to the result, which the plan and its report have."""
     instance = hand_made()
     result = adr_opt.solve(instance, "beam")
@@ -300,7 +302,7 @@ def test_the_run_ends_with_what_the_result_states(desk: Desk) -> None:
 
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(front, "run", told_more)
-        desk.plan(Order("beam", 3.0))
+        desk.plan(PlanningOrder("beam", 3.0))
         look = wait(desk)
     known = [
         value if math.isfinite(value) else None for value in (result.objective, result.upper_bound)
@@ -330,11 +332,11 @@ def test_stop_ends_a_run_and_a_second_press_the_first(
             assert time.monotonic() < end, made.look()
             time.sleep(0.01)
 
-    made.begin(field, Order("patient", 3600.0), None)
+    made.begin(field, PlanningOrder("patient", 3600.0), None)
     until(lambda: made.look().incumbent == 1.0)
     look = made.look()
     assert (look.phase, look.bound, look.runs, look.stopping) == ("planning", 4.0, True, False)
-    made.begin(field.replace(name="second"), Order("patient", 3600.0), None)
+    made.begin(field.replace(name="second"), PlanningOrder("patient", 3600.0), None)
     until(lambda: made.look().incumbent == 1.0)
     assert made.look().number == 2
     assert results == [("tiny-000", 3.0)]  # what every method falls back on
@@ -343,8 +345,8 @@ def test_stop_ends_a_run_and_a_second_press_the_first(
     look = made.look()
     assert (look.number, look.phase, look.said, look.stopping) == (2, "done", "well", True)
     assert [name for name, _ in results] == ["tiny-000", "second"]
-    made.begin(field, Order("patient", 3600.0), None)
-    made.begin(field, Order("patient", 3600.0), None)
+    made.begin(field, PlanningOrder("patient", 3600.0), None)
+    made.begin(field, PlanningOrder("patient", 3600.0), None)
     made.stop()
     assert made.wait(60.0)
     assert made.look().number == 4
@@ -352,22 +354,24 @@ def test_stop_ends_a_run_and_a_second_press_the_first(
 
 def test_a_planner_that_fails_is_heard_of(monkeypatch: pytest.MonkeyPatch, world: Path) -> None:
     """Whatever goes wrong in a run is said, and the next run begins."""
-    made = Desk(hand_made(), None, Folder(world / "work", world / "my.json"))
+    made = EditingSession(hand_made(), None, Folder(world / "work", world / "my.json"))
 
     def broken(*given: Any, **more: Any) -> Result:
         raise ZeroDivisionError("by nothing")
 
     with monkeypatch.context() as patch:
         patch.setattr("adr_opt.run.front.run", broken)
-        made.plan(Order("greedy-guarded", 10.0))
+        made.plan(PlanningOrder("greedy-guarded", 10.0))
         look = wait(made)
     assert look.phase == "failed"
     assert look.said == "greedy-guarded failed: ZeroDivisionError: by nothing"
-    made.plan(Order("greedy-guarded", 10.0))
+    made.plan(PlanningOrder("greedy-guarded", 10.0))
     assert wait(made).phase == "done"
 
 
-def test_a_plan_begins_from_the_one_before(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_plan_begins_from_the_one_before(
+    desk: EditingSession, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """What is left of the last plan is where the next one begins, unless somebody says not to."""
     starts: list[Any] = []
     run = front.run
@@ -377,13 +381,13 @@ def test_a_plan_begins_from_the_one_before(desk: Desk, monkeypatch: pytest.Monke
         return run(*given, start=start, **more)
 
     monkeypatch.setattr(front, "run", noting)
-    desk.plan(Order("exact", 60.0))
+    desk.plan(PlanningOrder("exact", 60.0))
     wait(desk)
     desk.edit(read_edit(json.dumps(of("north", excluded=True))))
     for order in (
-        Order("exact", 60.0),
-        Order("exact", 60.0, goes_on=False),
-        Order("greedy", 20.0),
+        PlanningOrder("exact", 60.0),
+        PlanningOrder("exact", 60.0, goes_on=False),
+        PlanningOrder("greedy", 20.0),
     ):
         desk.plan(order)
         assert wait(desk).phase == "done"
@@ -393,10 +397,10 @@ def test_a_plan_begins_from_the_one_before(desk: Desk, monkeypatch: pytest.Monke
 def test_several_chasers_have_budgets_of_their_own(tmp_path: Path) -> None:
     """Of a campaign each tank is changed by itself, and what comes out is a legal campaign."""
     instance = adr_opt.generate("campaign", 0, targets=5)
-    desk = Desk(instance, None, Folder(tmp_path / "work", tmp_path / "my.json"))
+    desk = EditingSession(instance, None, Folder(tmp_path / "work", tmp_path / "my.json"))
     second = instance.chasers[1].name
     desk.edit(read_edit(json.dumps({"budget": {"chaser": second, "amount": 0.0}})))
-    desk.plan(Order("greedy-guarded", 20.0))
+    desk.plan(PlanningOrder("greedy-guarded", 20.0))
     assert wait(desk).phase == "done"
     planned = adr_opt.load(tmp_path / "work/instance.json")
     plan = adr_opt.load_plan(tmp_path / "work/plan.json")
@@ -411,13 +415,13 @@ def test_work_of_an_earlier_call_is_not_overwritten(world: Path, cli: Cli) -> No
     """A folder with work in it is taken by those who go on with it; links are not followed."""
     plan = adr_opt.solve(hand_made(), "exact").plan
     assert plan is not None
-    Desk(hand_made(), plan, Folder(world / "work", world / "my.json"))
+    EditingSession(hand_made(), plan, Folder(world / "work", world / "my.json"))
     with pytest.raises(InputError, match=r"holds instance\.json of an earlier call"):
         Folder(world / "work", world / "my.json")
     folder = Folder(world / "work", world / "work/instance.json")
     with pytest.raises(InputError, match="belongs to another instance"):
-        Desk(hand_made(periods=15.0), plan, folder)
-    again = Desk(adr_opt.load(world / "work/instance.json"), plan, folder)
+        EditingSession(hand_made(periods=15.0), plan, folder)
+    again = EditingSession(adr_opt.load(world / "work/instance.json"), plan, folder)
     assert again.state()["plan"]["fits"]
     assert sorted(files_under(world / "work")) == ["instance.json", "plan.json"]
     (world / "work/draft.json").symlink_to(world / "my.json")

@@ -14,10 +14,10 @@ import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.problem.chasers import InOrbit, Tank, TankByMass
 from adr_opt.ui.serve import drafts
-from adr_opt.ui.serve.desk import Desk
+from adr_opt.ui.serve.desk import EditingSession
 from adr_opt.ui.serve.drafts import Draft, History, read_edit
 from adr_opt.ui.serve.folder import Folder
-from adr_opt.ui.serve.work import Order
+from adr_opt.ui.serve.work import PlanningOrder
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
@@ -93,8 +93,8 @@ def test_excluded_targets_take_their_given_connections_along(tmp_path: Path) -> 
     # The draft has connections of its own, beside those of the plan.
     pytest.importorskip("pyarrow")
     given.save(tmp_path / "my.json")
-    desk = Desk(given, None, Folder(tmp_path / "work", tmp_path / "my.json"))
-    desk.plan(Order("greedy-guarded", 20.0))
+    desk = EditingSession(given, None, Folder(tmp_path / "work", tmp_path / "my.json"))
+    desk.plan(PlanningOrder("greedy-guarded", 20.0))
     assert wait(desk).phase == "done"
     desk.edit(read_edit(json.dumps(of("beyond", excluded=True))))
     assert adr_opt.load(tmp_path / "work/instance.json").given.sha256 == given.given.sha256

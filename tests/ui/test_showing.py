@@ -15,7 +15,7 @@ from two_chasers import campaign, planned
 
 import adr_opt
 from adr_opt.analysis import Axis, compare, price, replan, tradeoff
-from adr_opt.common.card import MOST_NAMES, MOST_ROWS, Table, order_words
+from adr_opt.common.card import MOST_NAMES, MOST_ROWS, CardTable, order_words
 from adr_opt.mission.campaign import Campaign
 from adr_opt.mission.certify import certificate_of
 
@@ -163,7 +163,7 @@ def test_the_page_on_python_shows_what_is_shown() -> None:
 def test_long_tables_are_cut_and_say_so() -> None:
     """Of a long table the first rows are shown, and how many more there are."""
     rows = [(f"{number}",) for number in range(MOST_ROWS + 5)]
-    words = Tags(Table(("number",), rows).html()).words
+    words = Tags(CardTable(("number",), rows).html()).words
     assert words[1:-1] == [row[0] for row in rows[:MOST_ROWS]]
     assert words[-1] == "and 5 more"
 

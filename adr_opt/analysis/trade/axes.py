@@ -20,7 +20,7 @@ Limits = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Kind:
+class AxisKind:
     """A limit that can be varied.
 
     Attributes
@@ -42,9 +42,9 @@ class Kind:
 KINDS = {
     kind.name: kind
     for kind in (
-        Kind("delta-v", "m/s", 1.0, "ΔV of a full tank [m/s]"),
-        Kind("propellant", "kg", 1.0, "propellant of a full tank [kg]"),
-        Kind("duration", "days", DAY_S, "duration [days]"),
+        AxisKind("delta-v", "m/s", 1.0, "ΔV of a full tank [m/s]"),
+        AxisKind("propellant", "kg", 1.0, "propellant of a full tank [kg]"),
+        AxisKind("duration", "days", DAY_S, "duration [days]"),
     )
 }
 

@@ -161,7 +161,7 @@ class Tradeoff(Shown):
         }
 
 
-class Board:
+class KnownPoints:
     """What is known of all points, kept so that no point contradicts another.
 
     Parameters

@@ -19,14 +19,14 @@ from ...mission.campaign import Problem
 from ...plan.expense import cost_of_routes
 from ...plan.plan import MODEL, InstanceReference, Plan, Route, Unvisited
 from .axes import Limits
-from .points import Board, Impossible, Point
+from .points import Impossible, KnownPoints, Point
 
 METHOD = "from-file"
 """What plans say here that nobody else sees."""
 
 
 def take_in(
-    board: Board,
+    board: KnownPoints,
     rows: Iterable[tuple[str, Point]],
     problem: Callable[[Limits], Problem],
     methods: Collection[str],
@@ -35,7 +35,7 @@ def take_in(
 
     Parameters
     ----------
-    board : Board
+    board : KnownPoints
         Rows of points that it has not are passed over.
     rows : iterable of (str, Point)
         Where each row stands, for errors, and what it says.

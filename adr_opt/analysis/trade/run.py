@@ -11,7 +11,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from ...common.cluster import Calls, Pool, Workers
+from ...common.cluster import Calls, LocalPool, Workers
 from ...common.errors import InputError
 from ...common.stop import MaxRuntime, Stop
 from ...common.tolerance import meets
@@ -21,7 +21,7 @@ from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, solve
 from ...run.method_call import form_for, method_of
 from ...run.methods import PLANNERS, campaign_form, get, takes_jobs, takes_start
 from .axes import Axis, Limits, Tanks, grid, tanks_of
-from .points import Board, Impossible, Point, Tradeoff
+from .points import Impossible, KnownPoints, Point, Tradeoff
 from .results import ResultsFile
 from .resumed import take_in
 from .shared import Shared, slack_m_s, variant
@@ -29,7 +29,7 @@ from .shared import Shared, slack_m_s, variant
 QUICK = "beam"
 """Planner of the first pass over all points, where it plans for the instance."""
 
-Told = Callable[[Point, "Board"], None]
+Told = Callable[[Point, "KnownPoints"], None]
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ def tradeoff(
     form_for(problem, method, method_of(method))
     settings = Settings(method, time_limit, seed, _quick(problem, method))
     file = None if path is None else ResultsFile(path, instance.sha256, str(settings))
-    board, ran = Board(limits, slack_m_s(instance)), dict[Limits, set[str]]()
+    board, ran = KnownPoints(limits, slack_m_s(instance)), dict[Limits, set[str]]()
     if file is not None and file.found:
         known = Shared(instance, shared.longest_s, tanks=tanks)
         ran = take_in(board, file.found, known.problem, {method, QUICK})
@@ -145,7 +145,9 @@ def tradeoff(
     elif jobs > 1:
         # A fork of a process that has threads may wait for a lock that nobody opens.
         processes = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"))
-        runner = _Beside(_Work(instance, shared.longest_s, tanks, settings), Pool(processes, jobs))
+        runner = _Beside(
+            _Work(instance, shared.longest_s, tanks, settings), LocalPool(processes, jobs)
+        )
     with runner:
         for quick in (True, False):
             for point, used in runner.run(board, ran, quick=quick, stop=stop):
@@ -184,7 +186,9 @@ def _is_over(stop: Stop | None) -> bool:
     return stop is not None and stop.remaining_s() <= 0.0
 
 
-def _next(board: Board, ran: dict[Limits, set[str]], method: str, quick: bool) -> Limits | None:
+def _next(
+    board: KnownPoints, ran: dict[Limits, set[str]], method: str, quick: bool
+) -> Limits | None:
     """The point that is to be run next; None where none is left."""
     done = {limits: True for limits, methods in ran.items() if method in methods}
     if not quick:
@@ -265,7 +269,7 @@ class _Here:
         return None
 
     def run(
-        self, board: Board, ran: dict[Limits, set[str]], *, quick: bool, stop: Stop | None
+        self, board: KnownPoints, ran: dict[Limits, set[str]], *, quick: bool, stop: Stop | None
     ) -> Iterator[tuple[Point, str]]:
         """The runs of a pass, each chosen once the one before is on the board."""
         method = self._settings.quick if quick else self._settings.method
@@ -321,7 +325,7 @@ class _Beside:
         self._calls.close()
 
     def run(
-        self, board: Board, ran: dict[Limits, set[str]], *, quick: bool, stop: Stop | None
+        self, board: KnownPoints, ran: dict[Limits, set[str]], *, quick: bool, stop: Stop | None
     ) -> Iterator[tuple[Point, str]]:
         """The runs of a pass; the next one begins as soon as one has ended."""
         settings = self._work.settings

@@ -3,7 +3,7 @@
 Tanks have no part in the timetable of two-body motion: missions that differ in them share it as it
 is, whatever an hour is worth. Connections of a shorter mission are those of a longer one that
 arrive in time, exactly, since none is dominated by one that arrives later
-(:meth:`adr_opt.legs.connections.Connecting.shortened`); only the choice among them is made anew.
+(``ConnectionFinder.shortened``); only the choice among them is made anew.
 Where planes drift a larger tank may leave out what a smaller one needs: a connection that saves
 less than the resolution against one that only the larger tank can pay. So there each tank has
 connections of its own.
@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from ...legs.connections import Connecting
+from ...legs.connections import ConnectionFinder
 from ...mission.campaign import Problem, problem_of
 from ...problem.instance import Instance
 from .axes import IN_DELTA_V, Limits, Tanks, counts_masses
@@ -71,7 +71,7 @@ class Shared:
     def _longest(self, limits: Limits) -> Problem:
         """The longest mission with such a tank, or with any where that makes no difference."""
         instance = variant(self._instance, (limits[0], self.longest_s), tanks=self._tanks)
-        key = limits[0] if Connecting(instance).depends_on_tank else 0.0
+        key = limits[0] if ConnectionFinder(instance).depends_on_tank else 0.0
         if key not in self._of_tank:
             if key:
                 self._of_tank.clear()  # they are large, and tanks come one after the other

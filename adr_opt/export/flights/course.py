@@ -80,7 +80,7 @@ class Burnt:
 
 
 @dataclass(frozen=True)
-class Course:
+class FlightCourse:
     """The flight of one chaser.
 
     Attributes

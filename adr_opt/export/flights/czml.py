@@ -12,7 +12,7 @@ import numpy as np
 from ...common.constants import DAY_S
 from ...fly.trajectory.axes import Axes, axes_of
 from ...fly.trajectory.bodies import body_states
-from ...fly.trajectory.clock import Clock
+from ...fly.trajectory.clock import UtcClock
 from ...fly.trajectory.kepler import Array, revolution
 from ...fly.trajectory.sampling import SHORTEST_ARC_S, STEP_S, Arc, LegPath, Trajectory
 from ...plan.routes import owners, several
@@ -51,7 +51,7 @@ def to_czml(trajectory: Trajectory) -> str:
     its leg is flown, in the colour of its phase; the chaser itself is one packet over all of them.
     Where there are several chasers, each is such a packet, and arcs are in the colour of theirs.
     """
-    clock, axes = Clock(trajectory.instance), axes_of(trajectory.instance, CESIUM)
+    clock, axes = UtcClock(trajectory.instance), axes_of(trajectory.instance, CESIUM)
     trajectory = _turned(trajectory, axes)
     shown = _when_shown(trajectory)
     packets = [_document(trajectory, clock, axes, len(shown))]
@@ -106,7 +106,7 @@ def _when_shown(trajectory: Trajectory) -> dict[str, list[Span]]:
     return {name: spans for name, spans in shown.items() if spans}
 
 
-def _document(trajectory: Trajectory, clock: Clock, axes: Axes, bodies: int) -> dict[str, Any]:
+def _document(trajectory: Trajectory, clock: UtcClock, axes: Axes, bodies: int) -> dict[str, Any]:
     interval = _interval(clock, trajectory.start_s, trajectory.end_s)
     said = origin(trajectory.instance, trajectory.plan, axes)
     if bodies < len(trajectory.instance.names):
@@ -131,7 +131,7 @@ def _document(trajectory: Trajectory, clock: Clock, axes: Axes, bodies: int) -> 
 
 def _body(
     trajectory: Trajectory,
-    clock: Clock,
+    clock: UtcClock,
     axes: Axes,
     name: str,
     visited: bool,
@@ -209,7 +209,7 @@ def _crew(trajectory: Trajectory) -> list[_Chaser]:
     return found
 
 
-def _chaser(trajectory: Trajectory, clock: Clock, chaser: _Chaser) -> dict[str, Any]:
+def _chaser(trajectory: Trajectory, clock: UtcClock, chaser: _Chaser) -> dict[str, Any]:
     return {
         "id": chaser.id,
         "name": chaser.name,
@@ -241,7 +241,7 @@ def _chaser(trajectory: Trajectory, clock: Clock, chaser: _Chaser) -> dict[str, 
 
 
 def _arc(
-    trajectory: Trajectory, clock: Clock, chaser: _Chaser, path: LegPath, number: int
+    trajectory: Trajectory, clock: UtcClock, chaser: _Chaser, path: LegPath, number: int
 ) -> dict[str, Any]:
     arc = path.arcs[number]
     drawn_s = path.arcs[-1].end_s - path.arcs[0].start_s
@@ -279,7 +279,7 @@ def _colour(trajectory: Trajectory, path: LegPath, arc: Arc) -> str:
 
 
 def _position(
-    clock: Clock, times: Array, positions: Array, degree: int, digits: int
+    clock: UtcClock, times: Array, positions: Array, degree: int, digits: int
 ) -> dict[str, Any]:
     """Samples at seconds after the first of them [m], with ``digits`` after the point."""
     start = float(times[0])
@@ -307,9 +307,9 @@ def _rgba(colour: str) -> dict[str, Any]:
     return {"rgba": [int(colour[i : i + 2], 16) for i in (1, 3, 5)] + [255]}
 
 
-def _interval(clock: Clock, start_s: float, end_s: float) -> str:
+def _interval(clock: UtcClock, start_s: float, end_s: float) -> str:
     return f"{_time(clock, start_s)}/{_time(clock, end_s)}"
 
 
-def _time(clock: Clock, time_s: float) -> str:
+def _time(clock: UtcClock, time_s: float) -> str:
     return clock.label(time_s) + "Z"

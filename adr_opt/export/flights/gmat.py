@@ -25,13 +25,13 @@ from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...common.errors import InputError
 from ...fly.trajectory.axes import USUAL, Axes, axes_of
 from ...fly.trajectory.bodies import body_states
-from ...fly.trajectory.clock import Clock
+from ...fly.trajectory.clock import UtcClock
 from ...fly.trajectory.kepler import Array
 from ...fly.trajectory.sampling import Trajectory
 from ...kernels.orbits import ephemeris
 from ...problem.frame import FRAMES
 from ...problem.instance import Instance
-from .course import Course, CourseLeg
+from .course import CourseLeg, FlightCourse
 from .kvn import WIDTH, plain
 from .planned import course_of
 
@@ -105,12 +105,12 @@ def axes_in_gmat(instance: Instance, frame: str | None) -> Axes:
     return axes_of(instance, frame)
 
 
-def script(course: Course, axes: Axes, degree: int, start_s: float, state: States) -> str:
+def script(course: FlightCourse, axes: Axes, degree: int, start_s: float, state: States) -> str:
     """The script of a course.
 
     Parameters
     ----------
-    course : Course
+    course : FlightCourse
     axes : Axes
     degree : int
         Of the zonal field that GMAT is to fly in; 0 for the gravity of a point.
@@ -122,7 +122,9 @@ def script(course: Course, axes: Axes, degree: int, start_s: float, state: State
     return "\n".join(_lines(course, axes, degree, start_s, state)) + "\n"
 
 
-def _lines(course: Course, axes: Axes, degree: int, start_s: float, state: States) -> Iterator[str]:
+def _lines(
+    course: FlightCourse, axes: Axes, degree: int, start_s: float, state: States
+) -> Iterator[str]:
     instance, system = course.instance, AXES[axes.frame.name]
     ends = {name for leg in course.legs for name in (leg.origin, leg.destination)}
     names = {body: _name(instance, body) for body in instance.names if body in ends}
@@ -258,7 +260,7 @@ def _coast(
 def _spacecraft(
     instance: Instance, system: str, name: str, body: str | None, start_s: float, state: States
 ) -> Iterator[str]:
-    epoch = datetime.fromisoformat(Clock(instance).label(start_s))
+    epoch = datetime.fromisoformat(UtcClock(instance).label(start_s))
     yield "% the chaser" if body is None else f"% {plain(body)}"
     yield f"Create Spacecraft {name};"
     yield f"GMAT {name}.DateFormat = UTCGregorian;"

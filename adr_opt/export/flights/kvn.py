@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 
 from ...common.constants import EARTH_RADIUS_M, J2
 from ...fly.trajectory.axes import Axes
-from ...fly.trajectory.clock import Clock
+from ...fly.trajectory.clock import UtcClock
 from ...plan.plan import Plan
 from ...problem.instance import Instance
 
@@ -103,5 +103,5 @@ def metadata(
     yield f"REF_FRAME = {axes.frame.name}"
     if axes.frame.axes_epoch is not None:
         since_s = (axes.frame.axes_epoch - instance.epoch).total_seconds()
-        yield f"REF_FRAME_EPOCH = {Clock(instance).label(since_s)}"
+        yield f"REF_FRAME_EPOCH = {UtcClock(instance).label(since_s)}"
     yield "TIME_SYSTEM = UTC"

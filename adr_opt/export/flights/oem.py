@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from ...fly.trajectory.axes import Axes, axes_of
-from ...fly.trajectory.clock import Clock, states_at_labels
+from ...fly.trajectory.clock import UtcClock, states_at_labels
 from ...fly.trajectory.sampling import Arc, Trajectory
 from .kvn import comment, header, metadata, object_name, origin, who
 
@@ -33,7 +33,7 @@ def to_oem(trajectory: Trajectory, frame: str | None = None, object_id: str | No
 
 def _lines(trajectory: Trajectory, axes: Axes, object_id: str | None) -> Iterator[str]:
     instance = trajectory.instance
-    clock = Clock(instance)
+    clock = UtcClock(instance)
     said = [*origin(instance, trajectory.plan, axes), *who(instance, trajectory.chaser)]
     if instance.dynamics == "j2":
         said += ["Velocities are the rates of the positions, the drift of the planes included."]
@@ -45,7 +45,9 @@ def _lines(trajectory: Trajectory, axes: Axes, object_id: str | None) -> Iterato
         yield from segment(clock, which, arc, axes, metadata(instance, axes, name, object_id))
 
 
-def segment(clock: Clock, said: str, arc: Arc, axes: Axes, about: Iterable[str]) -> Iterator[str]:
+def segment(
+    clock: UtcClock, said: str, arc: Arc, axes: Axes, about: Iterable[str]
+) -> Iterator[str]:
     """One arc, with a comment and what the metadata say of object, frame and times."""
     labels = clock.labels(arc.times_s)
     yield "META_START"

@@ -12,10 +12,10 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from ...fly.trajectory.axes import Axes, axes_of
-from ...fly.trajectory.clock import Clock, states_at_labels
+from ...fly.trajectory.clock import UtcClock, states_at_labels
 from ...fly.trajectory.kepler import Array
 from ...fly.trajectory.sampling import Trajectory
-from .course import Course
+from .course import FlightCourse
 from .kvn import comment, header, metadata, object_name
 from .planned import course_of
 
@@ -47,7 +47,7 @@ def to_opm(trajectory: Trajectory, frame: str | None = None, object_id: str | No
 
 
 def message(
-    course: Course,
+    course: FlightCourse,
     axes: Axes,
     object_id: str | None,
     start_s: float,
@@ -58,7 +58,7 @@ def message(
 
     Parameters
     ----------
-    course : Course
+    course : FlightCourse
     axes : Axes
     object_id : str or None
         The chaser's, if it has any.
@@ -73,14 +73,14 @@ def message(
 
 
 def _lines(
-    course: Course,
+    course: FlightCourse,
     axes: Axes,
     object_id: str | None,
     start_s: float,
     state: Array,
     about: Iterable[str],
 ) -> Iterator[str]:
-    clock = Clock(course.instance)
+    clock = UtcClock(course.instance)
     burnt = [one for leg in course.legs for one in course.burnt.get(leg.number, ())]
     every_mass_shows = bool(burnt) and all(one.lost_kg > LEAST_KG for one in burnt)
     yield from header("CCSDS_OPM_VERS", course.said, "2.0" if every_mass_shows else "3.0")

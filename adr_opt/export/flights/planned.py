@@ -6,11 +6,11 @@ from ...fly.trajectory.axes import Axes
 from ...fly.trajectory.sampling import Trajectory
 from ...plan.plan import Leg
 from ...plan.routes import routes_of
-from .course import Burnt, Course, CourseLeg, burnt_of
+from .course import Burnt, CourseLeg, FlightCourse, burnt_of
 from .kvn import origin, who
 
 
-def course_of(trajectory: Trajectory, axes: Axes) -> Course:
+def course_of(trajectory: Trajectory, axes: Axes) -> FlightCourse:
     """The legs of a trajectory as their burns, with the masses that its plan leads to."""
     instance, plan = trajectory.instance, trajectory.plan
     numbers = [path.number for path in trajectory.legs]
@@ -19,7 +19,7 @@ def course_of(trajectory: Trajectory, axes: Axes) -> Course:
         route = [_leg(number, leg) for number, leg in flown.legs]
         if any(leg.number in numbers for leg in route):
             burnt |= burnt_of(instance, flown.chaser, route)
-    return Course(
+    return FlightCourse(
         instance,
         trajectory.chaser,
         tuple(_leg(path.number, path.leg) for path in trajectory.legs),

@@ -15,7 +15,7 @@ from ...fly.trajectory.axes import Axes
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
 from ...problem.instance import Instance
 from . import opm
-from .course import Burnt, Course, CourseLeg, burnt_of
+from .course import Burnt, CourseLeg, FlightCourse, burnt_of
 from .gmat import cartesian, script, whole_millisecond
 
 DEGREES = {"two-body": 0, "j2": 2, "j3": 3, "j4": 4}
@@ -95,7 +95,7 @@ def _course(
     legs: Sequence[RefinedLeg],
     chaser: str | None,
     said: Sequence[str],
-) -> Course:
+) -> FlightCourse:
     for one, after in pairwise(legs):
         if one.destination != after.origin:
             raise InputError(
@@ -113,7 +113,7 @@ def _course(
                     start = route[0].ready_s
                     flown = [CourseLeg(0, its.name, route[0].origin, start, start, ()), *flown]
                 burnt |= burnt_of(instance, its, flown)
-    return Course(instance, chaser, tuple(_leg(leg) for leg in legs), tuple(said), burnt)
+    return FlightCourse(instance, chaser, tuple(_leg(leg) for leg in legs), tuple(said), burnt)
 
 
 def _leg(leg: RefinedLeg) -> CourseLeg:

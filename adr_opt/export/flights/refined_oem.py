@@ -10,9 +10,9 @@ from ...common.errors import InputError
 from ...common.files import check_writable, write_text
 from ...fly.flight.flyable import refuse_foreign
 from ...fly.flight.tanks import refined_routes
-from ...fly.refine.ephemeris import Track, tracks
+from ...fly.refine.ephemeris import EphemerisTrack, tracks
 from ...fly.trajectory.axes import Axes
-from ...fly.trajectory.clock import Clock
+from ...fly.trajectory.clock import UtcClock
 from ...kernels.orbits.gravity import J3, J4
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import chaser_wanted
@@ -38,7 +38,7 @@ def write_refined(
     chaser: str | None = None,
     format: str = "oem",
     object_id: str | None = None,
-) -> tuple[Track, ...]:
+) -> tuple[EphemerisTrack, ...]:
     """Write the flight of the chaser, or of a visited body, whole or not at all.
 
     Parameters
@@ -120,11 +120,11 @@ def _whose(
 def _lines(
     instance: Instance,
     said: Iterable[str],
-    written: tuple[Track, ...],
+    written: tuple[EphemerisTrack, ...],
     axes: Axes,
     about: Iterable[str],
 ) -> Iterator[str]:
-    clock = Clock(instance)
+    clock = UtcClock(instance)
     yield from header("CCSDS_OEM_VERS", said)
     for track in written:
         yield ""

@@ -24,7 +24,7 @@ FINEST_SCALE = 1000.0
 
 
 @dataclass(frozen=True)
-class Weights:
+class WeightMatrix:
     """One quantity at one departure, in integers.
 
     Attributes
@@ -72,7 +72,7 @@ def whole_weights(
     scale: float | None,
     limit: float = 0.0,
     service: FloatArray | None = None,
-) -> Weights:
+) -> WeightMatrix:
     """Scale and round the first departure of the matrices.
 
     Parameters
@@ -111,7 +111,7 @@ def whole_weights(
         )
     values = np.full(exact.shape, no_transfer(scale), dtype=np.int64)
     values[finite] = np.rint(scale * exact[finite]).astype(np.int64)
-    return Weights(
+    return WeightMatrix(
         values,
         quantity,
         scale,
@@ -130,7 +130,7 @@ def slug(instance: Instance) -> str:
     return re.sub(r"[^a-z0-9._-]+", "-", instance.name.lower()).strip("-") or "instance"
 
 
-def comment(instance: Instance, weights: Weights) -> str:
+def comment(instance: Instance, weights: WeightMatrix) -> str:
     """One line that says what the integers are."""
     contents = ""
     if weights.quantity == "duration":

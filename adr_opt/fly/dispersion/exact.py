@@ -15,20 +15,20 @@ from ...kernels.orbits import coast, equinoctial
 from ...kernels.orbits.gravity import FIELDS
 from ..refine.short_periods import Array
 from .errors import FlightErrors
-from .feedback import Part
+from .feedback import LegPart
 
 STEPS = 3
 """Of targeting anew, before each burn."""
 
 
 def fly_exactly(
-    part: Part, begun: Array, drawn: Array, errors: FlightErrors
+    part: LegPart, begun: Array, drawn: Array, errors: FlightErrors
 ) -> tuple[float, Array]:
     """Fly a part once.
 
     Parameters
     ----------
-    part : Part
+    part : LegPart
     begun : (6,) float64
         By how much the flight is off at the beginning [m, m/s].
     drawn : (burns, 3) float64
@@ -63,7 +63,7 @@ def fly_exactly(
     return spent, now - part.goal
 
 
-def _correction(part: Part, state: Array, at: int, angle: float) -> Array:
+def _correction(part: LegPart, state: Array, at: int, angle: float) -> Array:
     """What a burn is changed by, from a state before it and the angle run through by then."""
     gain, effects = part.gains[at], part.effects[at:]
     if gain is None:
@@ -75,7 +75,7 @@ def _correction(part: Part, state: Array, at: int, angle: float) -> Array:
     return np.asarray(changes[0])
 
 
-def _miss(part: Part, state: Array, at: int, angle: float, changes: Array) -> Array:
+def _miss(part: LegPart, state: Array, at: int, angle: float, changes: Array) -> Array:
     """The miss in elements that the burns from this one on would lead to, laps counted."""
     impulses = part.impulses[at:] + changes
     states, _, rest = coast.fly(

@@ -41,7 +41,7 @@ SHORTEST_ARC = 0.1
 
 
 @dataclass(frozen=True)
-class Part:
+class LegPart:
     """A leg until its stand-off, or its approach, about which flights are linear.
 
     Attributes
@@ -89,7 +89,7 @@ class Parted:
     miss: Array
 
 
-def parts_of(leg: RefinedLeg, gravity: Gravity, corrections: int) -> tuple[Part, Part]:
+def parts_of(leg: RefinedLeg, gravity: Gravity, corrections: int) -> tuple[LegPart, LegPart]:
     """A refined leg until its stand-off, and its approach.
 
     Parameters
@@ -124,7 +124,7 @@ def part(
     corrections: int = 0,
     *,
     blind: bool = False,
-) -> Part:
+) -> LegPart:
     """Linearise about the burns of a refined plan.
 
     Parameters
@@ -153,18 +153,18 @@ def part(
         _gain(effects[at:], impulses[at:], radius) if at >= known else None
         for at in range(times.size)
     ]
-    return Part(
+    return LegPart(
         gravity, start, goal, times, end_s, impulses, angle,
         jacobian @ arcs[0], effects, tuple(gains), np.linalg.inv(jacobian),
     )  # fmt: skip
 
 
-def fly(part: Part, begun: Array, drawn: Array, errors: FlightErrors) -> Parted:
+def fly(part: LegPart, begun: Array, drawn: Array, errors: FlightErrors) -> Parted:
     """Fly a part many times.
 
     Parameters
     ----------
-    part : Part
+    part : LegPart
     begun : (6, n) float64
         By how much each flight is off at the beginning [m, m/s].
     drawn : (burns, 3, n) float64

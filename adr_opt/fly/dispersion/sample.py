@@ -21,7 +21,7 @@ from ..refine.bodies import Gravity
 from ..refine.short_periods import Array
 from .errors import FlightErrors
 from .exact import fly_exactly
-from .feedback import Part, fly, parts_of
+from .feedback import LegPart, fly, parts_of
 from .result import Dispersion, LegDispersion, Linearity, Quantile, TankDispersion
 
 SHARE = 0.95
@@ -158,7 +158,7 @@ def _fly_leg(
 
 
 def _exactly(
-    parts: tuple[Part, Part], begun: Array, drawn: list[Array], errors: FlightErrors
+    parts: tuple[LegPart, LegPart], begun: Array, drawn: list[Array], errors: FlightErrors
 ) -> Iterator[tuple[float, Array]]:
     """ΔV of the first flights, and the place at the stand-off that they miss it by."""
     for at in range(min(EXACT_FLIGHTS, begun.shape[1])):

@@ -27,7 +27,7 @@ from ...kernels.orbits import ephemeris, equinoctial, mean_motion
 from ...plan.plan import Leg, Tow
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
-from ..refine.leg import Course, Flown, NoWay, close
+from ..refine.leg import FlownImpulses, LegEnds, NoWay, close
 from ..refine.one_leg import aim, planned_angles, with_a_middle
 from ..refine.own_burns import settle
 
@@ -39,7 +39,7 @@ many, or where that is too much by less, down to the least."""
 
 
 @dataclass(frozen=True)
-class MeanCourse(Course):
+class MeanCourse(LegEnds):
     """Where a leg begins and is to end, in mean motion.
 
     Attributes
@@ -140,7 +140,7 @@ class Aim:
             flown = aim(whole, self._burns)  # with a few burns more
         return flown.delta_v_m_s + self._docking_m_s(flown)
 
-    def _closed(self, times: Array, planned: Array) -> Flown:
+    def _closed(self, times: Array, planned: Array) -> FlownImpulses:
         """Burns that lead there, be they as cheap as they may.
 
         After months of drift a change of a burn by some metres per second is round the orbit by
@@ -182,7 +182,7 @@ class Aim:
             highest_m=EARTH_RADIUS_M + rule.max_altitude_m, oblateness_m2=oblateness,
         )  # fmt: skip
 
-    def _docking_m_s(self, flown: Flown) -> float:
+    def _docking_m_s(self, flown: FlownImpulses) -> float:
         """ΔV of the approach, from the stand-off to the target."""
         begin, end = self._approach[0].time_s, self._approach[-1].time_s
         oblateness = self._instance.oblateness_m2

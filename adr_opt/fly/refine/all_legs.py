@@ -10,7 +10,7 @@ from contextlib import closing
 
 import numpy as np
 
-from ...common.cluster import Calls, Pool, Workers
+from ...common.cluster import Calls, LocalPool, Workers
 from ...common.errors import InputError
 from ...mission.result import versions
 from ...plan.plan import InstanceReference, Plan
@@ -155,7 +155,7 @@ def _calls(jobs: int | None, cluster: str | None) -> Calls:
     if cluster is not None:
         return Workers(cluster)
     count = jobs or os.cpu_count() or 1
-    return Pool(ThreadPoolExecutor(count), count)
+    return LocalPool(ThreadPoolExecutor(count), count)
 
 
 def _freedom(instance: Instance, freedom: Freedom | None) -> Freedom:

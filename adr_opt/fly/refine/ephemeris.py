@@ -17,7 +17,7 @@ from .states import state_of
 
 
 @dataclass(frozen=True)
-class Track:
+class EphemerisTrack:
     """Free motion without a burn in it, and what it belongs to in words."""
 
     comment: str
@@ -31,7 +31,7 @@ def tracks(
     step_s: float | None = None,
     leg: int | None = None,
     chaser: str | None = None,
-) -> tuple[Track, ...]:
+) -> tuple[EphemerisTrack, ...]:
     """The flight of a refined plan, arc by arc.
 
     Parameters
@@ -75,13 +75,13 @@ def tracks(
             raise InputError(f"{body!r} is not a body that the refined plan visits")
         begin = moved(states[body], start, refined.gravity)
         arc = _arc("service", start, begin, end, step, refined.gravity)
-        return (Track(f"{body}, from the state at the epoch", arc),) if arc else ()
+        return (EphemerisTrack(f"{body}, from the state at the epoch", arc),) if arc else ()
     return tuple(track for one in legs for track in _of_leg(refined, states, one, step))
 
 
 def _of_leg(
     refined: RefinedPlan, states: dict[str, Array], leg: RefinedLeg, step: float
-) -> Iterator[Track]:
+) -> Iterator[EphemerisTrack]:
     name = f"leg {leg.leg}, {leg.origin} to {leg.destination}"
     departure = leg.states[0].time_s
     parts = []
@@ -106,7 +106,7 @@ def _of_leg(
     for phase, begin, begins, end in parts:
         arc = _arc(phase, begin, begins, end, step, refined.gravity)
         if arc is not None:
-            yield Track(f"{name}: {phase}", arc)
+            yield EphemerisTrack(f"{name}: {phase}", arc)
 
 
 def _towing(

@@ -42,7 +42,7 @@ NEGLIGIBLE_M_S = 1e-4
 
 
 @dataclass(frozen=True)
-class Course:
+class LegEnds:
     """Where a leg begins and is to end.
 
     Attributes
@@ -78,7 +78,7 @@ class Course:
 
 
 @dataclass(frozen=True)
-class Flown:
+class FlownImpulses:
     """A flown sequence of impulses.
 
     Attributes
@@ -125,7 +125,7 @@ class NoWay(ArithmeticError):
     """No trajectory to the goal was found from the burns that were given."""
 
 
-def fly(course: Course, times: Array, impulses: Array) -> Flown:
+def fly(course: LegEnds, times: Array, impulses: Array) -> FlownImpulses:
     """Fly impulses and measure the miss.
 
     Raises
@@ -148,23 +148,23 @@ def fly(course: Course, times: Array, impulses: Array) -> Flown:
     miss[5] += math.tau * round((angle - course.angle - miss[5]) / math.tau)
     effects = equinoctial.jacobian(end, frame) @ arcs[:, :, 3:]
     first = 1 if early else 0
-    return Flown(times[first:], impulses[first:], states[first:], effects[first:], miss)
+    return FlownImpulses(times[first:], impulses[first:], states[first:], effects[first:], miss)
 
 
-def residual(course: Course, flown: Flown) -> tuple[float, float]:
+def residual(course: LegEnds, flown: FlownImpulses) -> tuple[float, float]:
     """Distance from the goal [m] and speed relative to it [m/s]."""
     apart = flown.states[-1] - course.goal
     return math.hypot(*apart[:3]), math.hypot(*apart[3:])
 
 
 def close(
-    course: Course,
+    course: LegEnds,
     times: Array,
     impulses: Array,
     most: int = MOST_NEWTON,
     *,
     evenly: bool = False,
-) -> Flown:
+) -> FlownImpulses:
     """Change impulses as little as it takes to meet the goal.
 
     Newton's steps of least weighted square: large impulses take more of the change, unless all are
@@ -202,7 +202,7 @@ def close(
     raise NoWay(f"a miss of {position:.3g} m and {speed:.3g} m/s cannot be closed")
 
 
-def cheapen(course: Course, flown: Flown) -> Flown:
+def cheapen(course: LegEnds, flown: FlownImpulses) -> FlownImpulses:
     """Impulses of less ΔV that meet the goal as well, by successive convex steps."""
     low, high = flown.reach_m
     limits = min(course.lowest_m, low), max(course.highest_m, high)
@@ -231,8 +231,8 @@ def cheapen(course: Course, flown: Flown) -> Flown:
 
 
 def _try(
-    course: Course, limits: tuple[float, float], times: Array, impulses: Array
-) -> Flown | None:
+    course: LegEnds, limits: tuple[float, float], times: Array, impulses: Array
+) -> FlownImpulses | None:
     """Close impulses, without those that are negligible; None where that leads nowhere."""
     sizes = np.sqrt(np.sum(impulses**2, axis=1))
     kept = sizes > NEGLIGIBLE_M_S
@@ -246,7 +246,7 @@ def _try(
     return found if limits[0] <= low and high <= limits[1] else None
 
 
-def _with_candidates(course: Course, flown: Flown) -> tuple[Array, Array]:
+def _with_candidates(course: LegEnds, flown: FlownImpulses) -> tuple[Array, Array]:
     """The impulses of a trajectory among candidate times without one."""
     radius = math.hypot(*course.goal[:3])
     revolution = math.tau * math.sqrt(radius**3 / MU_M3_S2)
@@ -280,7 +280,7 @@ def _least_square(effects: Array, change: Array, weights: Array) -> Array:
     return found
 
 
-def _size(course: Course, miss: Array) -> float:
+def _size(course: LegEnds, miss: Array) -> float:
     """A length that a miss in elements stands for [m]."""
     radius = math.hypot(*course.goal[:3])
     return float(np.linalg.norm(miss * np.array([1.0, *([radius] * 5)])))

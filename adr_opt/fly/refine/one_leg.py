@@ -13,7 +13,7 @@ from ...problem.instance import Instance
 from ..trajectory.bodies import after_tow, body_states
 from ..trajectory.kepler import drift, secular
 from .bodies import TrueBodies, moved
-from .leg import Course, Flown, NoWay, cheapen, close, residual
+from .leg import FlownImpulses, LegEnds, NoWay, cheapen, close, residual
 from .own_burns import settle
 from .short_periods import Array
 from .states import recorded, state_of
@@ -70,7 +70,7 @@ def refine_leg(
         start = bodies.state(leg.origin, start_s)
     else:
         start = moved(state_of(led.released), start_s - led.released.time_s, bodies.gravity)
-    course = Course(
+    course = LegEnds(
         start,
         bodies.following(leg.destination, standoff_s, length),
         start_s,
@@ -82,7 +82,7 @@ def refine_leg(
     )
     retargeted = aim(course, before)
     flown = cheapen(course, retargeted) if freedom == "free" else retargeted
-    last = Course(
+    last = LegEnds(
         flown.states[-1],
         bodies.state(leg.destination, docked_s),
         standoff_s,
@@ -148,7 +148,7 @@ def planned_angles(
     return angles[0], angles[1]
 
 
-def aim(course: Course, burns: tuple[Burn, ...]) -> Flown:
+def aim(course: LegEnds, burns: tuple[Burn, ...]) -> FlownImpulses:
     """The plan's burns, kept near what they were; with a few more where they cannot be closed.
 
     Weeks before its end a leg is far from linear in what a burn changes. What the plan is off by in
@@ -187,13 +187,13 @@ def with_a_middle(burns: tuple[Burn, ...], angle: float) -> tuple[Array, Array]:
     return np.insert(times, 1, quarter), np.insert(impulses, 1, 0.0, axis=0)
 
 
-def _phases(burns: tuple[Burn, ...], flown: Flown) -> list[str]:
+def _phases(burns: tuple[Burn, ...], flown: FlownImpulses) -> list[str]:
     """The phase of the plan's burn of each time; ``transfer`` where the plan has none."""
     known = {burn.time_s: burn.phase for burn in reversed(burns)}
     return [known.get(float(time), "transfer") for time in flown.times]
 
 
-def _burns(flown: Flown, phases: list[str]) -> list[RefinedBurn]:
+def _burns(flown: FlownImpulses, phases: list[str]) -> list[RefinedBurn]:
     return [
         RefinedBurn.model_validate(
             {"time_s": float(time), "delta_v_m_s": tuple(impulse.tolist()), "phase": phase}
@@ -202,7 +202,7 @@ def _burns(flown: Flown, phases: list[str]) -> list[RefinedBurn]:
     ]
 
 
-def _states(course: Course, flown: Flown, docking: Flown) -> list[RefinedState]:
+def _states(course: LegEnds, flown: FlownImpulses, docking: FlownImpulses) -> list[RefinedState]:
     """States at the departure, after each burn, at the stand-off, and docked."""
     found = [recorded("departure", course.start_s, course.start)]
     for part in (flown, docking):

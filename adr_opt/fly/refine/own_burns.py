@@ -20,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 
 from .least import least_impulses
-from .leg import MOST_CONVEX, WORTH, Course, Flown, NoWay, close, fly
+from .leg import MOST_CONVEX, WORTH, FlownImpulses, LegEnds, NoWay, close, fly
 from .short_periods import Array
 
 CHANGE_WEIGHT = 2.0 / 3.0
@@ -28,13 +28,15 @@ CHANGE_WEIGHT = 2.0 / 3.0
 ``bench/refine_clouds.py --change-weights`` shows what others give."""
 
 
-def settle(course: Course, flown: Flown, planned: Array, weight: float = CHANGE_WEIGHT) -> Flown:
+def settle(
+    course: LegEnds, flown: FlownImpulses, planned: Array, weight: float = CHANGE_WEIGHT
+) -> FlownImpulses:
     """Make burns that meet the goal cheap, and keep them near the plan's.
 
     Parameters
     ----------
-    course : Course
-    flown : Flown
+    course : LegEnds
+    flown : FlownImpulses
         Burns that meet the goal, at the times that are kept.
     planned : (burns, 3) float64
         What the plan burns at these times; zero where it has no burn [m/s].
@@ -69,8 +71,8 @@ def _worth(impulses: Array, planned: Array, weight: float) -> float:
 
 
 def _tried(
-    course: Course, limits: tuple[float, float], times: Array, impulses: Array
-) -> Flown | None:
+    course: LegEnds, limits: tuple[float, float], times: Array, impulses: Array
+) -> FlownImpulses | None:
     """Burns closed; None where that leads nowhere, or too high or low."""
     try:
         found = close(course, times, impulses)

@@ -15,7 +15,7 @@ from .sampling import Arc
 MICROSECONDS = 1_000_000
 
 
-class Clock:
+class UtcClock:
     """Seconds since the epoch of an instance as UTC, to the microsecond.
 
     Every day has 86,400 s: a leap second between the epoch and a time would put the time one

@@ -17,7 +17,7 @@ SMALLEST = 1e-12
 """Opposite planes have no way from one to the other that is shorter than others."""
 
 
-class Sequence(NamedTuple):
+class StatedSequence(NamedTuple):
     """The co-elliptic sequence that a leg states, recomputed.
 
     Attributes
@@ -49,7 +49,7 @@ def matching_cost(
     destination: npt.NDArray[np.float64],
     rule: co_elliptic.TransferRule,
     departure: float,
-    sequence: Sequence,
+    sequence: StatedSequence,
 ) -> float:
     """The least that a short leg may cost because its ends are eccentric, approach included [m/s].
 

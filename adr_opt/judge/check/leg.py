@@ -17,7 +17,7 @@ from ...plan.plan import Leg
 from ...problem.given import Given
 from ...problem.instance import Instance
 from .drift import check_drift
-from .eccentric import Sequence, matching_cost
+from .eccentric import StatedSequence, matching_cost
 from .figures import check_burns, check_costs
 from .given import check_given
 from .tow import Towed, towed_bodies
@@ -137,7 +137,7 @@ def _check_launch(
 
 def _check_sequence(
     pair: co_elliptic.Pair, rule: co_elliptic.TransferRule, number: int, leg: Leg, free: float
-) -> Generator[Violation, None, Sequence | None]:
+) -> Generator[Violation, None, StatedSequence | None]:
     """Departure and phasing are possible; returns the sequence, or None if they are not."""
     # Angle of the chaser past the line of nodes, in half turns: whole at a departure event.
     past = (pair.phase_i + pair.rate_i * leg.departure_s) / math.pi
@@ -182,12 +182,12 @@ def _check_sequence(
         )
         return None
     radius = co_elliptic.phasing_radius(pair, rule, laps, flight)
-    return Sequence(departure, arrival, laps, radius, pair.theta)
+    return StatedSequence(departure, arrival, laps, radius, pair.theta)
 
 
 def _check_drifting_planes(
     pair: co_elliptic.Pair, rule: co_elliptic.TransferRule, number: int, leg: Leg, free: float
-) -> Generator[Violation, None, Sequence | None]:
+) -> Generator[Violation, None, StatedSequence | None]:
     """The same where nodes drift: the line of nodes is that of the turn, and of this sequence."""
     laps, departure = leg.phasing_revolutions, leg.departure_s
     stand_off = leg.arrival_s - rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
@@ -225,11 +225,11 @@ def _check_drifting_planes(
     behind = alpha_j + math.pi * (half_turns + 1) + rule.standoff / pair.radius_j
     behind -= pair.latitude_j + pair.rate_j * stand_off
     late = math.remainder(behind, 2.0 * math.pi) / pair.rate_j
-    return Sequence(departure, leg.arrival_s + late, laps, radius, theta)
+    return StatedSequence(departure, leg.arrival_s + late, laps, radius, theta)
 
 
 def _check_figures(
-    sequence: Sequence, delta_v: float, extra: float, number: int, leg: Leg
+    sequence: StatedSequence, delta_v: float, extra: float, number: int, leg: Leg
 ) -> Iterator[Violation]:
     """Arrival and ΔV are those of the sequence."""
     if abs(leg.arrival_s - sequence.arrival) > TIME_TOLERANCE_S:

@@ -16,7 +16,7 @@ from ...problem.chasers import AtStation, Chaser
 from ...problem.instance import Instance
 from .leg import Physics, check_transfer
 from .shared import Drawn, launch_times
-from .tank import Tank
+from .tank import TankLevel
 from .tow import Towed, check_tow
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 from .zone_crossings import crossed
@@ -44,7 +44,7 @@ class _Followed:
     where : str
     free : float
         Since when it is [s].
-    tank : Tank
+    tank : TankLevel
     chaser : Chaser
     drawn : Drawn
         What stations have given to anybody.
@@ -56,7 +56,7 @@ class _Followed:
 
     where: str
     free: float
-    tank: Tank
+    tank: TankLevel
     chaser: Chaser
     drawn: Drawn
     since_refuelling: int = 0
@@ -87,7 +87,7 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
         if chaser is None:  # unknown, or a second route: said by check_routes
             continue
         kits = len({leg.destination for leg in route} & bodies.kits)
-        tank = Tank(chaser, kits)
+        tank = TankLevel(chaser, kits)
         free = launches.get(chaser.name, chaser.available_s[0])
         now = _Followed(chaser.start_name, free, tank, chaser, drawn)
         if chaser.kits is not None and kits > chaser.kits:

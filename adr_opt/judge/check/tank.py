@@ -7,7 +7,7 @@ import math
 from ...problem.chasers import Chaser, TankByMass
 
 
-class Tank:
+class TankLevel:
     """What a chaser has aboard.
 
     Parameters

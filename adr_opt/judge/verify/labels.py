@@ -33,7 +33,7 @@ BLOCK = 64
 NONE, FOUND, FULL = 0, 1, 2
 
 
-class Labels(NamedTuple):
+class WalkLabels(NamedTuple):
     """Beginnings of walks.
 
     Attributes
@@ -60,7 +60,7 @@ class Labels(NamedTuple):
     following: npt.NDArray[np.int64]
 
 
-class Kept(NamedTuple):
+class KeptLabels(NamedTuple):
     """The labels at each body that later ones are compared with, by the kits aboard.
 
     *Places* are bodies · (most kits + 1) + kits.

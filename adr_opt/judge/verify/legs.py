@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.errors import InputError
-from ...legs.connections import Connecting
+from ...legs.connections import ConnectionFinder
 from ...problem.chasers import Chaser
 from ...problem.instance import Instance
 from .terms import Terms, flown_from, terms_of
@@ -49,7 +49,7 @@ class Legs(NamedTuple):
     shortest: float
 
 
-def legs_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Legs:
+def legs_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -> Legs:
     """The legs of a chaser that end in time and that its tank can pay for."""
     terms = terms_of(instance, chaser, connecting)
     bodies = terms.bodies

@@ -14,7 +14,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...kernels.legs import burns as burn_kernels
-from ...legs.connections import Connecting, Connections
+from ...legs.connections import ConnectionFinder, Connections
 from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ..check.leg import Physics, check_transfer
@@ -50,14 +50,14 @@ class Sampled(NamedTuple):
 
 
 def sample_connections(
-    instance: Instance, connecting: Connecting, number: int, seed: int
+    instance: Instance, connecting: ConnectionFinder, number: int, seed: int
 ) -> Sampled:
     """Fly some connections again, and look for better ones at some departures.
 
     Parameters
     ----------
     instance : Instance
-    connecting : Connecting
+    connecting : ConnectionFinder
     number : int
         Connections to fly, drawn from a few pairs.
     seed : int

@@ -12,7 +12,7 @@ from ...kernels.legs import co_elliptic, precession, zones
 from ...kernels.orbits import ephemeris
 from ...problem.instance import Instance
 from ..check.drift import drift_cost
-from ..check.eccentric import Sequence, matching_cost
+from ..check.eccentric import StatedSequence, matching_cost
 from ..check.leg import Physics
 
 MOST_STEPS, CLOSE_S = 60, 1e-6
@@ -107,7 +107,7 @@ def _short(instance: Instance, physics: Physics, i: int, j: int, time: float) ->
         if zones.is_blocked(pair, rule, laps, radius, departure):
             continue
         arrival = met + approach
-        sequence = Sequence(departure, arrival, laps, radius, theta)
+        sequence = StatedSequence(departure, arrival, laps, radius, theta)
         turned = 4.0 * math.sin(0.5 * theta) ** 2
         circles = float(co_elliptic.turned_delta_v(pair, rule, laps, radius, turned, 0.0))
         delta_v = max(circles, matching_cost(*ends, rule, departure, sequence))

@@ -27,7 +27,7 @@ from ...common.constants import SLACK_S
 from ...common.errors import InputError
 from ...common.memory import available_bytes
 from ...kernels.core.compile import kernel
-from ...legs.connections import Connecting
+from ...legs.connections import ConnectionFinder
 from .ahead import SLOT_SLACK, put, slots_in
 from .terms import Terms, flown_from
 
@@ -150,7 +150,7 @@ def _sweep(
 
 def most_in_steps(
     terms: Terms,
-    connecting: Connecting,
+    connecting: ConnectionFinder,
     gains: Sequence[Fraction],
     length_s: float,
     slot_m_s: float,
@@ -161,7 +161,7 @@ def most_in_steps(
     Parameters
     ----------
     terms : Terms
-    connecting : Connecting
+    connecting : ConnectionFinder
     gains : sequence of Fraction
         What the service of each body is worth, less its multiplier.
     length_s, slot_m_s : float
@@ -257,7 +257,12 @@ def _find_room(size: float) -> None:
 
 
 def _legs(
-    terms: Terms, connecting: Connecting, length_s: float, slot_m_s: float, slots: int, steps: int
+    terms: Terms,
+    connecting: ConnectionFinder,
+    length_s: float,
+    slot_m_s: float,
+    slots: int,
+    steps: int,
 ) -> tuple[list[npt.NDArray[np.int64]], int]:
     """The legs of each body, in order of departure, and the least steps of any.
 

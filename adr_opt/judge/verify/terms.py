@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ...common.constants import SLACK_S
 from ...kernels.orbits.ephemeris import LATITUDE_RATE
-from ...legs.connections import Connecting
+from ...legs.connections import ConnectionFinder
 from ...problem.chasers import AtStation, Chaser
 from ...problem.instance import Instance
 from ..check.tow import towed_bodies
@@ -71,7 +71,7 @@ class Terms(NamedTuple):
         return int(self.service.size)
 
 
-def terms_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Terms:
+def terms_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -> Terms:
     """The terms of a chaser."""
     names, first_target = instance.names, instance.first_target
     bodies, stations = len(names), len(instance.stations)
@@ -113,7 +113,7 @@ def terms_of(instance: Instance, chaser: Chaser, connecting: Connecting) -> Term
 
 
 def flown_from(
-    i: int, terms: Terms, connecting: Connecting
+    i: int, terms: Terms, connecting: ConnectionFinder
 ) -> Iterator[tuple[int, FloatArray, FloatArray, FloatArray]]:
     """What leads on from a body in time and within a tank, by destination.
 

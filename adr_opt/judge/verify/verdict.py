@@ -13,7 +13,7 @@ from fractions import Fraction
 import numpy as np
 
 from ...common.errors import InputError
-from ...legs.connections import Connecting
+from ...legs.connections import ConnectionFinder
 from ...plan.certificate import Certificate, ProvenWalks, sha256_of
 from ...plan.plan import MODEL, Plan
 from ...problem.instance import AnyInstance, Instance, instance_of
@@ -116,7 +116,7 @@ def verify(
     reasons += [] if plan is None else _judge(instance, plan, certificate)
     if reasons:  # no proof makes a wrong plan right
         return Verdict(tuple(reasons), math.inf, None, 0, 0, 0)
-    connecting = Connecting(instance)
+    connecting = ConnectionFinder(instance)
     sampled = Sampled(0, 0, ())
     if certificate.walks:
         sampled = sample_connections(instance, connecting, connections, seed)
@@ -158,7 +158,7 @@ def _judge(instance: Instance, plan: Plan, certificate: Certificate) -> list[str
 
 
 def _asked(
-    instance: Instance, connecting: Connecting, certificate: Certificate, walks: ProvenWalks
+    instance: Instance, connecting: ConnectionFinder, certificate: Certificate, walks: ProvenWalks
 ) -> tuple[int, int, str | None]:
     """Labels and legs that it took, and what is wrong if a walk collects what none is said to."""
     number = {name: body for body, name in enumerate(instance.names)}

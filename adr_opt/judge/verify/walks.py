@@ -19,7 +19,7 @@ import numpy.typing as npt
 from ...common.constants import SLACK_S
 from .ahead import look_ahead
 from .cargo import after_service
-from .labels import FINE, FOUND, FULL, WORD, Kept, Labels, Question, search
+from .labels import FINE, FOUND, FULL, WORD, KeptLabels, Question, WalkLabels, search
 from .legs import Legs
 
 Array = npt.NDArray[Any]
@@ -28,7 +28,7 @@ FIRST_LABELS, FIRST_KEPT = 1 << 18, 1 << 9
 """Room to begin with: for labels, and for those to compare with at each body."""
 
 
-class Asked(NamedTuple):
+class WalkAnswer(NamedTuple):
     """The answer.
 
     Attributes
@@ -49,7 +49,7 @@ def walks_reach(
     neighbourhoods: npt.NDArray[np.bool_],
     most: Fraction,
     slot_m_s: float,
-) -> Asked:
+) -> WalkAnswer:
     """Whether a walk collects ``most``.
 
     Parameters
@@ -83,7 +83,7 @@ def walks_reach(
     while True:
         state = search(legs, ahead, question, labels, kept, head, cursor, ready)
         if state != FULL:
-            return Asked(state == FOUND, int(cursor[1]))
+            return WalkAnswer(state == FOUND, int(cursor[1]))
         if cursor[1] == labels.body.size:
             more = _labels_room(2 * labels.body.size, words)
             arrays: Iterable[tuple[Array, Array]] = zip(more, labels, strict=True)
@@ -103,7 +103,7 @@ def _begin(
     legs: Legs,
     last: npt.NDArray[np.float64],
     question: Question,
-    labels: Labels,
+    labels: WalkLabels,
     head: npt.NDArray[np.int64],
 ) -> npt.NDArray[np.int64]:
     """The first labels, and the cursor of the search.
@@ -132,19 +132,19 @@ def _begin(
     return np.array([0, at, 0, -1])
 
 
-def _labels_room(size: int, words: int) -> Labels:
+def _labels_room(size: int, words: int) -> WalkLabels:
     """Room for labels."""
     body, kits, visits, came_from = (np.empty(size, dtype=np.int32) for _ in range(4))
     time, left = np.empty(size), np.empty(size)
     value, following = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
     memory = np.empty((size, words), dtype=np.int64)
-    return Labels(body, kits, visits, came_from, time, left, value, memory, following)
+    return WalkLabels(body, kits, visits, came_from, time, left, value, memory, following)
 
 
-def _kept_room(places: int, words: int, size: int) -> Kept:
+def _kept_room(places: int, words: int, size: int) -> KeptLabels:
     """Room for labels to compare with."""
     visits, came_from = (np.empty((places, size), dtype=np.int32) for _ in range(2))
-    return Kept(
+    return KeptLabels(
         np.zeros(places, dtype=np.int64), np.empty((places, size)),
         np.empty((places, size), dtype=np.int64), visits, came_from,
         np.empty((places, words, size), dtype=np.int64),

@@ -20,10 +20,10 @@ from ..tables import stacked_timetables, timetable
 from .outlook import HOME, Outlook
 
 SERVICE, OPENS, CLOSES, PRIZE = range(4)
-"""Rows of :attr:`Pool.limits`."""
+"""Rows of :attr:`StackedFields.limits`."""
 
 
-class Pool(NamedTuple):
+class StackedFields(NamedTuple):
     """Fields side by side.
 
     Attributes
@@ -54,7 +54,7 @@ class Pool(NamedTuple):
     near: np.ndarray
     near_angle: np.ndarray
     ahead: np.ndarray
-    home: stacked_timetables.Column
+    home: stacked_timetables.PackedColumn
     rate: np.ndarray
 
 

@@ -65,7 +65,7 @@ class Outlook(NamedTuple):
     near: np.ndarray
     near_angle: np.ndarray
     ahead: np.ndarray
-    home: stacked_timetables.Column
+    home: stacked_timetables.PackedColumn
     rate: np.ndarray
 
 

@@ -24,13 +24,13 @@ from ..core.lists import ending
 from ..core.memory import borrowed
 from . import co_elliptic, phasing, zones
 from .co_elliptic import TWO_PI
-from .found import Found
+from .found import ConnectionArrays
 
 BLOCK = 256
 """Departure events that are laid out at once; the processor's cache holds them."""
 
 
-class Grid(NamedTuple):
+class CrossingGrid(NamedTuple):
     """What sequences of a block of departure events cost, by the crossing at which they arrive.
 
     Attributes
@@ -178,7 +178,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
 
     Returns
     -------
-    Found
+    ConnectionArrays
     """
     pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule)
     first = co_elliptic.first_departure(pair)[0]
@@ -188,7 +188,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
     longest = pair.longest + rule.max_phasing_revolutions * pair.longest_lap
     rows = int((longest - pair.shortest) / lap + 1e-6) + 1
     size = min(events, BLOCK)
-    grid = Grid(
+    grid = CrossingGrid(
         np.empty(size), np.empty(size, np.int64),
         np.empty((rows, size)), np.empty((rows, size)), np.empty((rows, size), np.int64),
     )  # fmt: skip
@@ -214,7 +214,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
                 arrivals[at] = grid.departure[e] + grid.time[kept[c], e] + approach
                 costs[at], laps[at] = grid.cost[kept[c], e], grid.revolutions[kept[c], e]
                 crossings[at] = grid.crossing[e] + 2 * kept[c]
-    return Found(
+    return ConnectionArrays(
         ending(departures, at), ending(arrivals, at), ending(costs, at), ending(laps, at),
         ending(crossings, at),
     )  # fmt: skip

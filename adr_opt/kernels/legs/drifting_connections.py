@@ -12,7 +12,7 @@ import numpy as np
 from ..core.compile import kernel
 from ..core.lists import chosen, ranks, rising
 from . import co_elliptic, drift_grid, drift_pair
-from .found import Found
+from .found import ConnectionArrays
 from .short_transfers import short
 
 
@@ -56,7 +56,7 @@ def _by_departure(departure, arrival, order):
 
 @kernel
 def _merged(departure, arrival, cost, laps, kept, leaves, lands, long_cost, step):
-    """Short and long transfers in one list, by departure and then by arrival: a :class:`Found`."""
+    """Short and long transfers in one list, by departure and then by arrival."""
     rank = ranks(arrival)
     order = rising(arrival, arrival.size)
     highest = 0 if lands.size == 0 else lands.max()
@@ -92,7 +92,7 @@ def _merged(departure, arrival, cost, laps, kept, leaves, lands, long_cost, step
             costs[at], revolutions[at] = cost[short], laps[short]
             crossing[at] = rank[short] + min(math.ceil(arrival[short] / step), highest + 1)
             short += 1
-    return Found(departures, arrivals, costs, revolutions, crossing)
+    return ConnectionArrays(departures, arrivals, costs, revolutions, crossing)
 
 
 @kernel
@@ -115,7 +115,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolution):
 
     Returns
     -------
-    Found
+    ConnectionArrays
         Long transfers have −1 revolutions.
     """
     pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule)
@@ -126,7 +126,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolution):
     arrival = chosen(found.arrival, order, shorts)
     cost, laps = chosen(found.delta_v, order, shorts), chosen(found.revolutions, order, shorts)
     if times.longest < times.step:
-        return Found(departure, arrival, cost, laps, ranks(arrival))
+        return ConnectionArrays(departure, arrival, cost, laps, ranks(arrival))
     drifts = drift_pair.prepare(orbit_i, orbit_j, rule)
     kept = np.empty(shorts, np.bool_)
     leaves, lands, long_cost = drift_grid.of_pair(

@@ -58,7 +58,7 @@ LANES = 8
 COST, REVOLUTIONS, LEFT, MET = range(4)
 
 
-class Grid(NamedTuple):
+class MeetingGrid(NamedTuple):
     """The cheapest sequences of a block of events, by when they meet the target.
 
     Attributes
@@ -93,7 +93,9 @@ def grid_of(curves, rows):
             flat[k, n] = curves.time[k, n]
             for part in range(5):
                 flat[k, (part + 1) * NODES + n] = curves.coefficients[k, part, n]
-    return Grid(np.zeros(13 * BLOCK), np.zeros((rows, 4 * BLOCK)), np.empty(BLOCK, np.int64), flat)
+    return MeetingGrid(
+        np.zeros(13 * BLOCK), np.zeros((rows, 4 * BLOCK)), np.empty(BLOCK, np.int64), flat
+    )
 
 
 @inlined
@@ -244,7 +246,7 @@ def lay_out(pair, grid, numbers, bases, rows):
     Parameters
     ----------
     pair : Pair
-    grid : Grid
+    grid : MeetingGrid
         Written.
     numbers : (events, 2 or more) float64
         Of at most ``BLOCK`` events: when they are [s], and δ [rad].

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 
-class Found(NamedTuple):
+class ConnectionArrays(NamedTuple):
     """Connections of a pair, in order of departure, then of arrival.
 
     Attributes

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core.compile import kernel
 from ..core.lists import chosen, ranks
-from .found import Found
+from .found import ConnectionArrays
 
 
 @kernel
@@ -25,7 +25,7 @@ def sifted(departure, arrival, cost, latest, resolution):
 
     Returns
     -------
-    Found
+    ConnectionArrays
         With 0 revolutions.
     """
     size = departure.size
@@ -65,7 +65,7 @@ def sifted(departure, arrival, cost, latest, resolution):
     for place in range(count):
         revolutions[place] = 0
     lands = chosen(arrival, order, count)
-    return Found(
+    return ConnectionArrays(
         chosen(departure, order, count), lands, chosen(cost, order, count), revolutions,
         ranks(lands),
     )  # fmt: skip

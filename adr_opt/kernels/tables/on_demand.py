@@ -38,7 +38,7 @@ class Source(NamedTuple):
         What matching the eccentricity vectors alone would cost [m/s].
     rule : TransferRule
         With the value of time of the choice.
-    limits : adr_opt.kernels.tables.timetable_making.Limits
+    limits : adr_opt.kernels.tables.timetable_making.ServiceLimits
     near : (periods, bodies, ranks) int32
         Destinations of each body that searches look at, the nearest first, in each of some periods
         of the mission.

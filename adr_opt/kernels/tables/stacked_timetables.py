@@ -1,7 +1,7 @@
 """Timetables side by side, for those who step hundreds of missions.
 
 They have a leading axis of slots, and the entries of one destination are packed, as a
-:class:`Column`.
+:class:`PackedColumn`.
 """
 
 import math
@@ -14,7 +14,7 @@ from ..core.events import counted_event, earliest_taken
 from .timetable import Table, departure_at, entry_at, events
 
 
-class Column(NamedTuple):
+class PackedColumn(NamedTuple):
     """The entries of one destination, packed in half the memory.
 
     Attributes
@@ -35,7 +35,9 @@ class Column(NamedTuple):
     departure: np.ndarray
 
 
-def allocate_slots(slots: int, bodies: int, most: int, *, regular: bool) -> tuple[Table, Column]:
+def allocate_slots(
+    slots: int, bodies: int, most: int, *, regular: bool
+) -> tuple[Table, PackedColumn]:
     """Tables and columns side by side, without a departure event yet."""
     listed = 0 if regular else most
     return Table(
@@ -45,7 +47,7 @@ def allocate_slots(slots: int, bodies: int, most: int, *, regular: bool) -> tupl
         entries=np.full((slots, bodies, most, bodies, 2), np.inf),
         departure=np.full((slots, bodies, listed, bodies), np.inf),
         slot=np.empty((slots, 0, 0), dtype=np.int16),
-    ), Column(
+    ), PackedColumn(
         first=np.zeros((slots, bodies)),
         total=np.zeros((slots, bodies), dtype=np.int32),
         entries=np.zeros((slots, bodies, most, 2), dtype=np.float32),
@@ -77,7 +79,7 @@ def in_slot(tables, slot):
 @inlined
 def column_in_slot(columns, slot):
     """One of the columns."""
-    return Column(
+    return PackedColumn(
         columns.first[slot], columns.total[slot], columns.entries[slot], columns.departure[slot]
     )
 

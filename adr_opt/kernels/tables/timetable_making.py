@@ -8,13 +8,13 @@ import numpy as np
 from ..core.compile import kernel
 from ..core.events import earliest_taken
 from ..legs import co_elliptic, sequences
-from ..legs.found import Found
+from ..legs.found import ConnectionArrays
 from ..orbits import ephemeris
 from .on_demand import Source
 from .timetable import LEAST_STEPS, NO_SLOTS, Table, slot_of
 
 
-class Limits(NamedTuple):
+class ServiceLimits(NamedTuple):
     """What the mission says of the time at each body; the slack of the model is in it.
 
     Attributes
@@ -80,7 +80,7 @@ def fill(first, last, pairs, leaving, bodies, extra_delta_v, rule, limits, table
     extra_delta_v : (bodies, bodies) float64
         What matching the eccentricity vectors alone would cost [m/s].
     rule : TransferRule
-    limits : Limits
+    limits : ServiceLimits
     table : Table
         Written in place, these pairs only.
     """
@@ -137,8 +137,8 @@ def choose(found, limits, j, time_value, taken):
 
     Parameters
     ----------
-    found : adr_opt.kernels.legs.found.Found
-    limits : Limits
+    found : adr_opt.kernels.legs.found.ConnectionArrays
+    limits : ServiceLimits
     j : int
         Destination.
     time_value : float
@@ -166,14 +166,14 @@ def choose(found, limits, j, time_value, taken):
 
 
 def pack(
-    bodies: int, chosen: dict[tuple[int, int], Found], duration: float, slot: np.ndarray
+    bodies: int, chosen: dict[tuple[int, int], ConnectionArrays], duration: float, slot: np.ndarray
 ) -> Table:
     """A table whose events are not regular.
 
     Parameters
     ----------
     bodies : int
-    chosen : dict of (origin, destination) to Found
+    chosen : dict of (origin, destination) to ConnectionArrays
         For each pair the connections chosen, in order of departure.
     duration : float
         Of the mission [s].
@@ -232,7 +232,7 @@ def without_entries(bodies: int, source: Source) -> Table:
     )
 
 
-def part_of(table: Table, limits: Limits, bodies: np.ndarray) -> tuple[Table, Limits]:
+def part_of(table: Table, limits: ServiceLimits, bodies: np.ndarray) -> tuple[Table, ServiceLimits]:
     """A table of all pairs, and its limits, for some of the bodies in an order of theirs.
 
     What is chosen of a pair depends on no other body. The same arrays where it is all of them.
@@ -248,7 +248,7 @@ def part_of(table: Table, limits: Limits, bodies: np.ndarray) -> tuple[Table, Li
         slot=NO_SLOTS,
     )
     service, opens, closes = limits.service[bodies], limits.opens[bodies], limits.closes[bodies]
-    return part, Limits(service, opens, closes, limits.ready, limits.duration)
+    return part, ServiceLimits(service, opens, closes, limits.ready, limits.duration)
 
 
 @kernel

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from ...common.errors import InputError
 from ...kernels.episodes import lookahead
 from ...kernels.episodes import observation as kernels
-from ...kernels.episodes.episodes import Episodes, Pool
+from ...kernels.episodes.episodes import Episodes, StackedFields
 from ...kernels.episodes.published import observe_published
 
 Array = npt.NDArray[np.float32]
@@ -94,17 +94,19 @@ class Board:
             self._moves = np.zeros((count, targets + 1, moves), dtype=np.float32)
             self._mission = np.zeros((count, mission), dtype=np.float32)
 
-    def observe(self, pool: Pool, episodes: Episodes, first: int, last: int) -> None:
+    def observe(self, pool: StackedFields, episodes: Episodes, first: int, last: int) -> None:
         """Write mask and observation of the episodes ``order[first:last]``."""
         self._observe(pool, episodes, self.order, first, last)
 
-    def observe_these(self, pool: Pool, episodes: Episodes, which: npt.NDArray[np.int32]) -> None:
+    def observe_these(
+        self, pool: StackedFields, episodes: Episodes, which: npt.NDArray[np.int32]
+    ) -> None:
         """Write mask and observation of some episodes."""
         self._observe(pool, episodes, which, 0, which.size)
 
     def _observe(
         self,
-        pool: Pool,
+        pool: StackedFields,
         episodes: Episodes,
         order: npt.NDArray[np.int32],
         first: int,

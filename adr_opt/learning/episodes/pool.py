@@ -8,7 +8,15 @@ import numpy.typing as npt
 from ...common.errors import InputError
 from ...common.wording import counted
 from ...kernels.episodes import outlook as outlook_kernels
-from ...kernels.episodes.episodes import CLOSES, OPENS, PRIZE, SERVICE, Episodes, Pool, begin
+from ...kernels.episodes.episodes import (
+    CLOSES,
+    OPENS,
+    PRIZE,
+    SERVICE,
+    Episodes,
+    StackedFields,
+    begin,
+)
 from ...kernels.episodes.outlook import HOME
 from ...kernels.orbits.ephemeris import ORBIT_COLUMNS
 from ...kernels.tables import stacked_timetables
@@ -34,7 +42,7 @@ class FieldPool:
 
     Attributes
     ----------
-    arrays : Pool
+    arrays : StackedFields
         Written by :meth:`install` alone.
     instances : list of Instance or None
         What stands in each slot.
@@ -43,7 +51,7 @@ class FieldPool:
     def __init__(self, slots: int, bodies: int, events: int, *, regular: bool = True) -> None:
         tables, home = stacked_timetables.allocate_slots(slots, bodies, events, regular=regular)
         steps = timetable_kernels.most_steps(tables)
-        self.arrays = Pool(
+        self.arrays = StackedFields(
             bodies=np.zeros(slots, dtype=np.int32),
             orbits=np.zeros((slots, bodies, len(ORBIT_COLUMNS))),
             limits=np.zeros((slots, 4, bodies)),
@@ -111,7 +119,7 @@ class FieldPool:
                 arrays.near[slot],
                 arrays.near_angle[slot],
                 arrays.ahead[slot],
-                stacked_timetables.Column(*(part[slot] for part in arrays.home)),
+                stacked_timetables.PackedColumn(*(part[slot] for part in arrays.home)),
                 arrays.rate[slot],
             ),
         )

@@ -59,7 +59,7 @@ FREEDOM_S = (0.5 * DAY_S, DAY_S, 2.0 * DAY_S)
 """The chaser may leave so much later, and arrive so much earlier: the first that is enough."""
 
 
-class Flight(NamedTuple):
+class DriftBurns(NamedTuple):
     """The burns of a drift in time order: (burns,) [s] and (burns, 3) [m/s], inertial."""
 
     times: FloatArray
@@ -73,7 +73,7 @@ class Flight(NamedTuple):
 
 def flown(
     orbit_i: FloatArray, orbit_j: FloatArray, rule: TransferRule, departure: float, arrival: float
-) -> Flight:
+) -> DriftBurns:
     """The burns of a transfer that drifts.
 
     Parameters
@@ -112,7 +112,7 @@ def shape_m_s(
     return float(drift.shape_share(pair, departure, arrival))
 
 
-class Way(NamedTuple):
+class CrossingPair(NamedTuple):
     """A pair of crossings to leave at and to arrive at, as the closed form splits the leg.
 
     Attributes
@@ -172,9 +172,9 @@ class Drifting:
         self._approach = rule.approach_revolutions * TURN / self._rate_j
         self._planned = self._radius(drift.best_split(self._pair, departure, arrival).climb)
 
-    def flight(self) -> Flight | None:
+    def flight(self) -> DriftBurns | None:
         """The cheapest burns found; None if the phase is not met in any way that was tried."""
-        best: Flight | None = None
+        best: DriftBurns | None = None
         for number, way in enumerate(self._ways()):
             if best is not None and number % TRIED == 0:
                 break
@@ -183,7 +183,7 @@ class Drifting:
                 best = found
         return best
 
-    def _ways(self) -> list[Way]:
+    def _ways(self) -> list[CrossingPair]:
         """Crossings to leave at and to arrive at, the cheapest by the closed form first."""
         planned = drift.best_split(self._pair, self._departure, self._arrival)
         if not math.isfinite(planned.delta_v):
@@ -199,7 +199,7 @@ class Drifting:
             np.array([met + self._approach for met, _ in mets]),
         )
         ways = [
-            Way(
+            CrossingPair(
                 start,
                 met,
                 parity,
@@ -241,7 +241,7 @@ class Drifting:
             Plane(float(self._j[ephemeris.INCLINATION]), self._node(self._j, stand_off)),
         )
 
-    def _half_turns(self, way: Way, drifting: Plane, begun: float, last: Turn) -> int:
+    def _half_turns(self, way: CrossingPair, drifting: Plane, begun: float, last: Turn) -> int:
         """Half turns from the line of nodes where the drift begins to that where it ends."""
         radius, span = self._radius(way.split.climb), way.met + self._approach - way.start
         coasting = float(drift_arcs.coast(self._pair, span, radius).drift)
@@ -285,7 +285,7 @@ class Drifting:
                 time -= TURN / self._rate_j
         return found
 
-    def _flown(self, way: Way) -> Flight | None:
+    def _flown(self, way: CrossingPair) -> DriftBurns | None:
         """The burns that leave about a time, drift for whole half turns and meet the target."""
         arcs, rule, rj = self._arcs, self._rule, self._rj
         ri, inclination_j = float(self._i[ephemeris.RADIUS]), float(self._j[ephemeris.INCLINATION])
@@ -354,7 +354,7 @@ class Drifting:
         planes: tuple[Plane, Plane, Plane, Plane, Plane, Plane, Plane],
         latitudes: tuple[float, float],
         shifts: tuple[float, float, float],
-    ) -> Flight:
+    ) -> DriftBurns:
         """The burns as vectors.
 
         Parameters
@@ -400,7 +400,7 @@ class Drifting:
             -impulse * fifth,
             -impulse * at_target,
         ]
-        return Flight(np.array([*times, times[-1], met]), np.array(vectors))
+        return DriftBurns(np.array([*times, times[-1], met]), np.array(vectors))
 
 
 def _turned_by(radius: float, co_elliptic: float, target: float) -> tuple[float, float]:

@@ -20,7 +20,7 @@ from .criticality import criticality
 from .demands import Demands
 from .filters import Filters
 from .reading import read
-from .records import Catalogue, Dropped, Record
+from .records import Catalogue, Dropped, ElementSet
 from .wishes import Wish, read_wishes
 
 __all__ = [
@@ -28,9 +28,9 @@ __all__ = [
     "Crew",
     "Demands",
     "Dropped",
+    "ElementSet",
     "Filters",
     "Imported",
-    "Record",
     "Wish",
     "criticality",
     "read",

@@ -32,7 +32,7 @@ from .drag import drag_warning
 from .filters import Filters
 from .finding import find
 from .propagation import FLOAT, mean_elements, true_anomaly
-from .records import Catalogue, Dropped, Record
+from .records import Catalogue, Dropped, ElementSet
 from .selection import named, nearest, within_limits
 from .station import densest, parse_orbit
 
@@ -108,7 +108,7 @@ class Imported:
 
 
 def to_instance(
-    catalogue: Catalogue | Iterable[Record],
+    catalogue: Catalogue | Iterable[ElementSet],
     *,
     epoch: datetime | None = None,
     filters: Filters | None = None,
@@ -324,12 +324,12 @@ def _unique(labels: Sequence[str], taken: set[str]) -> list[str]:
     return names
 
 
-def _default_name(records: Sequence[Record], count: int) -> str:
+def _default_name(records: Sequence[ElementSet], count: int) -> str:
     stem = re.sub(r"[^\w.-]+", "-", Path(records[0].source).stem) or "catalogue"
     return f"{stem}-n{count}"
 
 
-def _failed_sentence(failed: Sequence[Dropped], epoch: datetime, host: Record | None) -> str:
+def _failed_sentence(failed: Sequence[Dropped], epoch: datetime, host: ElementSet | None) -> str:
     first = failed[0]
     said = f"{first} (epoch {epoch.astimezone(UTC):%Y-%m-%dT%H:%M:%SZ}"
     if host is not None and (first.source, first.line, first.object) == (
@@ -354,7 +354,7 @@ def _nothing_left(read: int, dropped: Sequence[Dropped]) -> InputError:
 
 
 def _warnings(
-    targets: Sequence[Record], host: Record | None, instance: Instance, epoch: datetime
+    targets: Sequence[ElementSet], host: ElementSet | None, instance: Instance, epoch: datetime
 ) -> Iterable[str]:
     bodies = [*targets, *([host] if host else [])]
     days = [abs((epoch - record.epoch).total_seconds()) / DAY_S for record in bodies]

@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
-from .records import Record
+from .records import ElementSet
 
 FLOAT = npt.NDArray[np.float64]
 
@@ -50,16 +50,16 @@ table 8-4: base altitude [m], density there [kg/m³], scale height from there on
 
 
 def criticality(
-    targets: Sequence[Record],
-    catalogue: Sequence[Record],
+    targets: Sequence[ElementSet],
+    catalogue: Sequence[ElementSet],
     masses_kg: Mapping[int, float] | None = None,
 ) -> FLOAT:
     """Prizes of targets by this ranking.
 
     Parameters
     ----------
-    targets : sequence of Record
-    catalogue : sequence of Record
+    targets : sequence of ElementSet
+    catalogue : sequence of ElementSet
         All that is known to fly, targets included: what crowds.
     masses_kg : mapping of int to float, optional
         Of targets by their number here, where somebody knows better than the records [kg].
@@ -79,7 +79,7 @@ def criticality(
     return prizes
 
 
-def masses(targets: Sequence[Record], known_kg: Mapping[int, float]) -> FLOAT:
+def masses(targets: Sequence[ElementSet], known_kg: Mapping[int, float]) -> FLOAT:
     """Masses as far as they are known, or classes of size; else the median of the others [kg]."""
     found = np.full(len(targets), math.nan)
     for number, record in enumerate(targets):
@@ -98,7 +98,7 @@ def lasting(altitude_m: float) -> float:
     return AIR[-1][1] / (density * math.exp((base_m - altitude_m) / scale_m))
 
 
-def _bands(records: Sequence[Record]) -> tuple[FLOAT, FLOAT]:
+def _bands(records: Sequence[ElementSet]) -> tuple[FLOAT, FLOAT]:
     """Semi-major axes by Kepler's law [m] and inclinations [degrees], at their own epochs."""
     motion = np.array([record.mean_motion_rev_day for record in records]) * 2.0 * math.pi / DAY_S
     return np.cbrt(MU_M3_S2 / motion**2), np.array([record.inclination_deg for record in records])

@@ -15,13 +15,13 @@ from ...problem.orbit import Orbit
 from .crew import Crew
 from .criticality import criticality
 from .finding import Finder
-from .records import Dropped, Record
+from .records import Dropped, ElementSet
 from .wishes import Wish
 
 TARGET = "one that is a target"
 
 
-class Choice(NamedTuple):
+class ObjectChoice(NamedTuple):
     """Objects whatever filters say.
 
     Attributes
@@ -36,7 +36,7 @@ class Choice(NamedTuple):
     excluded: Collection[int] = ()
 
 
-class Asked(NamedTuple):
+class TargetDemands(NamedTuple):
     """What is asked of the targets.
 
     Attributes
@@ -79,7 +79,7 @@ class Demands:
             if not 0.0 < deadline_s < math.inf:
                 raise InputError(f"--deadline {said}={deadline_s / DAY_S:g}: must be after day 0")
 
-    def choice(self, records: Sequence[Record], host: Record | None) -> Choice:
+    def choice(self, records: Sequence[ElementSet], host: ElementSet | None) -> ObjectChoice:
         """Which objects of a catalogue are targets whatever filters say, and which are not.
 
         Raises
@@ -89,7 +89,7 @@ class Demands:
             station, or both wanted and not.
         """
         if not (self.musts or self.excluded):
-            return Choice()
+            return ObjectChoice()
         finder = Finder(records)
         musts = finder.listed(self.musts, "--must")
         excluded = finder.listed(self.excluded, "--exclude")
@@ -98,20 +98,22 @@ class Demands:
                 raise InputError(f"--must {said}: --exclude leaves it out; drop one of the two")
             if records[at] is host:
                 raise InputError(f"--must {said}: it is the station, which is no target")
-        return Choice(
+        return ObjectChoice(
             {id(records[at]): said for at, said in musts.items()},
             {id(records[at]) for at in excluded},
         )
 
-    def of(self, targets: Sequence[Record], catalogue: Sequence[Record], musts: Choice) -> Asked:
+    def of(
+        self, targets: Sequence[ElementSet], catalogue: Sequence[ElementSet], musts: ObjectChoice
+    ) -> TargetDemands:
         """What is asked of targets.
 
         Parameters
         ----------
-        targets : sequence of Record
-        catalogue : sequence of Record
+        targets : sequence of ElementSet
+        catalogue : sequence of ElementSet
             All objects: a table may speak of any of them.
-        musts : Choice
+        musts : ObjectChoice
 
         Raises
         ------
@@ -133,12 +135,12 @@ class Demands:
             its["window_s"] = (0.0, deadline_s)
         for said in self.required:
             fields.setdefault(finder.one(said, "--require", TARGET), {})["required"] = True
-        return Asked(fields, left_out)
+        return TargetDemands(fields, left_out)
 
     def _add_wishes(
         self,
         fields: dict[int, dict[str, Any]],
-        catalogue: Sequence[Record],
+        catalogue: Sequence[ElementSet],
         number_of: Mapping[int, int],
     ) -> int:
         """Add the rows of tables to fields; how many are about objects that are no targets."""
@@ -170,7 +172,10 @@ class Demands:
 
 
 def check_musts(
-    choice: Choice, targets: Iterable[Record], records: Iterable[Record], dropped: Iterable[Dropped]
+    choice: ObjectChoice,
+    targets: Iterable[ElementSet],
+    records: Iterable[ElementSet],
+    dropped: Iterable[Dropped],
 ) -> None:
     """Raise :class:`InputError` if an object that has to be a target is none."""
     there = {id(record) for record in targets}
@@ -183,9 +188,9 @@ def check_musts(
 
 
 def filled(
-    asked: Asked,
-    targets: Sequence[Record],
-    catalogue: Sequence[Record],
+    asked: TargetDemands,
+    targets: Sequence[ElementSet],
+    catalogue: Sequence[ElementSet],
     crew: Crew,
     *,
     by_criticality: bool,
@@ -208,7 +213,7 @@ def filled(
     return fields
 
 
-def told_masses(targets: Sequence[Record], fields: Mapping[int, Mapping[str, Any]]) -> str:
+def told_masses(targets: Sequence[ElementSet], fields: Mapping[int, Mapping[str, Any]]) -> str:
     """What prizes by criticality stand on, in a sentence."""
     known = [number for number, its in fields.items() if "mass_kg" in its]
     by_size = sum(bool(record.size) for number, record in enumerate(targets) if number not in known)

@@ -13,7 +13,7 @@ from scipy.integrate import simpson
 from ...common.constants import DAY_S
 from ...common.wording import counted
 from .propagation import FLOAT, satellite_of
-from .records import Record
+from .records import ElementSet
 
 MOST_KM = 100.0
 """Along the track; objects that go farther than this are warned of."""
@@ -31,7 +31,7 @@ LEAST_RADIUS = 1.0
 """Of orbits, in radii of the Earth: below it an object has come down."""
 
 
-def along_track_km(record: Record, epoch: datetime, duration_s: float) -> float:
+def along_track_km(record: ElementSet, epoch: datetime, duration_s: float) -> float:
     """How far drag moves an object along its track from the epoch on [km].
 
     The mean motion of the instance is that of the epoch and stays. What drag adds to it afterwards
@@ -49,7 +49,7 @@ def along_track_km(record: Record, epoch: datetime, duration_s: float) -> float:
     return max(by_bstar, _by_derivatives(record, epoch, duration_s), key=abs)
 
 
-def drag_warning(records: Sequence[Record], epoch: datetime, duration_s: float) -> str | None:
+def drag_warning(records: Sequence[ElementSet], epoch: datetime, duration_s: float) -> str | None:
     """A sentence on the objects that drag moves far, with the worst; None if there is none."""
     moved = [along_track_km(record, epoch, duration_s) for record in records]
     far = [abs(one) > MOST_KM for one in moved]
@@ -68,7 +68,7 @@ def drag_warning(records: Sequence[Record], epoch: datetime, duration_s: float) 
     )
 
 
-def _by_bstar(record: Record, epoch: datetime, duration_s: float) -> float | None:
+def _by_bstar(record: ElementSet, epoch: datetime, duration_s: float) -> float | None:
     """What SGP4 makes of B* [km]; None if the object comes down meanwhile."""
     times = (epoch - record.epoch).total_seconds() + duration_s * SHARES
     axes = _axes(record, times)
@@ -85,7 +85,7 @@ def _by_bstar(record: Record, epoch: datetime, duration_s: float) -> float | Non
     return turned * float(axes[0] * satellite.radiusearthkm)
 
 
-def _axes(record: Record, times_s: FLOAT) -> FLOAT | None:
+def _axes(record: ElementSet, times_s: FLOAT) -> FLOAT | None:
     """Semi-major axes at times after the epoch of the elements, in radii of the Earth."""
     satellite, axes = satellite_of(record), []
     for time_s in times_s:
@@ -96,7 +96,7 @@ def _axes(record: Record, times_s: FLOAT) -> FLOAT | None:
     return np.array(axes)
 
 
-def _by_derivatives(record: Record, epoch: datetime, duration_s: float) -> float:
+def _by_derivatives(record: ElementSet, epoch: datetime, duration_s: float) -> float:
     """What the derivatives of the mean motion make of it [km]."""
     start, days = (epoch - record.epoch).total_seconds() / DAY_S, duration_s / DAY_S
     turns = record.mean_motion_dot_rev_day2 * days**2

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ...common.constants import EARTH_RADIUS_M
 from ...common.errors import InputError
-from .records import Record, shown
+from .records import ElementSet, shown
 
 Range = tuple[float, float]
 
@@ -54,7 +54,7 @@ class Filters:
                     f"{what} {limits[0]:g}:{limits[1]:g}: the first must not be the larger one"
                 )
 
-    def match_name(self, record: Record) -> bool:
+    def match_name(self, record: ElementSet) -> bool:
         """Whether the name of an object passes."""
         name = record.name.casefold()
         for pattern in self.names:

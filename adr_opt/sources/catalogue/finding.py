@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from ...common.errors import InputError
-from .records import Record, shown
+from .records import ElementSet, shown
 
 ANY = "one of the catalogue"
 
@@ -15,10 +15,10 @@ class Finder:
 
     Parameters
     ----------
-    records : sequence of Record
+    records : sequence of ElementSet
     """
 
-    def __init__(self, records: Sequence[Record]) -> None:
+    def __init__(self, records: Sequence[ElementSet]) -> None:
         self.records = records
         self._by_number: dict[str, list[int]] = {}
         self._by_name: dict[str, list[int]] = {}
@@ -78,10 +78,10 @@ class Finder:
 
 
 def find(
-    records: Sequence[Record],
+    records: Sequence[ElementSet],
     text: str,
     option: str = "--station",
     instead: str = f"{ANY}, or ALTITUDE_KM,INCLINATION,RAAN",
-) -> Record:
+) -> ElementSet:
     """The object among some that is meant by its number or name, see :meth:`Finder.one`."""
     return records[Finder(records).one(text, option, instead)]

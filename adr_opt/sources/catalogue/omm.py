@@ -13,7 +13,7 @@ from datetime import UTC, datetime, timedelta
 from typing import Any
 
 from ...common.constants import DAY_S
-from .records import Record, RowError, clean_name, shown
+from .records import ElementSet, RowError, clean_name, shown
 from .tle import catalogue_number
 
 UNITS = {
@@ -55,7 +55,9 @@ _EPOCH = re.compile(
 )
 
 
-def record(fields: Mapping[str, Any], source: str, line: int, ordinal: int | None = None) -> Record:
+def record(
+    fields: Mapping[str, Any], source: str, line: int, ordinal: int | None = None
+) -> ElementSet:
     """The record that the fields of one message make.
 
     Parameters
@@ -81,7 +83,7 @@ def record(fields: Mapping[str, Any], source: str, line: int, ordinal: int | Non
     eccentricity = _number(fields, "ECCENTRICITY", 0.0)
     if eccentricity >= 1.0:
         raise RowError(f"field ECCENTRICITY = {eccentricity:g}: no closed orbit", "hyperbolic")
-    return Record(
+    return ElementSet(
         name=clean_name(_text(fields, "OBJECT_NAME")),
         object_id=clean_name(_text(fields, "OBJECT_ID")),
         number=_catalogue_number(fields),

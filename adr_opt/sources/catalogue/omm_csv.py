@@ -7,12 +7,12 @@ from collections.abc import Iterable, Iterator
 
 from ...common.errors import InputError
 from . import omm
-from .records import Dropped, Record, RowError
+from .records import Dropped, ElementSet, RowError
 
 LONGEST_LINE = 20_000
 
 
-def read_csv(lines: Iterable[str], source: str) -> Iterator[Record | Dropped]:
+def read_csv(lines: Iterable[str], source: str) -> Iterator[ElementSet | Dropped]:
     """The records of a CSV file, in their order.
 
     Each line is parsed for itself, so that an unbalanced quote spoils one row and not the rest.

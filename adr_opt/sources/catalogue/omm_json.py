@@ -9,7 +9,7 @@ from typing import Any
 
 from ...common.errors import InputError
 from . import omm
-from .records import Dropped, Record, RowError, shown
+from .records import Dropped, ElementSet, RowError, shown
 
 _BLANK = re.compile(r"[ \t\r\n]*")
 
@@ -34,7 +34,7 @@ class _Object(dict[str, Any]):
 _DECODER = json.JSONDecoder(object_pairs_hook=_Object.of)
 
 
-def read_json(text: str, source: str) -> Iterator[Record | Dropped]:
+def read_json(text: str, source: str) -> Iterator[ElementSet | Dropped]:
     """The records of JSON text, in their order.
 
     The items of the list are decoded one by one: their lines are known, and what stands before
@@ -83,7 +83,7 @@ def _skip(text: str, place: int) -> int:
     return blank.end() if blank else place
 
 
-def _one(item: Any, source: str, line: int, ordinal: int) -> Record | Dropped:
+def _one(item: Any, source: str, line: int, ordinal: int) -> ElementSet | Dropped:
     if not isinstance(item, dict):
         detail = f"{shown(item)!r} is not a JSON object with the keywords of OMM"
         return Dropped(source, line, "", "malformed", detail, ordinal)

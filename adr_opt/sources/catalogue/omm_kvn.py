@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from . import omm
-from .records import Dropped, Record, RowError, shown
+from .records import Dropped, ElementSet, RowError, shown
 
 LONGEST_LINE = 1000
 HEADER = "CCSDS_OMM_VERS"
 
 
-def read_kvn(lines: Iterable[str], source: str) -> Iterator[Record | Dropped]:
+def read_kvn(lines: Iterable[str], source: str) -> Iterator[ElementSet | Dropped]:
     """The records of a KVN file, in their order; a message begins with its version."""
     fields: dict[str, str] = {}
     begin, fault, fault_line = 0, None, 0
@@ -48,7 +48,7 @@ def read_kvn(lines: Iterable[str], source: str) -> Iterator[Record | Dropped]:
 
 def _message(
     fields: dict[str, str], source: str, begin: int, fault: RowError | None, fault_line: int
-) -> Record | Dropped:
+) -> ElementSet | Dropped:
     try:
         if fault is not None:
             raise fault

@@ -11,7 +11,7 @@ from xml.parsers import expat
 
 from ...common.errors import InputError
 from . import omm
-from .records import Dropped, Record, RowError, shown
+from .records import Dropped, ElementSet, RowError, shown
 
 DEEPEST = 50
 LONGEST_TEXT = 1000
@@ -24,7 +24,7 @@ The parser begins such a token again with every chunk of it.
 CHUNK = 1 << 16
 
 
-def read_xml(data: bytes, source: str) -> Iterator[Record | Dropped]:
+def read_xml(data: bytes, source: str) -> Iterator[ElementSet | Dropped]:
     """The records of an XML file, in their order; each ``<segment>`` holds one.
 
     Raises
@@ -58,7 +58,7 @@ class _Reader:
     def __init__(self, source: str) -> None:
         self.source = source
         self.fields: dict[str, str] = {}
-        self.found: list[Record | Dropped] = []
+        self.found: list[ElementSet | Dropped] = []
         self.depth = 0
         self.begin = 0
         self.fault: RowError | None = None
@@ -74,7 +74,7 @@ class _Reader:
         parser.CharacterDataHandler = self.hear
         self.parser = parser
 
-    def take(self) -> list[Record | Dropped]:
+    def take(self) -> list[ElementSet | Dropped]:
         found, self.found = self.found, []
         return found
 
@@ -132,7 +132,7 @@ class _Reader:
         if self.fault is None:
             self.fault, self.fault_line = error, self.parser.CurrentLineNumber
 
-    def segment(self) -> Record | Dropped:
+    def segment(self) -> ElementSet | Dropped:
         try:
             if self.fault is not None:
                 raise self.fault

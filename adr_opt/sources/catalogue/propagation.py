@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from ...common.constants import DAY_S
 from ...common.errors import MissingExtra
-from .records import Dropped, Record
+from .records import Dropped, ElementSet
 
 ELEMENTS = (
     "semi_major_axis_m", "eccentricity", "inclination", "raan", "argument_of_perigee",
@@ -38,12 +38,12 @@ J1950 = 2433281.5
 FLOAT = npt.NDArray[np.float64]
 
 
-def mean_elements(records: Sequence[Record], epoch: datetime) -> tuple[FLOAT, list[Dropped]]:
+def mean_elements(records: Sequence[ElementSet], epoch: datetime) -> tuple[FLOAT, list[Dropped]]:
     """Mean elements of every record at an epoch, by SGP4.
 
     Parameters
     ----------
-    records : sequence of Record
+    records : sequence of ElementSet
     epoch : datetime
         With its time zone.
 
@@ -98,7 +98,7 @@ def _on_the_way(minutes: float) -> list[float]:
     return parts[::-1]
 
 
-def satellite_of(record: Record) -> Any:
+def satellite_of(record: ElementSet) -> Any:
     """The `sgp4.api.Satrec` of a record, with the constants WGS-72 as published.
 
     Raises
@@ -134,7 +134,7 @@ def satellite_of(record: Record) -> Any:
     return satellite
 
 
-def state(record: Record, minutes: float) -> tuple[FLOAT, FLOAT]:
+def state(record: ElementSet, minutes: float) -> tuple[FLOAT, FLOAT]:
     """Osculating position and velocity in TEME, minutes after the epoch of the elements.
 
     Returns
@@ -174,7 +174,7 @@ def true_anomaly(mean_anomaly: FLOAT, eccentricity: FLOAT) -> FLOAT:
     return true
 
 
-def _unfit(record: Record, epoch: datetime) -> tuple[str, str] | None:
+def _unfit(record: ElementSet, epoch: datetime) -> tuple[str, str] | None:
     if record.not_sgp4:
         return "not-sgp4", record.not_sgp4
     if record.decayed:

@@ -15,7 +15,7 @@ from .omm_csv import read_csv
 from .omm_json import read_json
 from .omm_kvn import read_kvn
 from .omm_xml import read_xml
-from .records import Catalogue, Dropped, Record, shown
+from .records import Catalogue, Dropped, ElementSet, shown
 from .tle import looks_like_tle, read_tle
 
 LARGEST_BYTES = 256 * 2**20
@@ -46,7 +46,7 @@ def read(paths: Paths, *, skip_bad: bool = False) -> Catalogue:
         A file cannot be read or is no catalogue, a row is bad, or nothing good is left.
     """
     listed = [paths] if isinstance(paths, (str, os.PathLike)) else list(paths)
-    records: list[Record] = []
+    records: list[ElementSet] = []
     dropped: list[Dropped] = []
     formats: dict[str, str] = {}
     for path in listed:
@@ -76,10 +76,10 @@ def read_bytes(data: bytes, source: str, *, skip_bad: bool = False) -> Catalogue
         As of :func:`read`.
     """
     kind, rows = _recognise(data, source)
-    records: list[Record] = []
+    records: list[ElementSet] = []
     dropped: list[Dropped] = []
     for row in rows:
-        if isinstance(row, Record):
+        if isinstance(row, ElementSet):
             records.append(row)
             continue
         if not skip_bad:
@@ -119,7 +119,7 @@ def _load(path: str | os.PathLike[str]) -> bytes:
     return data
 
 
-def _recognise(data: bytes, source: str) -> tuple[str, Iterable[Record | Dropped]]:
+def _recognise(data: bytes, source: str) -> tuple[str, Iterable[ElementSet | Dropped]]:
     """The name of the format and its reader, at work on the data."""
     if data.startswith((b"\x1f\x8b", b"PK\x03\x04", b"BZh", b"\xfd7zXZ", b"\x28\xb5\x2f\xfd")):
         raise InputError(f"{source}: compressed; unpack it first")
@@ -171,9 +171,9 @@ def _lines(data: bytes) -> Iterator[str]:
     return iter(io.TextIOWrapper(io.BytesIO(data), encoding="utf-8", errors="replace"))
 
 
-def _newest(records: list[Record], skip_bad: bool) -> tuple[list[Record], list[Dropped]]:
+def _newest(records: list[ElementSet], skip_bad: bool) -> tuple[list[ElementSet], list[Dropped]]:
     """The records without duplicates, and those that were older than another of their object."""
-    best: dict[tuple[object, ...], Record] = {}
+    best: dict[tuple[object, ...], ElementSet] = {}
     older: list[Dropped] = []
     for record in records:
         other = best.get(record.key)

@@ -16,7 +16,7 @@ NO_DESIGNATOR = ("", "UNKNOWN", "TBA", "TBD", "NONE")
 
 
 @dataclass(frozen=True, slots=True)
-class Record:
+class ElementSet:
     """One element set: mean elements of SGP4 in TEME at their epoch.
 
     Two records are equal if they say the same, wherever they were read.
@@ -115,7 +115,7 @@ class Dropped:
     Attributes
     ----------
     source, line, ordinal
-        As of :class:`Record`.
+        As of :class:`ElementSet`.
     object : str
         Name and number as far as known.
     reason : str
@@ -132,7 +132,7 @@ class Dropped:
     ordinal: int | None = None
 
     @classmethod
-    def of(cls, record: Record, reason: str, detail: str) -> Dropped:
+    def of(cls, record: ElementSet, reason: str, detail: str) -> Dropped:
         """A record left out."""
         return cls(record.source, record.line, record.label, reason, detail, record.ordinal)
 
@@ -172,21 +172,21 @@ class Catalogue:
 
     Attributes
     ----------
-    records : tuple of Record
+    records : tuple of ElementSet
     dropped : tuple of Dropped
         Empty unless bad rows were to be skipped.
     formats : dict
         File → what it was recognised as.
     """
 
-    records: tuple[Record, ...]
+    records: tuple[ElementSet, ...]
     dropped: tuple[Dropped, ...] = ()
     formats: dict[str, str] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.records)
 
-    def __iter__(self) -> Iterator[Record]:
+    def __iter__(self) -> Iterator[ElementSet]:
         return iter(self.records)
 
 

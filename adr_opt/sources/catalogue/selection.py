@@ -8,22 +8,22 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.errors import InputError
-from .demands import Choice
+from .demands import ObjectChoice
 from .filters import Filters
 from .propagation import FLOAT
-from .records import Dropped, Record
+from .records import Dropped, ElementSet
 from .station import plane_angles
 
 ROWS = npt.NDArray[np.intp]
 
 
 def named(
-    records: Sequence[Record],
-    host: Record | None,
+    records: Sequence[ElementSet],
+    host: ElementSet | None,
     filters: Filters,
     dropped: list[Dropped],
-    choice: Choice,
-) -> list[Record]:
+    choice: ObjectChoice,
+) -> list[ElementSet]:
     """The records whose names fit, without that of the station; the others go to ``dropped``."""
     named = []
     for record in records:
@@ -39,11 +39,11 @@ def named(
 
 
 def within_limits(
-    candidates: list[Record],
+    candidates: list[ElementSet],
     elements: FLOAT,
     filters: Filters,
     dropped: list[Dropped],
-    choice: Choice,
+    choice: ObjectChoice,
 ) -> ROWS:
     """The rows that SGP4 found and the filters let pass; what these stop goes to ``dropped``."""
     keep = np.isfinite(elements[:, 0])
@@ -57,13 +57,13 @@ def within_limits(
 
 
 def nearest(
-    candidates: list[Record],
+    candidates: list[ElementSet],
     elements: FLOAT,
     rows: ROWS,
     place: FLOAT,
     most: int,
     dropped: list[Dropped],
-    choice: Choice,
+    choice: ObjectChoice,
 ) -> ROWS:
     """The rows whose planes are nearest to that of a place; the others go to ``dropped``.
 

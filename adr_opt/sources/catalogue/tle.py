@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime, timedelta
 
-from .records import Dropped, Record, RowError, clean_name, shown
+from .records import Dropped, ElementSet, RowError, clean_name, shown
 
 LENGTH = 69
 LONGEST_LINE = 1000
@@ -40,7 +40,7 @@ def looks_like_tle(lines: Iterable[str]) -> bool:
     return any(_ELEMENT_LINE.match(line) for line in lines)
 
 
-def read_tle(lines: Iterable[str], source: str) -> Iterator[Record | Dropped]:
+def read_tle(lines: Iterable[str], source: str) -> Iterator[ElementSet | Dropped]:
     """The element sets among lines, in their order.
 
     Blank lines and lines that begin with ``#`` are passed over. Text behind column 69 is ignored
@@ -119,7 +119,7 @@ def _check(line: str, which: int) -> str:
     return line
 
 
-def _record(first: str, second: str, name: str, source: str, line: int) -> Record:
+def _record(first: str, second: str, name: str, source: str, line: int) -> ElementSet:
     one = _LINE_1.fullmatch(_check(first, 1))
     if one is None:
         raise RowError("line 1 of the TLE has something else than its format in some column")
@@ -132,7 +132,7 @@ def _record(first: str, second: str, name: str, source: str, line: int) -> Recor
         )
     sign, whole, dot = one[7], one[8], one[9]
     ephemeris_type = int(one[16]) if one[16] != " " else 0
-    return Record(
+    return ElementSet(
         name=_name(name),
         object_id=_designator(one[3]),
         number=catalogue_number(one[1]),

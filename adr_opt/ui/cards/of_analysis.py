@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ...common.card import Card, Table, days, days_words, order_words
+from ...common.card import Card, CardTable, days, days_words, order_words
 from ...common.wording import counted
 from .of_plan import legs_table
 
@@ -40,7 +40,9 @@ def of_tradeoff(made: Tradeoff) -> Card:
         for point in made.points
     ]  # fmt: skip
     heads = ("ΔV m/s", "days", "prize", "at most", "visits", "cost", "status")
-    return Card("Tradeoff", f"of {made.instance.name!r}", facts, (), (Table(heads, rows, texts=0),))
+    return Card(
+        "Tradeoff", f"of {made.instance.name!r}", facts, (), (CardTable(heads, rows, texts=0),)
+    )
 
 
 def _prizes(point: Point) -> tuple[str, str]:
@@ -95,7 +97,7 @@ def of_comparison(made: Comparison) -> Card:
     heads = ("plan", "method", "status", "prize", "visits", "ΔV m/s", "ends day", "violations")
     return Card(
         "Comparison", f"on {made.instance.name!r}", (counted(len(made.sides), "plan"),), (),
-        (Table(heads, rows, texts=3),),
+        (CardTable(heads, rows, texts=3),),
     )  # fmt: skip
 
 

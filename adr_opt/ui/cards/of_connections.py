@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...common.card import Card, Table, days
+from ...common.card import Card, CardTable, days
 
 if TYPE_CHECKING:
     from ...legs.connections import AllConnections, Connections
@@ -25,7 +25,7 @@ def of_connections(found: Connections) -> Card:
         for leaves, lands, cost, turns in columns
     ]
     heads = ("departure day", "arrival day", "ΔV m/s", "revolutions")
-    return Card("Connections", "", tuple(facts), (), (Table(heads, rows, texts=0),))
+    return Card("Connections", "", tuple(facts), (), (CardTable(heads, rows, texts=0),))
 
 
 def of_all(found: AllConnections) -> Card:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...common.card import Card, Table, days, days_words
+from ...common.card import Card, CardTable, days, days_words
 from ...common.wording import counted
 from ...problem.chasers import AtStation, Chaser, TankByMass
 
@@ -55,7 +55,7 @@ def of_instance(instance: Instance) -> Card:
     heads = ("chaser", "start", "end", "tank m/s", "there from day", "kits")
     return Card(
         "Instance", repr(instance.name), facts_of(instance), tuple(details),
-        (Table(heads, rows, texts=3),),
+        (CardTable(heads, rows, texts=3),),
     )  # fmt: skip
 
 

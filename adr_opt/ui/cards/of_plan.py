@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...common.card import Card, Table, days, order_words
+from ...common.card import Card, CardTable, days, order_words
 from ...common.wording import counted
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ HEADS = (
 )
 
 
-def legs_table(routes: tuple[Route, ...]) -> Table:
+def legs_table(routes: tuple[Route, ...]) -> CardTable:
     """All legs, in order, with times in days."""
     rows, number = [], 0
     for route in routes:
@@ -36,10 +36,10 @@ def legs_table(routes: tuple[Route, ...]) -> Table:
                     f"{leg.delta_v_left_m_s:,.1f}",
                 )
             )  # fmt: skip
-    table = Table(HEADS, rows, texts=3)
+    table = CardTable(HEADS, rows, texts=3)
     if len(routes) > 1:
         return table
-    return Table(HEADS[1:], [row[1:] for row in rows], texts=2)
+    return CardTable(HEADS[1:], [row[1:] for row in rows], texts=2)
 
 
 def certified(plan: Plan) -> tuple[str, ...]:
@@ -92,5 +92,5 @@ def of_leg(leg: Leg) -> Card:
     if leg.tow is not None:
         facts.append("with a tow")
     burns = [(burn.phase, f"{burn.time_s:,.1f}", f"{burn.size_m_s:,.3f}") for burn in leg.all_burns]
-    tables = (Table(("burn", "time s", "ΔV m/s"), burns),) if burns else ()
+    tables = (CardTable(("burn", "time s", "ΔV m/s"), burns),) if burns else ()
     return Card("Leg", f"{leg.origin!r} → {leg.destination!r}", tuple(facts), (), tables)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...common.card import Card, Table, days
+from ...common.card import Card, CardTable, days
 from ...common.wording import counted
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def of_refined(refined: RefinedPlan) -> Card:
     heads = ("from", "to", "leg", "arrives day", "planned m/s", "flown m/s", "off m")
     details = tuple((f"leg {one.leg} is missing", one.reason) for one in refined.missing)
     said = f"for {refined.instance.name!r}"
-    return Card("RefinedPlan", said, facts, details, (Table(heads, rows, texts=2),))
+    return Card("RefinedPlan", said, facts, details, (CardTable(heads, rows, texts=2),))
 
 
 def of_refined_result(made: RefinedResult) -> Card:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...common.card import Card, Table, days
+from ...common.card import Card, CardTable, days
 from ...common.wording import counted
 
 if TYPE_CHECKING:
@@ -47,4 +47,4 @@ def of_matrices(matrices: Matrices) -> Card:
         (name, *(f"{value:,.0f}" for value in row)) for name, row in zip(names, costs, strict=True)
     ]
     details.append(("below", f"ΔV in m/s for who is ready on day {days(float(first))}"))
-    return Card("Matrices", "", tuple(facts), tuple(details), (Table(("from", *names), rows),))
+    return Card("Matrices", "", tuple(facts), tuple(details), (CardTable(("from", *names), rows),))

@@ -14,7 +14,7 @@ from .parameters import check_out, instance_argument, json_option, quiet_option
 
 if TYPE_CHECKING:
     from ...analysis import PricedOrder, PricedRoute
-    from ...analysis.mending import Mending, Missing
+    from ...analysis.mending import Mending, Shortfall
 
 
 @click.command("price", short_help="Time an order of bodies, and say what would mend it.")
@@ -106,7 +106,7 @@ def _verdict(route: PricedRoute, *, several: bool) -> Iterator[str]:
         yield f"{whose}no larger tank, no more time and no single change would do"
 
 
-def _lacking(missing: Missing) -> Iterator[str]:
+def _lacking(missing: Shortfall) -> Iterator[str]:
     from .timeline import span
 
     found = []

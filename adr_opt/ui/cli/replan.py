@@ -23,7 +23,7 @@ from .parameters import (
 
 if TYPE_CHECKING:
     from ...analysis.replanned import Replanned
-    from ...analysis.state import State
+    from ...analysis.state import ChaserState
     from ...problem.instance import Instance
     from ...problem.settings import KeepOutZone
 
@@ -255,7 +255,7 @@ def read_zones(path: str) -> tuple[KeepOutZone, ...]:
     return tuple(zones)
 
 
-def _where(state: State) -> str:
+def _where(state: ChaserState) -> str:
     if state.body is None:
         return "is not launched yet"
     if state.is_put:

@@ -50,14 +50,14 @@ def command(
         raise MissingExtra("serving a page", package, "serve") from None
     from ...plan.plan import load_plan
     from ...problem.instance import load
-    from ..serve.desk import Desk
+    from ..serve.desk import EditingSession
     from ..serve.folder import Folder
 
     instance = load(instance_path)
     plan = None if plan_path is None else load_plan(plan_path)
     place = Folder(folder or f"{Path(instance_path).stem}-served", instance_path)
     with closing(listening(port)) as listener:
-        desk = Desk(instance, plan, place)
+        desk = EditingSession(instance, plan, place)
         server, ended = Server(desk, listener), threading.Event()
         with signals_to(ended.set):
             server.start()

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from ...analysis.trade import Point, Tradeoff
     from ...analysis.trade.frontier import Ending
-    from ...analysis.trade.points import Board
+    from ...analysis.trade.points import KnownPoints
     from ...common.stop import Stop
 
 
@@ -87,7 +87,7 @@ def command(
         _check_plot(plot_path)
         check_out(plot_path, instance_path, results=(out, page_path))
 
-    def told(point: Point, board: Board) -> None:
+    def told(point: Point, board: KnownPoints) -> None:
         if not quiet:
             proven = sum(each.proven for each in board.points.values())
             say(

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.errors import InputError
-from ...fly.trajectory.clock import Clock
+from ...fly.trajectory.clock import UtcClock
 from ...fly.trajectory.sampling import SHORTEST_ARC_S
 from ...plan.palette import LABELS
 from ...plan.plan import Plan
@@ -35,7 +35,7 @@ Local = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Impulse:
+class ReportedBurn:
     """A burn of a leg.
 
     Attributes
@@ -68,7 +68,7 @@ class Impulse:
 
 def impulses(
     plan: Plan, tracks: tuple[Track, ...], refined: RefinedPlan | None = None
-) -> tuple[Impulse, ...]:
+) -> tuple[ReportedBurn, ...]:
     """The burns of a plan in the order of its legs, and then those of the refined one.
 
     Parameters
@@ -81,7 +81,7 @@ def impulses(
     return (*_planned(plan, tracks), *(() if refined is None else _refined(refined)))
 
 
-def _planned(plan: Plan, tracks: tuple[Track, ...]) -> Iterator[Impulse]:
+def _planned(plan: Plan, tracks: tuple[Track, ...]) -> Iterator[ReportedBurn]:
     for number, leg in enumerate(plan.legs, start=1):
         arcs = [track for track in tracks if track.leg == number]
         for burn in leg.all_burns:
@@ -92,10 +92,10 @@ def _planned(plan: Plan, tracks: tuple[Track, ...]) -> Iterator[Impulse]:
             if begun is not None:
                 before = begun.first_m_s - np.array(burn.delta_v_m_s)
                 local = local_m_s(begun.first_m, before, burn.delta_v_m_s)
-            yield Impulse(PLANNED, number, burn.phase, burn.time_s, burn.delta_v_m_s, local)
+            yield ReportedBurn(PLANNED, number, burn.phase, burn.time_s, burn.delta_v_m_s, local)
 
 
-def _refined(refined: RefinedPlan) -> Iterator[Impulse]:
+def _refined(refined: RefinedPlan) -> Iterator[ReportedBurn]:
     for leg in refined.legs:
         for burn in leg.burns:
             states = [s for s in leg.states if abs(s.time_s - burn.time_s) < SHORTEST_ARC_S]
@@ -103,7 +103,7 @@ def _refined(refined: RefinedPlan) -> Iterator[Impulse]:
             if states:
                 before = np.array(states[-1].velocity_m_s) - np.array(burn.delta_v_m_s)
                 local = local_m_s(states[-1].position_m, before, burn.delta_v_m_s)
-            yield Impulse(REFINED, leg.leg, burn.phase, burn.time_s, burn.delta_v_m_s, local)
+            yield ReportedBurn(REFINED, leg.leg, burn.phase, burn.time_s, burn.delta_v_m_s, local)
 
 
 def local_m_s(
@@ -118,7 +118,7 @@ def local_m_s(
     return radial, along, across
 
 
-def of_page(instance: Instance, plan: Plan, burns: Sequence[Impulse]) -> dict[str, Any]:
+def of_page(instance: Instance, plan: Plan, burns: Sequence[ReportedBurn]) -> dict[str, Any]:
     """What the script of the page makes the CSV file from.
 
     Returns
@@ -143,7 +143,7 @@ def of_page(instance: Instance, plan: Plan, burns: Sequence[Impulse]) -> dict[st
     }  # fmt: skip
 
 
-def section(instance: Instance, plan: Plan, burns: Sequence[Impulse]) -> str:
+def section(instance: Instance, plan: Plan, burns: Sequence[ReportedBurn]) -> str:
     """The section with the tables of burns; nothing where connections are given."""
     if instance.transfer.given is not None:
         return ""
@@ -161,10 +161,10 @@ def section(instance: Instance, plan: Plan, burns: Sequence[Impulse]) -> str:
     )
 
 
-def _table(caption: str, instance: Instance, plan: Plan, burns: Sequence[Impulse]) -> str:
+def _table(caption: str, instance: Instance, plan: Plan, burns: Sequence[ReportedBurn]) -> str:
     whose = owners(instance, plan)
     try:
-        calendar = Clock(instance).labels([burn.time_s for burn in burns]) if burns else []
+        calendar = UtcClock(instance).labels([burn.time_s for burn in burns]) if burns else []
     except InputError:  # times that no calendar has; the check says what is wrong with them
         calendar = [NOTHING] * len(burns)
     rows = []

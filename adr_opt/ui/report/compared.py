@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...analysis.comparison import Comparison, Difference, Pair, Side
+from ...analysis.comparison import Comparison, Difference, LegPair, Side
 from ...common.constants import DAY_S
 from ...common.wording import counted, status_words
 from ...plan.palette import CHASERS
@@ -136,14 +136,14 @@ def _cells(numbered: tuple[int, Leg] | None) -> list[tuple[str, str]]:
     return [("n", str(at)), ("n", clock(leg.departure_s)), ("n", fixed(leg.delta_v_m_s, 1))]
 
 
-def told(pair: Pair) -> str:
+def told(pair: LegPair) -> str:
     """What a pair of legs is, in words."""
     if pair.what == "only":
         return "only there" if pair.first is None else "only in the first"
     return WORDS[pair.what]
 
 
-def more(pair: Pair) -> str:
+def more(pair: LegPair) -> str:
     """What the leg costs more in the other plan than in the first one."""
     if pair.first is None or pair.other is None:
         return NOTHING

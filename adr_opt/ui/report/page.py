@@ -244,7 +244,7 @@ def _data(
     instance: Instance,
     plan: Plan,
     known: _Found,
-    burned: tuple[burns.Impulse, ...],
+    burned: tuple[burns.ReportedBurn, ...],
 ) -> dict[str, Any]:
     """What the script of the page draws from."""
     drawn = known.drawn

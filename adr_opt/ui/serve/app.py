@@ -21,10 +21,10 @@ from ...common.errors import InputError
 from ...common.files import sentence
 from ...common.records import Record
 from ..report import plain
-from .desk import Desk, choices
+from .desk import EditingSession, choices
 from .drafts import read_edit
 from .guard import Guard
-from .work import Order
+from .work import PlanningOrder
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
@@ -50,12 +50,12 @@ class OrderRequest(Record):
     goes_on: bool = True
 
 
-async def told(desk: Desk, closing: threading.Event) -> AsyncIterator[str]:
+async def told(desk: EditingSession, closing: threading.Event) -> AsyncIterator[str]:
     """Server-sent events: the state whenever it changes, and how far the planner is.
 
     Parameters
     ----------
-    desk : Desk
+    desk : EditingSession
     closing : Event
         Ends it.
     """
@@ -79,12 +79,12 @@ async def told(desk: Desk, closing: threading.Event) -> AsyncIterator[str]:
         await asyncio.sleep(PAUSE_S)
 
 
-def application(desk: Desk, token: str, port: int, closing: threading.Event) -> Starlette:
+def application(desk: EditingSession, token: str, port: int, closing: threading.Event) -> Starlette:
     """The application.
 
     Parameters
     ----------
-    desk : Desk
+    desk : EditingSession
     token : str
         Whoever has it may do everything, and nobody else anything.
     port : int
@@ -137,7 +137,7 @@ def application(desk: Desk, token: str, port: int, closing: threading.Event) -> 
     )
 
 
-def read_order(text: str) -> Order:
+def read_order(text: str) -> PlanningOrder:
     """How to plan, of a JSON text.
 
     Raises
@@ -146,7 +146,7 @@ def read_order(text: str) -> Order:
         It does not say so.
     """
     try:
-        return Order(**dict(OrderRequest.from_json(text)))
+        return PlanningOrder(**dict(OrderRequest.from_json(text)))
     except ValidationError as error:
         raise InputError(sentence(error)) from None
 
@@ -167,7 +167,7 @@ def _action(path: str, act: Callable[[str], Any]) -> Route:
     return Route(path, answer, methods=["POST"])
 
 
-def _report(desk: Desk) -> str:
+def _report(desk: EditingSession) -> str:
     try:
         text = desk.report()
     except InputError as error:

@@ -18,13 +18,13 @@ from ...run.methods import BOUNDS, PLANNERS, names
 from ..report import page
 from .drafts import Draft, Edit, History, amount_of
 from .folder import Folder
-from .work import Look, Order, Work, in_percent
+from .work import Look, PlanningOrder, Work, in_percent
 
 PLANS_KEPT = 32
 """Plans of so many drafts are remembered: who undoes to one sees its plan again."""
 
 
-class Desk:
+class EditingSession:
     """What the page shows and changes.
 
     Parameters
@@ -80,7 +80,7 @@ class Desk:
         """Make the edit again that was undone last."""
         self._go(self._history.redo)
 
-    def plan(self, order: Order) -> None:
+    def plan(self, order: PlanningOrder) -> None:
         """Plan the draft as it is; what runs is stopped first.
 
         Raises

@@ -10,7 +10,7 @@ import uvicorn
 
 from ...common.errors import InputError
 from .app import application
-from .desk import Desk
+from .desk import EditingSession
 
 HOST = "127.0.0.1"
 LAST_ANSWERS_S = 2
@@ -40,7 +40,7 @@ class Server:
 
     Parameters
     ----------
-    desk : Desk
+    desk : EditingSession
     listener : socket
         As :func:`listening` gives it.
 
@@ -51,7 +51,7 @@ class Server:
         The address of the page, with its token.
     """
 
-    def __init__(self, desk: Desk, listener: socket.socket) -> None:
+    def __init__(self, desk: EditingSession, listener: socket.socket) -> None:
         self._socket = listener
         self.port: int = self._socket.getsockname()[1]
         token = secrets.token_urlsafe(32)

@@ -32,7 +32,7 @@ LONGEST_S = 7.0 * 86400.0
 
 
 @dataclass(frozen=True)
-class Order:
+class PlanningOrder:
     """How to plan.
 
     Attributes
@@ -146,7 +146,7 @@ class _Run:
     """One run, as its thread and those who look at it share it."""
 
     number: int
-    order: Order
+    order: PlanningOrder
     stop: Interrupted = field(default_factory=Interrupted)
     over: threading.Event = field(default_factory=threading.Event)
     phase: Phase = "waiting"
@@ -226,13 +226,13 @@ class Work:
         run = self._run
         return Look() if run is None else run.look()
 
-    def begin(self, instance: Instance, order: Order, known: Plan | None) -> int:
+    def begin(self, instance: Instance, order: PlanningOrder, known: Plan | None) -> int:
         """Plan; a run that is not over is stopped first. Returns the number of the run.
 
         Parameters
         ----------
         instance : Instance
-        order : Order
+        order : PlanningOrder
         known : Plan, optional
             To begin from, be it of a variant of the instance.
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from adr_opt.common.constants import DAY_S
 from adr_opt.fly.refine.least import fewest
-from adr_opt.fly.refine.leg import Course, Flown, NoWay, fly, residual
+from adr_opt.fly.refine.leg import FlownImpulses, LegEnds, NoWay, fly, residual
 
 from ..reading import FloatArray
 from .ephemeris import Debris
@@ -79,8 +79,8 @@ def flown_leg(
         No impulses were found.
     """
     start_s, end_s = departure_d * DAY_S, arrival_d * DAY_S
-    course = Course(one.state(start_s), other.state(end_s), start_s, end_s, 0.0, "j2")
-    found: Flown | None = None
+    course = LegEnds(one.state(start_s), other.state(end_s), start_s, end_s, 0.0, "j2")
+    found: FlownImpulses | None = None
     flights = 0
     for guess in guesses(course, other.revolution_s):
         if flights == best:
@@ -100,7 +100,7 @@ def flown_leg(
     return FlownLeg(found.delta_v_m_s, len(found.times), *miss, found.times, found.impulses)
 
 
-def _flown(guess: Guess) -> Flown:
+def _flown(guess: Guess) -> FlownImpulses:
     """No more impulses than are allowed, to the goal, and as cheap as they are in its valley."""
     now = fly(guess.course, guess.times, guess.impulses)
     few = fewest(now.effects, now.impulses)
@@ -108,7 +108,7 @@ def _flown(guess: Guess) -> Flown:
     ways = [(now.times[kept], few[kept], now.effects[kept])]
     while len(ways[0][0]) > MOST_IMPULSES:
         ways = without_one(*ways[0])
-    found: list[Flown] = []
+    found: list[FlownImpulses] = []
     good = 0
     for times, impulses, _ in ways:
         if good == DROPPED:

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.fly.refine.least import least_impulses
-from adr_opt.fly.refine.leg import Course, NoWay, fly
+from adr_opt.fly.refine.leg import LegEnds, NoWay, fly
 from adr_opt.kernels.orbits import coast, equinoctial
 from adr_opt.kernels.orbits.gravity import FIELDS
 
@@ -58,7 +58,7 @@ class Guess(NamedTuple):
     """
 
     total: float
-    course: Course
+    course: LegEnds
     times: FloatArray
     impulses: FloatArray
 
@@ -74,12 +74,12 @@ def times_of(start_s: float, end_s: float, revolution_s: float) -> FloatArray:
     return np.r_[grid[places], end_s]
 
 
-def guesses(course: Course, revolution_s: float) -> list[Guess]:
+def guesses(course: LegEnds, revolution_s: float) -> list[Guess]:
     """First guesses by different numbers of revolutions, the cheapest first.
 
     Parameters
     ----------
-    course : Course
+    course : LegEnds
         Its angle counts for nothing; those of the guesses are set.
     revolution_s : float
     """
@@ -117,7 +117,7 @@ def guesses(course: Course, revolution_s: float) -> list[Guess]:
     return sorted(better, key=lambda guess: guess.total)
 
 
-def _drifting(course: Course, revolution_s: float, times: FloatArray) -> Guess:
+def _drifting(course: LegEnds, revolution_s: float, times: FloatArray) -> Guess:
     """Two impulses along the orbit after which its longitude is that of the goal."""
     second = course.start_s + 0.5 * revolution_s
     if second >= course.end_s:

@@ -13,7 +13,7 @@ import time
 from dataclasses import dataclass
 
 from solvers.tours.bound import Bounding, Tangent, bound, memories, neighbourhoods
-from solvers.tours.costs import Grid
+from solvers.tours.costs import TimeGrid
 
 from ..reading import FloatArray
 from .cells import cells
@@ -120,7 +120,7 @@ def proven(rows: FloatArray, time_limit_s: float, step_d: float = STEP_D) -> Pro
     """
     since = time.thread_time()
     table, count = cells(rows, step_d), len(rows)
-    grid = Grid(round(STAY_D / step_d), round((STAY_D + APART_D) / step_d), UNIT_M_S)
+    grid = TimeGrid(round(STAY_D / step_d), round((STAY_D + APART_D) / step_d), UNIT_M_S)
     bit, carried = memories(neighbourhoods(table, REMEMBERED))
     few = []
     while len(few) < count and launches_and_kits_meur(len(few) + 1, count) < DEAR_MEUR:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from solvers.tours.costs import Expense, Grid
+from solvers.tours.costs import TimeGrid, TourExpense
 from solvers.tours.planner import Annealing, Tour, plan
 
 from ..reading import FloatArray
@@ -28,7 +28,9 @@ SLACK_D = 0.6
 FINE = 4
 """Lengths of transfers that are tried within a step."""
 
-EXPENSE = Expense(LAUNCH_MEUR, 0.0, PER_KG2_MEUR, DRY_KG, KIT_KG, EXHAUST_M_S, MOST_PROPELLANT_KG)
+EXPENSE = TourExpense(
+    LAUNCH_MEUR, 0.0, PER_KG2_MEUR, DRY_KG, KIT_KG, EXHAUST_M_S, MOST_PROPELLANT_KG
+)
 
 REFINED = 2
 """So many of the tours get better times, the best of which counts."""
@@ -81,7 +83,7 @@ def planned(
         Of each chain: the same number gives the same campaign.
     """
     since = time.process_time()
-    grid = Grid(round(STAY_D / STEP_D), round((STAY_D + APART_D) / STEP_D), UNIT_M_S)
+    grid = TimeGrid(round(STAY_D / STEP_D), round((STAY_D + APART_D) / STEP_D), UNIT_M_S)
     cost = table(rows, STEP_D, SLACK_D, FINE)
     tours = plan(cost, grid, EXPENSE, seed, chains, settings, iterations, time_limit_s, tell)
     best: Planned | None = None

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from adr_opt.fly.refine.least import least_impulses
-from adr_opt.fly.refine.leg import Course, Flown, NoWay, close
+from adr_opt.fly.refine.leg import FlownImpulses, LegEnds, NoWay, close
 from adr_opt.kernels.orbits import coast, equinoctial
 from adr_opt.kernels.orbits.gravity import FIELDS
 
@@ -35,7 +35,7 @@ MOST_NEWTON = 12
 
 
 def sensitive(
-    course: Course, times: FloatArray, impulses: FloatArray
+    course: LegEnds, times: FloatArray, impulses: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """The miss of a flight, and its derivatives by times and impulses.
 
@@ -66,7 +66,7 @@ def sensitive(
     return miss, np.hstack([by_time, by_impulse])
 
 
-def polished(course: Course, times: FloatArray, impulses: FloatArray) -> Flown:
+def polished(course: LegEnds, times: FloatArray, impulses: FloatArray) -> FlownImpulses:
     """As many impulses of less ΔV, at better times.
 
     Raises

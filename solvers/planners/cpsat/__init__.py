@@ -11,7 +11,7 @@ from adr_opt.mission.result import Result
 from adr_opt.run.warm_up import practises
 
 from ...models.course import ModelOptions, prove
-from .model import Model
+from .model import CpSatModel
 
 __all__ = ["cpsat"]
 
@@ -46,6 +46,6 @@ def cpsat(
         A plan: bodies in order. As much of it as is in the network is given as hints.
     """
     return prove(
-        "cpsat", Model, mission, seed=seed, stop=stop, progress=progress, start=start,
+        "cpsat", CpSatModel, mission, seed=seed, stop=stop, progress=progress, start=start,
         options=options,
     )  # fmt: skip

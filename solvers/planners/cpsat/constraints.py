@@ -6,19 +6,19 @@ from ortools.sat.python import cp_model
 
 from adr_opt.kernels.rules.rules import Rules
 
-from ...models.network import Network
-from .variables import Variables
+from ...models.network import SolverNetwork
+from .variables import CpSatVariables
 
 
-class Constraints:
+class CpSatConstraints:
     """The constraints of the model, one method each.
 
     Parameters
     ----------
     block : CpModel
         Gets the constraints.
-    network : Network
-    variables : Variables
+    network : SolverNetwork
+    variables : CpSatVariables
     rules : adr_opt.kernels.rules.rules.Rules
     cost : list of int
         ΔV of each leg, in steps.
@@ -29,8 +29,8 @@ class Constraints:
     def __init__(
         self,
         block: cp_model.CpModel,
-        network: Network,
-        variables: Variables,
+        network: SolverNetwork,
+        variables: CpSatVariables,
         rules: Rules,
         cost: list[int],
         steps: int,
@@ -110,7 +110,7 @@ class Constraints:
         )
 
 
-def _by_pair(network: Network) -> dict[tuple[int, int], list[int]]:
+def _by_pair(network: SolverNetwork) -> dict[tuple[int, int], list[int]]:
     """Legs by the bodies that they leave and reach."""
     legs: dict[tuple[int, int], list[int]] = {}
     pairs = zip(network.origin.tolist(), network.destination.tolist(), strict=True)

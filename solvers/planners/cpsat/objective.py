@@ -5,26 +5,28 @@ from __future__ import annotations
 import numpy as np
 from ortools.sat.python import cp_model
 
-from .variables import Variables
+from .variables import CpSatVariables
 
 
-class Objective:
+class CpSatObjective:
     """The objective of the model: the sum of the prizes, in whole steps.
 
     Parameters
     ----------
     block : CpModel
         Gets the objective.
-    variables : Variables
+    variables : CpSatVariables
     worth : (bodies,) int64
         Prizes in steps.
     """
 
-    def __init__(self, block: cp_model.CpModel, variables: Variables, worth: np.ndarray) -> None:
+    def __init__(
+        self, block: cp_model.CpModel, variables: CpSatVariables, worth: np.ndarray
+    ) -> None:
         self._block = block
         self._collect(variables, worth.tolist())
 
-    def _collect(self, variables: Variables, worth: list[int]) -> None:
+    def _collect(self, variables: CpSatVariables, worth: list[int]) -> None:
         """Collect the prize of each target that is serviced."""
         visits = list(variables.visit.items())
         self._block.maximize(

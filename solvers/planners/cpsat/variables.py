@@ -7,17 +7,17 @@ from ortools.sat.python import cp_model
 
 from adr_opt.kernels.rules.rules import Rules
 
-from ...models.network import Network
+from ...models.network import SolverNetwork
 
 
-class Variables:
+class CpSatVariables:
     """The variables of the model.
 
     Parameters
     ----------
     block : CpModel
         Gets the variables.
-    network : Network
+    network : SolverNetwork
     rules : adr_opt.kernels.rules.rules.Rules
     steps : int
         Whole steps of ΔV in the budget.
@@ -40,7 +40,9 @@ class Variables:
         ΔV used since refuelling when the target is serviced, in steps; anything if it is not.
     """
 
-    def __init__(self, block: cp_model.CpModel, network: Network, rules: Rules, steps: int) -> None:
+    def __init__(
+        self, block: cp_model.CpModel, network: SolverNetwork, rules: Rules, steps: int
+    ) -> None:
         self.move = [block.new_bool_var("") for _ in range(network.legs)]
         self.wait = {
             node: block.new_bool_var("") for node in np.flatnonzero(network.onward >= 0).tolist()
@@ -57,14 +59,14 @@ class Variables:
         self.used = {target: block.new_int_var(0, steps, "") for target in targets}
 
     def begin_from(
-        self, block: cp_model.CpModel, network: Network, legs: list[int], cost: list[int]
+        self, block: cp_model.CpModel, network: SolverNetwork, legs: list[int], cost: list[int]
     ) -> None:
         """Give the variables the values of a plan, as hints.
 
         Parameters
         ----------
         block : CpModel
-        network : Network
+        network : SolverNetwork
         legs : list of int
             Its legs, from the start on.
         cost : list of int

@@ -9,7 +9,7 @@ import numpy as np
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.memory import borrowed, write
 
-from ...orders.timed_order import Labels, time_order, with_refuelling
+from ...orders.timed_order import time_order, with_refuelling
 from . import moves
 
 PATIENCE_S = 4000.0
@@ -37,7 +37,7 @@ def anneal(rules, order, length, labels, kept, worth, weights, hot, cold, iterat
         Permutation of all targets; its first ``length`` are visited, as far as they can be timed.
         Left as the last order accepted.
     length : int
-    labels, kept : Labels
+    labels, kept : OrderLabels
         Desks.
     worth : float
         Worth of a second [prizes per s].
@@ -119,6 +119,3 @@ def anneal(rules, order, length, labels, kept, worth, weights, hot, cold, iterat
             write(trial, order)
             _copy_labels(kept, labels, first + 1, length)
     return best, best_prize, length, accepted
-
-
-__all__ = ["Labels", "anneal"]

@@ -47,13 +47,13 @@ class _Player:
         bodies = len(self.mission.names)
         guarded = settings.moves == "guarded"
         width = min(settings.width, bodies)
-        self.policy = policies.Policy(
+        self.policy = policies.RolloutSettings(
             min(settings.depth, 2 * bodies),
             settings.rollout == "guarded",
             settings.time_value_m_s_per_h / HOUR_S,
             settings.temperature_m_s,
         )
-        self.search = trees.Search(
+        self.search = trees.TreeSearch(
             settings.simulations,
             settings.c,
             guarded,

@@ -14,7 +14,7 @@ from adr_opt.kernels.core.memory import borrowed
 from adr_opt.kernels.rules import rules as rule_kernels
 
 
-class Policy(NamedTuple):
+class RolloutSettings(NamedTuple):
     """Numbers of the rollouts.
 
     Attributes
@@ -35,7 +35,7 @@ class Policy(NamedTuple):
     temperature: float
 
 
-class Scratch(NamedTuple):
+class SimulationScratch(NamedTuple):
     """Memory of one simulation.
 
     Attributes
@@ -62,9 +62,9 @@ class Scratch(NamedTuple):
     end: np.ndarray
 
 
-def scratch(bodies: int) -> Scratch:
+def scratch(bodies: int) -> SimulationScratch:
     """Fresh memory; no sequence of moves is longer than two per body."""
-    return Scratch(
+    return SimulationScratch(
         np.zeros(2 * bodies, dtype=np.int64),
         np.zeros(2 * bodies + 1, dtype=np.int64),
         np.zeros(bodies, dtype=np.bool_),
@@ -235,7 +235,7 @@ def rollout(rules, policy, rng, scratch, moves, state):
 
     Parameters
     ----------
-    scratch : Scratch
+    scratch : SimulationScratch
         ``visited`` is read; ``sequence`` is continued.
     moves : int
         Moves made before.

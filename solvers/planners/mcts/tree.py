@@ -51,7 +51,7 @@ class Tree(NamedTuple):
     moves: np.ndarray
 
 
-class Search(NamedTuple):
+class TreeSearch(NamedTuple):
     """Numbers of the tree search.
 
     Attributes
@@ -83,7 +83,7 @@ class Search(NamedTuple):
     keep: bool
 
 
-class Record(NamedTuple):
+class SearchRecord(NamedTuple):
     """What the simulations of a mission have seen.
 
     Attributes
@@ -116,9 +116,9 @@ def allocate(nodes: int, width: int) -> Tree:
     )  # fmt: skip
 
 
-def new_record(bodies: int) -> Record:
+def new_record(bodies: int) -> SearchRecord:
     """A record of nothing yet."""
-    return Record(
+    return SearchRecord(
         np.zeros(2 * bodies, dtype=np.int64),
         np.array([0.0, -math.inf, math.inf]),
         np.array([math.inf, -math.inf]),
@@ -256,7 +256,7 @@ def step(rules, policy, search, rng, tree, used, root, played, collected, visite
         Targets visited there.
     tree : Tree
         With room for the simulations and one more; begun anew at the root when room runs out.
-    record : Record
+    record : SearchRecord
         Updated.
 
     Returns

@@ -30,13 +30,13 @@ def _model() -> MakeModel:
     # OR-Tools and some versions of highspy bring shared libraries of one name; the second one to
     # be loaded fails (google/or-tools#5246). OR-Tools is needed by others, so it comes first.
     try:
-        from .model import Model
+        from .model import MipModel
     except ImportError as error:
         raise InputError(
             f"method 'mip' cannot load highspy {version('highspy')} beside OR-Tools ({error}): "
             "install a version of highspy without a shared library, such as 1.14"
         ) from error
-    return Model
+    return MipModel
 
 
 class MipOptions(ModelOptions, method="mip"):

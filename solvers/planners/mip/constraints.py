@@ -6,28 +6,32 @@ import pyomo.environ as pyo
 
 from adr_opt.kernels.rules.rules import Rules
 
-from ...models.network import GUARD_M_S, Network
-from .variables import Variables
+from ...models.network import GUARD_M_S, SolverNetwork
+from .variables import MipVariables
 
 ROUNDING = 1e-6
 """Tanks are larger by this share, so that no tolerance of HiGHS loses a plan that just fits; a path
 that does not fit is forbidden when it is found."""
 
 
-class Constraints:
+class MipConstraints:
     """The constraints of the model, one method each.
 
     Parameters
     ----------
     block : pyomo.environ.ConcreteModel
         Gets the constraints.
-    network : Network
-    variables : Variables
+    network : SolverNetwork
+    variables : MipVariables
     rules : adr_opt.kernels.rules.rules.Rules
     """
 
     def __init__(
-        self, block: pyo.ConcreteModel, network: Network, variables: Variables, rules: Rules
+        self,
+        block: pyo.ConcreteModel,
+        network: SolverNetwork,
+        variables: MipVariables,
+        rules: Rules,
     ) -> None:
         self._block = block
         self._network = network
@@ -130,7 +134,7 @@ class Constraints:
         return legs
 
 
-def _landing_at(network: Network) -> list[list[int]]:
+def _landing_at(network: SolverNetwork) -> list[list[int]]:
     """Legs by the node where they land."""
     legs: list[list[int]] = [[] for _ in range(network.nodes)]
     for leg, node in enumerate(network.landing.tolist()):

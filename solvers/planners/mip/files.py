@@ -19,7 +19,7 @@ import numpy as np
 from adr_opt.common.errors import InputError, MissingExtra
 from adr_opt.mission.problem import Mission
 
-from ...models.network import Network, of_rows
+from ...models.network import SolverNetwork, of_rows
 from ...networks.network import build
 
 MOST_MOVES = 500_000
@@ -83,23 +83,23 @@ def _write(mission: Mission, path: Path, file_format: str, mark: str) -> None:
         body.unlink(missing_ok=True)
 
 
-def _block(mission: Mission, network: Network) -> Any:
+def _block(mission: Mission, network: SolverNetwork) -> Any:
     """The model of method `mip`, in prizes as they are."""
     import pyomo.environ as pyo
 
-    from .constraints import Constraints
-    from .objective import Objective
-    from .variables import Variables
+    from .constraints import MipConstraints
+    from .objective import MipObjective
+    from .variables import MipVariables
 
     rules = mission.rules
     block = pyo.ConcreteModel()
-    variables = Variables(block, network, rules)
-    Constraints(block, network, variables, rules)
-    Objective(block, network, variables, rules.prize)
+    variables = MipVariables(block, network, rules)
+    MipConstraints(block, network, variables, rules)
+    MipObjective(block, network, variables, rules.prize)
     return block
 
 
-def _names(network: Network) -> Callable[[Any], str]:
+def _names(network: SolverNetwork) -> Callable[[Any], str]:
     """Names of columns and rows that a solution can be read from."""
     from pyomo.core.base.label import LPFileLabeler
 
@@ -116,7 +116,7 @@ def _names(network: Network) -> Callable[[Any], str]:
     return name
 
 
-def _heading(mission: Mission, network: Network) -> list[str]:
+def _heading(mission: Mission, network: SolverNetwork) -> list[str]:
     """What a reader of the file alone has to know."""
     instance = mission.instance
     name = instance.name.encode("ascii", "backslashreplace").decode()

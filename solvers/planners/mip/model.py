@@ -11,11 +11,11 @@ from pyomo.repn.plugins.standard_form import LinearStandardFormCompiler
 
 from adr_opt.kernels.rules.rules import Rules
 
-from ...models.answer import Answer, Hear
-from ...models.network import Network
-from .constraints import Constraints
-from .objective import Objective
-from .variables import Variables
+from ...models.answer import Hear, SolverAnswer
+from ...models.network import SolverNetwork
+from .constraints import MipConstraints
+from .objective import MipObjective
+from .variables import MipVariables
 
 TOLERANCE = 1e-7
 """Of HiGHS, in units of the objective and parts of the budget."""
@@ -27,7 +27,7 @@ SEEDS = 2**31
 """HiGHS takes seeds below this."""
 
 
-class Model:
+class MipModel:
     """The best path of a network, as a mixed-integer program.
 
     Pyomo's own interfaces to HiGHS redirect the output of the whole process while they solve, and
@@ -35,7 +35,7 @@ class Model:
 
     Parameters
     ----------
-    network : Network
+    network : SolverNetwork
     rules : adr_opt.kernels.rules.rules.Rules
     unit : float
         The objective is counted in multiples of this.
@@ -43,19 +43,19 @@ class Model:
         Legs of a plan to begin from, from the start on.
     """
 
-    def __init__(self, network: Network, rules: Rules, unit: float, start: list[int]) -> None:
+    def __init__(self, network: SolverNetwork, rules: Rules, unit: float, start: list[int]) -> None:
         self._unit = unit
         self._block = pyo.ConcreteModel()
-        self._variables = Variables(self._block, network, rules)
-        self._constraints = Constraints(self._block, network, self._variables, rules)
-        self._objective = Objective(self._block, network, self._variables, rules.prize / unit)
+        self._variables = MipVariables(self._block, network, rules)
+        self._constraints = MipConstraints(self._block, network, self._variables, rules)
+        self._objective = MipObjective(self._block, network, self._variables, rules.prize / unit)
         self._variables.begin_from(network, start, rules)
 
     def forbid(self, groups: list[list[int]]) -> None:
         """Let no path use a leg of each of these groups, from the next solve on."""
         self._constraints.forbid(groups)
 
-    def solve(self, *, seed: int, hear: Hear) -> Answer:
+    def solve(self, *, seed: int, hear: Hear) -> SolverAnswer:
         """Solve the model.
 
         Parameters
@@ -88,7 +88,7 @@ class Model:
         solver.solve()
         info = solver.getInfo()
         if solver.getModelStatus() == highspy.HighsModelStatus.kInfeasible:
-            return Answer(None, -math.inf, max(0, info.mip_node_count))
+            return SolverAnswer(None, -math.inf, max(0, info.mip_node_count))
         legs = None
         if info.primal_solution_status == 2:
             values = solver.getSolution().col_value
@@ -96,7 +96,7 @@ class Model:
             legs = tuple(
                 leg for leg, move in self._variables.move.items() if values[place[id(move)]] > 0.5
             )
-        return Answer(legs, self._bound(info.mip_dual_bound), max(0, info.mip_node_count))
+        return SolverAnswer(legs, self._bound(info.mip_dual_bound), max(0, info.mip_node_count))
 
     def _bound(self, dual_bound: float) -> float:
         """A bound of HiGHS in prizes, on the safe side of its tolerances."""

@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pyomo.environ as pyo
 
-from ...models.network import Network
-from .variables import Variables
+from ...models.network import SolverNetwork
+from .variables import MipVariables
 
 
-class Objective:
+class MipObjective:
     """The objective of the model: the sum of the prizes, in units.
 
     Parameters
     ----------
     block : pyomo.environ.ConcreteModel
         Gets the objective.
-    network : Network
-    variables : Variables
+    network : SolverNetwork
+    variables : MipVariables
     prize : (bodies,) float64
         In units.
     """
@@ -25,14 +25,14 @@ class Objective:
     def __init__(
         self,
         block: pyo.ConcreteModel,
-        network: Network,
-        variables: Variables,
+        network: SolverNetwork,
+        variables: MipVariables,
         prize: np.ndarray,
     ) -> None:
         self._block = block
         self._collect(variables, prize[network.destination].tolist())
 
-    def _collect(self, variables: Variables, worth: list[float]) -> None:
+    def _collect(self, variables: MipVariables, worth: list[float]) -> None:
         """Collect the prize of each body that is moved to; only those of targets are not 0."""
         self._block.prizes = pyo.Objective(
             expr=sum(prize * variables.move[leg] for leg, prize in enumerate(worth) if prize),

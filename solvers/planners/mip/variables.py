@@ -7,17 +7,17 @@ import pyomo.environ as pyo
 
 from adr_opt.kernels.rules.rules import Rules
 
-from ...models.network import Network
+from ...models.network import SolverNetwork
 
 
-class Variables:
+class MipVariables:
     """The variables of the model.
 
     Parameters
     ----------
     block : pyomo.environ.ConcreteModel
         Gets the variables.
-    network : Network
+    network : SolverNetwork
     rules : adr_opt.kernels.rules.rules.Rules
 
     Attributes
@@ -36,7 +36,7 @@ class Variables:
         Legs of each pair, an int64 array.
     """
 
-    def __init__(self, block: pyo.ConcreteModel, network: Network, rules: Rules) -> None:
+    def __init__(self, block: pyo.ConcreteModel, network: SolverNetwork, rules: Rules) -> None:
         self.legs_of = _by_pair(network.origin, network.destination)
         self.pairs = [pair for pair in self.legs_of if pair[0] >= rules.first_target]
         block.move = pyo.Var(range(network.legs), domain=pyo.Binary)
@@ -45,12 +45,12 @@ class Variables:
         block.used = pyo.Var(self.pairs, domain=pyo.NonNegativeReals)
         self.move, self.wait, self.used = block.move, block.wait, block.used
 
-    def begin_from(self, network: Network, legs: list[int], rules: Rules) -> None:
+    def begin_from(self, network: SolverNetwork, legs: list[int], rules: Rules) -> None:
         """Give the variables the values of a plan.
 
         Parameters
         ----------
-        network : Network
+        network : SolverNetwork
         legs : list of int
             Its legs, from the start on.
         rules : adr_opt.kernels.rules.rules.Rules

@@ -11,8 +11,8 @@ from adr_opt.mission.campaign import Problem
 from adr_opt.mission.problem import Mission
 
 from ...routes.one_chaser import left, targets_of
-from .network import Worth
-from .order import Bodies, Order, flown
+from .network import SlackWorth
+from .order import Bodies, ClosedOrder, flown
 
 
 class Fleet:
@@ -23,12 +23,12 @@ class Fleet:
     problem : Mission or Campaign
     layers : sequence of Mission
         Of each chaser, with the connections that windows choose from.
-    orders : sequence of Order
+    orders : sequence of ClosedOrder
 
     Attributes
     ----------
     layers : tuple of Mission
-    orders : tuple of Order
+    orders : tuple of ClosedOrder
     objective : float
         What the targets of all orders are worth.
     cost : float
@@ -36,7 +36,7 @@ class Fleet:
     """
 
     def __init__(
-        self, problem: Problem, layers: tuple[Mission, ...], orders: tuple[Order, ...]
+        self, problem: Problem, layers: tuple[Mission, ...], orders: tuple[ClosedOrder, ...]
     ) -> None:
         self._problem = problem
         self.layers = layers
@@ -53,7 +53,7 @@ class Fleet:
         """The orders of some routes; nothing for a chaser whose route cannot be flown."""
         nothing = np.empty(0, np.int64)
         orders = [
-            flown(layer, route) or Order(layer, nothing)
+            flown(layer, route) or ClosedOrder(layer, nothing)
             for layer, route in zip(layers, routes, strict=True)
         ]
         return cls(problem, layers, tuple(orders))
@@ -68,7 +68,7 @@ class Fleet:
         """More prize, then less cost (MODEL section 5)."""
         return (self.objective, -self.cost) > (other.objective, -other.cost)
 
-    def with_orders(self, changed: Mapping[int, Order]) -> Fleet:
+    def with_orders(self, changed: Mapping[int, ClosedOrder]) -> Fleet:
         """The same with other orders for some chasers, by their numbers."""
         orders = tuple(changed.get(number, order) for number, order in enumerate(self.orders))
         return Fleet(self._problem, self.layers, orders)
@@ -93,7 +93,9 @@ class Fleet:
             return layer
         return layer.offering(left(self._problem, targets_of(self._problem, others)))
 
-    def worth(self, chasers: Collection[int], time_share: float, delta_v_share: float) -> Worth:
+    def worth(
+        self, chasers: Collection[int], time_share: float, delta_v_share: float
+    ) -> SlackWorth:
         """What time and ΔV are worth to some chasers, beside the prizes of what they fly.
 
         Parameters
@@ -110,4 +112,4 @@ class Fleet:
         scale = max(math.fsum(timing.objective for timing in timings) / count, self.unit)
         delta_v = math.fsum(timing.delta_v for timing in timings) / count
         duration = math.fsum(ends) / count
-        return Worth(time_share * scale / duration, delta_v_share * scale / max(delta_v, 1.0))
+        return SlackWorth(time_share * scale / duration, delta_v_share * scale / max(delta_v, 1.0))

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from adr_opt.kernels.rules.rules import Rules
 
-from .network import Network, Window
+from .network import Window, WindowNetwork
 
 
 class Joined(NamedTuple):
@@ -24,7 +24,7 @@ class Joined(NamedTuple):
 
     Attributes
     ----------
-    net : Network
+    net : WindowNetwork
         Its tanks are numbered through all windows.
     roots : (windows,) int64
         Where the path of each window begins.
@@ -41,7 +41,7 @@ class Joined(NamedTuple):
     first_target : int
     """
 
-    net: Network
+    net: WindowNetwork
     roots: npt.NDArray[np.int64]
     tanks: npt.NDArray[np.float64]
     full: float
@@ -51,12 +51,12 @@ class Joined(NamedTuple):
     first_target: int
 
 
-def joined(parts: Sequence[tuple[Rules, Window, Network]]) -> Joined:
+def joined(parts: Sequence[tuple[Rules, Window, WindowNetwork]]) -> Joined:
     """One network of those of several windows.
 
     Parameters
     ----------
-    parts : sequence of (Rules, Window, Network)
+    parts : sequence of (Rules, Window, WindowNetwork)
         What a target is worth, and which bodies are targets, is the same in all of them.
     """
     rules = [each for each, _, _ in parts]
@@ -70,7 +70,7 @@ def joined(parts: Sequence[tuple[Rules, Window, Network]]) -> Joined:
     first_tanks = np.cumsum([0, *(each.size for each in tanks)], dtype=np.int64)
     edges = np.cumsum([0, *(net.tail.size for net in nets)], dtype=np.int64)
     last = len(nets) - 1
-    net = Network(
+    net = WindowNetwork(
         body=np.concatenate([net.body for net in nets]),
         end=np.concatenate([net.end for net in nets]),
         delta_v=np.concatenate([net.delta_v for net in nets]),

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from ortools.sat.python import cp_model
 
 from .joined import Joined
-from .network import Worth
+from .network import SlackWorth
 
 WORTH_STEPS = 1_000_000
 """Integers per mean prize in the objective."""
@@ -20,7 +20,7 @@ DELTA_V_STEPS = 100
 
 
 @dataclass(frozen=True)
-class Answer:
+class WindowAnswer:
     """What CP-SAT says of some windows.
 
     Attributes
@@ -37,7 +37,7 @@ class Answer:
 
 def best_paths(
     joined: Joined,
-    worth: Worth,
+    worth: SlackWorth,
     kept: npt.NDArray[np.int64],
     goal: float,
     *,
@@ -45,7 +45,7 @@ def best_paths(
     seed: int,
     effort: float,
     remaining_s: float,
-) -> Answer:
+) -> WindowAnswer:
     """Find the best path through each window.
 
     Parameters
@@ -126,7 +126,7 @@ def best_paths(
     status = solver.solve(model)
     closed = status in (cp_model.OPTIMAL, cp_model.INFEASIBLE)
     if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
-        return Answer(None, closed)
+        return WindowAnswer(None, closed)
     following = {
         tail: head
         for move, tail, head in zip(moves, tails.tolist(), heads.tolist(), strict=True)
@@ -139,7 +139,7 @@ def best_paths(
             node = following[node]
             path.append(int(net.body[node]))
         paths.append(tuple(path))
-    return Answer(tuple(paths), closed)
+    return WindowAnswer(tuple(paths), closed)
 
 
 def _hold_targets(

@@ -20,7 +20,7 @@ from adr_opt.kernels.rules.rules import State
 from adr_opt.kernels.tables import timetable as table_kernels
 
 
-class Worth(NamedTuple):
+class SlackWorth(NamedTuple):
     """What slack is worth: a plan's worth is its prize less these losses.
 
     Attributes
@@ -71,7 +71,7 @@ class Window(NamedTuple):
     pace_values: np.ndarray
 
 
-class Limits(NamedTuple):
+class UnrollLimits(NamedTuple):
     """How much of a window is unrolled.
 
     Attributes
@@ -92,7 +92,7 @@ class Limits(NamedTuple):
     lag: float
 
 
-class Network(NamedTuple):
+class WindowNetwork(NamedTuple):
     """Nodes in order of time, the state at the start of the window first, and their edges.
 
     Attributes
@@ -177,13 +177,13 @@ def grow(rules, worth, window, limits):
     Parameters
     ----------
     rules : Rules
-    worth : Worth
+    worth : SlackWorth
     window : Window
-    limits : Limits
+    limits : UnrollLimits
 
     Returns
     -------
-    Network
+    WindowNetwork
     """
     rules = borrowed(rules)
     most, width, targets = limits.nodes, limits.width, window.open_targets
@@ -284,7 +284,7 @@ def grow(rules, worth, window, limits):
             tail[head[index] + e] = place[edges[n, e]]
         rest_worth[index], rest_need[index] = fly_rest(rules, worth, window.rest, body[n], end[n])
     order, onward = order[:count], np.full(count, -1, dtype=np.int64)
-    return Network(
+    return WindowNetwork(
         body[order], end[order], delta_v[order], tank[order], rest_worth, rest_need, onward, head,
         tail,
     )  # fmt: skip

@@ -12,7 +12,7 @@ from adr_opt.mission.schedule import FloatArray, Front, Schedule
 
 from ...beams.greedy_order import greedy_sequence
 from . import fill
-from .network import Worth
+from .network import SlackWorth
 
 Bodies = npt.NDArray[np.int64]
 
@@ -37,7 +37,7 @@ class Pace(NamedTuple):
     costs: FloatArray
 
 
-class Order:
+class ClosedOrder:
     """An order of bodies that can be flown, closed as the mission ends.
 
     Its best schedule counts in the end. That of least ΔV may take all the time there is; windows
@@ -67,7 +67,7 @@ class Order:
         """Number of targets."""
         return int(np.count_nonzero(self.moves >= self._mission.rules.first_target))
 
-    def pace(self, worth: Worth) -> Pace:
+    def pace(self, worth: SlackWorth) -> Pace:
         """The schedule that is worth most, over all connections."""
         last = self._fronts[-1]
         values = -worth.per_m_s * last.cost - worth.per_s * last.ready
@@ -82,24 +82,24 @@ class Order:
         return Pace(value, bodies, *states)
 
 
-def flown(mission: Mission, moves: Bodies) -> Order | None:
+def flown(mission: Mission, moves: Bodies) -> ClosedOrder | None:
     """The order of some moves, closed; None if no schedule flies all of it."""
     closed = np.array(mission.closed(moves.tolist()), dtype=np.int64)
     rules = mission.rules
     if not rules.may_end[closed[-1] if closed.size else rules.start]:
         return None
-    order = Order(mission, closed)
+    order = ClosedOrder(mission, closed)
     return order if order.timing.made == closed.size else None
 
 
-def filled(layer: Mission, order: Order, worth: Worth, time_value: float) -> Order:
+def filled(layer: Mission, order: ClosedOrder, worth: SlackWorth, time_value: float) -> ClosedOrder:
     """An order with all that still fits by the connections that the layer chooses.
 
     Parameters
     ----------
     layer : Mission
-    order : Order
-    worth : Worth
+    order : ClosedOrder
+    worth : SlackWorth
         By which schedules are chosen.
     time_value : float
         Of greedy appending [m/s per s].

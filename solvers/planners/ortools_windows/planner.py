@@ -28,9 +28,9 @@ from ...beams.beams import USUAL, hurried
 from ...beams.greedy_order import guarded_sequence
 from ...routes.one_chaser import one_after_another
 from .fleet import Fleet
-from .network import Limits
+from .network import UnrollLimits
 from .order import Bodies
-from .replan import Choice, Replanned, filled_up, replan
+from .replan import ReplannedWindows, WindowChoice, filled_up, replan
 
 NODES = 20_000
 """Most nodes of a network; only the longest windows reach it."""
@@ -130,7 +130,7 @@ def _plan(
     layers = tuple(hurried(mission, options.time_value_m_s_per_h) for mission in problem.missions)
     best = Fleet.flying(problem, layers, _first_routes(problem, start))
     present = best
-    limits = Limits(NODES, WIDTH, layers[0].time_value_m_s_per_h / HOUR_S, 0.0)
+    limits = UnrollLimits(NODES, WIDTH, layers[0].time_value_m_s_per_h / HOUR_S, 0.0)
     if problem.worths.any():
         limits = limits._replace(lag=LAG * best.unit)
         for chaser in range(len(layers)):
@@ -150,13 +150,13 @@ def _plan(
     with ThreadPoolExecutor(workers) as pool:
         # Where not one move is legal, or nothing is worth a move, there is no window.
         while not enough and present.objective > 0.0:
-            batch: list[Choice] = []
+            batch: list[WindowChoice] = []
             while len(batch) < workers and not enough:
                 enough = stop(best.objective, math.inf)
                 if not enough:
                     batch.append(_draw(rng, present, options))
 
-            def work(choice: Choice, fleet: Fleet = present) -> Replanned:
+            def work(choice: WindowChoice, fleet: Fleet = present) -> ReplannedWindows:
                 return replan(
                     fleet, choice,
                     time_share=TIME_SHARE, limits=limits, edges=options.edges,
@@ -208,7 +208,7 @@ def _first_routes(problem: Problem, start: Start | None) -> list[Bodies]:
     return [np.array(tuple(route), dtype=np.int64) for route in routes]
 
 
-def _draw(rng: np.random.Generator, fleet: Fleet, options: OrtoolsOptions) -> Choice:
+def _draw(rng: np.random.Generator, fleet: Fleet, options: OrtoolsOptions) -> WindowChoice:
     """Draw windows of one or of two chasers."""
     count = len(fleet.orders)
     chasers = [0]
@@ -221,7 +221,7 @@ def _draw(rng: np.random.Generator, fleet: Fleet, options: OrtoolsOptions) -> Ch
         )
         for chaser in chasers
     }
-    return Choice(spans, float(rng.choice(DELTA_V_SHARES)), int(rng.integers(2**31)))
+    return WindowChoice(spans, float(rng.choice(DELTA_V_SHARES)), int(rng.integers(2**31)))
 
 
 def _span(rng: np.random.Generator, size: int, shortest: int, longest: int) -> tuple[int, int]:

@@ -14,7 +14,7 @@ from . import network
 from .fleet import Fleet
 from .joined import joined
 from .model import best_paths
-from .order import Order, Pace, filled, flown
+from .order import ClosedOrder, Pace, filled, flown
 from .prices import edge_worths
 
 GAIN = 0.005
@@ -27,7 +27,7 @@ SUBGRADIENT_STEPS = 60
 
 
 @dataclass(frozen=True)
-class Choice:
+class WindowChoice:
     """Which windows, and how they are judged.
 
     Attributes
@@ -46,7 +46,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Replanned:
+class ReplannedWindows:
     """A plan with some windows planned anew.
 
     Attributes
@@ -63,21 +63,21 @@ class Replanned:
 
 def replan(
     present: Fleet,
-    choice: Choice,
+    choice: WindowChoice,
     *,
     time_share: float,
-    limits: network.Limits,
+    limits: network.UnrollLimits,
     edges: int,
     effort: float,
     remaining_s: float,
-) -> Replanned:
+) -> ReplannedWindows:
     """Plan some windows anew, and fill the plan up.
 
     Parameters
     ----------
     present : Fleet
         With at least one move.
-    choice : Choice
+    choice : WindowChoice
     time_share : float
         Worth of the mission's duration relative to the prize of an order.
     limits : Limits
@@ -111,7 +111,7 @@ def replan(
     counters = {"full_networks": sum(int(net.body.size == limits.nodes) for net in nets)}
     kept = np.flatnonzero(worths >= goal)
     if kept.size == 0:
-        return Replanned(None, counters | {"closed_by_prices": 1})
+        return ReplannedWindows(None, counters | {"closed_by_prices": 1})
     if kept.size > edges:
         kept = np.sort(np.argpartition(-worths, edges)[:edges])
     answer = best_paths(
@@ -120,24 +120,24 @@ def replan(
     )  # fmt: skip
     counters |= {"solves": 1, "solves_completed": int(answer.closed)}
     if answer.paths is None:
-        return Replanned(None, counters)
-    changed: dict[int, Order] = {}
+        return ReplannedWindows(None, counters)
+    changed: dict[int, ClosedOrder] = {}
     for chaser, path in zip(chasers, answer.paths, strict=True):
         before, after = orders[chaser].moves[: choice.spans[chaser][0]], windows[chaser].rest
         moves = np.concatenate((before, np.array(path, dtype=np.int64), after))
         order = flown(layers[chaser], moves)
         if order is None:
-            return Replanned(None, counters | {"grounded": 1})
+            return ReplannedWindows(None, counters | {"grounded": 1})
         changed[chaser] = order
     fleet = filled_up(present.with_orders(changed), chasers, worth, limits.time_value)
     value = math.fsum(fleet.orders[chaser].pace(worth).value for chaser in chasers)
     if value <= math.fsum(pace.value for pace in paces.values()):
-        return Replanned(None, counters | {"no_gains": 1})
-    return Replanned(fleet, counters | {"gains": 1})
+        return ReplannedWindows(None, counters | {"no_gains": 1})
+    return ReplannedWindows(fleet, counters | {"gains": 1})
 
 
 def filled_up(
-    fleet: Fleet, chasers: tuple[int, ...], worth: network.Worth, time_value: float
+    fleet: Fleet, chasers: tuple[int, ...], worth: network.SlackWorth, time_value: float
 ) -> Fleet:
     """A plan with all that still fits into the orders of some chasers, one after the other."""
     for chaser in chasers:
@@ -149,11 +149,11 @@ def filled_up(
 
 def _worth_from(
     rules: Rules,
-    order: Order,
+    order: ClosedOrder,
     begin: int,
     pace: Pace,
     window: network.Window,
-    worth: network.Worth,
+    worth: network.SlackWorth,
 ) -> tuple[float, float]:
     """What the present order is worth from its window on.
 
@@ -172,10 +172,10 @@ def _worth_from(
 def _window(
     rules: Rules,
     chaser: int,
-    orders: Mapping[int, Order],
+    orders: Mapping[int, ClosedOrder],
     pace: Pace,
-    choice: Choice,
-    worth: network.Worth,
+    choice: WindowChoice,
+    worth: network.SlackWorth,
     time_value: float,
 ) -> network.Window:
     """The window of a chaser: open are the targets in all windows, and those that nobody has."""

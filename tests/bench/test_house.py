@@ -1,0 +1,51 @@
+"""How the code is built: rooms in one order, no circles, and names that stand once."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+pytest.importorskip("grimp")
+
+MOST_STOREYS, MOST_ROOM_STOREYS = 22, 12
+
+
+@pytest.fixture(scope="module")
+def house() -> ModuleType:
+    """The script that counts."""
+    path = Path(__file__).parents[2] / "bench/house.py"
+    spec = importlib.util.spec_from_file_location("house", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["house"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_imports_lead_downwards(house: ModuleType) -> None:
+    """Imports, those inside functions and for types as well, form no circle and never go up."""
+    edges = house.imports()
+    assert house.circles(edges) == []
+    assert house.upwards(edges) == []
+    assert set(house.by_room(edges)) - {"adr_opt.__main__"} == set(house.storey_of_rooms())
+    assert house.storeys(edges) <= MOST_STOREYS
+    assert house.storeys(house.by_room(edges)) <= MOST_ROOM_STOREYS
+
+
+def test_names_of_public_classes_stand_once(house: ModuleType) -> None:
+    """No two public classes of the product have one name."""
+    assert house.shared_names(house.modules()) == []
+
+
+def test_what_is_forbidden_is_found(house: ModuleType) -> None:
+    """A circle of two, and an import upwards, are counted."""
+    loop = {"adr_opt.plan.a": {"adr_opt.plan.b"}, "adr_opt.plan.b": {"adr_opt.plan.a"}}
+    assert house.circles(loop) == [["adr_opt.plan.a", "adr_opt.plan.b"]]
+    assert house.upwards({"adr_opt.plan.a": {"adr_opt.ui.b"}, "adr_opt.ui.b": set()}) == [
+        "adr_opt.plan.a -> adr_opt.ui.b"
+    ]
