@@ -10,6 +10,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from ortools.sat.python import cp_model
 
+from adr_opt.common.constants import TURN_RAD
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.kernels.core.compile import kernel
@@ -66,7 +67,7 @@ def _least(j, departure, arrival, delta_v, rules):
 def _floor(i, j, leaving, orbits, extra_delta_v, transfer_rule, rules):
     """The same in closed form, for sequences of whatever phase: less, and known at once."""
     pair = co_elliptic.prepare(leaving[i], orbits[j], extra_delta_v[i, j], transfer_rule)
-    approach = transfer_rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j
+    approach = transfer_rule.approach_revolutions * TURN_RAD / pair.rate_j
     if pair.floor_delta_v > rules.budget:
         return math.inf, math.inf
     return pair.floor_delta_v, pair.shortest + approach + rules.service[j]

@@ -31,6 +31,7 @@ from adr_opt.kernels.core.lists import wider
 from adr_opt.kernels.core.windows import service_end
 from adr_opt.mission.problem import Mission
 
+from .layers import SLACK
 from .network import found_of, listed_of, reachable
 
 DEPARTURE, DESTINATION, AHEAD = 48, 32, 16
@@ -42,9 +43,6 @@ MOST = 2**15 - 2
 
 NEVER = 2**62
 """More steps than there are."""
-
-SLACK = 1e-9
-"""Guard of roundings of ΔV, always in the optimistic direction [units]."""
 
 
 class Stream(NamedTuple):

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...common.constants import DAY_S
+from ...common.constants import DAY_S, TURN_RAD
 from ..core.compile import kernel
 from ..core.events import earliest_taken, first_counted
 from ..core.windows import service_begin
@@ -103,7 +103,7 @@ def chosen(source, i, j, ready):
     )
     first, half_turns = co_elliptic.first_departure(pair)
     half_period = 0.5 * ephemeris.revolution(source.leaving[i])
-    approach = rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j
+    approach = rule.approach_revolutions * TURN_RAD / pair.rate_j
     opens = limits.opens[j] - approach
     closes = limits.closes[j] - limits.service[j] - approach
     event = first_counted(first, half_period, earliest_taken(max(ready, limits.ready)))
@@ -168,7 +168,7 @@ def _of_listed(source, i, j, ready):
         source.leaving[i], source.arriving[j], source.extra_delta_v[i, j], rule
     )
     steps = max(1, math.ceil(source.interval * pair.rate_i / math.pi - 1e-9))
-    lap, spacing = co_elliptic.TWO_PI / pair.rate_j, steps * math.pi / pair.rate_i
+    lap, spacing = TURN_RAD / pair.rate_j, steps * math.pi / pair.rate_i
     approach = rule.approach_revolutions * lap
     opens = limits.opens[j] - approach
     closes = limits.closes[j] - limits.service[j] - approach
@@ -203,7 +203,7 @@ def _cheapest_met(source, pair, j, event, met, earliest, best):
     """The best sequence so far, and those of an event that meet the target about a time."""
     rule, limits = source.rule, source.limits
     best_delta_v, best_arrival, best_cost = best
-    approach = rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j
+    approach = rule.approach_revolutions * TURN_RAD / pair.rate_j
     opens = limits.opens[j] - approach
     closes = limits.closes[j] - limits.service[j] - approach
     time, turn = met - event.time, 4.0 * math.sin(0.5 * event.theta) ** 2
@@ -242,6 +242,6 @@ def shortest_sortie(source, stations, first_target):
             pair = co_elliptic.prepare(
                 source.leaving[s], source.arriving[j], source.extra_delta_v[s, j], source.rule
             )
-            approach = source.rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j
+            approach = source.rule.approach_revolutions * TURN_RAD / pair.rate_j
             shortest = min(shortest, pair.shortest + approach + source.limits.service[j])
     return shortest

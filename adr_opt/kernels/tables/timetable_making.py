@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...common.constants import TURN_RAD
 from ..core.compile import kernel
 from ..core.events import earliest_taken
 from ..core.windows import service_begin
@@ -94,7 +95,7 @@ def fill(first, last, pairs, leaving, bodies, extra_delta_v, rule, limits, table
         pair = co_elliptic.prepare(leaving[i], bodies[j], extra_delta_v[i, j], rule)
         start, half_turns = co_elliptic.first_departure(pair)
         table.first[i, slot] = start
-        approach = rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j
+        approach = rule.approach_revolutions * TURN_RAD / pair.rate_j
         # The arrival that service has to wait for, and the last that leaves time for it.
         opens = limits.opens[j] - approach
         closes = limits.closes[j] - limits.service[j] - approach
