@@ -295,7 +295,7 @@ class Listener(event.Listener):
     def on_end(self, event):
         pass
 event.register("numba:compile", Listener())
-front.run(group, adr_opt.load(path), method, time_limit=float(limit))
+front.run(group, adr_opt.load(path), method, front.RunOptions(float(limit)))
 print(json.dumps([problem and str(problem), compiled]))
 """
 
