@@ -283,7 +283,7 @@ def test_kernel_answers_python_and_another_kernel(folder: Path, python_first: bo
 PRACTISED = """
 import json, sys
 import adr_opt
-from adr_opt import front
+from adr_opt.run import front
 from adr_opt.kernels.core.compile import compiling_s
 from numba.core import event
 group, method, path, limit = sys.argv[1:]
