@@ -386,9 +386,9 @@ def solved(instance: Instance, arguments: argparse.Namespace) -> Claim:
         PLANNERS,
         instance,
         arguments.method,
-        bound=None if alone else arguments.bound,
-        time_limit=arguments.time_limit,
-        seed=arguments.seed,
+        front.RunOptions(
+            arguments.time_limit, arguments.seed, bound=None if alone else arguments.bound
+        ),
     )
     by = arguments.method if alone else arguments.bound
     return Claim(instance, result.plan, result.upper_bound, by, versions())

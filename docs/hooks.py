@@ -30,7 +30,7 @@ PROSE = 18
 """Characters from which the cell of a table counts as prose."""
 
 CODE = re.compile(r"(^```.*?^```$|`[^`\n]+`)", re.DOTALL | re.MULTILINE)
-LINK = re.compile(r"(?<!!)\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(([^)\s]+)\)")
+LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(([^)\s]+)\)")
 CELL = re.compile(r"<td(?=[ >])([^>]*)>(.*?)</td>", re.DOTALL)
 MATHS = re.compile(
     r'<(?P<tag>div|span) class="arithmatex">(?P<open>\\[\[(])(?P<text>.*?)\\[\])]</(?P=tag)>',
@@ -66,7 +66,7 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
     home = dirname(here if outside else f"docs/{here}")
 
     def moved(match: re.Match[str]) -> str:
-        text, link = match[1], match[2]
+        picture, text, link = match[1], match[2], match[3]
         if re.match(r"[a-z]+:|#", link):
             return match[0]
         path, mark, anchor = link.partition("#")
@@ -76,7 +76,7 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
             if (ROOT / home / path).exists():
                 return text
             return match[0]  # leads nowhere: the strict build says so
-        return f"[{text}]({relpath(target, dirname(here) or '.')}{mark}{anchor})"
+        return f"{picture}[{text}]({relpath(target, dirname(here) or '.')}{mark}{anchor})"
 
     # Code is not looked into: its brackets are no links. A link may hold code, as its text.
     kept: list[str] = []

@@ -15,6 +15,7 @@ from ..common.constants import DAY_S, SLACK_S
 from ..common.errors import InputError
 from ..common.wording import counted
 from ..judge.check.verdict import check
+from ..kernels.core.windows import service_ends
 from ..legs.connections import Connections
 from ..mission.build_legs import transfer_of
 from ..mission.campaign import Campaign, Problem, problem_of
@@ -209,7 +210,7 @@ def _why_not(mission: Mission, moves: tuple[int, ...]) -> str:
             f"departs at {found.departure.max():.10g} s, but the chaser is free at {ready:.10g} s "
             "only"
         )
-    end = max(float(found.arrival[there].min()), float(rules.opens[j])) + float(rules.service[j])
+    end = float(service_ends(found.arrival[there], rules.opens[j], rules.service[j]).min())
     if end > rules.closes[j]:
         return (
             f"is over at {end:.10g} s at the earliest, service included, after its window, the "

@@ -1,5 +1,7 @@
 """The constants of the model: units of time, the Earth (EGM-96, WGS-84), the slack of limits."""
 
+import math
+
 HOUR_S = 3600.0
 DAY_S = 24.0 * HOUR_S
 
@@ -20,6 +22,9 @@ STANDARD_GRAVITY_M_S2 = 9.80665
 
 STATION = 0
 """Index of the refuelling station among the bodies."""
+
+TURN_RAD = 2.0 * math.pi
+"""A whole turn [rad]."""
 
 SLACK_S = 2.0**-20
 SLACK_M_S = 2.0**-20

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from .constants import DAY_S
 from .errors import InputError
@@ -77,27 +76,6 @@ def without(content: dict[str, Any], *unset: str) -> dict[str, Any]:
     return {
         name: value for name, value in content.items() if value is not None or name not in unset
     }
-
-
-def not_yet(is_later: Callable[[Any], bool], instead: str, what: str = "this") -> BeforeValidator:
-    """A validator for a field of which the format names more than can be planned with so far.
-
-    Parameters
-    ----------
-    is_later : callable
-        Whether a value is one of those; any other is for the type of the field to judge.
-    instead : str
-        What to do instead.
-    what : str
-        What such values stand for.
-    """
-
-    def check(value: Any) -> Any:
-        if is_later(value):
-            raise ValueError(f"{what} is not supported yet; {instead}")
-        return value
-
-    return BeforeValidator(check)
 
 
 Window = Annotated[tuple[Time, Time | None], Field(strict=False)]

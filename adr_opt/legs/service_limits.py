@@ -8,6 +8,7 @@ import numpy as np
 
 from ..common.constants import SLACK_S
 from ..common.records import Window
+from ..kernels.core.windows import service_ends
 from ..kernels.orbits.ephemeris import revolution
 from ..kernels.tables.timetable_making import ServiceLimits
 from ..plan.plan import Leg
@@ -42,7 +43,7 @@ def limits_of(instance: Instance, chaser: int | None = None) -> ServiceLimits:
     opens, closes = np.full(periods.size, begin), np.full(periods.size, duration)
     for body, target in enumerate(instance.targets, start=first):
         opened, closed = _seconds(target.window_s)
-        opens[body], closes[body] = max(opened, begin), min(closed + SLACK_S, duration)
+        opens[body], closes[body] = max(begin, opened), min(closed + SLACK_S, duration)
     for body, station in enumerate(instance.stations):
         if station.max_refuellings == 0:
             closes[body] = -math.inf
@@ -61,7 +62,8 @@ def service_begins(instance: Instance, leg: Leg) -> float:
     Of a plan that is wrong about its times no later than the leg ends.
     """
     opens = {target.name: target.window_s[0] for target in instance.targets}
-    return max(leg.arrival_s, min(opens.get(leg.destination, 0.0), leg.end_s))
+    opening = min(opens.get(leg.destination, 0.0), leg.end_s)
+    return float(service_ends(leg.arrival_s, opening, 0.0))
 
 
 def _seconds(window: Window) -> tuple[float, float]:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from ..common.constants import SLACK_M_S
 from ..common.errors import InputError
+from ..kernels.core.windows import service_ends
 from ..kernels.legs import burns as burn_kernels
 from ..legs.families import drift_burns
 from ..plan.plan import Burn, Leg, Reason, Unvisited
@@ -208,7 +209,7 @@ def _left_out(mission: Mission, moves: list[int]) -> Iterator[tuple[str, Reason]
             yield mission.names[j], "not-considered"
             continue
         found = mission.schedules.connections(body, j).after(time)
-        ends = np.maximum(found.arrival, rules.opens[j]) + rules.service[j]
+        ends = service_ends(found.arrival, rules.opens[j], rules.service[j])
         in_time = ends <= rules.closes[j]
         if not in_time.any():
             reason = "duration" if mission.has_transfer[j] else "no-transfer"

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..common.constants import DAY_S, HOUR_S
+from ..kernels.core.windows import service_ends
 from ..kernels.rules.loads import Loads
 from .problem import Mission
 
@@ -80,7 +81,7 @@ def _ways(mission: Mission, moves: list[int], made: int) -> _Ways:
     found = []
     for ready_s, left_m_s in zip(front.ready, front.left, strict=True):
         after = schedules.connections(body, j).after(float(ready_s))
-        ends_s = np.maximum(after.arrival, rules.opens[j]) + rules.service[j]
+        ends_s = service_ends(after.arrival, rules.opens[j], rules.service[j])
         needs_m_s = after.delta_v + (extra_m_s - spent_m_s)
         found.append((needs_m_s, np.full(ends_s.size, left_m_s - spent_m_s), ends_s))
     return _Ways(*(np.concatenate(columns) for columns in zip(*found, strict=True)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from itertools import chain
@@ -20,6 +20,7 @@ from ..problem.instance import AnyInstance, Instance
 from ..problem.least_time import too_short
 from .method_call import form_for, method_of, prepare, warm_up
 from .methods import BOUNDS, PLANNERS, knows_all_pairs, needs_no_table, takes_jobs, takes_start
+from .run_options import RunOptions
 from .side_by_side import together
 from .start_plan import Start, start_destinations
 from .table_budget import candidates, may_ask
@@ -29,6 +30,7 @@ __all__ = [
     "DEFAULT_BOUND_TIME_LIMIT_S",
     "DEFAULT_METHOD",
     "DEFAULT_TIME_LIMIT_S",
+    "RunOptions",
     "bound",
     "method_of",
     "run",
@@ -112,11 +114,10 @@ def solve(
     InputError
         Unknown method or option, a value out of range, or an illegal start plan.
     """
-    return run(
-        PLANNERS, instance, method, time_limit=time_limit, seed=seed, stop=stop, progress=progress,
-        start=start, repair=repair, jobs=jobs, iterations=iterations, bound=bound, margin=margin,
-        memory_gib=memory_gib, options=method_options,
-    )  # fmt: skip
+    wanted = RunOptions(
+        time_limit, seed, start, repair, jobs, iterations, bound, margin, memory_gib, method_options
+    )
+    return run(PLANNERS, instance, method, wanted, stop=stop, progress=progress)
 
 
 def bound(
@@ -158,45 +159,59 @@ def bound(
     InputError
         As in :func:`solve`.
     """
-    return run(
-        BOUNDS, instance, method, time_limit=time_limit, seed=seed, stop=stop, progress=progress,
-        start=start, jobs=jobs, iterations=iterations, margin=margin, options=method_options,
+    wanted = RunOptions(
+        time_limit, seed, start, jobs=jobs, iterations=iterations, margin=margin,
+        options=method_options,
     )  # fmt: skip
+    return run(BOUNDS, instance, method, wanted, stop=stop, progress=progress)
 
 
 def run(
     group: str,
     instance: AnyInstance | Problem,
     method: str,
+    wanted: RunOptions,
     *,
-    time_limit: float,
-    seed: int = 0,
     stop: Stop | None = None,
     progress: Progress = silent,
-    start: Start | None = None,
-    repair: bool = False,
-    jobs: int | None = None,
-    iterations: int | None = None,
-    bound: str | None = None,
-    margin: float = 0.0,
-    memory_gib: float | None = None,
-    options: Mapping[str, Any] | None = None,
     building: Callable[[float], None] = lambda share: None,
     sizing: Callable[[Size], None] = lambda size: None,
 ) -> Result:
     """Run a planner or a bound: what :func:`solve` and :func:`bound` have in common.
 
-    ``group`` is ``planner.PLANNERS`` or ``planner.BOUNDS``; ``bound`` names a bound to run beside
-    the method; ``options`` may have any names, those of the parameters above included;
-    ``building`` is told of the share of the timetable that is built, and ``sizing`` before of its
-    size, if it is large.
+    Parameters
+    ----------
+    group : str
+        ``methods.PLANNERS`` or ``methods.BOUNDS``.
+    instance : Instance, path, dict, Mission or Campaign
+    method : str
+    wanted : RunOptions
+    stop : Stop, optional
+        A further criterion.
+    progress : callable
+        Called with incumbent and bound whenever one improves.
+    building : callable
+        Told of the share of the timetable that is built.
+    sizing : callable
+        Told of the size of a large timetable before it is built.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    InputError
+        As of :func:`solve`.
     """
-    MaxRuntime(time_limit)  # a wrong one is refused before anything is compiled
+    start, repair, jobs, bound = wanted.start, wanted.repair, wanted.jobs, wanted.bound
+    MaxRuntime(wanted.time_limit)  # a wrong one is refused before anything is compiled
+    memory_gib, iterations = wanted.memory_gib, wanted.iterations
     if memory_gib is not None and not memory_gib > 0.0:
         raise InputError(f"memory_gib = {memory_gib!r}: must be a number above 0")
     whole = problem_of(instance)
-    if margin:
-        whole = whole.with_margin(margin)
+    if wanted.margin:
+        whole = whole.with_margin(wanted.margin)
     # Each side counts its own iterations, or the work of one would depend on the other's speed.
     limits = [] if iterations is None else [MaxIterations(iterations) for _ in range(2)]
     prover = None if bound is None else method_of(bound, BOUNDS)
@@ -207,7 +222,8 @@ def run(
     only_prover = both_jobs is not None and not takes_jobs(method_of(method, group))
     its_jobs = None if only_prover else jobs
     prepared = prepare(
-        group, method, seed=seed, starts=start is not None, repair=repair, options=options,
+        group, method, seed=wanted.seed, starts=start is not None, repair=repair,
+        options=wanted.options,
         jobs=its_jobs,
     )  # fmt: skip
     destinations = start_destinations(whole, () if start is None else start, repair=repair)
@@ -218,19 +234,19 @@ def run(
     ready = partial(
         warm_up, starts=start is not None, drifts=drifts, campaign=isinstance(whole, Campaign)
     )
-    ready(group, method, *others, options=options, jobs=its_jobs)
+    ready(group, method, *others, options=wanted.options, jobs=its_jobs)
     on_demand = needs_no_table(prepared.function, prepared.arguments["options"])
     if on_demand and may_ask(whole):
-        ready(group, method, *others, options=options, jobs=its_jobs, asks=True)
+        ready(group, method, *others, options=wanted.options, jobs=its_jobs, asks=True)
     if bound is not None:
         ready(BOUNDS, bound, *others, jobs=both_jobs)
-    criteria: list[Stop] = [MaxRuntime(time_limit), *others]
+    criteria: list[Stop] = [MaxRuntime(wanted.time_limit), *others]
     # Some methods look at all pairs by themselves: what they prove is proven of all.
     of_all = knows_all_pairs(method_of(method, group))
     hasty = of_all and group == BOUNDS and not isinstance(whole, Campaign)
     chosen = candidates(
         whole,
-        time_limit,
+        wanted.time_limit,
         first=list(chain.from_iterable(destinations)) if group == PLANNERS or of_all else None,
         interrupted=lambda: stop is not None and stop.remaining_s() <= 0.0,
         building=building,
@@ -240,13 +256,13 @@ def run(
     )
     progress(-math.inf, math.inf)
     if not chosen.all and not hasty and (chosen.none or (group == BOUNDS and not of_all)):
-        return chosen.nothing(method, seed)
+        return chosen.nothing(method, wanted.seed)
     if start is not None:
         prepared = prepared.beginning_from(whole, destinations, repair)
     if bound is None or prover is None or not chosen.all:
         planned = prepared(whole, AnyOf(*criteria, *limits[:1]), progress)
         return _beyond_the_model(whole, chosen.of_the_whole(planned, of_all=of_all))
-    proving = prepare(BOUNDS, bound, seed=seed, jobs=both_jobs)
+    proving = prepare(BOUNDS, bound, seed=wanted.seed, jobs=both_jobs)
     if start is not None and takes_start(prover):
         proving = replace(
             proving, arguments={**proving.arguments, "start": prepared.arguments["start"]}

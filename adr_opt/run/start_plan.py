@@ -20,30 +20,6 @@ Start = Plan | Iterable[int | str] | Iterable[Iterable[int | str]]
 """A plan, or its bodies in order; of several chasers a sequence each."""
 
 
-def start_sequence(
-    mission: Mission, start: Plan | Iterable[int | str], *, repair: bool = False
-) -> tuple[int, ...]:
-    """The bodies of a start plan, in order.
-
-    Parameters
-    ----------
-    mission : Mission
-    start : Plan or iterable of int or str
-        A plan is judged by :func:`adr_opt.check` and a sequence of bodies by the mission rules.
-    repair : bool
-        Keep the longest beginning that is legal in this mission, and drop the rest. A plan may
-        then come from a variant of the instance: its legs are timed and priced anew.
-
-    Raises
-    ------
-    InputError
-        Without ``repair``: the plan belongs to another instance, or a leg is illegal; the sentence
-        says which and why.
-    """
-    (destinations,) = start_destinations(mission, start, repair=repair)
-    return legal_beginning(mission, destinations, repair=repair)
-
-
 def start_destinations(
     problem: Problem, start: Start, *, repair: bool = False
 ) -> tuple[tuple[str, ...], ...]:

@@ -10,9 +10,11 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from ortools.sat.python import cp_model
 
+from adr_opt.common.constants import TURN_RAD
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.windows import service_end, service_ends
 from adr_opt.kernels.legs import co_elliptic
 from adr_opt.kernels.rules.rules import Rules
 from adr_opt.mission.certified import certify
@@ -54,7 +56,7 @@ def _least(j, departure, arrival, delta_v, rules):
     """
     cost, flown = math.inf, math.inf
     for c in range(departure.size):
-        end = max(arrival[c], rules.opens[j]) + rules.service[j]
+        end = service_end(arrival[c], rules.opens[j], rules.service[j])
         if delta_v[c] <= rules.budget and end <= rules.closes[j]:
             cost = min(cost, delta_v[c])
             flown = min(flown, end - departure[c])
@@ -65,7 +67,7 @@ def _least(j, departure, arrival, delta_v, rules):
 def _floor(i, j, leaving, orbits, extra_delta_v, transfer_rule, rules):
     """The same in closed form, for sequences of whatever phase: less, and known at once."""
     pair = co_elliptic.prepare(leaving[i], orbits[j], extra_delta_v[i, j], transfer_rule)
-    approach = transfer_rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j
+    approach = transfer_rule.approach_revolutions * TURN_RAD / pair.rate_j
     if pair.floor_delta_v > rules.budget:
         return math.inf, math.inf
     return pair.floor_delta_v, pair.shortest + approach + rules.service[j]
@@ -158,7 +160,7 @@ class StaticModel:
     def _time(self, j: int) -> cp_model.IntVar:
         """When a service ends, in steps; anything if it is not made."""
         rules = self._rules
-        earliest = max(rules.opens[j], rules.ready) + rules.service[j]
+        earliest = float(service_ends(rules.ready, rules.opens[j], rules.service[j]))
         latest = math.ceil(min(rules.closes[j], rules.duration) * STEPS_PER_S)
         return self.block.new_int_var(
             min(max(0, math.floor(earliest * STEPS_PER_S)), latest), latest, ""

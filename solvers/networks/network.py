@@ -18,6 +18,7 @@ import numpy as np
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
 from adr_opt.kernels.core.lists import chosen, rising
+from adr_opt.kernels.core.windows import service_end
 from adr_opt.kernels.legs import connections
 from adr_opt.kernels.legs.found import ConnectionArrays
 from adr_opt.mission.problem import Mission
@@ -85,7 +86,7 @@ def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
     """
     count, rows, shortest = 0, 0, np.inf
     for c in range(departure.size):
-        done = max(arrival[c], rules.opens[j]) + rules.service[j]
+        done = service_end(arrival[c], rules.opens[j], rules.service[j])
         together = count > 0 and departure[c] == departure[count - 1]
         if together and delta_v[c] >= delta_v[count - 1]:
             continue

@@ -28,8 +28,10 @@ from adr_opt.common.stop import TimeIsOver
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
 from adr_opt.kernels.core.lists import wider
+from adr_opt.kernels.core.windows import service_end
 from adr_opt.mission.problem import Mission
 
+from .layers import SLACK
 from .network import found_of, listed_of, reachable
 
 DEPARTURE, DESTINATION, AHEAD = 48, 32, 16
@@ -41,9 +43,6 @@ MOST = 2**15 - 2
 
 NEVER = 2**62
 """More steps than there are."""
-
-SLACK = 1e-9
-"""Guard of roundings of ΔV, always in the optimistic direction [units]."""
 
 
 class Stream(NamedTuple):
@@ -115,7 +114,7 @@ def _put(j, found, rules, length, unit, ahead, earliest, room, count):
     for cost in range(earliest.size):
         earliest[cost] = NEVER
     for c in range(found.departure.size - 1, -1, -1):
-        done = max(found.arrival[c], rules.opens[j]) + rules.service[j]
+        done = service_end(found.arrival[c], rules.opens[j], rules.service[j])
         if found.delta_v[c] > rules.budget or done > rules.closes[j]:
             continue
         departure = max(0, math.floor(found.departure[c] / length)) + ahead

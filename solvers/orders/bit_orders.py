@@ -13,9 +13,10 @@ import numpy as np
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.memory import borrowed, write
 
+from ..beams.levels import STRAIGHT
 from . import fronts as staircases
 from . import fronts_backward
-from .fronts import STRAIGHT, ParetoFront
+from .fronts import ParetoFront
 from .reach import may_fit
 
 PASSED_OVER = 0.15

@@ -12,6 +12,7 @@ import numpy as np
 
 from adr_opt.common.constants import HOUR_S
 from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.windows import service_ends
 from adr_opt.kernels.tables import timetable_making as making
 from adr_opt.mission.problem import Mission
 
@@ -74,7 +75,7 @@ def lines_of(mission: Mission) -> ConnectionTable:
         taken = np.empty(found.departure.size, dtype=np.int64)
         wanted = np.empty(found.departure.size, dtype=np.bool_)
         _mark(found, limits, j, values, taken, wanted)
-        end = np.maximum(found.arrival[wanted], rules.opens[j]) + rules.service[j]
+        end = service_ends(found.arrival[wanted], rules.opens[j], rules.service[j])
         cost = found.delta_v[wanted]
         kept = (end <= min(rules.closes[j], rules.duration)) & (cost <= rules.budget)
         end, cost = end[kept], cost[kept]

@@ -19,8 +19,7 @@ from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
 from adr_opt.kernels.core.memory import borrowed
 
-STRAIGHT = -1
-"""Stands for no station on the way."""
+from ..beams.levels import STRAIGHT
 
 MOST_STAIRS = 64
 

@@ -7,7 +7,8 @@ import numpy as np
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.memory import borrowed
 
-from .fronts import MOST_STAIRS, STEPS, STRAIGHT, first_at, first_by_end, put
+from ..beams.levels import STRAIGHT
+from .fronts import MOST_STAIRS, STEPS, first_at, first_by_end, put
 
 
 @kernel

@@ -19,8 +19,7 @@ from adr_opt.kernels.rules import rules as rule_kernels
 from adr_opt.kernels.rules.rules import State
 from adr_opt.mission.problem import Mission
 
-STRAIGHT = -1
-"""Stands for no station on the way."""
+from ..beams.levels import STRAIGHT
 
 MOST_LABELS = 6
 """Labels kept at a target: the earliest ones. More are rare, and only cost plans, not legality."""

@@ -26,6 +26,7 @@ import numpy as np
 
 from adr_opt.common.constants import MU_M3_S2, SLACK_S
 from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.windows import service_ends
 from adr_opt.kernels.legs import co_elliptic
 from adr_opt.kernels.legs.fixed_points import BAND_S
 from adr_opt.kernels.orbits import ephemeris
@@ -193,7 +194,7 @@ def _of_given(
         body = of[given.destination]
         known = (body >= 0) & (of[given.origin] >= 0)
         body = body[known]
-        end = np.maximum(given.arrival[known], opens[body]) + service[body]
+        end = service_ends(given.arrival[known], opens[body], service[body])
         np.minimum.at(least_s, body, end - given.departure[known])
         np.minimum.at(least_m_s, body, given.cost[known])
     if instance.launches:

@@ -28,7 +28,7 @@ PLANNERS = """
 import os, signal, time
 from adr_opt.run.methods import get
 from adr_opt.mission.problem import Mission
-from adr_opt.mission.result import certify
+from adr_opt.mission.certified import certify
 
 def note(mission, name):
     if "-i" not in mission.instance.name:

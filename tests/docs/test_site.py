@@ -164,7 +164,7 @@ def test_pictures_that_are_taken_are_small() -> None:
 def test_every_picture_is_shown_with_a_text_for_those_who_do_not_see_it() -> None:
     """Each drawn picture is on a page, and each picture on a page says in words what it shows."""
     shown = {}
-    for page in ROOT.glob("docs/**/*.md"):
+    for page in (*ROOT.glob("docs/**/*.md"), ROOT / "CONTRIBUTING.md"):
         text = page.read_text(encoding="utf-8")
         for words, path in re.findall(r"!\[([^\]]*)\]\(([^)]+)\)", text):
             shown[(page.parent / path).resolve()] = words
@@ -178,8 +178,9 @@ def test_the_pictures_are_what_the_script_draws(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     draw = runpy.run_path(str(ROOT / "docs/draw_model.py"))["draw"]
     drawn = draw(tmp_path)
-    # The tasks and the benchmark draw their own.
-    others = {path.name for path in PICTURES if path.name.startswith(("task-", "time-quality"))}
+    # The tasks, the benchmark and the page on contributing have scripts of their own.
+    own = ("task-", "time-quality", "house")
+    others = {path.name for path in PICTURES if path.name.startswith(own)}
     assert {path.name for path in drawn} == {path.name for path in PICTURES} - {"icon.svg", *others}
     for path in drawn:
         # Not byte for byte: matplotlib's releases differ in how they write a glyph.

@@ -15,7 +15,8 @@ import math
 import time
 from pathlib import Path
 
-from adr_opt.mission.result import Result, certify
+from adr_opt.mission.certified import certify
+from adr_opt.mission.result import Result
 
 
 def starter(mission, *, seed, stop, progress, start=None):

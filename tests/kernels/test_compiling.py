@@ -283,7 +283,7 @@ def test_kernel_answers_python_and_another_kernel(folder: Path, python_first: bo
 PRACTISED = """
 import json, sys
 import adr_opt
-from adr_opt import front
+from adr_opt.run import front
 from adr_opt.kernels.core.compile import compiling_s
 from numba.core import event
 group, method, path, limit = sys.argv[1:]
@@ -295,7 +295,7 @@ class Listener(event.Listener):
     def on_end(self, event):
         pass
 event.register("numba:compile", Listener())
-front.run(group, adr_opt.load(path), method, time_limit=float(limit))
+front.run(group, adr_opt.load(path), method, front.RunOptions(float(limit)))
 print(json.dumps([problem and str(problem), compiled]))
 """
 

@@ -10,11 +10,10 @@ import pytest
 from rows import changed
 
 import adr_opt
-from adr_opt.common.constants import EARTH_RADIUS_M
+from adr_opt.common.constants import EARTH_RADIUS_M, TURN_RAD
 from adr_opt.common.errors import InputError
 from adr_opt.kernels.legs import co_elliptic, connections
 from adr_opt.kernels.legs import zones as keep_out
-from adr_opt.kernels.legs.co_elliptic import TWO_PI
 from adr_opt.legs.timetable import Timetable
 
 DAY_S = 86400.0
@@ -23,7 +22,7 @@ DAY_S = 86400.0
 def every_sequence(origin, destination, extra, rule, duration):
     """All sequences (k, m) of all departure events as rows (departure, arrival, ΔV, k)."""
     pair = co_elliptic.prepare(origin, destination, extra, rule)
-    approach = rule.approach_revolutions * TWO_PI / pair.rate_j
+    approach = rule.approach_revolutions * TURN_RAD / pair.rate_j
     first, half_turns = co_elliptic.first_departure(pair)
     found = []
     number = 0
@@ -31,8 +30,8 @@ def every_sequence(origin, destination, extra, rule, duration):
         lead = co_elliptic.target_lead(pair, departure, half_turns + number)
         phase = 3.0 * math.pi - lead + rule.standoff / pair.radius_j
         longest = pair.longest + rule.max_phasing_revolutions * pair.longest_lap
-        s = math.ceil((pair.shortest * pair.rate_j - phase) / TWO_PI)
-        while (time := (phase + TWO_PI * s) / pair.rate_j) <= longest:
+        s = math.ceil((pair.shortest * pair.rate_j - phase) / TURN_RAD)
+        while (time := (phase + TURN_RAD * s) / pair.rate_j) <= longest:
             s += 1
             arrival = departure + time + approach
             for k in range(rule.max_phasing_revolutions + 1):

@@ -54,8 +54,8 @@ def broken_off(
             stop.interrupt()
 
     return front.run(
-        group, Mission(instance, threads=1), method, time_limit=60.0, stop=stop,
-        building=building, **arguments,
+        group, Mission(instance, threads=1), method, front.RunOptions(60.0, **arguments),
+        stop=stop, building=building,
     )  # fmt: skip
 
 

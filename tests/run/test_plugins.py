@@ -24,7 +24,7 @@ PLUGINS = '''
 
 from adr_opt.run.methods import for_campaigns
 from adr_opt.run.warm_up import practises
-from adr_opt.mission.result import certify, certify_routes
+from adr_opt.mission.certified import certify, certify_routes
 
 CALLS = []
 

@@ -304,9 +304,8 @@ def with_less(name: str) -> float:
 def kept_back(group: str, method: str, name: str) -> Result:
     """What a little work gives, with a margin, on the whole way from the front door."""
     try:
-        return front.run(
-            group, mission(name), method, time_limit=SAFETY_S, iterations=ITERATIONS, margin=MARGIN
-        )
+        wanted = front.RunOptions(SAFETY_S, iterations=ITERATIONS, margin=MARGIN)
+        return front.run(group, mission(name), method, wanted)
     except MissingExtra as missing:
         pytest.skip(str(missing))
 

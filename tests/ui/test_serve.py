@@ -376,9 +376,9 @@ def test_a_plan_begins_from_the_one_before(
     starts: list[Any] = []
     run = front.run
 
-    def noting(*given: Any, start: Any, **more: Any) -> Result:
-        starts.append(start)
-        return run(*given, start=start, **more)
+    def noting(*given: Any, **more: Any) -> Result:
+        starts.append(given[3].start)
+        return run(*given, **more)
 
     monkeypatch.setattr(front, "run", noting)
     desk.plan(PlanningOrder("exact", 60.0))

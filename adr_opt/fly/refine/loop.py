@@ -20,7 +20,7 @@ from ...plan.plan import Plan
 from ...plan.refined_plan import Freedom, Gravity, RefinedPlan, reference
 from ...plan.routes import routes_of
 from ...problem.instance import AnyInstance
-from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, method_of, run
+from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, RunOptions, method_of, run
 from ...run.methods import BOUNDS, PLANNERS, takes_jobs
 from ..flight.flyable import refuse_given
 from ..flight.result import TankFlight
@@ -201,7 +201,8 @@ def solve_refined(
     options : mapping, optional
         Options of the planner.
     **arguments
-        ``seed``, ``iterations``, ``start`` and ``repair`` as in :func:`adr_opt.solve`.
+        ``seed``, ``iterations``, ``start``, ``repair`` and ``memory_gib`` as in
+        :func:`adr_opt.solve`; ``building`` and ``sizing`` as in :func:`adr_opt.run.front.run`.
 
     Raises
     ------
@@ -217,16 +218,18 @@ def solve_refined(
     able = [method_of(method), *([method_of(bound, BOUNDS)] if bound else [])]
     planning_jobs = jobs if any(takes_jobs(one) for one in able) else None
     kept_back = mission.with_margin(margin or mission.margin)
+    hearing = {name: arguments.pop(name) for name in ("building", "sizing") if name in arguments}
+    wanted = RunOptions(
+        time_limit, jobs=planning_jobs, bound=bound, margin=margin, options=options or {},
+        **arguments,
+    )  # fmt: skip
 
     def over() -> bool:
         return stop is not None and stop.remaining_s() <= 0.0
 
     while True:
         here = mission.corrected(lessons.corrections) if held else mission
-        result = run(
-            PLANNERS, here, method, time_limit=time_limit, stop=stop, progress=progress,
-            jobs=planning_jobs, bound=bound, margin=margin, options=options, **arguments,
-        )  # fmt: skip
+        result = run(PLANNERS, here, method, wanted, stop=stop, progress=progress, **hearing)
         if result.plan is None:
             reason = f"round {len(held) + 1} found no plan: {method} ended with {result.status}"
             return _ended(mission, result, best, tuple(held), reason)

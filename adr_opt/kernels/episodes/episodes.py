@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...common.constants import SLACK_M_S, SLACK_S
+from ...common.constants import SLACK_M_S, SLACK_S, TURN_RAD
 from ..core.compile import inlined, kernel
 from ..core.memory import borrowed
 from ..rules import rules as rule_kernels
@@ -92,9 +92,6 @@ class Episodes(NamedTuple):
     refuelled: np.ndarray
     delta_v: np.ndarray
     collected: np.ndarray
-
-
-TURN = 2.0 * math.pi
 
 
 @inlined
@@ -269,4 +266,4 @@ def clip(value, low, high):
 @inlined
 def turned(angle):
     """An angle in [−π, π)."""
-    return angle - TURN * math.floor((angle + math.pi) * (1.0 / TURN))
+    return angle - TURN_RAD * math.floor((angle + math.pi) * (1.0 / TURN_RAD))

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ...common.constants import MU_M3_S2
+from ...common.constants import MU_M3_S2, TURN_RAD
 from ..core.compile import kernel
 from ..orbits import eccentricity, ephemeris
 from . import co_elliptic, precession
@@ -125,7 +125,7 @@ def burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r):
     impulse = 0.25 * pair.speed_j / rj * rule.standoff
     times[b + 2], phases[b + 2] = now, APPROACH
     combine(vectors[b + 2], impulse, outward, 0.0, after)
-    now += rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j
+    now += rule.approach_revolutions * TURN_RAD / pair.rate_j
     at_target, _ = ephemeris.state(orbit_j, now)
     times[b + 3], phases[b + 3] = now, APPROACH
     combine(vectors[b + 3], -impulse / rj, at_target, 0.0, after)
@@ -145,7 +145,7 @@ def eccentric_share(orbit_i, orbit_j, extra_delta_v, rule, departure, arrival, r
     revolutions : int
     """
     pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule)
-    flight = arrival - rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j - departure
+    flight = arrival - rule.approach_revolutions * TURN_RAD / pair.rate_j - departure
     r = co_elliptic.phasing_radius(pair, rule, revolutions, flight)
     turn = pair.turn
     if rule.oblateness != 0.0:
@@ -175,7 +175,7 @@ def burns_between(orbit_i, orbit_j, extra_delta_v, rule, departure, arrival, rev
         As of :func:`burns`.
     """
     pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule)
-    stand_off = arrival - rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j
+    stand_off = arrival - rule.approach_revolutions * TURN_RAD / pair.rate_j
     if rule.oblateness != 0.0:
         departure = precession.leaving(pair, rule, revolutions, departure, stand_off)
     flight = stand_off - departure

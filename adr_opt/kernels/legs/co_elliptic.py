@@ -14,11 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...common.constants import MU_M3_S2, SLACK_S
+from ...common.constants import MU_M3_S2, SLACK_S, TURN_RAD
 from ..core.compile import inlined, kernel
 from ..orbits import eccentricity, ephemeris
 
-TWO_PI = 2.0 * math.pi
 SQRT_MU = math.sqrt(MU_M3_S2)
 
 
@@ -150,7 +149,7 @@ def flight_time(radius_i, radius_j, widening_i, widening_j, fraction, r):
 def lap_time(r, widening):
     """Period of the phasing circle and its first two derivatives."""
     root = math.sqrt(r)
-    scale = TWO_PI / SQRT_MU
+    scale = TURN_RAD / SQRT_MU
     first = 1.5 * scale * root
     if widening != 0.0:
         first *= 1.0 + widening / (3.0 * r * r)
@@ -272,8 +271,8 @@ def first_departure(pair):
 def target_lead(pair, departure, half_turns):
     """Δ: how far the target leads the chaser at the departure event, in [0, 2π) [rad]."""
     lead = pair.phase_j + pair.rate_j * departure - math.pi * (half_turns % 2)
-    lead -= TWO_PI * math.floor(lead / TWO_PI)
-    return lead if lead < TWO_PI else 0.0
+    lead -= TURN_RAD * math.floor(lead / TURN_RAD)
+    return lead if lead < TURN_RAD else 0.0
 
 
 @inlined

@@ -18,12 +18,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...common.constants import SLACK_S
+from ...common.constants import SLACK_S, TURN_RAD
 from ..core.compile import kernel
 from ..core.lists import ending
 from ..core.memory import borrowed
 from . import co_elliptic, phasing, zones
-from .co_elliptic import TWO_PI
 from .found import ConnectionArrays
 
 BLOCK = 256
@@ -59,7 +58,7 @@ class CrossingGrid(NamedTuple):
 def _begin_row(phase, turns, rate, row, time, cost):
     """Flight times of a row, and no sequences yet; one loop that becomes vectors."""
     for e in range(phase.size):
-        time[e] = (phase[e] + TWO_PI * (turns[e] + row)) / rate
+        time[e] = (phase[e] + TURN_RAD * (turns[e] + row)) / rate
         cost[e] = math.inf
 
 
@@ -68,7 +67,7 @@ def _lay_out(pair, rule, curves, begin, size, duration, grid):
     """Fill a grid with the events from number ``begin`` on; what arrives too late may miss."""
     grid = borrowed(grid)
     start, half_turns = co_elliptic.first_departure(pair)
-    half_period, lap = math.pi / pair.rate_i, TWO_PI / pair.rate_j
+    half_period, lap = math.pi / pair.rate_i, TURN_RAD / pair.rate_j
     offset = rule.standoff / pair.radius_j
     rows = grid.time.shape[0]
     # Counted from one before the first that there is.
@@ -78,8 +77,8 @@ def _lay_out(pair, rule, curves, begin, size, duration, grid):
         grid.departure[e] = start + (begin + e) * half_period
         lead = co_elliptic.target_lead(pair, grid.departure[e], half_turns + begin + e)
         phase[e] = 3.0 * math.pi - lead + offset
-        turns[e] = math.ceil((pair.shortest * pair.rate_j - phase[e]) / TWO_PI)
-        time = (phase[e] + TWO_PI * turns[e]) / pair.rate_j
+        turns[e] = math.ceil((pair.shortest * pair.rate_j - phase[e]) / TURN_RAD)
+        time = (phase[e] + TURN_RAD * turns[e]) / pair.rate_j
         angle = pair.phase_j - offset + pair.rate_j * (grid.departure[e] + time)
         grid.crossing[e] = math.floor(angle / math.pi + 0.5) - origin + 1
     for row in range(rows):
@@ -182,7 +181,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
     """
     pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule)
     first = co_elliptic.first_departure(pair)[0]
-    lap = TWO_PI / pair.rate_j
+    lap = TURN_RAD / pair.rate_j
     approach = rule.approach_revolutions * lap
     events = max(math.floor((duration - first) * pair.rate_i / math.pi) + 1, 0)
     longest = pair.longest + rule.max_phasing_revolutions * pair.longest_lap

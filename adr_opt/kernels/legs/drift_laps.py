@@ -7,9 +7,10 @@ teeth beside it.
 import math
 from typing import NamedTuple
 
+from ...common.constants import TURN_RAD
 from ..core.compile import inlined
 from .drift_arcs import coast, moved
-from .drift_pair import TURN, climb_to, radius_of
+from .drift_pair import climb_to, radius_of
 
 MOST_STEPS = 40
 """Steps of a Newton iteration."""
@@ -56,7 +57,7 @@ def tooth(pair, task, radius, arcs, laps):
         [m]; NaN if it is not found.
     arcs : Coast
     """
-    wanted = task.ahead + TURN * laps
+    wanted = task.ahead + TURN_RAD * laps
     for _ in range(MOST_STEPS):
         share = (wanted - arcs.phase) / (arcs.phase_slope * radius)
         # The phase falls about with the radius to the power of −1.5: the inverse of that series.
@@ -152,7 +153,7 @@ def split(pair, task, free):
     arcs = coast(pair, task.span, radius)
     if arcs.drift <= 0.0:
         return best
-    laps = (arcs.phase - task.ahead) / TURN
+    laps = (arcs.phase - task.ahead) / TURN_RAD
     least, most = radius_of(pair, pair.least_climb), radius_of(pair, pair.most_climb)
     nearer = float(math.floor(laps + 0.5))
     other = nearer + 1.0 if laps > nearer else nearer - 1.0

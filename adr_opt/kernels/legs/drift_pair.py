@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from ...common.constants import MU_M3_S2
+from ...common.constants import MU_M3_S2, TURN_RAD
 from ..core.compile import inlined, kernel
 from ..orbits import ephemeris
 from . import drift_linear
@@ -11,8 +11,6 @@ from .drift_linear import LinearPair
 
 MARGIN_M, MARGIN_SHARE = 60e3, 0.3
 """See :func:`margin`."""
-
-TURN = 2.0 * math.pi
 
 
 class DriftPair(NamedTuple):
@@ -149,7 +147,7 @@ def task_of(pair, departure, arrival, shape):
     if worth > 0.0:
         half = linear.by_radius * linear.climb + linear.by_inclination * linear.tilt
         left = lag + 0.5 * span * half / worth
-        lag -= TURN * math.ceil((left - math.pi) / TURN)
+        lag -= TURN_RAD * math.ceil((left - math.pi) / TURN_RAD)
     met = arrival - pair.approach
     ahead = pair.latitude + pair.latitude_rate_j * met - pair.latitude_rate_i * departure
     ahead += pair.cosine * (lag + pair.node_rate_i * span - pair.node_rate_j * pair.approach)

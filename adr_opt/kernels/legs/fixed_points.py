@@ -15,12 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...common.constants import SLACK_S
+from ...common.constants import SLACK_S, TURN_RAD
 from ..core.compile import inlined, kernel
 from ..core.lists import rising
 from ..core.memory import borrowed
 from ..orbits import eccentricity
-from .co_elliptic import TWO_PI
 from .curves import NODES
 
 BLOCK = 128
@@ -257,7 +256,7 @@ def lay_out(pair, grid, numbers, bases, rows):
         So many rows are wanted.
     """
     grid, size = borrowed(grid), bases.size
-    lap, first = TWO_PI / pair.rate_j, pair.shortest - BAND_S
+    lap, first = TURN_RAD / pair.rate_j, pair.shortest - BAND_S
     order, base = rising(bases, size), np.empty(size)
     for place in range(size):
         e = order[place]

@@ -18,11 +18,10 @@ is as in :mod:`.co_elliptic`.
 import math
 from typing import NamedTuple
 
-from ...common.constants import SLACK_S
+from ...common.constants import SLACK_S, TURN_RAD
 from ..core.compile import inlined, kernel
 from ..orbits import eccentricity, ephemeris
 from . import co_elliptic
-from .co_elliptic import TWO_PI
 
 MOST_STEPS = 8
 """Steps of a fixed point; where planes nearly coincide so few are not enough for a sequence, and
@@ -71,7 +70,7 @@ class Event(NamedTuple):
 @inlined
 def near(angle, other):
     """An angle less the whole turns that take it nearest to another one."""
-    return angle - TWO_PI * math.floor((angle - other) / TWO_PI + 0.5)
+    return angle - TURN_RAD * math.floor((angle - other) / TURN_RAD + 0.5)
 
 
 @kernel
@@ -152,7 +151,7 @@ def meeting(pair, rule, half_turns, alpha_j, time):
     """When the target lets the chaser arrive at the stand-off, as near as it can to a time [s]."""
     latitude = alpha_j + math.pi * (half_turns + 1) + rule.standoff / pair.radius_j
     behind = latitude - pair.latitude_j - pair.rate_j * time
-    return time + (behind - TWO_PI * math.floor(behind / TWO_PI + 0.5)) / pair.rate_j
+    return time + (behind - TURN_RAD * math.floor(behind / TURN_RAD + 0.5)) / pair.rate_j
 
 
 class Settled(NamedTuple):

@@ -10,9 +10,9 @@ found: no later sequence can win.
 import math
 from typing import NamedTuple
 
-from ...common.constants import SLACK_M_S
+from ...common.constants import SLACK_M_S, TURN_RAD
 from ..core.compile import kernel
-from .co_elliptic import TWO_PI, phasing_radius, sequence_delta_v
+from .co_elliptic import phasing_radius, sequence_delta_v
 from .zones import is_blocked
 
 
@@ -53,10 +53,10 @@ def best_sequence(pair, rule, departure, lead, earliest, latest, most=math.inf):
     w = rule.time_value
     k_max = rule.max_phasing_revolutions
     phase = 3.0 * math.pi - lead + rule.standoff / pair.radius_j
-    s = math.ceil((pair.shortest * pair.rate_j - phase) / TWO_PI)
+    s = math.ceil((pair.shortest * pair.rate_j - phase) / TURN_RAD)
     last = min(pair.longest + k_max * pair.longest_lap, latest)
     while True:
-        time = (phase + TWO_PI * s) / pair.rate_j
+        time = (phase + TURN_RAD * s) / pair.rate_j
         s += 1
         worth = w * max(time, earliest)
         # Dearer than the best by time alone, or longer than any sequence: so is all that follows.

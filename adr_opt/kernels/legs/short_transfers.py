@@ -17,12 +17,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...common.constants import SLACK_S
+from ...common.constants import SLACK_S, TURN_RAD
 from ..core.compile import kernel
 from ..core.memory import borrowed
 from ..orbits import eccentricity
 from . import co_elliptic, fixed_points, phasing, precession, zones
-from .co_elliptic import TWO_PI
 from .departure_events import events_of, least_speed, listed_at
 from .fixed_points import BAND_S, BLOCK, COST, FLAT_RAD, LEFT, MET, REVOLUTIONS
 
@@ -180,7 +179,7 @@ def _sift(
     count : int
     """
     grid, known, shorts = borrowed(grid), borrowed(known), borrowed(shorts)
-    event, lap = number[0], TWO_PI / pair.rate_j
+    event, lap = number[0], TURN_RAD / pair.rate_j
     approach = rule.approach_revolutions * lap
     longest = pair.longest + rule.max_phasing_revolutions * pair.longest_lap
     latest = min(longest, duration - event - approach) + BAND_S
@@ -255,7 +254,7 @@ def short(pair, rule, duration, spacing, most, resolution):
         Those that there are, event by event and then by arrival.
     """
     half_turns, numbers = events_of(pair, duration, spacing)
-    curves, lap = phasing.curves_of(pair, rule), TWO_PI / pair.rate_j
+    curves, lap = phasing.curves_of(pair, rule), TURN_RAD / pair.rate_j
     least_turn = least_speed(pair, rule)
     # Events whose planes are near enough, and their flight times in the first row.
     size, bases = 0, np.empty(half_turns.size)

@@ -2,9 +2,10 @@
 
 import math
 
+from ...common.constants import TURN_RAD
 from ..core.compile import kernel
 from ..core.memory import borrowed
-from .co_elliptic import SQRT_MU, TWO_PI, lap_time, pace
+from .co_elliptic import SQRT_MU, lap_time, pace
 
 
 @kernel
@@ -50,7 +51,7 @@ def is_blocked(pair, rule, revolutions, r, departure):
     t2 = t1 + revolutions * lap_time(r, pair.widening_j)[0]
     t3 = t2 + scale * a2 * math.sqrt(a2) * pace(a2, pair.widening_j)
     t4 = t3 + scale * a3 * math.sqrt(a3) * pace(a3, pair.widening_j)
-    t5 = t4 + rule.approach_revolutions * TWO_PI / pair.rate_j
+    t5 = t4 + rule.approach_revolutions * TURN_RAD / pair.rate_j
     zones = borrowed(rule.zones)
     for z in range(zones.shape[0]):
         zone = zones[z]

@@ -20,6 +20,7 @@ import numpy as np
 
 from ..core.compile import inlined, kernel
 from ..core.memory import borrowed
+from ..core.windows import service_end
 from ..tables import timetable
 from .loads import Loads, after_service, first_tank, flown_in_service, full_tank, most_kits
 
@@ -174,7 +175,7 @@ def fits(rules, body, time, left, destination):
         End of the service there [s].
     """
     delta_v, arrival = timetable.lookup(rules.table, body, destination, time)
-    end = max(arrival, rules.opens[destination]) + rules.service[destination]
+    end = service_end(arrival, rules.opens[destination], rules.service[destination])
     in_time = end <= rules.closes[destination] and end <= rules.duration
     return delta_v <= left and in_time, delta_v, end
 

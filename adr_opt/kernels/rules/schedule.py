@@ -21,6 +21,7 @@ import numpy as np
 from ..core.compile import kernel
 from ..core.events import earliest_taken
 from ..core.lists import chosen, rising, wider
+from ..core.windows import service_end
 from .loads import after_service
 
 
@@ -139,7 +140,7 @@ def follow(
             if grown >= 0:
                 size = grown
             label += 1
-        end = max(arrival[c], opens) + service
+        end = service_end(arrival[c], opens, service)
         if end > closes:
             continue
         # The stairs that can afford it; where the tank is filled the cheapest of them is enough, if

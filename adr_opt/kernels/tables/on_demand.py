@@ -17,9 +17,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...common.constants import DAY_S
+from ...common.constants import DAY_S, TURN_RAD
 from ..core.compile import kernel
 from ..core.events import earliest_taken, first_counted
+from ..core.windows import service_begin
 from ..legs import co_elliptic, precession, sequences, zones
 from ..legs.departure_events import least_speed, listed_at
 from ..legs.fixed_points import BAND_S
@@ -102,13 +103,13 @@ def chosen(source, i, j, ready):
     )
     first, half_turns = co_elliptic.first_departure(pair)
     half_period = 0.5 * ephemeris.revolution(source.leaving[i])
-    approach = rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j
+    approach = rule.approach_revolutions * TURN_RAD / pair.rate_j
     opens = limits.opens[j] - approach
     closes = limits.closes[j] - limits.service[j] - approach
     event = first_counted(first, half_period, earliest_taken(max(ready, limits.ready)))
     while True:
         departure = first + event * half_period
-        soonest = rule.time_value * max(departure + pair.shortest, opens)
+        soonest = rule.time_value * service_begin(departure + pair.shortest, opens)
         if departure > limits.duration or soonest + pair.floor_delta_v > best_cost:
             return best_delta_v, best_arrival
         lead = co_elliptic.target_lead(pair, departure, half_turns + event)
@@ -121,7 +122,7 @@ def chosen(source, i, j, ready):
             closes - departure,
             best_cost - rule.time_value * departure,
         )
-        cost = best.delta_v + rule.time_value * max(departure + best.flight_time, opens)
+        cost = best.delta_v + rule.time_value * service_begin(departure + best.flight_time, opens)
         if cost < best_cost:
             best_cost, best_delta_v = cost, best.delta_v
             best_arrival = departure + best.flight_time + approach
@@ -167,7 +168,7 @@ def _of_listed(source, i, j, ready):
         source.leaving[i], source.arriving[j], source.extra_delta_v[i, j], rule
     )
     steps = max(1, math.ceil(source.interval * pair.rate_i / math.pi - 1e-9))
-    lap, spacing = co_elliptic.TWO_PI / pair.rate_j, steps * math.pi / pair.rate_i
+    lap, spacing = TURN_RAD / pair.rate_j, steps * math.pi / pair.rate_i
     approach = rule.approach_revolutions * lap
     opens = limits.opens[j] - approach
     closes = limits.closes[j] - limits.service[j] - approach
@@ -175,7 +176,7 @@ def _of_listed(source, i, j, ready):
     event = _first_from(pair, steps, earliest)
     slowest, until = least_speed(pair, rule), min(earliest + PATIENCE_S, limits.duration)
     while True:
-        soonest = worth * max(event.time + pair.shortest - BAND_S, opens)
+        soonest = worth * service_begin(event.time + pair.shortest - BAND_S, opens)
         if event.time > until or soonest + pair.floor_delta_v > best_cost:
             return best_delta_v, best_arrival
         turn = slowest * math.sin(min(0.9 * event.theta, 0.5 * math.pi))
@@ -185,7 +186,7 @@ def _of_listed(source, i, j, ready):
             continue
         about = event.time + pair.shortest - BAND_S + 0.5 * lap
         met = precession.meeting(pair, rule, event.half_turns, event.alpha_j, about)
-        while met <= closes + BAND_S and worth * max(met - BAND_S, opens) < best_cost:
+        while met <= closes + BAND_S and worth * service_begin(met - BAND_S, opens) < best_cost:
             best_delta_v, best_arrival, best_cost = _cheapest_met(
                 source, pair, j, event, met, earliest, (best_delta_v, best_arrival, best_cost)
             )
@@ -202,7 +203,7 @@ def _cheapest_met(source, pair, j, event, met, earliest, best):
     """The best sequence so far, and those of an event that meet the target about a time."""
     rule, limits = source.rule, source.limits
     best_delta_v, best_arrival, best_cost = best
-    approach = rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j
+    approach = rule.approach_revolutions * TURN_RAD / pair.rate_j
     opens = limits.opens[j] - approach
     closes = limits.closes[j] - limits.service[j] - approach
     time, turn = met - event.time, 4.0 * math.sin(0.5 * event.theta) ** 2
@@ -214,12 +215,12 @@ def _cheapest_met(source, pair, j, event, met, earliest, best):
         r = co_elliptic.phasing_radius(pair, rule, k, time)
         seems = co_elliptic.turned_delta_v(pair, rule, k, r, turn, 0.0)
         least = (1.0 - TURNED) * seems - TURNED_M_S
-        if least > source.most or least + rule.time_value * max(met, opens) > best_cost:
+        if least > source.most or least + rule.time_value * service_begin(met, opens) > best_cost:
             continue
         found = precession.settle(
             pair, rule, event.half_turns, k, event.time, met, event.alpha_i, event.alpha_j
         )
-        cost = found.delta_v + rule.time_value * max(found.stand_off, opens)
+        cost = found.delta_v + rule.time_value * service_begin(found.stand_off, opens)
         if cost >= best_cost or found.delta_v > source.most or found.stand_off > closes:
             continue
         if listed_at(event.time, found.departure) < earliest:
@@ -241,6 +242,6 @@ def shortest_sortie(source, stations, first_target):
             pair = co_elliptic.prepare(
                 source.leaving[s], source.arriving[j], source.extra_delta_v[s, j], source.rule
             )
-            approach = source.rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j
+            approach = source.rule.approach_revolutions * TURN_RAD / pair.rate_j
             shortest = min(shortest, pair.shortest + approach + source.limits.service[j])
     return shortest

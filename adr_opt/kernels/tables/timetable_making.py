@@ -5,8 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...common.constants import TURN_RAD
 from ..core.compile import kernel
 from ..core.events import earliest_taken
+from ..core.windows import service_begin
 from ..legs import co_elliptic, sequences
 from ..legs.found import ConnectionArrays
 from ..orbits import ephemeris
@@ -93,7 +95,7 @@ def fill(first, last, pairs, leaving, bodies, extra_delta_v, rule, limits, table
         pair = co_elliptic.prepare(leaving[i], bodies[j], extra_delta_v[i, j], rule)
         start, half_turns = co_elliptic.first_departure(pair)
         table.first[i, slot] = start
-        approach = rule.approach_revolutions * co_elliptic.TWO_PI / pair.rate_j
+        approach = rule.approach_revolutions * TURN_RAD / pair.rate_j
         # The arrival that service has to wait for, and the last that leaves time for it.
         opens = limits.opens[j] - approach
         closes = limits.closes[j] - limits.service[j] - approach
@@ -122,7 +124,8 @@ def fill(first, last, pairs, leaving, bodies, extra_delta_v, rule, limits, table
         # Who is ready may wait for what leaves later: the best of each event and all after it.
         for event in range(m - 2, -1, -1):
             here, later = table.entries[i, event, slot], table.entries[i, event + 1, slot]
-            longer = max(later[1], limits.opens[j]) - max(here[1], limits.opens[j])
+            opens = limits.opens[j]
+            longer = service_begin(later[1], opens) - service_begin(here[1], opens)
             # Of two infinities the difference is no number, and not less.
             if here[0] == math.inf or later[0] + rule.time_value * longer < here[0]:
                 here[0], here[1] = later[0], later[1]
@@ -149,7 +152,7 @@ def choose(found, limits, j, time_value, taken):
     count = 0
     best = math.inf
     for c in range(found.departure.size - 1, -1, -1):
-        begins = max(found.arrival[c], limits.opens[j])
+        begins = service_begin(found.arrival[c], limits.opens[j])
         if begins + limits.service[j] > limits.closes[j] or found.departure[c] > limits.duration:
             continue
         if found.departure[c] < earliest_taken(limits.ready):

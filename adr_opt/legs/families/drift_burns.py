@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ...common.constants import DAY_S, MU_M3_S2
+from ...common.constants import DAY_S, MU_M3_S2, TURN_RAD
 from ...common.errors import InputError
 from ...kernels.legs import drift, drift_arcs, drift_pair
 from ...kernels.legs.burns import (
@@ -38,8 +38,6 @@ from ...kernels.orbits import ephemeris
 from ...plan.planes import Arcs, Plane, Turn, ahead, between, outward, turn_between, turned
 
 FloatArray = npt.NDArray[np.float64]
-
-TURN = 2.0 * math.pi
 
 TRIED = 12
 """So many pairs of crossings are worked out exactly, and as many again and again while none is met:
@@ -169,7 +167,7 @@ class Drifting:
         self._pair = drift_pair.prepare(*circles, rule)
         self._rj = float(orbit_j[ephemeris.RADIUS])
         self._rate_j = float(orbit_j[ephemeris.LATITUDE_RATE])
-        self._approach = rule.approach_revolutions * TURN / self._rate_j
+        self._approach = rule.approach_revolutions * TURN_RAD / self._rate_j
         self._planned = self._radius(drift.best_split(self._pair, departure, arrival).climb)
 
     def flight(self) -> DriftBurns | None:
@@ -258,11 +256,11 @@ class Drifting:
         """When a body is at an argument of latitude, as near as possible to a time [s]."""
         rate = orbit[ephemeris.LATITUDE_RATE]
         behind = latitude - orbit[ephemeris.ARGUMENT_OF_LATITUDE] - rate * near
-        return float(near + (behind - TURN * round(behind / TURN)) / rate)
+        return float(near + (behind - TURN_RAD * round(behind / TURN_RAD)) / rate)
 
     def _departures(self, first: Turn, begin: float, freedom: float) -> list[tuple[float, int]]:
         """Crossings of the line of nodes by the chaser in a span of time, with their parity."""
-        period = TURN / self._i[ephemeris.LATITUDE_RATE]
+        period = TURN_RAD / self._i[ephemeris.LATITUDE_RATE]
         found = []
         for parity in (0, 1):
             time = self._crossing(self._i, first.before + math.pi * parity, begin)
@@ -279,10 +277,10 @@ class Drifting:
         found = []
         for parity in (0, 1):
             time = self._crossing(self._j, last.after + math.pi * parity + lead, end)
-            time -= TURN / self._rate_j * math.ceil((time - end) * self._rate_j / TURN)
+            time -= TURN_RAD / self._rate_j * math.ceil((time - end) * self._rate_j / TURN_RAD)
             while time >= end - self._freedom:
                 found.append((time, parity))
-                time -= TURN / self._rate_j
+                time -= TURN_RAD / self._rate_j
         return found
 
     def _flown(self, way: CrossingPair) -> DriftBurns | None:
@@ -314,7 +312,7 @@ class Drifting:
                 there = Plane(inclination_j, self._node(self._j, met) - end_shift - back_shift)
                 before, last = last.before, turn_between(at_left, there)
                 # The line of nodes does not jump by a turn between two steps.
-                last = last._replace(before=before + math.remainder(last.before - before, TURN))
+                last = last._replace(before=before + math.remainder(last.before - before, TURN_RAD))
                 half_1, half_2 = (between(at_left, there, last.angle, by) for by in turned_by)
                 new = self._crossing(self._j, last.after + math.pi * half_turns + lead, met)
                 moved, met = abs(new - met), new

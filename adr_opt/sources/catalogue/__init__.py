@@ -9,7 +9,7 @@ The elements are *mean* elements of SGP4 in its own frame TEME (true equator, me
 and after: an instance made here has the axes of TEME at its epoch, and semi-major axes without the
 kilometres by which an osculating orbit wiggles within each revolution.
 
->>> from adr_opt import catalogue
+>>> from adr_opt.sources import catalogue
 >>> found = catalogue.read("examples/catalogue/cloud.tle")  # doctest: +SKIP
 >>> instance = catalogue.to_instance(found, max_targets=50).instance  # doctest: +SKIP
 """

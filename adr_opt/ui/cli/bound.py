@@ -58,11 +58,13 @@ def command(
         group=BOUNDS,
     )  # fmt: skip
 
+    given = front.RunOptions(
+        time_limit, seed, start, jobs=jobs, iterations=iterations, margin=margin, options=options
+    )
     result = work(
         lambda stop, progress: front.run(
-            BOUNDS, instance, method, time_limit=time_limit, seed=seed, stop=stop,
-            progress=progress, start=start, jobs=jobs, iterations=iterations, margin=margin,
-            options=options, building=progress.building, sizing=progress.sizing,
+            BOUNDS, instance, method, given, stop=stop, progress=progress,
+            building=progress.building, sizing=progress.sizing,
         ),
         live=wanted(as_json, quiet),
         quiet=quiet,

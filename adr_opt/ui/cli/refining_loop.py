@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 import click
 
 from ...common.errors import InputError
+from ...common.stop import Stop
 from ...common.wording import counted
 from .output import emit, emit_json, say
 from .refine import freedom_option, gravity_option
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from ...fly.refine.loop import RefinedResult
     from ...plan.refined_plan import Freedom, Gravity
     from ...problem.instance import Instance
+    from ...run.run_options import RunOptions
     from .work import Watch
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -74,7 +76,14 @@ def refine_options(function: Function) -> Function:
 
 
 def run_refined(
-    instance: Instance, method: str, refining: Refining, progress: Watch, quiet: bool, **given: Any
+    instance: Instance,
+    method: str,
+    refining: Refining,
+    progress: Watch,
+    quiet: bool,
+    *,
+    stop: Stop,
+    wanted: RunOptions,
 ) -> RefinedResult:
     """Plan, refine and plan again; each round is said when it is over."""
     from ...fly.refine.loop import MOST_ROUNDS, solve_refined
@@ -84,7 +93,8 @@ def run_refined(
         rounds=MOST_ROUNDS if refining.rounds is None else refining.rounds,
         spend_savings=refining.spend_savings,
         told=(lambda one: None) if quiet else (lambda one: say(str(one))),
-        progress=progress, building=progress.building, sizing=progress.sizing, **given,
+        progress=progress, building=progress.building, sizing=progress.sizing, stop=stop,
+        **vars(wanted),
     )  # fmt: skip
 
 

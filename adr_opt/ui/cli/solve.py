@@ -117,17 +117,15 @@ def command(
     )
     refining = Refining(**refining_options)
     refining.check(instance_path, out)
-    given: dict[str, Any] = {
-        "time_limit": time_limit, "seed": seed, "start": start, "repair": repair, "jobs": jobs,
-        "iterations": iterations, "bound": bound_name, "margin": margin, "options": options,
-        "memory_gib": memory_gib,
-    }  # fmt: skip
+    given = front.RunOptions(
+        time_limit, seed, start, repair, jobs, iterations, bound_name, margin, memory_gib, options
+    )
     looped: RefinedResult | None = None
     live, problem = wanted(as_json, quiet), problem_of(instance)
     if refining.refine:
         looped = work(
             lambda stop, progress: run_refined(
-                instance, method, refining, progress, quiet, stop=stop, **given
+                instance, method, refining, progress, quiet, stop=stop, wanted=given
             ),
             live=live, quiet=quiet,
         )  # fmt: skip
@@ -135,8 +133,8 @@ def command(
     else:
         result = work(
             lambda stop, progress: front.run(
-                PLANNERS, problem, method, stop=stop, progress=progress,
-                building=progress.building, sizing=progress.sizing, **given,
+                PLANNERS, problem, method, given, stop=stop, progress=progress,
+                building=progress.building, sizing=progress.sizing,
             ),
             live=live, quiet=quiet,
         )  # fmt: skip

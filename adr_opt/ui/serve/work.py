@@ -297,8 +297,10 @@ class Work:
             ]
             if any(routes):
                 start = routes if len(problem.missions) > 1 else routes[0]
+        wanted = front.RunOptions(
+            order.time_limit_s, order.seed, start, repair=start is not None, bound=order.bound
+        )
         return front.run(
-            PLANNERS, problem, order.method, time_limit=order.time_limit_s, seed=order.seed,
-            stop=run.stop, progress=run, start=start, repair=start is not None, bound=order.bound,
+            PLANNERS, problem, order.method, wanted, stop=run.stop, progress=run,
             building=run.building,
         )  # fmt: skip
