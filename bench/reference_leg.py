@@ -2,8 +2,8 @@
 
 The yardstick for the speed of the timetable kernel, and a second opinion on what it computes:
 orbits are boinor ``Orbit`` objects, burns come from ``Maneuver.hohmann``, the phasing radius from
-SciPy's ``brentq``. Nothing is pruned: every (k, m) of MODEL section 2 is solved and priced. Plain
-floats are used where a user in earnest would use them, inside the root finder.
+SciPy's ``brentq``. Nothing is pruned: every (k, m) of docs/model.md section 2 is solved and priced.
+Plain floats are used where a user in earnest would use them, inside the root finder.
 """
 
 from __future__ import annotations

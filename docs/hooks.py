@@ -106,5 +106,7 @@ def _mathml(match: re.Match[str]) -> str:
     # The converter spells operators in italics.
     text = re.sub(r"\\operatorname\{(\w+)\}", r"\\mathrm{\1}", text)
     text = text.replace(r"\mathbb Z", "ℤ")
+    # The converter glues the number of an equation to it.
+    text = re.sub(r"\\tag\{([\d.]+)\}", r"\\qquad \\text{(\1)}", text)
     drawn = convert(text, display="block" if shown else "inline")
     return f'<div class="formula">{drawn}</div>' if shown else drawn

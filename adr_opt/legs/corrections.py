@@ -1,4 +1,7 @@
-"""What transfers cost other than by the model, as refined legs have shown (MODEL section 10)."""
+"""What transfers cost other than by the model, as refined legs have shown.
+
+See docs/model.md section 10.
+"""
 
 from __future__ import annotations
 

@@ -47,8 +47,8 @@ class Timetable(Shown):
     """The transfers of an instance: the one chosen at every time, and all connections of a pair.
 
     What a chaser takes that is ready at a time, and does not look ahead, is a choice among all
-    connections that depart then or later (MODEL section 4); the table holds that of one value of
-    time, exactly.
+    connections that depart then or later (docs/model.md section 4); the table holds that of one
+    value of time, exactly.
 
     Parameters
     ----------

@@ -1,4 +1,7 @@
-"""A campaign: the missions of all chasers of an instance over its targets (MODEL section 5)."""
+"""A campaign: the missions of all chasers of an instance over its targets.
+
+See docs/model.md section 5.
+"""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ class Floors:
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What a bound rests on (MODEL section 8).
+    """What a bound rests on (docs/model.md section 8).
 
     All plans together collect less than the sum of the multipliers, each as often as its body may
     be gone to, and, for each chaser, the most of its walks.

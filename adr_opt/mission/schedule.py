@@ -1,4 +1,4 @@
-"""When to fly an order of bodies: the schedule of least cost, exactly (MODEL section 4)."""
+"""When to fly an order of bodies: the schedule of least cost, exactly (docs/model.md section 4)."""
 
 from __future__ import annotations
 

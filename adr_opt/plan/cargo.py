@@ -1,4 +1,4 @@
-"""What chasers carry and tow, and how a tank by mass goes with it (MODEL section 5)."""
+"""What chasers carry and tow, and how a tank by mass goes with it (docs/model.md section 5)."""
 
 from __future__ import annotations
 

@@ -13,7 +13,9 @@ PHASES = (
     "wait", "hohmann-1", "drift", "phasing", "co-elliptic", "terminal", "approach", "transfer",
     "service", "refuelling", "tow",
 )  # fmt: skip
-"""The phases of burns (MODEL section 2), with the wait before them and the service after them.
+"""The phases of burns, with the wait before them and the service after them.
+
+See docs/model.md section 2.
 
 "transfer" is all of a leg that has no burns, because its costs are given; "tow" is the way of an
 object down to the disposal orbit.

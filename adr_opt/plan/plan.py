@@ -59,7 +59,9 @@ class Burn(Record):
 
 
 class Tow(Record):
-    """How the object that was serviced is carried down to the disposal orbit (MODEL section 5).
+    """How the object that was serviced is carried down to the disposal orbit.
+
+    See docs/model.md section 5.
 
     From the first of its two burns at ``start_s`` to the second one at ``end_s``, when the object
     is released. Before that the chaser waits with it, as long as the next transfer allows.
@@ -79,14 +81,14 @@ class Leg(Shown, Record):
     the approach, ``end_s`` the end of service (refuelling, at the
     station); ``delta_v_left_m_s`` is what is left then: the full budget after refuelling.
     ``eccentricity_delta_v_m_s`` is the part of ``delta_v_m_s`` that matches eccentricity vectors;
-    it has no burn, because the burns fly between circles (MODEL section 1). ``kind`` is that of the
-    transfer: ``short`` is the co-elliptic sequence, ``drift`` waits on an orbit whose node moves
-    otherwise; its ``delta_v_m_s`` is that of the closed form, near the sum of its burns; ``launch``
-    puts a chaser that starts anywhere onto its first target, at once and for nothing; ``given`` is
-    a connection that somebody gave, which has no burns. ``mass_kg``, that of the chaser at
-    ``end_s`` with propellant and kits, is there for tanks by mass only. ``tow`` is there where the
-    destination is towed. It is no part of ``delta_v_m_s``, but what is left, and the mass, are
-    those after it; the next leg is ready as long after ``end_s`` as it takes.
+    it has no burn, because the burns fly between circles (docs/model.md section 1). ``kind`` is
+    that of the transfer: ``short`` is the co-elliptic sequence, ``drift`` waits on an orbit whose
+    node moves otherwise; its ``delta_v_m_s`` is that of the closed form, near the sum of its burns;
+    ``launch`` puts a chaser that starts anywhere onto its first target, at once and for nothing;
+    ``given`` is a connection that somebody gave, which has no burns. ``mass_kg``, that of the
+    chaser at ``end_s`` with propellant and kits, is there for tanks by mass only. ``tow`` is there
+    where the destination is towed. It is no part of ``delta_v_m_s``, but what is left, and the
+    mass, are those after it; the next leg is ready as long after ``end_s`` as it takes.
     """
 
     kind: Literal["short", "drift", "launch", "given"] = "short"

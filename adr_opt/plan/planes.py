@@ -1,4 +1,7 @@
-"""Orbital planes, turns between them and arcs in them, in the mean dynamics (MODEL section 2)."""
+"""Orbital planes, turns between them and arcs in them, in the mean dynamics.
+
+See docs/model.md section 2.
+"""
 
 from __future__ import annotations
 

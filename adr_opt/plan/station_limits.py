@@ -1,4 +1,7 @@
-"""What stations have for all chasers together, and what routes take of it (MODEL section 5)."""
+"""What stations have for all chasers together, and what routes take of it.
+
+See docs/model.md section 5.
+"""
 
 from __future__ import annotations
 

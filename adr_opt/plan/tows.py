@@ -1,17 +1,17 @@
 """Towing: an object is carried down to a disposal orbit, where the chaser goes on from.
 
 A tow is a Hohmann transfer of the chaser with the object from the circle that the object is planned
-on (MODEL section 1) to one at the disposal altitude, in the object's plane: two burns against the
-motion, half a revolution apart. The object is released after the second one. The chaser may wait
-before a tow, but not after it: a tow ends when the next transfer leaves. Where there is none, plans
-have it follow the service at once, and it may be later. So who leaves a towed object at a time t is
-on the disposal orbit then,
+on (docs/model.md section 1) to one at the disposal altitude, in the object's plane: two burns
+against the motion, half a revolution apart. The object is released after the second one. The chaser
+may wait before a tow, but not after it: a tow ends when the next transfer leaves. Where there is
+none, plans have it follow the service at once, and it may be later. So who leaves a towed object at
+a time t is on the disposal orbit then,
 
     u(t) = u_j(t − T) + π,    Ω(t) = Ω_j(t − T) + Ω̇_h T,
 
-with T and Ω̇_h of the half ellipse (MODEL section 2): a body whose angles advance as the object's
-do, by the time of departure, on another radius. A row of such a body is that of the object *as it
-is left*. What has left drifts as its own radius says, which is one column more.
+with T and Ω̇_h of the half ellipse (docs/model.md section 2): a body whose angles advance as the
+object's do, by the time of departure, on another radius. A row of such a body is that of the object
+*as it is left*. What has left drifts as its own radius says, which is one column more.
 
 The burns take propellant for both masses: with A = exp(−ΔV / g₀ Isp) a chaser of mass m that tows
 D has (m + D) A − D afterwards.

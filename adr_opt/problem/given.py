@@ -1,4 +1,6 @@
-"""Connections that somebody gives: costs from elsewhere, in place of the model's (MODEL section 9).
+"""Connections that somebody gives: costs from elsewhere, in place of the model's.
+
+See docs/model.md section 9.
 
 Whatever answers (origin, destination, departure) can be planned on: rows, matrices at departures,
 a function. All become rows, one for each connection, of which planners and ``check`` are told.

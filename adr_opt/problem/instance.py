@@ -318,8 +318,8 @@ class Instance(Shown, InstanceFile):
         Returns
         -------
         (origin, destination) float64
-            [m/s]; zero between circles (MODEL section 1), and where perigees drift: then it is
-            worked out for each departure. Given connections have none.
+            [m/s]; zero between circles (docs/model.md section 1), and where perigees drift: then it
+            is worked out for each departure. Given connections have none.
         """
         if self.dynamics == "j2" or not self.is_approximate:
             return np.zeros((len(self.names), len(self.names)))

@@ -18,8 +18,9 @@ def least_end_s(instance: Instance) -> float | None:
     """No service of a target ends before this; None where nothing can be said [s].
 
     A leg takes three half ellipses over the lowest phasing circle that is allowed, the approach,
-    and the service (MODEL section 2); that to the first target of a chaser that is launched onto it
-    only the service. Nothing is waited for. Nothing can be said where connections are given.
+    and the service (docs/model.md section 2); that to the first target of a chaser that is launched
+    onto it only the service. Nothing is waited for. Nothing can be said where connections are
+    given.
     """
     if instance.transfer.given is not None or not instance.targets:
         return None

@@ -37,7 +37,7 @@ class Orbit(Record):
     def circular_elements(self) -> tuple[float, float, float, float]:
         """The circle that is planned with: radius, inclination, RAAN, argument of latitude.
 
-        r = a and u = argument of perigee + mean anomaly (MODEL section 1) [m, rad].
+        r = a and u = argument of perigee + mean anomaly (docs/model.md section 1) [m, rad].
         """
         e = self.eccentricity
         true = math.radians(self.true_anomaly_deg)

@@ -69,7 +69,7 @@ class MissionSettings(Record):
 
 
 class SequenceSettings(Record):
-    """Parameters of the co-elliptic sequence (MODEL section 2)."""
+    """Parameters of the co-elliptic sequence (docs/model.md section 2)."""
 
     first_leg_fraction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.75
     standoff_m: NonNegative = 1000.0
@@ -104,7 +104,7 @@ class GivenFile(Record):
 
 
 class TransferSettings(SequenceSettings):
-    """Parameters of the transfers (MODEL sections 2 to 4).
+    """Parameters of the transfers (docs/model.md sections 2 to 4).
 
     Beside those of the co-elliptic sequence: a connection that another one dominates up to
     ``delta_v_resolution_m_s`` is left out, and departures of a pair lie no closer than
@@ -174,7 +174,10 @@ class Objective(Record):
 
 
 class KeepOutZone(Record):
-    """A closed altitude band that is forbidden during a closed time window (MODEL section 6)."""
+    """A closed altitude band that is forbidden during a closed time window.
+
+    See docs/model.md section 6.
+    """
 
     min_altitude_m: NonNegative
     max_altitude_m: NonNegative

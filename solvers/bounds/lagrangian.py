@@ -1,4 +1,4 @@
-"""An upper bound by Lagrangian relaxation, tightened by ng-routes (MODEL section 8)."""
+"""An upper bound by Lagrangian relaxation, tightened by ng-routes (docs/model.md section 8)."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
 """Is there a plan worth so much? Searches with labels, and what they learn from one another.
 
-The room shared by the Lagrangian bound and by proofs of optimality (MODEL section 8). If the
-labels of :mod:`.extension` run out before the threshold, no plan reaches it. If not, the best walks
-show which targets were visited twice; the bodies in between learn to remember them, and the search
-begins again (decremental state space: Righini and Salani 2008). A walk that repeats nothing is a
-plan, legal to the last digit.
+The room shared by the Lagrangian bound and by proofs of optimality (docs/model.md section 8). If
+the labels of :mod:`.extension` run out before the threshold, no plan reaches it. If not, the best
+walks show which targets were visited twice; the bodies in between learn to remember them, and the
+search begins again (decremental state space: Righini and Salani 2008). A walk that repeats nothing
+is a plan, legal to the last digit.
 """
 
 from __future__ import annotations

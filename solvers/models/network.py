@@ -1,4 +1,6 @@
-"""The network of all connections, cut down to what a plan can use, as plain arrays (MODEL sec. 4).
+"""The network of all connections, cut down to what a plan can use, as plain arrays.
+
+See docs/model.md section 4.
 
 A node is a body from a departure event on; its legs are all connections that leave from then until
 the next node of the body, and one arc leads there: to wait. Times are exact. Plans are the paths

@@ -1,4 +1,4 @@
-"""The best plan so far: the one place where plans are compared (MODEL section 5)."""
+"""The best plan so far: the one place where plans are compared (docs/model.md section 5)."""
 
 from __future__ import annotations
 

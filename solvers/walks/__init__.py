@@ -1,4 +1,6 @@
-"""The relaxation behind all bounds (MODEL section 8): each target at most once, by multipliers.
+"""The relaxation behind all bounds: each target at most once, by multipliers.
+
+See docs/model.md section 8.
 
 1. :mod:`solvers.networks.network`: every connection at its own departure, and waiting.
 2. :mod:`.walks`: the best walk for given multipliers, by one sweep backwards in time.

@@ -1,4 +1,4 @@
-"""Longest walks that pay for their ΔV, so that tanks need no slots (MODEL section 8).
+"""Longest walks that pay for their ΔV, so that tanks need no slots (docs/model.md section 8).
 
 The walks of :mod:`.walks` know how much is left of a tank, in slots; that is what takes memory.
 Here a unit of ΔV has a price λ ≥ 0 instead: a walk begins with the price of a tank, pays for each

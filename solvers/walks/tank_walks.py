@@ -1,4 +1,6 @@
-"""Longest walks over a stream of legs that know how much is left of a tank (MODEL section 8).
+"""Longest walks over a stream of legs that know how much is left of a tank.
+
+See docs/model.md section 8.
 
 Where ΔV has a price (:mod:`.priced_walks`), what one tank has left another one may spend. Here a
 walk has so many whole units left, the slots of :mod:`.walks`, and a station fills them up. Values

@@ -1,4 +1,4 @@
-"""Longest walks backwards in time, for given multipliers (MODEL section 8).
+"""Longest walks backwards in time, for given multipliers (docs/model.md section 8).
 
 The relaxation. A *walk* may service a target again and again, but never two legs after leaving it
 (i → j → i is forbidden, also when j is a station); each service of target j is worth its prize

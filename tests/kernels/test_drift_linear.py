@@ -42,7 +42,7 @@ def prepared(first: FloatArray, second: FloatArray) -> drift.LinearPair:
 def by_matrices(
     first: FloatArray, second: FloatArray, departure: float, arrival: float
 ) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-    """v, M, the b₁ of least squares within the limits, and E of MODEL section 3, as written there.
+    """v, M, the b₁ of least squares within the limits, and E, as docs/model.md section 3 has them.
 
     The least squares over b_x and b_z alone where b_y is at a limit.
     """

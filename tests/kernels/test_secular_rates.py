@@ -23,7 +23,7 @@ def drawn(rng: np.random.Generator) -> tuple[float, float]:
 
 
 def test_rates_of_a_circle_are_those_of_an_orbit_without_eccentricity():
-    """Node and latitude of a circle advance as the elements of MODEL section 1 do for e = 0."""
+    """Node and latitude of a circle advance as elements do for e = 0 (docs/model.md section 1)."""
     rng = np.random.default_rng(0)
     for _ in range(CASES):
         radius, inclination = drawn(rng)
@@ -52,7 +52,7 @@ def test_without_oblateness_nothing_but_the_latitude_moves():
 
 
 def test_what_a_change_drifts_to_is_the_derivative_of_the_drift():
-    """The m and q of MODEL section 3 are the drift of the node by radius and by inclination.
+    """The drift of the node by radius and by inclination is the m and q of docs/model.md section 3.
 
     By central differences, at every inclination, a polar one too, where q is a limit.
     """

@@ -1,4 +1,6 @@
-"""All rules together, each on and off, against plain enumeration (MODEL sections 3, 4, 5 and 8).
+"""All rules together, each on and off, against plain enumeration.
+
+See docs/model.md sections 3, 4, 5 and 8.
 
 In two-body motion and under J2, where planes drift: in short missions, and in long ones that live
 on waiting for nodes. And over connections that are given.

@@ -150,7 +150,9 @@ def _enumerate(
 
 
 def revolution_s(orbit: Orbit | None, dynamics: str) -> float:
-    """How long a body takes from node to node: mean elements, secular rates (MODEL section 1).
+    """How long a body takes from node to node: mean elements, secular rates.
+
+    See docs/model.md section 1.
 
     0 without an orbit, where nothing is counted in it.
     """

@@ -1,4 +1,7 @@
-"""Costs from elsewhere (MODEL section 9), given in Python: what is one, what is kept or refused."""
+"""Costs from elsewhere, given in Python: what is one, what is kept or refused.
+
+See docs/model.md section 9.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Costs from elsewhere (MODEL section 9): in files, on pages and in plots."""
+"""Costs from elsewhere (docs/model.md section 9): in files, on pages and in plots."""
 
 from __future__ import annotations
 

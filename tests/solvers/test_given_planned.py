@@ -1,4 +1,6 @@
-"""Costs from elsewhere (MODEL section 9): planned, checked, and told apart from the model's.
+"""Costs from elsewhere: planned, checked, and told apart from the model's.
+
+See docs/model.md section 9.
 
 That plans and proofs are right is for test_all_rules and test_campaigns, which draw given
 connections among others.

@@ -1,7 +1,8 @@
 """``.parquet``: all connections, a row for each (extra ``[io]``).
 
-MODEL section 4: a chaser that is ready at a time may take any row of its pair that departs then or
-later. Connections that another one dominates, up to the instance's resolution, are left out.
+docs/model.md section 4: a chaser that is ready at a time may take any row of its pair that departs
+then or later. Connections that another one dominates, up to the instance's resolution, are left
+out.
 """
 
 from __future__ import annotations

@@ -7,8 +7,8 @@ solves Lambert's problem.
 Two questions are asked of each leg. Does it arrive in the model's world, where every body moves
 on a circle? It must, to a millimetre, and under J2 to a metre. And where an orbit of the leg is
 eccentric: where does it arrive in truth, and what does it take to arrive there after all? That is
-the size of the approximation of MODEL section 1, and decides whether each tank holds. The second
-alone is what :func:`fly_mean` asks, in mean motion and without boinor.
+the size of the approximation of docs/model.md section 1, and decides whether each tank holds. The
+second alone is what :func:`fly_mean` asks, in mean motion and without boinor.
 
 A refined plan (:mod:`adr_opt.fly.refine`) is flown by :func:`fly_refined`: in true dynamics, by
 another integrator than the one it was made with.

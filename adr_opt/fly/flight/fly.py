@@ -26,10 +26,10 @@ def fly(instance: Instance, plan: Plan) -> Flight:
 
     Each leg begins on the origin's own orbit, or where the tow of the origin leads, which begins
     there; the burns are taken from the plan as they are.
-    Bodies move on the circles that the model plans with (MODEL section 1). A leg with an eccentric
-    orbit is flown a second time on the true orbits, with its burns aimed anew (:mod:`.aimed`); in
-    two-body motion a third time with them as they are. What the second flight takes, and what the
-    burns of legs that drift take, is counted tank by tank.
+    Bodies move on the circles that the model plans with (docs/model.md section 1). A leg with an
+    eccentric orbit is flown a second time on the true orbits, with its burns aimed anew
+    (:mod:`.aimed`); in two-body motion a third time with them as they are. What the second flight
+    takes, and what the burns of legs that drift take, is counted tank by tank.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Flight in the mean dynamics of J2, written once more for `fly` (MODEL sections 1 and 2).
+"""Flight in the mean dynamics of J2, written once more for `fly` (docs/model.md sections 1 and 2).
 
 Nothing of :mod:`adr_opt.kernels` is used here but constants: elements are moved by their rates in
 boinor's terms, and coasts by its propagator, so that an error in one of the two shows.

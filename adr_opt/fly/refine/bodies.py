@@ -1,6 +1,6 @@
 """Bodies in true dynamics: where the mean model says, osculating, and numerically propagated.
 
-An instance keeps mean elements. They are a fit to the truth, and the secular rates of MODEL
+An instance keeps mean elements. They are a fit to the truth, and the secular rates of docs/model.md
 section 1 are of first order: an orbit that begins at osculating elements of first order leaves
 them by kilometres a day along the track, because its mean motion differs in the second order. So
 the mean elements at the epoch are corrected, the semi-major axis by some ten metres, until the

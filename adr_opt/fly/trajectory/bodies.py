@@ -29,8 +29,8 @@ def body_states(
     times_s : (n,) array_like
         Times since the epoch [s].
     true_orbits : bool
-        False: on the circle that the plan is made with (MODEL section 1), where the chaser meets
-        it. True: on the ellipse of its elements. The same for circles. Both drift where the
+        False: on the circle that the plan is made with (docs/model.md section 1), where the chaser
+        meets it. True: on the ellipse of its elements. The same for circles. Both drift where the
         dynamics of the instance do.
 
     Returns

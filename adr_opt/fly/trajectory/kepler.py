@@ -28,7 +28,7 @@ def drift(
     after_s: npt.ArrayLike,
     oblateness_m2: float,
 ) -> tuple[Array, Array]:
-    """States on one nearly circular orbit in the mean dynamics (MODEL sections 1 and 2).
+    """States on one nearly circular orbit in the mean dynamics (docs/model.md sections 1 and 2).
 
     Two-body motion at the pace at which the argument of latitude advances, in a plane that turns
     with the node.

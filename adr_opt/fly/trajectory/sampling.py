@@ -154,7 +154,7 @@ def sample(instance: Instance, plan: Plan, step_s: float | None = None) -> Traje
     the chaser is docked, so that service, and the wait before the next leg, are on the
     destination's orbit; the step there is the residual of the approach, a few centimetres. Orbits
     of bodies are the circles
-    that the plan is made with (MODEL section 1).
+    that the plan is made with (docs/model.md section 1).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Which keep-out zones a leg crosses, judged from its burns alone (MODEL section 6).
+"""Which keep-out zones a leg crosses, judged from its burns alone (docs/model.md section 6).
 
 For :mod:`.verdict`. The timetable forbids sequences by the clock of half ellipses; here the
 burns are followed in two-body motion from where the chaser leaves, by Kepler's equation, so that an

@@ -63,7 +63,7 @@ def observe_published(pool, episodes, order, first, last, out, mask, legal):
             inclination = orbits[j, INCLINATION] - orbits[HOME, INCLINATION]
             raan = turned(node_at(orbits[j], now) - node_at(orbits[HOME], now))
             out[e, at] = clip(radius * PER_50_KM, -LIMIT, LIMIT)
-            # Bodies move on circles (MODEL section 1): e and the perigee are 0, ν is u.
+            # Bodies move on circles (docs/model.md section 1): e and the perigee are 0, ν is u.
             out[e, at + 1] = 0.0
             out[e, at + 2] = clip(inclination * DEGREES, -LIMIT, LIMIT)
             out[e, at + 3] = clip(raan * DEGREES, -LIMIT, LIMIT)

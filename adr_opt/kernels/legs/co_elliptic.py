@@ -1,4 +1,4 @@
-"""One transfer: the co-elliptic sequence (MODEL section 2).
+"""One transfer: the co-elliptic sequence (docs/model.md section 2).
 
 Vocabulary. The chaser leaves body *i* at the line of nodes, flies half an ellipse to the
 *phasing radius* r_x, turns there into plane *j*, waits k revolutions on the circle, flies half
@@ -109,7 +109,7 @@ def pace(axis, widening):
 
 @inlined
 def flight_time(radius_i, radius_j, widening_i, widening_j, fraction, r):
-    """T(r_x) without phasing revolutions, and its first two derivatives (MODEL section 2).
+    """T(r_x) without phasing revolutions, and its first two derivatives (docs/model.md section 2).
 
     Parameters
     ----------
@@ -310,7 +310,9 @@ def phasing_radius(pair, rule, revolutions, time):
 
 @inlined
 def burn_parts(pair, rule, revolutions, r):
-    """Four numbers that make up the ΔV of a sequence, each without a bend in r (MODEL section 2).
+    """Four numbers that make up the ΔV of a sequence, each without a bend in r.
+
+    See docs/model.md section 2.
 
     Returns
     -------
@@ -340,7 +342,7 @@ def burn_parts(pair, rule, revolutions, r):
 
 @inlined
 def sequence_delta_v(pair, rule, revolutions, r):
-    """ΔV of the sequence with phasing radius r, by vis-viva (MODEL section 2) [m/s]."""
+    """ΔV of the sequence with phasing radius r, by vis-viva (docs/model.md section 2) [m/s]."""
     return turned_delta_v(pair, rule, revolutions, r, pair.turn, pair.matching)
 
 

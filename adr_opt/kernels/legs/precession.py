@@ -1,4 +1,4 @@
-"""Short transfers between planes that drift (MODEL section 2, under J2).
+"""Short transfers between planes that drift (docs/model.md section 2, under J2).
 
 The co-elliptic sequence of :mod:`.co_elliptic` with the rates of each arc. The turn goes into the
 plane that the remaining arcs carry onto the target's plane on arrival. So the line of nodes is that

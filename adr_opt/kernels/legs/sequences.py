@@ -27,7 +27,7 @@ class Sequence(NamedTuple):
 
 @kernel
 def best_sequence(pair, rule, departure, lead, earliest, latest, most=math.inf):
-    """The sequence of a departure event with the least ΔV + w·T (MODEL sections 2 and 4).
+    """The sequence of a departure event with the least ΔV + w·T (docs/model.md sections 2 and 4).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Whether a keep-out zone forbids a sequence (MODEL section 6)."""
+"""Whether a keep-out zone forbids a sequence (docs/model.md section 6)."""
 
 import math
 
@@ -37,7 +37,7 @@ def half_ellipse_meets(r1, r2, start, end, zone):
 
 @kernel
 def is_blocked(pair, rule, revolutions, r, departure):
-    """Whether a keep-out zone forbids the sequence (MODEL section 6).
+    """Whether a keep-out zone forbids the sequence (docs/model.md section 6).
 
     The zones are closed in altitude and in time. The arcs and the phasing circle are tested
     moment by moment: an arc is blocked only if it is inside the band while the window is open.

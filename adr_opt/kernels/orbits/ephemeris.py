@@ -2,7 +2,7 @@
 
 A body is a row of :data:`ORBIT_COLUMNS`, angles at t = 0. It moves on a circle whose node and
 argument of latitude advance at the rates of the row: those of two-body motion, or the secular ones
-of J2 (MODEL section 1). Who asks for elements or states at a time asks here.
+of J2 (docs/model.md section 1). Who asks for elements or states at a time asks here.
 """
 
 import math
@@ -35,7 +35,7 @@ def mean_motion(radius):
 
 @kernel
 def node_rate(radius, inclination, oblateness):
-    """Secular rate of the node of a circular orbit (MODEL section 1) [rad/s].
+    """Secular rate of the node of a circular orbit (docs/model.md section 1) [rad/s].
 
     Parameters
     ----------
@@ -49,14 +49,17 @@ def node_rate(radius, inclination, oblateness):
 
 @kernel
 def latitude_rate(radius, inclination, oblateness):
-    """Secular rate of the argument of latitude of a circular orbit (MODEL section 1) [rad/s]."""
+    """Secular rate of the argument of latitude of a circular orbit [rad/s].
+
+    See docs/model.md section 1.
+    """
     widening = 1.5 * oblateness / radius**2 * (4.0 * math.cos(inclination) ** 2 - 1.0)
     return mean_motion(radius) * (1.0 + widening)
 
 
 @kernel
 def secular_rates(axis, eccentricity, inclination, oblateness):
-    """Secular rates of a mean orbit (MODEL section 1).
+    """Secular rates of a mean orbit (docs/model.md section 1).
 
     Parameters
     ----------

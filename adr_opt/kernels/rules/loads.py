@@ -1,4 +1,4 @@
-"""What a chaser carries, and how that changes what its tank is worth (MODEL section 5).
+"""What a chaser carries, and how that changes what its tank is worth (docs/model.md section 5).
 
 A tank by mass is counted as the ΔV that is left in it, v = g₀ Isp ln(m / m_f): the mass there is
 over the one without propellant. So a leg takes its ΔV off it, whatever is aboard, as of a tank

@@ -1,4 +1,4 @@
-"""The mission rules: which moves are legal, and what one move does (MODEL section 5).
+"""The mission rules: which moves are legal, and what one move does (docs/model.md section 5).
 
 The one place where they stand. Everything that plans, and the environment, asks these kernels;
 only ``check`` states them a second time, on purpose.

@@ -1,9 +1,9 @@
 """The timetable of a choice: the connection that is chosen at each departure event of each pair.
 
 Who is ready for an event may take any connection that departs then or later. A *choice* settles
-which: the one of least ΔV + w · arrival, where w is the value of time (MODEL section 4). Between
-two events nothing depends on the time but the wait, so a table over events is exact. How events are
-spaced and where entries lie is known to this module alone, to the one that makes tables
+which: the one of least ΔV + w · arrival, where w is the value of time (docs/model.md section 4).
+Between two events nothing depends on the time but the wait, so a table over events is exact. How
+events are spaced and where entries lie is known to this module alone, to the one that makes tables
 (:mod:`.timetable_making`) and to the one that lays them side by side (:mod:`.stacked_timetables`):
 planners ask :func:`next_event` and :func:`lookup`.
 

@@ -1,4 +1,4 @@
-"""How a long transfer is flown: the burns of a drift between two times (MODEL section 3).
+"""How a long transfer is flown: the burns of a drift between two times (docs/model.md section 3).
 
 The closed form of :mod:`adr_opt.kernels.legs.drift` says what a drift costs and which orbit it
 waits on; it knows no phase. Here the phase is met. The chaser leaves its body at the line of nodes

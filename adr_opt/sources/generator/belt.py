@@ -1,7 +1,8 @@
 """The field of the published study: circles in a narrow belt of altitudes and planes.
 
 The spread of the planes and of the phases is a *calibration*: the published study does not state
-it. It was chosen so that the published algorithms give the published numbers (MODEL section 7).
+it. It was chosen so that the published algorithms give the published numbers
+(docs/model.md section 7).
 """
 
 from __future__ import annotations

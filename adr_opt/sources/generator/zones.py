@@ -1,4 +1,4 @@
-"""Keep-out zones, drawn besides the field (MODEL section 6)."""
+"""Keep-out zones, drawn besides the field (docs/model.md section 6)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ZONE_LENGTH_H = (6.0, 24.0)
 
 
 def draw_zones(seed: int, count: int, duration_s: float) -> tuple[KeepOutZone, ...]:
-    """Keep-out zones within 680–830 km, 10–25 km thick, 6–24 h long (MODEL section 6)."""
+    """Keep-out zones within 680–830 km, 10–25 km thick, 6–24 h long (docs/model.md section 6)."""
     uniform = stream(seed, PURPOSE)
     zones = []
     for _ in range(count):

@@ -1,8 +1,8 @@
 """The ΔV of legs of GTOC9 by the closed form of long transfers, and tables of it.
 
-What planning is done with: :mod:`adr_opt.kernels.legs.drift` (MODEL section 3) between mean orbits
-with secular J2 rates. No phase and no flight: J of this estimate and J of a flown plan are two
-figures.
+What planning is done with: :mod:`adr_opt.kernels.legs.drift` (docs/model.md section 3) between mean
+orbits with secular J2 rates. No phase and no flight: J of this estimate and J of a flown plan are
+two figures.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ the return of the rollout without the path to it, depth counted from the root, â
 that cannot move, refuelling only when nothing else is legal.
 
 So the difference is hardly in the search. What is left is the field: the study does not say how
-planes and phases are spread (MODEL section 7).
+planes and phases are spread (docs/model.md section 7).
 """
 
 from __future__ import annotations

@@ -65,7 +65,7 @@ class Fleet:
         return float(worths[worths > 0.0].mean())
 
     def better_than(self, other: Fleet) -> bool:
-        """More prize, then less cost (MODEL section 5)."""
+        """More prize, then less cost (docs/model.md section 5)."""
         return (self.objective, -self.cost) > (other.objective, -other.cost)
 
     def with_orders(self, changed: Mapping[int, ClosedOrder]) -> Fleet:
