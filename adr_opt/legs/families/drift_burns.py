@@ -1,11 +1,11 @@
 """How a long transfer is flown: the burns of a drift between two times (docs/model.md section 3).
 
 The closed form of :mod:`adr_opt.kernels.legs.drift` says what a drift costs and which orbit it
-waits on; it knows no phase. Here the phase is met. The chaser leaves its body at the line of nodes
-of its own plane and that of the drift orbit, by a Hohmann transfer whose two burns turn the plane
-by half the angle each; it drifts; and it leaves the drift orbit at the line of nodes with the plane
-that the remaining arcs carry onto the target's, by two half ellipses, to the co-elliptic orbit and
-to the stand-off, whose three burns share the turn. The approach is that of a short transfer.
+waits on. Here its burns are found. The chaser leaves its body at the line of nodes of its own plane
+and that of the drift orbit, by a Hohmann transfer whose two burns share the turn; it drifts; and it
+leaves the drift orbit at the line of nodes with the plane that the remaining arcs carry onto the
+target's, by two half ellipses, to the co-elliptic orbit and to the stand-off, whose three burns
+share the turn. The approach is that of a short transfer.
 
 It may leave a while after the time of departure and arrive a while before that of arrival. So there
 are many pairs of crossings to choose from, and for each, numbers of revolutions on the drift orbit:
