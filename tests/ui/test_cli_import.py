@@ -459,7 +459,7 @@ def test_the_page_lists_every_reason() -> None:
         for reason in re.findall(r"`([a-z0-9-]+)`", row)
     }
     used = {"malformed", *import_.FILTERS}
-    for module in (ROOT / "adr_opt" / "catalogue").glob("*.py"):
+    for module in (ROOT / "adr_opt" / "sources" / "catalogue").glob("*.py"):
         text = module.read_text(encoding="utf-8")
         used |= set(re.findall(r'(?:return|why =) "([a-z0-9-]+)", ', text))
         used |= set(
