@@ -1,7 +1,7 @@
 """Orders of targets that are changed by bits, and what is known of how far they can be flown.
 
-The stairs of :mod:`.fronts` at every target of an order, from both ends. Those backwards are whole;
-those forwards are the ones that are early enough for the rest, which are few.
+The Pareto fronts of :mod:`.fronts` at every target of an order, from both ends. Those backwards are
+whole; those forwards are the ones that are early enough for the rest, which are few.
 """
 
 from __future__ import annotations
@@ -45,17 +45,17 @@ def _before(rules, order, position):
 
 
 @kernel
-def time_forth(rules, lines, course, length, first, settled, desk, trial):
-    """Stairs forwards from a position on; whether all targets can be reached.
+def time_forth(rules, table, course, length, first, settled, workspace, trial):
+    """Fronts forwards from a position on; whether all targets can be reached.
 
-    Only those that are early enough for the rest: the stairs backwards are right. From the position
-    ``settled`` up the stairs are right if those before have not changed.
+    Only those that are early enough for the rest: the fronts backwards are right. From the position
+    ``settled`` up the fronts are right if those before have not changed.
     """
     order, came, suffices = course.order, course.came, course.suffices
     for p in range(first, length):
         i, j = _before(rules, order, p), order[p]
         latest = suffices.time[j, 0]
-        size = staircases.forwards(rules, lines, i, j, p > 0, came, i, latest, desk, trial, 0)
+        size = staircases.forwards(rules, table, i, j, p > 0, came, i, latest, workspace, trial, 0)
         if size == 0:
             return False
         if staircases.take(trial, 0, came, j) and p >= settled:
@@ -64,20 +64,20 @@ def time_forth(rules, lines, course, length, first, settled, desk, trial):
 
 
 @kernel
-def time_back(rules, lines, course, length, last, settled, desk, trial):
-    """Stairs backwards from a position on; whether all of them suffice.
+def time_back(rules, table, course, length, last, settled, workspace, trial):
+    """Fronts backwards from a position on; whether all of them suffice.
 
-    From the position ``settled`` down the stairs are right if those behind have not changed.
+    From the position ``settled`` down the fronts are right if those behind have not changed.
     """
     order, suffices = course.order, course.suffices
     for p in range(last, -1, -1):
         j = order[p]
         if p == length - 1:
-            size = fronts_backward.finish(rules, lines, j, rules.ready, desk, trial, 0)
+            size = fronts_backward.finish(rules, table, j, rules.ready, workspace, trial, 0)
         else:
             size = fronts_backward.backwards(
-                rules, lines, j, order[p + 1], True, suffices, order[p + 1], rules.ready,
-                desk, trial, 0,
+                rules, table, j, order[p + 1], True, suffices, order[p + 1], rules.ready,
+                workspace, trial, 0,
             )  # fmt: skip
         if size == 0:
             return False
@@ -88,7 +88,7 @@ def time_back(rules, lines, course, length, last, settled, desk, trial):
 
 @kernel
 def copy_course(source, destination, bodies):
-    """Copy a course, its stairs at all bodies."""
+    """Copy an order, its fronts at all bodies."""
     write(destination.order, source.order)
     for side in range(2):
         one, other = source.came, destination.came
@@ -108,22 +108,22 @@ def insert(order, source, position):
 
 
 @kernel
-def left_with(rules, lines, course, length, j, p, latest, desk, trial):
+def left_with(rules, table, course, length, j, p, latest, workspace, trial):
     """Time that is left once a target is put in at a position [s]; −inf if it does not fit.
 
     ``latest`` is when the chaser has to be ready at the next target, or when the mission ends.
     """
     order, came, suffices = course.order, course.came, course.suffices
     i = _before(rules, order, p)
-    size = staircases.forwards(rules, lines, i, j, p > 0, came, i, latest, desk, trial, 0)
+    size = staircases.forwards(rules, table, i, j, p > 0, came, i, latest, workspace, trial, 0)
     if size == 0:
         return -np.inf
     earliest = trial.time[0, 0]
     if p == length:
-        size = fronts_backward.finish(rules, lines, j, earliest, desk, trial, 1)
+        size = fronts_backward.finish(rules, table, j, earliest, workspace, trial, 1)
     else:
         size = fronts_backward.backwards(
-            rules, lines, j, order[p], True, suffices, order[p], earliest, desk, trial, 1
+            rules, table, j, order[p], True, suffices, order[p], earliest, workspace, trial, 1
         )
     if size == 0:
         return -np.inf
@@ -131,9 +131,9 @@ def left_with(rules, lines, course, length, j, p, latest, desk, trial):
 
 
 @kernel
-def best_position(rules, lines, reach, course, length, j, desk, trial, rng):
+def best_position(rules, table, reach, course, length, j, workspace, trial, rng):
     """Where most time is left once a target is put in; −1 if it fits in nowhere."""
-    rules, lines, reach = borrowed(rules), borrowed(lines), borrowed(reach)
+    rules, table, reach = borrowed(rules), borrowed(table), borrowed(reach)
     course, trial = borrowed(course), borrowed(trial)
     best, most = -1, -np.inf
     order, came, suffices = course.order, course.came, course.suffices
@@ -147,7 +147,7 @@ def best_position(rules, lines, reach, course, length, j, desk, trial, rng):
             latest, need = suffices.time[k, 0], suffices.tank[k, suffices.size[k] - 1]
         times, tanks = (came.time[i, 0], latest), (came.tank[i, came.size[i] - 1], need)
         if may_fit(rules, reach, i, j, k, times, tanks, p > 0):
-            left = left_with(rules, lines, course, length, j, p, latest, desk, trial)
+            left = left_with(rules, table, course, length, j, p, latest, workspace, trial)
             if left > most:
                 best, most = p, left
     return best
@@ -156,7 +156,7 @@ def best_position(rules, lines, reach, course, length, j, desk, trial, rng):
 @kernel
 def new_course(order, bodies):
     """A course for a copy of an order, of which nothing is timed yet."""
-    return BitOrder(order.copy(), staircases.new_stairs(bodies), staircases.new_stairs(bodies))
+    return BitOrder(order.copy(), staircases.new_front(bodies), staircases.new_front(bodies))
 
 
 @kernel
@@ -183,13 +183,13 @@ def with_refuelling(rules, course, length):
     """The sequence of bodies that ends first, refuelling stops included."""
     order, came = course.order, course.came
     backwards = np.empty(2 * length, np.int64)
-    moves, stair = 0, 0
+    moves, point = 0, 0
     for p in range(length - 1, -1, -1):
         j = order[p]
         backwards[moves] = j
         moves += 1
-        if came.via[j, stair] != STRAIGHT:
-            backwards[moves] = came.via[j, stair]
+        if came.via[j, point] != STRAIGHT:
+            backwards[moves] = came.via[j, point]
             moves += 1
-        stair = came.parent[j, stair]
+        point = came.parent[j, point]
     return backwards[:moves][::-1].copy()

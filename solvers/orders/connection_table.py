@@ -59,8 +59,8 @@ def _mark(found, limits, j, values, taken, wanted):
             wanted[taken[place]] = True
 
 
-def lines_of(mission: Mission) -> ConnectionTable:
-    """The lines of a mission under which nodes drift; its timetable is built."""
+def table_of(mission: Mission) -> ConnectionTable:
+    """The table of a mission under which nodes drift; its timetable is built."""
     rules, limits = mission.rules, mission.timetable.limits
     connecting = mission.timetable.connecting
     usual = TIME_VALUE_M_S_PER_H * mission.instance.hurry / HOUR_S

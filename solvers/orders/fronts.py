@@ -1,12 +1,12 @@
 """How far an order of targets can be flown, from both of its ends, over many connections a pair.
 
-Towards the end of the order: all ways to have come so far that are worth having, *stairs* of (time
-ready, ΔV left), the later the richer. Towards its beginning: all that suffices to fly the rest,
-stairs of (latest time ready, least ΔV needed). Between any two targets the chaser may refuel at a
-station. An order can be flown if at one of its targets a way to have come there suffices for the
-rest; so whether a target fits in between two others is answered without looking at the others.
+Forwards, the Pareto front at a target has the ways to have come so far that are worth having:
+points of (time ready, ΔV left), the later the richer. Backwards it has what suffices to fly the
+rest: points of (latest time ready, least ΔV needed). Between any two targets the chaser may refuel
+at a station. An order can be flown if at one of its targets a way to have come there suffices for
+the rest; so whether a target fits in between two others is answered without looking at the others.
 
-Stairs that are hardly higher than the one before are left out: they cost plans, not legality.
+Points that are hardly better than the one before are left out: they cost plans, not legality.
 """
 
 from __future__ import annotations
@@ -21,25 +21,25 @@ from adr_opt.kernels.core.memory import borrowed
 
 from ..beams.levels import STRAIGHT
 
-MOST_STAIRS = 64
+MOST_POINTS = 64
 
 STEPS = 60
-"""A stair is higher than the one before by this part of a tank."""
+"""A point has more ΔV than the one before by at least this part of a tank."""
 
 
 class ParetoFront(NamedTuple):
-    """Stairs at several places, side by side.
+    """Pareto fronts at several places, side by side.
 
     Attributes
     ----------
     size : (places,) int64
-        Number of stairs.
+        Number of points.
     time : (places, MOST_STAIRS) float64
         Forwards: ready since, ascending; backwards: ready at the latest, descending [s].
     tank : (places, MOST_STAIRS) float64
         Forwards: ΔV left, ascending; backwards: ΔV needed, descending [m/s].
     parent, via : (places, MOST_STAIRS) int16
-        Forwards only: stair at the place before, and station on the way or STRAIGHT.
+        Forwards only: point at the place before, and station on the way or STRAIGHT.
     """
 
     size: np.ndarray
@@ -59,7 +59,7 @@ class Workspace(NamedTuple):
     parent : (connections,) int16
         By connection of a pair.
     parts : ParetoFront
-        Three places, for stairs before they are merged.
+        Three places, for fronts before they are merged.
     """
 
     tank: np.ndarray
@@ -68,20 +68,20 @@ class Workspace(NamedTuple):
 
 
 @kernel
-def new_stairs(places):
-    """Room for stairs."""
+def new_front(places):
+    """Room for fronts."""
     return ParetoFront(
-        np.zeros(places, np.int64), np.empty((places, MOST_STAIRS)),
-        np.empty((places, MOST_STAIRS)), np.empty((places, MOST_STAIRS), np.int16),
-        np.empty((places, MOST_STAIRS), np.int16),
+        np.zeros(places, np.int64), np.empty((places, MOST_POINTS)),
+        np.empty((places, MOST_POINTS)), np.empty((places, MOST_POINTS), np.int16),
+        np.empty((places, MOST_POINTS), np.int16),
     )  # fmt: skip
 
 
 @kernel
-def new_desk(lines):
+def new_workspace(table):
     """Memory to work in, enough for any pair."""
-    most = max(1, lines.total.max())
-    return Workspace(np.empty(most), np.empty(most, np.int16), new_stairs(3))
+    most = max(1, table.total.max())
+    return Workspace(np.empty(most), np.empty(most, np.int16), new_front(3))
 
 
 @inlined
@@ -97,12 +97,12 @@ def first_at(numbers, low, high, least):
 
 
 @inlined
-def first_by_end(lines, begin, total, least):
+def first_by_end(table, begin, total, least):
     """The first place in the order of ends where they are at least so large."""
     low, high = 0, total
     while low < high:
         middle = (low + high) // 2
-        if lines.end[begin + lines.by_end[begin + middle]] < least:
+        if table.end[begin + table.by_end[begin + middle]] < least:
             low = middle + 1
         else:
             high = middle
@@ -110,72 +110,72 @@ def first_by_end(lines, begin, total, least):
 
 
 @inlined
-def put(stairs, place, size, time, tank, parent, via):
-    """Add the next stair; returns how many there are."""
-    stairs.time[place, size], stairs.tank[place, size] = time, tank
-    stairs.parent[place, size], stairs.via[place, size] = parent, via
+def put(front, place, size, time, tank, parent, via):
+    """Add the next point; returns how many there are."""
+    front.time[place, size], front.tank[place, size] = time, tank
+    front.parent[place, size], front.via[place, size] = parent, via
     return size + 1
 
 
 @kernel
-def _fly(lines, i, j, here, at, latest, step, desk, there, to, via):
-    """Stairs that the connections of a pair lead to, none after a time; returns how many."""
-    lines = borrowed(lines)
+def _fly(table, i, j, here, at, latest, step, workspace, there, to, via):
+    """Points that the connections of a pair lead to, none after a time; returns how many."""
+    table = borrowed(table)
     here = borrowed(here)
     there = borrowed(there)
-    desk = borrowed(desk)
-    begin, total = lines.first[i, j], lines.total[i, j]
+    workspace = borrowed(workspace)
+    begin, total = table.first[i, j], table.total[i, j]
     size = here.size[at]
-    if total == 0 or here.tank[at, size - 1] < lines.least[i, j]:
+    if total == 0 or here.tank[at, size - 1] < table.least[i, j]:
         return 0
     low = first_at(
-        lines.departure, begin, begin + total, earliest_taken(here.time[at, 0])
+        table.departure, begin, begin + total, earliest_taken(here.time[at, 0])
     )  # fmt: skip
-    stair, high = 0, low
-    while high < begin + total and lines.departure[high] <= latest:
+    point, high = 0, low
+    while high < begin + total and table.departure[high] <= latest:
         while (
-            stair + 1 < size and earliest_taken(here.time[at, stair + 1]) <= lines.departure[high]
+            point + 1 < size and earliest_taken(here.time[at, point + 1]) <= table.departure[high]
         ):
-            stair += 1
-        desk.tank[high - begin] = here.tank[at, stair] - lines.delta_v[high]
-        desk.parent[high - begin] = stair
+            point += 1
+        workspace.tank[high - begin] = here.tank[at, point] - table.delta_v[high]
+        workspace.parent[high - begin] = point
         high += 1
     if high == low:
         return 0
-    most = here.tank[at, stair] - lines.least[i, j] - step
+    most = here.tank[at, point] - table.least[i, j] - step
     count, best = 0, -step
-    for place in range(first_by_end(lines, begin, total, lines.departure[low]), total):
-        c = np.int64(lines.by_end[begin + place])
-        end = lines.end[begin + c]
+    for place in range(first_by_end(table, begin, total, table.departure[low]), total):
+        c = np.int64(table.by_end[begin + place])
+        end = table.end[begin + c]
         if end > latest:
             break
         if c < low - begin or c >= high - begin:
             continue
-        left = desk.tank[c]
+        left = workspace.tank[c]
         if left < 0.0 or left <= best + step:
             continue
         best = left
-        count = put(there, to, count, end, left, desk.parent[c], via)
-        if count == MOST_STAIRS or best >= most:
+        count = put(there, to, count, end, left, workspace.parent[c], via)
+        if count == MOST_POINTS or best >= most:
             break
     return count
 
 
 @kernel
-def _refuelled(lines, i, s, here, at, latest):
-    """When a chaser may be refuelled at a station at the earliest [s], and by which stair."""
-    lines = borrowed(lines)
+def _refuelled(table, i, s, here, at, latest):
+    """When a chaser may be refuelled at a station at the earliest [s], and by which point."""
+    table = borrowed(table)
     here = borrowed(here)
-    begin, total = lines.first[i, s], lines.total[i, s]
+    begin, total = table.first[i, s], table.total[i, s]
     size = here.size[at]
-    if total == 0 or here.tank[at, size - 1] < lines.least[i, s]:
+    if total == 0 or here.tank[at, size - 1] < table.least[i, s]:
         return np.inf, 0
     ready = earliest_taken(here.time[at, 0])
-    for place in range(first_by_end(lines, begin, total, ready), total):
-        c = begin + lines.by_end[begin + place]
-        if lines.end[c] > latest:
+    for place in range(first_by_end(table, begin, total, ready), total):
+        c = begin + table.by_end[begin + place]
+        if table.end[c] > latest:
             break
-        departure = lines.departure[c]
+        departure = table.departure[c]
         if departure < ready:
             continue
         low, high = 0, size
@@ -185,8 +185,8 @@ def _refuelled(lines, i, s, here, at, latest):
                 low = middle + 1
             else:
                 high = middle
-        if here.tank[at, low - 1] >= lines.delta_v[c]:
-            return lines.end[c], low - 1
+        if here.tank[at, low - 1] >= table.delta_v[c]:
+            return table.end[c], low - 1
     return np.inf, 0
 
 
@@ -196,38 +196,38 @@ def _merge(count, parts, rest, step, to, at):
     parts = borrowed(parts)
     to = borrowed(to)
     a, b, size, best = 0, 0, 0, -step
-    while (a < count or b < rest) and size < MOST_STAIRS:
+    while (a < count or b < rest) and size < MOST_POINTS:
         if b == rest or (a < count and parts.time[0, a] <= parts.time[1, b]):
-            place, stair = 0, a
+            place, point = 0, a
             a += 1
         else:
-            place, stair = 1, b
+            place, point = 1, b
             b += 1
-        if parts.tank[place, stair] > best + step:
-            best = parts.tank[place, stair]
+        if parts.tank[place, point] > best + step:
+            best = parts.tank[place, point]
             size = put(
-                to, at, size, parts.time[place, stair], best, parts.parent[place, stair],
-                parts.via[place, stair],
+                to, at, size, parts.time[place, point], best, parts.parent[place, point],
+                parts.via[place, point],
             )  # fmt: skip
     to.size[at] = size
     return size
 
 
 @kernel
-def forwards(rules, lines, i, j, refuels, here, at, latest, desk, there, to):
-    """Stairs at the next target of an order, none after a time.
+def forwards(rules, table, i, j, refuels, here, at, latest, workspace, there, to):
+    """The front at the next target of an order, none of it after a time.
 
     Parameters
     ----------
     rules : Rules
-    lines : Lines
+    table : ConnectionTable
     i, j : int
-        Where the stairs ``at`` of ``here`` are, and the next target.
+        Where the front ``at`` of ``here`` is, and the next target.
     refuels : bool
         Whether the chaser may come by a station: it has serviced a target since the last.
     latest : float
         [s].
-    desk : Workspace
+    workspace : Workspace
     there : ParetoFront
         Written at the place ``to``.
 
@@ -236,24 +236,24 @@ def forwards(rules, lines, i, j, refuels, here, at, latest, desk, there, to):
     size : int
         0 if the target cannot be reached.
     """
-    lines, here, there = borrowed(lines), borrowed(here), borrowed(there)
-    desk = borrowed(desk)
-    parts = desk.parts
+    table, here, there = borrowed(table), borrowed(here), borrowed(there)
+    workspace = borrowed(workspace)
+    parts = workspace.parts
     step = rules.budget / STEPS
-    count = _fly(lines, i, j, here, at, latest, step, desk, parts, 0, STRAIGHT)
+    count = _fly(table, i, j, here, at, latest, step, workspace, parts, 0, STRAIGHT)
     size = _merge(count, parts, 0, step, there, to)
     if not refuels:
         return size
     for s in range(rules.stations):
         if s == i:
             continue
-        full, stair = _refuelled(lines, i, s, here, at, latest)
+        full, point = _refuelled(table, i, s, here, at, latest)
         if full == np.inf:
             continue
         parts.size[2], parts.time[2, 0], parts.tank[2, 0] = 1, full, rules.budget
-        rest = _fly(lines, s, j, parts, 2, latest, step, desk, parts, 1, s)
+        rest = _fly(table, s, j, parts, 2, latest, step, workspace, parts, 1, s)
         for b in range(rest):
-            parts.parent[1, b] = stair
+            parts.parent[1, b] = point
         if rest > 0:
             for a in range(size):
                 put(
@@ -266,7 +266,7 @@ def forwards(rules, lines, i, j, refuels, here, at, latest, desk, there, to):
 
 @kernel
 def take(source, at, destination, to):
-    """Copy stairs; whether the same ones were there."""
+    """Copy a front; whether the same one was there."""
     source, destination = borrowed(source), borrowed(destination)
     size = source.size[at]
     same = destination.size[to] == size
@@ -283,12 +283,12 @@ def take(source, at, destination, to):
 @inlined
 def slack(came, at, suffices, to):
     """How much later a chaser might be and still fly the rest [s]; −inf if it cannot."""
-    best, stair = -np.inf, 0
+    best, point = -np.inf, 0
     size = came.size[at]
     for rest in range(suffices.size[to] - 1, -1, -1):
-        while stair < size and came.tank[at, stair] < suffices.tank[to, rest]:
-            stair += 1
-        if stair == size:
+        while point < size and came.tank[at, point] < suffices.tank[to, rest]:
+            point += 1
+        if point == size:
             break
-        best = max(best, suffices.time[to, rest] - came.time[at, stair])
+        best = max(best, suffices.time[to, rest] - came.time[at, point])
     return best if best >= 0.0 else -np.inf

@@ -1,4 +1,4 @@
-"""What suffices to fly the rest of an order: the stairs of :mod:`.fronts` towards its beginning."""
+"""What suffices to fly the rest of an order: the fronts of :mod:`.fronts` towards its beginning."""
 
 from __future__ import annotations
 
@@ -8,58 +8,62 @@ from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.memory import borrowed
 
 from ..beams.levels import STRAIGHT
-from .fronts import MOST_STAIRS, STEPS, first_at, first_by_end, put
+from .fronts import MOST_POINTS, STEPS, first_at, first_by_end, put
 
 
 @kernel
-def _fly_back(lines, i, j, budget, there, at, earliest, step, desk, here, to):
-    """Stairs from which the connections of a pair lead to others, none before a time."""
-    lines = borrowed(lines)
+def _fly_back(table, i, j, budget, there, at, earliest, step, workspace, here, to):
+    """Points from which the connections of a pair lead to others, none before a time."""
+    table = borrowed(table)
     here = borrowed(here)
     there = borrowed(there)
-    desk = borrowed(desk)
-    begin, total = lines.first[i, j], lines.total[i, j]
+    workspace = borrowed(workspace)
+    begin, total = table.first[i, j], table.total[i, j]
     size = there.size[at]
-    if total == 0 or there.tank[at, size - 1] + lines.least[i, j] > budget:
+    if total == 0 or there.tank[at, size - 1] + table.least[i, j] > budget:
         return 0
     latest = there.time[at, 0]
-    stair, last = np.int64(0), first_by_end(lines, begin, total, latest)
-    while last < total and lines.end[begin + lines.by_end[begin + last]] <= latest:
+    point, last = np.int64(0), first_by_end(table, begin, total, latest)
+    while last < total and table.end[begin + table.by_end[begin + last]] <= latest:
         last += 1
     for place in range(last - 1, -1, -1):
-        which = np.int64(lines.by_end[begin + place])
-        end = lines.end[begin + which]
+        which = np.int64(table.by_end[begin + place])
+        end = table.end[begin + which]
         if end < earliest:
             break
-        while stair + 1 < size and there.time[at, stair + 1] >= end:
-            stair += 1
-        desk.tank[which] = there.tank[at, stair] + lines.delta_v[begin + which]
-    least = there.tank[at, stair] + lines.least[i, j] + step
+        while point + 1 < size and there.time[at, point + 1] >= end:
+            point += 1
+        workspace.tank[which] = there.tank[at, point] + table.delta_v[begin + which]
+    least = there.tank[at, point] + table.least[i, j] + step
     count, best = 0, budget + step
-    for c in range(first_at(lines.departure, begin, begin + total, latest) - begin - 1, -1, -1):
-        departure = lines.departure[begin + c]
+    for c in range(first_at(table.departure, begin, begin + total, latest) - begin - 1, -1, -1):
+        departure = table.departure[begin + c]
         if departure < earliest:
             break
-        if lines.end[begin + c] > latest or desk.tank[c] > budget or desk.tank[c] >= best - step:
+        if (
+            table.end[begin + c] > latest
+            or workspace.tank[c] > budget
+            or workspace.tank[c] >= best - step
+        ):
             continue
-        best = desk.tank[c]
+        best = workspace.tank[c]
         count = put(here, to, count, departure, best, 0, STRAIGHT)
-        if count == MOST_STAIRS or best <= least:
+        if count == MOST_POINTS or best <= least:
             break
     return count
 
 
 @kernel
-def _needed_full(lines, s, j, budget, there, at, earliest):
+def _needed_full(table, s, j, budget, there, at, earliest):
     """How late a chaser may be refuelled at a station; −inf for never [s]."""
-    lines = borrowed(lines)
+    table = borrowed(table)
     there = borrowed(there)
-    begin, total = lines.first[s, j], lines.total[s, j]
+    begin, total = table.first[s, j], table.total[s, j]
     size, latest = there.size[at], there.time[at, 0]
-    for c in range(first_at(lines.departure, begin, begin + total, latest) - 1, begin - 1, -1):
-        if lines.departure[c] < earliest:
+    for c in range(first_at(table.departure, begin, begin + total, latest) - 1, begin - 1, -1):
+        if table.departure[c] < earliest:
             break
-        end = lines.end[c]
+        end = table.end[c]
         if end > latest:
             continue
         low, high = 0, size
@@ -69,8 +73,8 @@ def _needed_full(lines, s, j, budget, there, at, earliest):
                 low = middle + 1
             else:
                 high = middle
-        if there.tank[at, low - 1] + lines.delta_v[c] <= budget:
-            return lines.departure[c]
+        if there.tank[at, low - 1] + table.delta_v[c] <= budget:
+            return table.departure[c]
     return -np.inf
 
 
@@ -80,42 +84,42 @@ def _merge_back(count, parts, rest, step, to, at):
     parts = borrowed(parts)
     to = borrowed(to)
     a, b, size, best = 0, 0, 0, np.inf
-    while (a < count or b < rest) and size < MOST_STAIRS:
+    while (a < count or b < rest) and size < MOST_POINTS:
         if b == rest or (a < count and parts.time[0, a] >= parts.time[1, b]):
-            place, stair = 0, a
+            place, point = 0, a
             a += 1
         else:
-            place, stair = 1, b
+            place, point = 1, b
             b += 1
-        if parts.tank[place, stair] < best - step:
-            best = parts.tank[place, stair]
-            size = put(to, at, size, parts.time[place, stair], best, 0, STRAIGHT)
+        if parts.tank[place, point] < best - step:
+            best = parts.tank[place, point]
+            size = put(to, at, size, parts.time[place, point], best, 0, STRAIGHT)
     to.size[at] = size
     return size
 
 
 @kernel
-def backwards(rules, lines, i, j, refuels, there, at, earliest, desk, here, to):
-    """Stairs that suffice at a target before one with given stairs, none before a time.
+def backwards(rules, table, i, j, refuels, there, at, earliest, workspace, here, to):
+    """The front that suffices at a target before one with a given front, none before a time.
 
     Parameters as of :func:`.fronts.forwards`, from ``there`` back to ``here``.
     """
-    lines, here, there = borrowed(lines), borrowed(here), borrowed(there)
-    desk = borrowed(desk)
-    parts = desk.parts
+    table, here, there = borrowed(table), borrowed(here), borrowed(there)
+    workspace = borrowed(workspace)
+    parts = workspace.parts
     step = rules.budget / STEPS
-    count = _fly_back(lines, i, j, rules.budget, there, at, earliest, step, desk, parts, 0)
+    count = _fly_back(table, i, j, rules.budget, there, at, earliest, step, workspace, parts, 0)
     size = _merge_back(count, parts, 0, step, here, to)
     if not refuels:
         return size
     for s in range(rules.stations):
         if s == i:
             continue
-        full = _needed_full(lines, s, j, rules.budget, there, at, earliest)
+        full = _needed_full(table, s, j, rules.budget, there, at, earliest)
         if full == -np.inf:
             continue
         parts.size[2], parts.time[2, 0], parts.tank[2, 0] = 1, full, 0.0
-        rest = _fly_back(lines, i, s, rules.budget, parts, 2, earliest, step, desk, parts, 1)
+        rest = _fly_back(table, i, s, rules.budget, parts, 2, earliest, step, workspace, parts, 1)
         if rest > 0:
             for a in range(size):
                 put(parts, 0, a, here.time[to, a], here.tank[to, a], 0, STRAIGHT)
@@ -124,9 +128,9 @@ def backwards(rules, lines, i, j, refuels, there, at, earliest, desk, here, to):
 
 
 @kernel
-def finish(rules, lines, i, earliest, desk, here, to):
-    """Stairs that suffice at the last target of an order."""
-    size, parts = np.int64(0), desk.parts
+def finish(rules, table, i, earliest, workspace, here, to):
+    """The front that suffices at the last target of an order."""
+    size, parts = np.int64(0), workspace.parts
     if rules.may_end[i]:
         size = put(here, to, size, rules.duration, 0.0, 0, STRAIGHT)
         here.size[to] = size
@@ -136,7 +140,9 @@ def finish(rules, lines, i, earliest, desk, here, to):
     for s in range(rules.stations):
         if s != i and rules.may_end[s]:
             parts.size[2], parts.time[2, 0], parts.tank[2, 0] = 1, rules.duration, 0.0
-            rest = _fly_back(lines, i, s, rules.budget, parts, 2, earliest, step, desk, parts, 1)
+            rest = _fly_back(
+                table, i, s, rules.budget, parts, 2, earliest, step, workspace, parts, 1
+            )
             for a in range(size):
                 put(parts, 0, a, here.time[to, a], here.tank[to, a], 0, STRAIGHT)
             size = _merge_back(size, parts, rest, step, here, to)

@@ -30,7 +30,7 @@ from ..beams.time_value import TIME_VALUE_M_S_PER_H
 from ..progress.halting import halted_by
 from . import bit_orders
 from . import fronts as staircases
-from .connection_table import lines_of
+from .connection_table import table_of
 from .reach import reach_of
 
 LONGEST_STRING = 6
@@ -104,7 +104,7 @@ def ruin(order, length, near, rng):
 
 
 @kernel
-def _recreate(rules, lines, reach, course, length, far, absent, desk, trial, rng):
+def _recreate(rules, table, reach, course, length, far, absent, workspace, trial, rng):
     """Put missing targets back in, as far as they fit; returns how many are visited, or −1."""
     order = course.order
     missing = order.size - length
@@ -125,7 +125,7 @@ def _recreate(rules, lines, reach, course, length, far, absent, desk, trial, rng
         if length == rules.most_targets:
             break
         position = bit_orders.best_position(
-            rules, lines, reach, course, length, j, desk, trial, rng
+            rules, table, reach, course, length, j, workspace, trial, rng
         )
         if position < 0:
             continue
@@ -135,24 +135,26 @@ def _recreate(rules, lines, reach, course, length, far, absent, desk, trial, rng
         bit_orders.insert(order, source, position)
         length += 1
         if not (
-            bit_orders.time_back(rules, lines, course, length, position, position - 1, desk, trial)
+            bit_orders.time_back(
+                rules, table, course, length, position, position - 1, workspace, trial
+            )
             and bit_orders.time_forth(
-                rules, lines, course, length, position, position + 1, desk, trial
+                rules, table, course, length, position, position + 1, workspace, trial
             )
         ):
-            # Of stairs of about one height the one that would have done was left out.
+            # Of points of about one ΔV the one that would have done was left out.
             return -1
     return length
 
 
 @kernel
-def anneal(rules, lines, reach, order, length, near, far, absent, weights, iterations, rng, halt):
+def anneal(rules, table, reach, order, length, near, far, absent, weights, iterations, rng, halt):
     """Improve an order.
 
     Parameters
     ----------
     rules : Rules
-    lines : Lines
+    table : ConnectionTable
     order : (targets,) int64
         All targets: those visited in order, as far as they can be timed, then the others. Left as
         the last order accepted.
@@ -178,20 +180,20 @@ def anneal(rules, lines, reach, order, length, near, far, absent, weights, itera
     length : int
         Of the last order accepted.
     """
-    rules, lines, reach = borrowed(rules), borrowed(lines), borrowed(reach)
+    rules, table, reach = borrowed(rules), borrowed(table), borrowed(reach)
     worth, hot, cold = weights
     bodies = rules.service.size
-    desk = staircases.new_desk(lines)
-    trial = staircases.new_stairs(2)
+    workspace = staircases.new_workspace(table)
+    trial = staircases.new_front(2)
     here, there = bit_orders.new_course(order, bodies), bit_orders.new_course(order, bodies)
     for course in (here, there):
         start, came = rules.start, course.came
         came.size[start], came.time[start, 0], came.tank[start, 0] = 1, rules.ready, rules.budget
     while not (
-        bit_orders.time_back(rules, lines, here, length, length - 1, -1, desk, trial)
-        and bit_orders.time_forth(rules, lines, here, length, 0, length, desk, trial)
+        bit_orders.time_back(rules, table, here, length, length - 1, -1, workspace, trial)
+        and bit_orders.time_forth(rules, table, here, length, 0, length, workspace, trial)
     ):
-        # A schedule over all connections may get farther than these lines do.
+        # A schedule over all connections may get farther than this table does.
         length -= 1
     bit_orders.copy_course(here, there, bodies)
     prize = bit_orders.prize_of(rules, here, length)
@@ -206,11 +208,11 @@ def anneal(rules, lines, reach, order, length, near, far, absent, weights, itera
         if length > 0:
             size, first, last = ruin(there.order, length, near, rng)
         possible = bit_orders.time_back(
-            rules, lines, there, size, min(last, size) - 1, first - 1, desk, trial
-        ) and bit_orders.time_forth(rules, lines, there, size, 0, max(last, 1), desk, trial)
+            rules, table, there, size, min(last, size) - 1, first - 1, workspace, trial
+        ) and bit_orders.time_forth(rules, table, there, size, 0, max(last, 1), workspace, trial)
         new_value = -np.inf
         if possible:
-            size = _recreate(rules, lines, reach, there, size, far, absent, desk, trial, rng)
+            size = _recreate(rules, table, reach, there, size, far, absent, workspace, trial, rng)
             possible = size >= 0
         if possible:
             prize = bit_orders.prize_of(rules, there, size)
@@ -231,15 +233,15 @@ def anneal(rules, lines, reach, order, length, near, far, absent, weights, itera
 
 
 @kernel
-def _nearness(rules, lines, time_value):
+def _nearness(rules, table, time_value):
     """What the best connection of each pair costs in either direction, time at its value [m/s]."""
     bodies = rules.service.size
     apart = np.full((bodies, bodies), np.inf)
     for i in range(bodies):
         for j in range(bodies):
-            begin = lines.first[i, j]
-            for c in range(begin, begin + lines.total[i, j]):
-                cost = lines.delta_v[c] + time_value * (lines.end[c] - lines.departure[c])
+            begin = table.first[i, j]
+            for c in range(begin, begin + table.total[i, j]):
+                cost = table.delta_v[c] + time_value * (table.end[c] - table.departure[c])
                 apart[i, j] = min(apart[i, j], cost)
                 apart[j, i] = min(apart[j, i], cost)
         apart[i, i] = 0.0
@@ -260,7 +262,7 @@ class Strings:
     def __init__(self, mission: Mission, seed: int, stop: Stop) -> None:
         self._mission, self._stop = mission, stop
         self._rng = np.random.default_rng(seed)
-        self._lines = lines_of(mission)
+        self._lines = table_of(mission)
         rules = mission.rules
         value = TIME_VALUE_M_S_PER_H * mission.instance.hurry / HOUR_S
         self._reach = reach_of(self._lines, rules.stations, rules.duration)
