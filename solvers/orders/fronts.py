@@ -78,9 +78,9 @@ def new_front(places):
 
 
 @kernel
-def new_workspace(table):
+def new_workspace(connections):
     """Memory to work in, enough for any pair."""
-    most = max(1, table.total.max())
+    most = max(1, connections.total.max())
     return Workspace(np.empty(most), np.empty(most, np.int16), new_front(3))
 
 
@@ -97,12 +97,12 @@ def first_at(numbers, low, high, least):
 
 
 @inlined
-def first_by_end(table, begin, total, least):
+def first_by_end(connections, begin, total, least):
     """The first place in the order of ends where they are at least so large."""
     low, high = 0, total
     while low < high:
         middle = (low + high) // 2
-        if table.end[begin + table.by_end[begin + middle]] < least:
+        if connections.end[begin + connections.by_end[begin + middle]] < least:
             low = middle + 1
         else:
             high = middle
@@ -118,35 +118,36 @@ def put(front, place, size, time, tank, parent, via):
 
 
 @kernel
-def _fly(table, i, j, here, at, latest, step, workspace, there, to, via):
+def _fly(connections, i, j, here, at, latest, step, workspace, there, to, via):
     """Points that the connections of a pair lead to, none after a time; returns how many."""
-    table = borrowed(table)
+    connections = borrowed(connections)
     here = borrowed(here)
     there = borrowed(there)
     workspace = borrowed(workspace)
-    begin, total = table.first[i, j], table.total[i, j]
+    begin, total = connections.first[i, j], connections.total[i, j]
     size = here.size[at]
-    if total == 0 or here.tank[at, size - 1] < table.least[i, j]:
+    if total == 0 or here.tank[at, size - 1] < connections.least[i, j]:
         return 0
     low = first_at(
-        table.departure, begin, begin + total, earliest_taken(here.time[at, 0])
+        connections.departure, begin, begin + total, earliest_taken(here.time[at, 0])
     )  # fmt: skip
     point, high = 0, low
-    while high < begin + total and table.departure[high] <= latest:
+    while high < begin + total and connections.departure[high] <= latest:
         while (
-            point + 1 < size and earliest_taken(here.time[at, point + 1]) <= table.departure[high]
+            point + 1 < size
+            and earliest_taken(here.time[at, point + 1]) <= connections.departure[high]
         ):
             point += 1
-        workspace.tank[high - begin] = here.tank[at, point] - table.delta_v[high]
+        workspace.tank[high - begin] = here.tank[at, point] - connections.delta_v[high]
         workspace.parent[high - begin] = point
         high += 1
     if high == low:
         return 0
-    most = here.tank[at, point] - table.least[i, j] - step
+    most = here.tank[at, point] - connections.least[i, j] - step
     count, best = 0, -step
-    for place in range(first_by_end(table, begin, total, table.departure[low]), total):
-        c = np.int64(table.by_end[begin + place])
-        end = table.end[begin + c]
+    for place in range(first_by_end(connections, begin, total, connections.departure[low]), total):
+        c = np.int64(connections.by_end[begin + place])
+        end = connections.end[begin + c]
         if end > latest:
             break
         if c < low - begin or c >= high - begin:
@@ -162,20 +163,20 @@ def _fly(table, i, j, here, at, latest, step, workspace, there, to, via):
 
 
 @kernel
-def _refuelled(table, i, s, here, at, latest):
+def _refuelled(connections, i, s, here, at, latest):
     """When a chaser may be refuelled at a station at the earliest [s], and by which point."""
-    table = borrowed(table)
+    connections = borrowed(connections)
     here = borrowed(here)
-    begin, total = table.first[i, s], table.total[i, s]
+    begin, total = connections.first[i, s], connections.total[i, s]
     size = here.size[at]
-    if total == 0 or here.tank[at, size - 1] < table.least[i, s]:
+    if total == 0 or here.tank[at, size - 1] < connections.least[i, s]:
         return np.inf, 0
     ready = earliest_taken(here.time[at, 0])
-    for place in range(first_by_end(table, begin, total, ready), total):
-        c = begin + table.by_end[begin + place]
-        if table.end[c] > latest:
+    for place in range(first_by_end(connections, begin, total, ready), total):
+        c = begin + connections.by_end[begin + place]
+        if connections.end[c] > latest:
             break
-        departure = table.departure[c]
+        departure = connections.departure[c]
         if departure < ready:
             continue
         low, high = 0, size
@@ -185,8 +186,8 @@ def _refuelled(table, i, s, here, at, latest):
                 low = middle + 1
             else:
                 high = middle
-        if here.tank[at, low - 1] >= table.delta_v[c]:
-            return table.end[c], low - 1
+        if here.tank[at, low - 1] >= connections.delta_v[c]:
+            return connections.end[c], low - 1
     return np.inf, 0
 
 
@@ -214,13 +215,13 @@ def _merge(count, parts, rest, step, to, at):
 
 
 @kernel
-def forwards(rules, table, i, j, refuels, here, at, latest, workspace, there, to):
+def forwards(rules, connections, i, j, refuels, here, at, latest, workspace, there, to):
     """The front at the next target of an order, none of it after a time.
 
     Parameters
     ----------
     rules : Rules
-    table : ConnectionTable
+    connections : ConnectionTable
     i, j : int
         Where the front ``at`` of ``here`` is, and the next target.
     refuels : bool
@@ -236,22 +237,22 @@ def forwards(rules, table, i, j, refuels, here, at, latest, workspace, there, to
     size : int
         0 if the target cannot be reached.
     """
-    table, here, there = borrowed(table), borrowed(here), borrowed(there)
+    connections, here, there = borrowed(connections), borrowed(here), borrowed(there)
     workspace = borrowed(workspace)
     parts = workspace.parts
     step = rules.budget / STEPS
-    count = _fly(table, i, j, here, at, latest, step, workspace, parts, 0, STRAIGHT)
+    count = _fly(connections, i, j, here, at, latest, step, workspace, parts, 0, STRAIGHT)
     size = _merge(count, parts, 0, step, there, to)
     if not refuels:
         return size
     for s in range(rules.stations):
         if s == i:
             continue
-        full, point = _refuelled(table, i, s, here, at, latest)
+        full, point = _refuelled(connections, i, s, here, at, latest)
         if full == np.inf:
             continue
         parts.size[2], parts.time[2, 0], parts.tank[2, 0] = 1, full, rules.budget
-        rest = _fly(table, s, j, parts, 2, latest, step, workspace, parts, 1, s)
+        rest = _fly(connections, s, j, parts, 2, latest, step, workspace, parts, 1, s)
         for b in range(rest):
             parts.parent[1, b] = point
         if rest > 0:

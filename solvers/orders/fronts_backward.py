@@ -12,36 +12,38 @@ from .fronts import MOST_POINTS, STEPS, first_at, first_by_end, put
 
 
 @kernel
-def _fly_back(table, i, j, budget, there, at, earliest, step, workspace, here, to):
+def _fly_back(connections, i, j, budget, there, at, earliest, step, workspace, here, to):
     """Points from which the connections of a pair lead to others, none before a time."""
-    table = borrowed(table)
+    connections = borrowed(connections)
     here = borrowed(here)
     there = borrowed(there)
     workspace = borrowed(workspace)
-    begin, total = table.first[i, j], table.total[i, j]
+    begin, total = connections.first[i, j], connections.total[i, j]
     size = there.size[at]
-    if total == 0 or there.tank[at, size - 1] + table.least[i, j] > budget:
+    if total == 0 or there.tank[at, size - 1] + connections.least[i, j] > budget:
         return 0
     latest = there.time[at, 0]
-    point, last = np.int64(0), first_by_end(table, begin, total, latest)
-    while last < total and table.end[begin + table.by_end[begin + last]] <= latest:
+    point, last = np.int64(0), first_by_end(connections, begin, total, latest)
+    while last < total and connections.end[begin + connections.by_end[begin + last]] <= latest:
         last += 1
     for place in range(last - 1, -1, -1):
-        which = np.int64(table.by_end[begin + place])
-        end = table.end[begin + which]
+        which = np.int64(connections.by_end[begin + place])
+        end = connections.end[begin + which]
         if end < earliest:
             break
         while point + 1 < size and there.time[at, point + 1] >= end:
             point += 1
-        workspace.tank[which] = there.tank[at, point] + table.delta_v[begin + which]
-    least = there.tank[at, point] + table.least[i, j] + step
+        workspace.tank[which] = there.tank[at, point] + connections.delta_v[begin + which]
+    least = there.tank[at, point] + connections.least[i, j] + step
     count, best = 0, budget + step
-    for c in range(first_at(table.departure, begin, begin + total, latest) - begin - 1, -1, -1):
-        departure = table.departure[begin + c]
+    for c in range(
+        first_at(connections.departure, begin, begin + total, latest) - begin - 1, -1, -1
+    ):
+        departure = connections.departure[begin + c]
         if departure < earliest:
             break
         if (
-            table.end[begin + c] > latest
+            connections.end[begin + c] > latest
             or workspace.tank[c] > budget
             or workspace.tank[c] >= best - step
         ):
@@ -54,16 +56,18 @@ def _fly_back(table, i, j, budget, there, at, earliest, step, workspace, here, t
 
 
 @kernel
-def _needed_full(table, s, j, budget, there, at, earliest):
+def _needed_full(connections, s, j, budget, there, at, earliest):
     """How late a chaser may be refuelled at a station; −inf for never [s]."""
-    table = borrowed(table)
+    connections = borrowed(connections)
     there = borrowed(there)
-    begin, total = table.first[s, j], table.total[s, j]
+    begin, total = connections.first[s, j], connections.total[s, j]
     size, latest = there.size[at], there.time[at, 0]
-    for c in range(first_at(table.departure, begin, begin + total, latest) - 1, begin - 1, -1):
-        if table.departure[c] < earliest:
+    for c in range(
+        first_at(connections.departure, begin, begin + total, latest) - 1, begin - 1, -1
+    ):
+        if connections.departure[c] < earliest:
             break
-        end = table.end[c]
+        end = connections.end[c]
         if end > latest:
             continue
         low, high = 0, size
@@ -73,8 +77,8 @@ def _needed_full(table, s, j, budget, there, at, earliest):
                 low = middle + 1
             else:
                 high = middle
-        if there.tank[at, low - 1] + table.delta_v[c] <= budget:
-            return table.departure[c]
+        if there.tank[at, low - 1] + connections.delta_v[c] <= budget:
+            return connections.departure[c]
     return -np.inf
 
 
@@ -99,27 +103,31 @@ def _merge_back(count, parts, rest, step, to, at):
 
 
 @kernel
-def backwards(rules, table, i, j, refuels, there, at, earliest, workspace, here, to):
+def backwards(rules, connections, i, j, refuels, there, at, earliest, workspace, here, to):
     """The front that suffices at a target before one with a given front, none before a time.
 
     Parameters as of :func:`.fronts.forwards`, from ``there`` back to ``here``.
     """
-    table, here, there = borrowed(table), borrowed(here), borrowed(there)
+    connections, here, there = borrowed(connections), borrowed(here), borrowed(there)
     workspace = borrowed(workspace)
     parts = workspace.parts
     step = rules.budget / STEPS
-    count = _fly_back(table, i, j, rules.budget, there, at, earliest, step, workspace, parts, 0)
+    count = _fly_back(
+        connections, i, j, rules.budget, there, at, earliest, step, workspace, parts, 0
+    )
     size = _merge_back(count, parts, 0, step, here, to)
     if not refuels:
         return size
     for s in range(rules.stations):
         if s == i:
             continue
-        full = _needed_full(table, s, j, rules.budget, there, at, earliest)
+        full = _needed_full(connections, s, j, rules.budget, there, at, earliest)
         if full == -np.inf:
             continue
         parts.size[2], parts.time[2, 0], parts.tank[2, 0] = 1, full, 0.0
-        rest = _fly_back(table, i, s, rules.budget, parts, 2, earliest, step, workspace, parts, 1)
+        rest = _fly_back(
+            connections, i, s, rules.budget, parts, 2, earliest, step, workspace, parts, 1
+        )
         if rest > 0:
             for a in range(size):
                 put(parts, 0, a, here.time[to, a], here.tank[to, a], 0, STRAIGHT)
@@ -128,7 +136,7 @@ def backwards(rules, table, i, j, refuels, there, at, earliest, workspace, here,
 
 
 @kernel
-def finish(rules, table, i, earliest, workspace, here, to):
+def finish(rules, connections, i, earliest, workspace, here, to):
     """The front that suffices at the last target of an order."""
     size, parts = np.int64(0), workspace.parts
     if rules.may_end[i]:
@@ -141,7 +149,7 @@ def finish(rules, table, i, earliest, workspace, here, to):
         if s != i and rules.may_end[s]:
             parts.size[2], parts.time[2, 0], parts.tank[2, 0] = 1, rules.duration, 0.0
             rest = _fly_back(
-                table, i, s, rules.budget, parts, 2, earliest, step, workspace, parts, 1
+                connections, i, s, rules.budget, parts, 2, earliest, step, workspace, parts, 1
             )
             for a in range(size):
                 put(parts, 0, a, here.time[to, a], here.tank[to, a], 0, STRAIGHT)

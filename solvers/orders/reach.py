@@ -51,20 +51,20 @@ class Reach(NamedTuple):
 
 
 @kernel
-def _by_span(table, i, j, cell_s, spans, cheapest, least):
+def _by_span(connections, i, j, cell_s, spans, cheapest, least):
     """Fill in the bounds of a pair; the least time its connections take [s]."""
-    table = borrowed(table)
+    connections = borrowed(connections)
     for g in range(CELLS):
         for n in range(CELLS):
             cheapest[g, n] = np.inf
     straight = np.inf
-    begin = table.first[i, j]
-    for c in range(begin, begin + table.total[i, j]):
-        departure, end = table.departure[c], table.end[c]
+    begin = connections.first[i, j]
+    for c in range(begin, begin + connections.total[i, j]):
+        departure, end = connections.departure[c], connections.end[c]
         straight = min(straight, end - departure)
         g = min(max(int(departure / cell_s), 0), CELLS - 1)
         n = min(max(int(end / cell_s), g), CELLS - 1) - g
-        cheapest[g, n] = min(cheapest[g, n], table.delta_v[c])
+        cheapest[g, n] = min(cheapest[g, n], connections.delta_v[c])
     for n in range(1, CELLS):
         for g in range(CELLS):
             later = cheapest[g + 1, n - 1] if g + 1 < CELLS else np.inf
@@ -76,15 +76,15 @@ def _by_span(table, i, j, cell_s, spans, cheapest, least):
 
 
 @kernel
-def _reach_of(table, stations, duration, spans):
-    bodies = table.total.shape[0]
+def _reach_of(connections, stations, duration, spans):
+    bodies = connections.total.shape[0]
     cell_s = max(duration, 1.0) / CELLS
     least = np.empty((bodies, bodies, spans.size, CELLS), np.float32)
     cheapest = np.empty((CELLS, CELLS))
     straight = np.empty((bodies, bodies))
     for i in range(bodies):
         for j in range(bodies):
-            straight[i, j] = _by_span(table, i, j, cell_s, spans, cheapest, least)
+            straight[i, j] = _by_span(connections, i, j, cell_s, spans, cheapest, least)
     shortest = straight.copy()
     for i in range(bodies):
         for j in range(bodies):
@@ -99,9 +99,9 @@ def _reach_of(table, stations, duration, spans):
     return Reach(cell_s, rank, least, straight, shortest)
 
 
-def reach_of(table: ConnectionTable, stations: int, duration: float) -> Reach:
+def reach_of(connections: ConnectionTable, stations: int, duration: float) -> Reach:
     """Bounds on the legs of a mission of some duration [s], over its table."""
-    reach: Reach = _reach_of(table, stations, duration, np.array(SPANS, dtype=np.int64))
+    reach: Reach = _reach_of(connections, stations, duration, np.array(SPANS, dtype=np.int64))
     return reach
 
 

@@ -104,7 +104,7 @@ def ruin(order, length, near, rng):
 
 
 @kernel
-def _recreate(rules, table, reach, course, length, far, absent, workspace, trial, rng):
+def _recreate(rules, connections, reach, course, length, far, absent, workspace, trial, rng):
     """Put missing targets back in, as far as they fit; returns how many are visited, or −1."""
     order = course.order
     missing = order.size - length
@@ -125,7 +125,7 @@ def _recreate(rules, table, reach, course, length, far, absent, workspace, trial
         if length == rules.most_targets:
             break
         position = bit_orders.best_position(
-            rules, table, reach, course, length, j, workspace, trial, rng
+            rules, connections, reach, course, length, j, workspace, trial, rng
         )
         if position < 0:
             continue
@@ -136,10 +136,10 @@ def _recreate(rules, table, reach, course, length, far, absent, workspace, trial
         length += 1
         if not (
             bit_orders.time_back(
-                rules, table, course, length, position, position - 1, workspace, trial
+                rules, connections, course, length, position, position - 1, workspace, trial
             )
             and bit_orders.time_forth(
-                rules, table, course, length, position, position + 1, workspace, trial
+                rules, connections, course, length, position, position + 1, workspace, trial
             )
         ):
             # Of points of about one ΔV the one that would have done was left out.
@@ -148,13 +148,15 @@ def _recreate(rules, table, reach, course, length, far, absent, workspace, trial
 
 
 @kernel
-def anneal(rules, table, reach, order, length, near, far, absent, weights, iterations, rng, halt):
+def anneal(
+    rules, connections, reach, order, length, near, far, absent, weights, iterations, rng, halt
+):
     """Improve an order.
 
     Parameters
     ----------
     rules : Rules
-    table : ConnectionTable
+    connections : ConnectionTable
     order : (targets,) int64
         All targets: those visited in order, as far as they can be timed, then the others. Left as
         the last order accepted.
@@ -180,18 +182,18 @@ def anneal(rules, table, reach, order, length, near, far, absent, weights, itera
     length : int
         Of the last order accepted.
     """
-    rules, table, reach = borrowed(rules), borrowed(table), borrowed(reach)
+    rules, connections, reach = borrowed(rules), borrowed(connections), borrowed(reach)
     worth, hot, cold = weights
     bodies = rules.service.size
-    workspace = staircases.new_workspace(table)
+    workspace = staircases.new_workspace(connections)
     trial = staircases.new_front(2)
     here, there = bit_orders.new_course(order, bodies), bit_orders.new_course(order, bodies)
     for course in (here, there):
         start, came = rules.start, course.came
         came.size[start], came.time[start, 0], came.tank[start, 0] = 1, rules.ready, rules.budget
     while not (
-        bit_orders.time_back(rules, table, here, length, length - 1, -1, workspace, trial)
-        and bit_orders.time_forth(rules, table, here, length, 0, length, workspace, trial)
+        bit_orders.time_back(rules, connections, here, length, length - 1, -1, workspace, trial)
+        and bit_orders.time_forth(rules, connections, here, length, 0, length, workspace, trial)
     ):
         # A schedule over all connections may get farther than this table does.
         length -= 1
@@ -208,11 +210,15 @@ def anneal(rules, table, reach, order, length, near, far, absent, weights, itera
         if length > 0:
             size, first, last = ruin(there.order, length, near, rng)
         possible = bit_orders.time_back(
-            rules, table, there, size, min(last, size) - 1, first - 1, workspace, trial
-        ) and bit_orders.time_forth(rules, table, there, size, 0, max(last, 1), workspace, trial)
+            rules, connections, there, size, min(last, size) - 1, first - 1, workspace, trial
+        ) and bit_orders.time_forth(
+            rules, connections, there, size, 0, max(last, 1), workspace, trial
+        )
         new_value = -np.inf
         if possible:
-            size = _recreate(rules, table, reach, there, size, far, absent, workspace, trial, rng)
+            size = _recreate(
+                rules, connections, reach, there, size, far, absent, workspace, trial, rng
+            )
             possible = size >= 0
         if possible:
             prize = bit_orders.prize_of(rules, there, size)
@@ -233,15 +239,17 @@ def anneal(rules, table, reach, order, length, near, far, absent, weights, itera
 
 
 @kernel
-def _nearness(rules, table, time_value):
+def _nearness(rules, connections, time_value):
     """What the best connection of each pair costs in either direction, time at its value [m/s]."""
     bodies = rules.service.size
     apart = np.full((bodies, bodies), np.inf)
     for i in range(bodies):
         for j in range(bodies):
-            begin = table.first[i, j]
-            for c in range(begin, begin + table.total[i, j]):
-                cost = table.delta_v[c] + time_value * (table.end[c] - table.departure[c])
+            begin = connections.first[i, j]
+            for c in range(begin, begin + connections.total[i, j]):
+                cost = connections.delta_v[c] + time_value * (
+                    connections.end[c] - connections.departure[c]
+                )
                 apart[i, j] = min(apart[i, j], cost)
                 apart[j, i] = min(apart[j, i], cost)
         apart[i, i] = 0.0
