@@ -14,8 +14,7 @@ from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.memory import borrowed, write
 
 from ..beams.levels import STRAIGHT
-from . import fronts as staircases
-from . import fronts_backward
+from . import fronts, fronts_backward
 from .fronts import ParetoFront
 from .reach import may_fit
 
@@ -55,12 +54,12 @@ def time_forth(rules, connections, course, length, first, settled, workspace, tr
     for p in range(first, length):
         i, j = _before(rules, order, p), order[p]
         latest = suffices.time[j, 0]
-        size = staircases.forwards(
+        size = fronts.forwards(
             rules, connections, i, j, p > 0, came, i, latest, workspace, trial, 0
         )
         if size == 0:
             return False
-        if staircases.take(trial, 0, came, j) and p >= settled:
+        if fronts.take(trial, 0, came, j) and p >= settled:
             break
     return True
 
@@ -83,7 +82,7 @@ def time_back(rules, connections, course, length, last, settled, workspace, tria
             )  # fmt: skip
         if size == 0:
             return False
-        if staircases.take(trial, 0, suffices, j) and p <= settled:
+        if fronts.take(trial, 0, suffices, j) and p <= settled:
             break
     return True
 
@@ -97,7 +96,7 @@ def copy_course(source, destination, bodies):
         if side == 1:
             one, other = source.suffices, destination.suffices
         for body in range(bodies):
-            staircases.take(one, body, other, body)
+            fronts.take(one, body, other, body)
 
 
 @kernel
@@ -117,9 +116,7 @@ def left_with(rules, connections, course, length, j, p, latest, workspace, trial
     """
     order, came, suffices = course.order, course.came, course.suffices
     i = _before(rules, order, p)
-    size = staircases.forwards(
-        rules, connections, i, j, p > 0, came, i, latest, workspace, trial, 0
-    )
+    size = fronts.forwards(rules, connections, i, j, p > 0, came, i, latest, workspace, trial, 0)
     if size == 0:
         return -np.inf
     earliest = trial.time[0, 0]
@@ -131,7 +128,7 @@ def left_with(rules, connections, course, length, j, p, latest, workspace, trial
         )
     if size == 0:
         return -np.inf
-    return staircases.slack(trial, 0, trial, 1)
+    return fronts.slack(trial, 0, trial, 1)
 
 
 @kernel
@@ -160,7 +157,7 @@ def best_position(rules, connections, reach, course, length, j, workspace, trial
 @kernel
 def new_course(order, bodies):
     """A course for a copy of an order, of which nothing is timed yet."""
-    return BitOrder(order.copy(), staircases.new_front(bodies), staircases.new_front(bodies))
+    return BitOrder(order.copy(), fronts.new_front(bodies), fronts.new_front(bodies))
 
 
 @kernel
@@ -178,7 +175,7 @@ def spare(course, length):
     total = 0.0
     for p in range(length):
         j = course.order[p]
-        total += staircases.slack(course.came, j, course.suffices, j)
+        total += fronts.slack(course.came, j, course.suffices, j)
     return total / max(length, 1)
 
 

@@ -193,7 +193,7 @@ def _refuelled(connections, i, s, here, at, latest):
 
 @kernel
 def _merge(count, parts, rest, step, to, at):
-    """Merge two ascending staircases, at the places 0 and 1 of ``parts``."""
+    """Merge two ascending fronts, at the places 0 and 1 of ``parts``."""
     parts = borrowed(parts)
     to = borrowed(to)
     a, b, size, best = 0, 0, 0, -step

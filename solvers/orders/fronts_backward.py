@@ -84,7 +84,7 @@ def _needed_full(connections, s, j, budget, there, at, earliest):
 
 @kernel
 def _merge_back(count, parts, rest, step, to, at):
-    """Merge two descending staircases at the places 0 and 1 of ``parts``."""
+    """Merge two descending fronts at the places 0 and 1 of ``parts``."""
     parts = borrowed(parts)
     to = borrowed(to)
     a, b, size, best = 0, 0, 0, np.inf

@@ -28,8 +28,7 @@ from adr_opt.mission.problem import Mission
 from ..beams.exchange_rates import worth_of
 from ..beams.time_value import TIME_VALUE_M_S_PER_H
 from ..progress.halting import halted_by
-from . import bit_orders
-from . import fronts as staircases
+from . import bit_orders, fronts
 from .connection_table import table_of
 from .reach import reach_of
 
@@ -185,8 +184,8 @@ def anneal(
     rules, connections, reach = borrowed(rules), borrowed(connections), borrowed(reach)
     worth, hot, cold = weights
     bodies = rules.service.size
-    workspace = staircases.new_workspace(connections)
-    trial = staircases.new_front(2)
+    workspace = fronts.new_workspace(connections)
+    trial = fronts.new_front(2)
     here, there = bit_orders.new_course(order, bodies), bit_orders.new_course(order, bodies)
     for course in (here, there):
         start, came = rules.start, course.came
