@@ -110,6 +110,17 @@ def test_steps_do_not_go_to_and_fro_about_a_tip():
     assert split.delta_v == pytest.approx(wanted, abs=ACCURATE_M_S)
 
 
+def test_the_optimum_at_a_tip_is_found_from_afar():
+    """Half a year between neighbours, where all of the change is best made at one end."""
+    departure, span = 49.742 * DAY_S, 198.409 * DAY_S
+    first = row(7512531.512, 1.24, -2.505357150, 4.820490584, oblateness=OBLATENESS_M2)
+    second = row(7524616.243, 1.24, -2.517625281, 5.747949683, oblateness=OBLATENESS_M2)
+    found = drift.delta_v(drift_pair.prepare(first, second, RULE), departure, departure + span)
+    expected, _ = judged(first, second, departure, departure + span)
+    assert found == pytest.approx(expected, abs=ACCURATE_M_S)
+    assert found < 6.0
+
+
 def test_the_target_is_met_after_whole_laps():
     """The drift orbit that a split leads to makes a whole number of laps, to a metre."""
     rng = np.random.default_rng(1)

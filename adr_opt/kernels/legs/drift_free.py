@@ -8,22 +8,23 @@ from ..core.compile import inlined
 from . import drift_linear
 
 MOST_STEPS = 40
+"""Maximum number of Newton steps."""
 
 SMOOTH_M_S = 0.02
 """The search rounds the tips of N₁ and N₂ off by it [m/s]."""
 
 NEAR_M_S, NEAR_SPAN_S = 0.03, 30.0 * 86400.0
-"""How far the optimum may be off after the last step; less for legs that are longer than that,
-whose teeth are closer. What is left of a step is about its square over N₁ or N₂, .."""
+"""Error of the optimum after the last step, at most: about the square of that step over N₁ or N₂.
+Longer legs than the span have closer teeth, and less error in proportion."""
 
 TIP_ROOM_M_S = 3.0
-""".. which are to be more than this: about their tips that is not so."""
+"""Nearer to a tip of N₁ or N₂ than this the error of a step is not estimated by its square."""
 
 CLOSE_M_S, TINY_M_S = 0.002, 1e-9
-"""A last step that may be taken anywhere, and one that is none."""
+"""Size of a last step that is accepted anywhere, and of one that counts as none."""
 
 GAIN_M_S = 5e-3
-"""The last step saves no more than this where the form is so flat that steps say little."""
+"""Maximum gain of the last step: where the form is flat a long step may save much."""
 
 
 class Free(NamedTuple):

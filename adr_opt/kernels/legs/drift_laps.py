@@ -16,8 +16,8 @@ MOST_STEPS = 40
 """Steps of a Newton iteration."""
 
 CLOSE_M, SHORT_S = 100.0, 86400.0
-"""The last step of a radius is no longer, or so many times as legs are longer than a day: what is
-left to go is of the fourth order in it."""
+"""Maximum last step of a radius in a leg of a day, in proportion for longer ones: the error is of
+the fourth order in it."""
 
 CLOSE_M_S = 5e-5
 """A step of an inclination that saves no more is not taken [m/s]."""
@@ -125,7 +125,7 @@ def _tilt_at(pair, task, arcs, climb, tilt):
         to_and_fro = abs(step) > 0.5 * before and high - low < math.inf
         if to_and_fro or not low < tilt + step < high:
             step = 0.5 * (low + high) - tilt
-        # A step gains so much: it is not taken where that is less than anybody looks at.
+        # Only a step that saves more than the tolerance is taken.
         if not gradient * gradient > 2.0 * CLOSE_M_S * abs(hessian) * (abs(node) + turn):
             break
         before = abs(step)
