@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from .judge.verify import Verdict, verify
     from .legs.matrices import Matrices
     from .legs.timetable import Timetable
-    from .mission.problem import Mission
+    from .mission.mission import Mission
     from .mission.result import Result
     from .plan.certificate import Certificate, load_certificate
     from .plan.plan import Plan, load_plan
@@ -52,7 +52,7 @@ _HOME = {
     "generate": "sources.generator",
     "Instance": "problem.instance",
     "load": "problem.instance",
-    "Mission": "mission.problem",
+    "Mission": "mission.mission",
     "Plan": "plan.plan",
     "load_plan": "plan.plan",
     "RefinedPlan": "fly.refine",

@@ -15,7 +15,7 @@ from machine import heading
 
 import adr_opt
 from adr_opt.legs.nearest_pairs import nearest_pairs
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.run.table_budget import looked_at
 
 

@@ -28,7 +28,7 @@ from typing import Any
 from machine import heading
 
 import adr_opt
-from adr_opt.mission.campaign import problem_of
+from adr_opt.mission.problem import problem_of
 
 
 def drawn(family: str, seed: int, asked: dict[str, Any]) -> adr_opt.Instance:

@@ -49,9 +49,9 @@ from machine import heading
 
 import adr_opt
 from adr_opt.common.errors import InputError
-from adr_opt.mission.campaign import problem_of
 from adr_opt.mission.order_repair import as_it_is, mended
-from adr_opt.run.methods import campaign_form, get
+from adr_opt.mission.problem import problem_of
+from adr_opt.run.methods import spec
 
 __all__ = [
     "Promise", "Row", "as_it_is", "best_bounds", "checked", "didppy_promise", "legal",
@@ -72,7 +72,7 @@ def able(ours: list[str], peers: list[str] | None, several: bool) -> tuple[list[
         peers = list(OF_CAMPAIGNS if several else OTHERS)
     if not several:
         return ours, peers
-    ours_able = [name for name in ours if campaign_form(get(name)) is not None]
+    ours_able = [name for name in ours if spec(name).several]
     peers_able = [name for name in peers if name in STATIC]
     left_out = [name for name in [*ours, *peers] if name not in {*ours_able, *peers_able}]
     if left_out:

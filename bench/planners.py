@@ -27,7 +27,7 @@ import adr_opt
 from adr_opt import Instance, Plan
 from adr_opt.common.options import parsed
 from adr_opt.fly.flight import fly
-from adr_opt.mission.campaign import Problem, problem_of
+from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.plan.plan import InstanceReference
 from adr_opt.run import methods as planner
 
@@ -50,9 +50,9 @@ def options_of(name: str, texts: dict[str, str]) -> dict[str, Any]:
 def plans_campaigns(spec: str) -> bool:
     """Whether a method as typed is for several chasers too."""
     name, _, bound, _ = parse(spec)
-    named = [planner.get(name)]
-    named += [] if bound is None else [planner.get(bound, planner.BOUNDS)]
-    return all(planner.campaign_form(each) is not None for each in named)
+    named = [planner.spec(name)]
+    named += [] if bound is None else [planner.spec(bound, planner.BOUNDS)]
+    return all(each.several for each in named)
 
 
 def worst_miss_m(instance: Instance, plan: Plan) -> float:

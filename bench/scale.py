@@ -30,7 +30,7 @@ import numpy as np
 from machine import heading
 
 import adr_opt
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.run.table_budget import looked_at
 
 SIZES = (50, 100, 200, 500, 1000, 2000, 5000, 10_000)

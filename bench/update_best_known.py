@@ -41,8 +41,8 @@ from adr_opt import Instance, Plan
 from adr_opt.common.errors import InputError
 from adr_opt.common.files import check_writable, parse_model, read_text, write_text
 from adr_opt.common.tolerance import COST_RELATIVE, meets, tolerance
-from adr_opt.mission.campaign import Routes, problem_of
 from adr_opt.mission.certified import certify_routes
+from adr_opt.mission.problem import Routes, problem_of
 from adr_opt.mission.result import versions
 from adr_opt.plan.plan import InstanceReference, relative_gap
 from adr_opt.run import front

@@ -12,7 +12,7 @@ import numpy as np
 from ..common.constants import SLACK_M_S
 from ..legs.service_limits import limits_of
 from ..mission.build_legs import burns_of, transfer_of
-from ..mission.problem import Mission
+from ..mission.mission import Mission
 from ..plan.plan import Leg, Plan
 from ..plan.routes import weighed
 from ..problem.instance import Instance

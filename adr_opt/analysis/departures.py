@@ -18,11 +18,10 @@ from ..judge.check.verdict import check
 from ..kernels.core.windows import service_ends
 from ..legs.connections import Connections
 from ..mission.build_legs import transfer_of
-from ..mission.campaign import Campaign, Problem, problem_of
 from ..mission.certified import certify_routes
-from ..mission.problem import Mission
+from ..mission.mission import Mission
+from ..mission.problem import AnyProblem, Problem, problem_of
 from ..plan.plan import Plan
-from ..problem.instance import AnyInstance
 from ..run.start_plan import why_illegal
 from ..run.table_budget import candidates
 
@@ -47,7 +46,7 @@ class _Leg(NamedTuple):
     arrival_s: float | None
 
 
-def plan_of(instance: AnyInstance | Problem, legs: ChosenLegs, *, method: str = METHOD) -> Plan:
+def plan_of(instance: AnyProblem, legs: ChosenLegs, *, method: str = METHOD) -> Plan:
     """Make a plan of departures of one's own, and judge it by :func:`adr_opt.check`.
 
     Burns, services, refuelling, tows, tanks and the reasons of targets that are left out follow
@@ -55,7 +54,7 @@ def plan_of(instance: AnyInstance | Problem, legs: ChosenLegs, *, method: str = 
 
     Parameters
     ----------
-    instance : Instance, path, dict, Mission or Campaign
+    instance : Instance, path, dict, Mission or Problem
     legs : sequence of legs
         Of an only chaser; of several a mapping from their names, or a sequence of such sequences in
         the order of the file. A leg is one of
@@ -294,8 +293,6 @@ def _nothing_there(mission: Mission, i: int, leg: _Leg, found: Connections) -> s
 
 def _with_missions(problem: Problem, missions: tuple[Mission, ...]) -> Problem:
     """The same problem, whose chasers fly by these missions."""
-    if not isinstance(problem, Campaign):
-        return missions[0]
     made = copy(problem)
     made.missions = missions
     return made

@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 from ..kernels.rules.rules import Rules
 from ..legs.connections import ConnectionFinder
-from ..mission.campaign import Problem
-from ..mission.problem import Mission
+from ..mission.mission import Mission
+from ..mission.problem import Problem
 from ..mission.schedule import Scheduler
 from ..plan.plan import Plan
 from ..problem.transfer_sizes import in_days
@@ -50,7 +50,7 @@ def on_grid(problem: Problem, plan: Plan, step_s: float) -> GridTrial:
 
     Parameters
     ----------
-    problem : Mission or Campaign
+    problem : Problem
         Whose rules are held to; no timetable of the other grid is built.
     plan : Plan
     step_s : float
@@ -87,7 +87,7 @@ def grid_advice(problem: Problem, plan: Plan) -> str | None:
 
     Parameters
     ----------
-    problem : Mission or Campaign
+    problem : Problem
         That was planned.
     plan : Plan
     """

@@ -11,7 +11,7 @@ from ..common.constants import SLACK_M_S
 from ..kernels.rules.rules import Rules
 from ..legs.connections import ConnectionFinder
 from ..legs.service_limits import limits_of
-from ..mission.problem import Mission
+from ..mission.mission import Mission
 from ..mission.schedule import Front, Scheduler
 from ..plan.cargo import loads_of, most_left_m_s
 from ..problem.chasers import Chaser, Tank, TankByMass

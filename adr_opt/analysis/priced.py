@@ -13,9 +13,9 @@ from ..common.card import Shown
 from ..common.errors import InputError
 from ..common.wording import counted
 from ..mission.build_legs import legs
-from ..mission.campaign import Problem, problem_of
 from ..mission.certified import certify_routes
-from ..mission.problem import Mission
+from ..mission.mission import Mission
+from ..mission.problem import Problem, problem_of
 from ..plan.plan import Leg, Plan
 from ..problem.instance import AnyInstance, Instance, instance_of
 from ..run.start_plan import why_illegal

@@ -9,9 +9,9 @@ from typing import Any
 
 from ..common.errors import InputError
 from ..common.stop import AnyOf, MaxRuntime, Stop
-from ..mission.campaign import Problem, is_campaign, problem_of
 from ..mission.certified import certify_routes
-from ..mission.problem import Mission
+from ..mission.mission import Mission
+from ..mission.problem import Problem, problem_of
 from ..mission.result import Result
 from ..plan.cargo import kits_of
 from ..plan.plan import Plan
@@ -19,8 +19,8 @@ from ..plan.routes import routes_of
 from ..problem.instance import Instance
 from ..problem.settings import KeepOutZone
 from ..run.front import solve
-from ..run.method_call import method_of, prepare, warm_up
-from ..run.methods import PLANNERS, takes_start
+from ..run.method_call import prepare, spec_of, warm_up
+from ..run.methods import PLANNERS
 from .beginnings import beginnings, former_orders, orders_left
 from .deviations import Deviations
 from .putting import in_order, is_usurped, kept_waiting
@@ -206,19 +206,18 @@ def _planned(
     stop: Stop | None,
 ) -> Result:  # fmt: skip
     """The best of what a planner finds and of what is left of the former rest."""
-    several = is_campaign(beginning)
-    quick = method is None and not several
-    if quick:
+    problem = problem_of(beginning)
+    if method is None and problem.alone is not None:
         # One choice of connections for all that plans: a second timetable would take as long.
-        mission = Mission(beginning, time_value_m_s_per_h=HURRY * beginning.time_value_m_s_per_h)
-        problem: Problem = mission
-        flyable = _flyable(mission, orders)
-        found = _quickly(mission, time_limit, seed, stop)
+        hurry = HURRY * beginning.time_value_m_s_per_h
+        connecting = problem.connecting
+        problem = Problem.of(Mission(beginning, time_value_m_s_per_h=hurry, connecting=connecting))
+        flyable = _flyable(problem, orders)
+        found = _quickly(problem, time_limit, seed, stop)
     else:
-        problem = problem_of(beginning)
         flyable = _flyable(problem, orders)
         method, more = method or SEVERAL, dict[str, Any]()
-        if takes_start(method_of(method)) and any(flyable):
+        if spec_of(method).starts and any(flyable):
             start = flyable if len(beginning.chasers) > 1 else flyable[0]
             more = {"start": start, "repair": True}
         found = solve(problem, method, time_limit=time_limit, seed=seed, stop=stop, **more)
@@ -240,13 +239,13 @@ _practised: set[bool] = set()
 """For which kinds of timetable the quick planner has been compiled in this process."""
 
 
-def _quickly(problem: Mission, time_limit: float, seed: int, stop: Stop | None) -> Result:
+def _quickly(problem: Problem, time_limit: float, seed: int, stop: Stop | None) -> Result:
     """The plan of the quick planner, without all that takes longer than it does."""
     drifts = problem.connecting.drifts
     if drifts not in _practised:
         warm_up(PLANNERS, QUICK, drifts=drifts)
         _practised.add(drifts)
-    options = {"time_value_m_s_per_h": problem.time_value_m_s_per_h}
+    options = {"time_value_m_s_per_h": problem.missions[0].time_value_m_s_per_h}
     prepared = prepare(PLANNERS, QUICK, seed=seed, options=options)
     limits = [MaxRuntime(time_limit), *([] if stop is None else [stop])]
     return prepared(problem, AnyOf(*limits))

@@ -17,7 +17,7 @@ from ..plan.plan import Burn, Leg, Reason, Unvisited
 from ..plan.plan import Tow as TowFlown
 from ..plan.routes import weighed
 from ..plan.tows import TowPath, burn_vectors, tows_of
-from .problem import Mission
+from .mission import Mission
 from .schedule import left_at_start
 
 FloatArray = npt.NDArray[np.float64]

@@ -11,10 +11,10 @@ from ..common.errors import InputError
 from ..plan.expense import cost_of_routes
 from ..plan.plan import MODEL, InstanceReference, Plan, Route, Status
 from .build_legs import APPROXIMATE, legs, unvisited
-from .campaign import Problem
 from .evidence import Evidence
+from .mission import Mission
 from .prizes import Prizes
-from .problem import Mission
+from .problem import Problem
 from .result import Result, cost_gap, cost_status, proven_of, versions
 
 
@@ -79,8 +79,9 @@ def certify(
     """
     routes = None if sequence is None else [sequence]
     return certify_routes(
-        mission, method, routes, seed=seed, runtime_s=runtime_s, upper_bound=upper_bound,
-        cost_bound=cost_bound, evidence=evidence, counters=counters, notes=notes,
+        Problem.of(mission), method, routes, seed=seed, runtime_s=runtime_s,
+        upper_bound=upper_bound, cost_bound=cost_bound, evidence=evidence, counters=counters,
+        notes=notes,
     )  # fmt: skip
 
 
@@ -101,7 +102,7 @@ def certify_routes(
 
     Parameters
     ----------
-    problem : Mission or Campaign
+    problem : Problem
     method : str
     routes : iterable of sequences of int or str, or None
         Bodies in order for each chaser, by number or by name; no target twice.

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..kernels.rules import rules as rule_kernels
 from ..kernels.rules.rules import State
-from .problem import Mission
+from .mission import Mission
 
 Body = TypeVar("Body", int, str)
 """By number, or by name."""

@@ -1,465 +1,289 @@
-"""The mission of a chaser: an instance with a timetable and rules, as every planner gets it."""
+"""A problem: the missions of all chasers of an instance over its targets.
+
+A mission of one chaser is a campaign of one. See docs/model.md section 5.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
 from ..common.card import Shown
-from ..common.constants import SLACK_M_S
 from ..common.errors import InputError
-from ..kernels.legs.co_elliptic import TransferRule
-from ..kernels.rules import rules as kernels
-from ..kernels.tables import on_demand
-from ..kernels.tables.timetable import Table, source_of, transfer_exists
 from ..kernels.tables.timetable_making import Pairs
 from ..legs.connections import ConnectionFinder
 from ..legs.corrections import Corrections
 from ..legs.nearest_pairs import Neighbours
 from ..legs.timetable import Timetable
-from ..plan.cargo import loads_of, most_left_m_s, most_targets
-from ..problem.chasers import AtStation
-from ..problem.instance import AnyInstance, instance_of
+from ..plan.cargo import loads_of
+from ..plan.station_limits import StationLimits, Use
+from ..problem.chasers import InOrbit
+from ..problem.instance import AnyInstance, Instance, instance_of
+from .mission import Mission
 from .prizes import Prizes
-from .schedule import Schedule, Scheduler
 
-Sequence = npt.NDArray[np.int64]
+Routes = tuple[tuple[int, ...], ...]
+"""Bodies in order, for each chaser."""
 
 
-class Mission(Shown, Prizes):
-    """What a chaser of an instance may do, ready for planning.
+@dataclass(frozen=True)
+class ChaserType:
+    """Chasers that can do the same: what one of them flies any other could.
+
+    Attributes
+    ----------
+    mission : Mission
+    chasers : tuple of int
+        Their numbers.
+    """
+
+    mission: Mission
+    chasers: tuple[int, ...]
+
+
+class Problem(Shown, Prizes):
+    """An instance ready for planning, with all its chasers, one or several.
 
     Parameters
     ----------
     instance : Instance, path or dict
-    timetable : Timetable, optional
-        Built on first use if not given.
-    threads : int, optional
-        Threads to build the timetable with; all cores by default.
-    margin : float
-        Share of each tank that is kept back: planners and bounds see the rest only.
-    time_value_m_s_per_h : float, optional
-        What an hour is worth to planners that choose one connection for each move without looking
-        ahead; the instance's by default [m/s per h].
-    chaser : int, optional
-        Number of the chaser that flies, where there are several.
+    threads, margin
+        As :class:`Mission` takes them.
     connecting : ConnectionFinder, optional
         Of the instance, if there is one already.
-    twin : Mission, optional
-        That of a chaser of the same instance that is there at the same times: timetables and what
-        is known of connections are shared.
+    timetables : sequence of Timetable
+        Of the instance, one for each chaser, if they are there already.
+    missions : sequence of Mission
+        Of the instance, one for each chaser, if they are there already; of the above, none counts
+        then.
 
     Attributes
     ----------
     instance : Instance
-    chaser : Chaser
     names : tuple of str
         Bodies, in the order of their numbers.
     margin : float
-
-    Raises
-    ------
-    InputError
-        There are several chasers, and none is named: see :class:`.campaign.Campaign`.
+    missions : tuple of Mission
+        Of each chaser; of those of one kind it is the same one but for its name.
+    kinds : tuple of ChaserType
+    limits : StationLimits
     """
 
     def __init__(
         self,
         instance: AnyInstance,
-        timetable: Timetable | None = None,
         *,
         threads: int | None = None,
         margin: float = 0.0,
-        time_value_m_s_per_h: float | None = None,
-        chaser: int | None = None,
         connecting: ConnectionFinder | None = None,
-        twin: Mission | None = None,
+        timetables: Sequence[Timetable] = (),
+        missions: Sequence[Mission] = (),
     ) -> None:
         instance = instance_of(instance)
         super().__init__(instance)
-        if not 0.0 <= margin < 1.0:
-            raise InputError(f"margin = {margin!r}: must be a share of the tank, from 0 to below 1")
-        self.chaser = instance.chaser if chaser is None else instance.chasers[chaser]
-        self._number = instance.chasers.index(self.chaser) if chaser is None else chaser
-        self.margin = margin
-        if time_value_m_s_per_h is None:
-            time_value_m_s_per_h = instance.time_value_m_s_per_h
-        self.time_value_m_s_per_h = time_value_m_s_per_h
+        self.limits = StationLimits(instance)
         self._threads = threads
-        self._variants: dict[float, Mission] = {time_value_m_s_per_h: self}
-        self._twin = twin
-        self._of_length: dict[tuple[float, float], Mission] = {}  # by duration and time value
-        self._all: Mission | None = None  # that this one offers other worths of
-        if connecting is not None:
-            self.__dict__["connecting"] = connecting
-        if timetable is not None:
-            if not timetable.instance.same(instance):
-                raise InputError("the timetable belongs to another instance")
-            self.time_value_m_s_per_h = timetable.time_value_m_s_per_h
-            self.__dict__["timetable"] = timetable
-            self.__dict__["connecting"] = timetable.connecting
-        self._of_length[instance.mission.duration_s, self.time_value_m_s_per_h] = self
+        if not missions:
+            if timetables:
+                connecting = timetables[0].connecting
+            connecting = connecting or ConnectionFinder(instance)
+            missions = _missions(instance, threads, margin, connecting, timetables)
+        self.missions = tuple(missions)
+        self.margin = self.missions[0].margin
+        available = instance.available_s
+        alike: dict[Any, list[int]] = {}
+        for number, chaser in enumerate(instance.chasers):
+            can = chaser.replace(name=instance.chasers[0].name), available[number]
+            # Given connections lead from a start by its name, whatever the orbit.
+            by_name = instance.transfer.given is not None and isinstance(chaser.start, InOrbit)
+            alike.setdefault((can, chaser.name if by_name else None), []).append(number)
+        self.kinds = tuple(
+            ChaserType(self.missions[numbers[0]], tuple(numbers)) for numbers in alike.values()
+        )
+
+    @classmethod
+    def of(cls, mission: Mission) -> Problem:
+        """The problem of a mission, the only one of its instance; what it offers is offered here.
+
+        Raises
+        ------
+        InputError
+            The instance has several chasers.
+        """
+        if len(mission.instance.chasers) > 1:
+            raise InputError(
+                f"{mission.instance.name!r} has several chasers, and a Mission is that of one; "
+                "hand over the instance in place of a Mission"
+            )
+        made = cls(mission.instance, missions=(mission,))
+        for name in ("worths", "is_required", "prize_step"):  # a mission may offer others
+            made.__dict__[name] = getattr(mission, name)
+        return made
 
     @property
-    def missions(self) -> tuple[Mission, ...]:
-        """Itself, the mission of the one chaser that flies."""
-        return (self,)
+    def connecting(self) -> ConnectionFinder:
+        """Works out the connections of pairs."""
+        return self.missions[0].connecting
 
     @cached_property
-    def timetable(self) -> Timetable:
-        """The exact costs of the connection chosen for every transfer at every time."""
-        if self._twin is not None:
-            return self._twin.timetable
-        return Timetable(
-            self.instance, self._threads, time_value_m_s_per_h=self.time_value_m_s_per_h,
-            connecting=self.connecting, chaser=self._number,
-        )  # fmt: skip
+    def alone(self) -> Mission | None:
+        """The mission of the one chaser, where a plan is nothing but its route.
+
+        None with several chasers, and where loads, what stations have or the expense of a chaser
+        that is used count as well. What is quicker with one chaser is chosen by it.
+        """
+        instance = self.instance
+        counts = bool(self.limits) or instance.objective.cost == "expense"
+        if len(self.missions) > 1 or counts:
+            return None
+        mission = self.missions[0]
+        return mission if loads_of(instance, mission.chaser, 0.0) is None else None
+
+    @cached_property
+    def kind_of(self) -> tuple[int, ...]:
+        """Number of the kind of each chaser."""
+        numbers = {
+            chaser: number for number, kind in enumerate(self.kinds) for chaser in kind.chasers
+        }
+        return tuple(numbers[chaser] for chaser in range(len(self.missions)))
+
+    @cached_property
+    def networks(self) -> tuple[tuple[int, ...], ...]:
+        """Numbers of kinds that move on one network, the earliest first.
+
+        They differ in nothing but where they start, and since when.
+        """
+        alike: dict[Any, list[int]] = {}
+        for number, kind in enumerate(self.kinds):
+            chaser = kind.mission.chaser
+            can = chaser.replace(
+                name=self.instance.chasers[0].name, start="anywhere", available_s=(0.0, None)
+            )
+            alike.setdefault((can, chaser.available_s[1]), []).append(number)
+        return tuple(
+            tuple(sorted(numbers, key=lambda n: self.kinds[n].mission.rules.ready))
+            for numbers in alike.values()
+        )
 
     @property
     def has_timetable(self) -> bool:
-        """Whether the timetable is built."""
-        return "timetable" in self.__dict__ or (self._twin is not None and self._twin.has_timetable)
+        """Whether the timetables of all chasers are built."""
+        return all(mission.has_timetable for mission in self.missions)
 
     @property
     def is_whole(self) -> bool:
         """Whether no timetable is built, or one that has all pairs."""
-        return not self.has_timetable or self.timetable.is_whole
+        return self.missions[0].is_whole
 
     def build(
-        self,
-        pairs: Pairs | None,
-        enough: Callable[[float], bool] = lambda share: False,
-        most: int | None = None,
+        self, pairs: Pairs | None, enough: Callable[[float], bool] = lambda share: False
     ) -> None:
-        """Build the timetable, be it that of some pairs.
+        """Build the timetables, be it those of some pairs: as many for all as for the first chaser.
 
         Parameters
         ----------
-        pairs, enough, most
-            As :class:`Timetable` takes them.
+        pairs, enough
+            As :class:`adr_opt.legs.timetable.Timetable` takes them.
         """
-        self._forget()
-        self.__dict__["timetable"] = Timetable(
-            self.instance, self._threads, time_value_m_s_per_h=self.time_value_m_s_per_h,
-            pairs=pairs, most=most, enough=enough, connecting=self.connecting,
-            chaser=self._number,
-        )  # fmt: skip
+        first, *others = self.missions
+        first.build(pairs, enough)
+        for mission in others:
+            if not mission.has_timetable:
+                mission.build(first.timetable.pairs, most=first.timetable.built)
 
     def ask(self, near: Neighbours) -> None:
-        """Do without a timetable: work out what is chosen of a pair when somebody asks.
+        """Do without timetables, see :meth:`Mission.ask`."""
+        for mission in self.missions:
+            mission.ask(near)
 
-        Parameters
-        ----------
-        near : Neighbours
-            At which searches look.
-        """
-        self._forget()
-        self.__dict__["timetable"] = Timetable(
-            self.instance, time_value_m_s_per_h=self.time_value_m_s_per_h,
-            connecting=self.connecting, chaser=self._number, asked=near,
-        )  # fmt: skip
-
-    def _forget(self) -> None:
-        """Forget what was made of another timetable."""
-        for name in ("rules", "has_transfer"):
-            self.__dict__.pop(name, None)
-        self._variants = {self.time_value_m_s_per_h: self}
-
-    @cached_property
-    def rules(self) -> kernels.Rules:
-        """The mission as the kernels take it; its arrays are read-only."""
-        limits, table = self.timetable.limits, self.timetable.table
-        instance, chaser = self.instance, self.chaser
-        bodies, stations = limits.service.size, len(instance.stations)
-        is_station = np.arange(bodies) < stations
-        may_end = np.ones(bodies, dtype=np.bool_)
-        if isinstance(chaser.end, AtStation):
-            may_end[:] = [name == chaser.end.station for name in self.names]
-        for array in (is_station, may_end):
-            array.setflags(write=False)
-        loads = loads_of(instance, chaser, self.margin)
-        budget = chaser.tank.delta_v_m_s - self.reserve_m_s + SLACK_M_S
-        if loads is not None:
-            budget = most_left_m_s(loads)
-        return kernels.Rules(
-            table,
-            limits.service,
-            limits.opens,
-            limits.closes,
-            self.worths,
-            is_station,
-            may_end,
-            stations,
-            instance.first_target,
-            instance.starts[self._number],
-            limits.ready,
-            bodies if self.most_targets is None else self.most_targets,
-            not may_end.all(),
-            budget,
-            limits.duration,
-            _shortest_sortie(table, limits.service, budget, stations, instance.first_target),
-            loads,
-        )
-
-    @property
-    def reserve_m_s(self) -> float:
-        """What is kept back of each tank [m/s]."""
-        return self.margin * self.chaser.tank.delta_v_m_s
-
-    @property
-    def most_targets(self) -> int | None:
-        """So many targets may be serviced; None for all of them."""
-        return most_targets(self.instance, self.chaser)
-
-    def _like(self, **changes: Any) -> Mission:
-        """The same mission but for some arguments."""
-        arguments: dict[str, Any] = {
-            "threads": self._threads, "margin": self.margin,
-            "time_value_m_s_per_h": self.time_value_m_s_per_h, "chaser": self._number,
-            "connecting": self.connecting,
-        }  # fmt: skip
-        arguments |= changes
-        return Mission(arguments.pop("instance", self.instance), **arguments)
-
-    def with_margin(self, margin: float) -> Mission:
-        """The same mission, timetable included, with another share of each tank kept back."""
-        return self._like(timetable=self.__dict__.get("timetable"), margin=margin)
-
-    def offering(self, worths: npt.NDArray[np.float64]) -> Mission:
-        """The same mission where targets are worth otherwise to a planner, and none is required.
-
-        Parameters
-        ----------
-        worths : (bodies,) float64
-            0 but for targets; −inf for those that must not be serviced.
-        """
-        if self._all is not None:
-            return self._all.offering(worths)
-        other = self._like(timetable=self.timetable)
-        other._all = self
-        barred = np.isneginf(worths)
-        offered = np.where(barred, 0.0, worths)
-        closes = np.where(barred, -np.inf, self.rules.closes)
-        for array in (offered, closes):
-            array.setflags(write=False)
-        other.__dict__ |= {
-            "worths": offered,
-            "is_required": np.zeros(worths.size, dtype=np.bool_),
-            "prize_step": 0.0,
-            "rules": self.rules._replace(prize=offered, closes=closes),
-        }
-        other.__dict__["schedules"] = self.schedules.under(other.rules)
-        return other
+    def with_margin(self, margin: float) -> Problem:
+        """The same with another share of each tank kept back; one timetable that is there stays."""
+        if len(self.missions) == 1:
+            return Problem.of(self.missions[0].with_margin(margin))
+        return self._of(self.instance, self.connecting, margin)
 
     def with_limits(
         self,
         duration_s: float | None = None,
         delta_v_m_s: float | None = None,
         propellant_kg: float | None = None,
-    ) -> Mission:
-        """The same mission of another duration or with another tank, on what is known of this one.
+    ) -> Problem:
+        """The same of another duration or with other tanks, see :meth:`Mission.with_limits`.
 
-        Missions that are made so of one share its timetable where only tanks differ, and the
-        connections that it keeps where it is shortened. Under J2, and where departures are spaced,
-        another tank has connections of its own.
-
-        Parameters
-        ----------
-        duration_s : float, optional
-            No longer than this mission [s].
-        delta_v_m_s : float, optional
-            Of a full tank [m/s].
-        propellant_kg : float, optional
-            Of a full tank by mass, instead [kg].
+        The connections are shared, as far as they do not depend on tanks; of several chasers each
+        has a table of its own.
 
         Raises
         ------
         InputError
             A limit is not valid, or longer than what is known.
         """
+        if len(self.missions) == 1:
+            mission = self.missions[0]
+            return Problem.of(mission.with_limits(duration_s, delta_v_m_s, propellant_kg))
         instance = self.instance.with_limits(duration_s, delta_v_m_s, propellant_kg)
-        connecting = self.connecting.limited(instance)
-        usual = self.time_value_m_s_per_h == self.instance.time_value_m_s_per_h
-        worth = instance.time_value_m_s_per_h if usual else self.time_value_m_s_per_h
-        key = instance.mission.duration_s, worth
-        # Where events are regular, all tanks have one table: that of the first mission so long.
-        twin = None if connecting.drifts else self._of_length.get(key)
-        made = self._like(
-            instance=instance, connecting=connecting, time_value_m_s_per_h=worth, twin=twin
+        return self._of(instance, self.connecting.limited(instance), self.margin)
+
+    def corrected(self, corrections: Corrections) -> Problem:
+        """The same over connections that cost more than the model says."""
+        if len(self.missions) == 1:
+            return Problem.of(self.missions[0].corrected(corrections))
+        return self._of(self.instance, self.connecting.corrected(corrections), self.margin)
+
+    def _of(self, instance: Instance, connecting: ConnectionFinder, margin: float) -> Problem:
+        return Problem(instance, threads=self._threads, margin=margin, connecting=connecting)
+
+    def use(self, mission: Mission, moves: Iterable[int], delta_vs: Iterable[float]) -> Use:
+        """What a chaser takes of stations by moves with so much ΔV each [m/s]."""
+        if not self.limits:
+            return ()
+        legs = [(self.names[j], float(spent)) for j, spent in zip(moves, delta_vs, strict=True)]
+        return self.limits.use(mission.chaser, legs)
+
+    def closed(self, routes: Iterable[Iterable[int | str]]) -> Routes:
+        """Routes as missions end, see :meth:`Mission.closed`."""
+        return tuple(
+            mission.closed(route) for mission, route in zip(self.missions, routes, strict=True)
         )
-        made._of_length = self._of_length
-        self._of_length.setdefault(key, made)
-        return made
 
-    def corrected(self, corrections: Corrections) -> Mission:
-        """The same mission over connections that cost more than the model says.
 
-        What is kept of the model's connections is shared; the timetable is another one.
-        """
-        return self._like(connecting=self.connecting.corrected(corrections))
+AnyProblem = AnyInstance | Mission | Problem
+"""What can be planned: an instance in any form, ready for planning or not."""
 
-    def with_time_value(self, time_value_m_s_per_h: float) -> Mission:
-        """The same mission with the timetable of another choice; what was built before is kept.
 
-        Itself where its timetable is that of some pairs: another one takes as long as there is.
+def problem_of(instance: AnyProblem, threads: int | None = None) -> Problem:
+    """An instance ready for planning.
 
-        Raises
-        ------
-        InputError
-            The time value is negative or not finite.
-        """
-        source = source_of(self.timetable.table) if self.has_timetable else None
-        may_change = self.is_whole or source is not None
-        if time_value_m_s_per_h == self.time_value_m_s_per_h or not may_change:
-            return self
-        if time_value_m_s_per_h not in self._variants:
-            if self._all is None:
-                twin = self._twin and self._twin.with_time_value(time_value_m_s_per_h)
-                other = self._like(time_value_m_s_per_h=time_value_m_s_per_h, twin=twin)
-                other.__dict__["schedules"] = self.schedules
-                if source is not None:
-                    other.ask(Neighbours(source.near, source.period))
-            else:
-                barred = np.isneginf(self.rules.closes)
-                worths = np.where(barred, -np.inf, self.worths)
-                other = self._all.with_time_value(time_value_m_s_per_h).offering(worths)
-            other._variants = self._variants
-            self._variants[time_value_m_s_per_h] = other
-        return self._variants[time_value_m_s_per_h]
+    Raises
+    ------
+    InputError
+        It is the mission of one of several chasers.
+    """
+    if isinstance(instance, Problem):
+        return instance
+    if isinstance(instance, Mission):
+        return Problem.of(instance)
+    return Problem(instance, threads=threads)
 
-    @cached_property
-    def connecting(self) -> ConnectionFinder:
-        """Works out the connections of pairs."""
-        return ConnectionFinder(self.instance)
 
-    @cached_property
-    def schedules(self) -> Scheduler:
-        """Finds the best schedule of an order of bodies."""
-        if self._twin is not None:
-            return self._twin.schedules.under(self.rules, self.chaser)
-        return Scheduler(
-            self.connecting, lambda: self.rules, self.instance.objective.cost, self.chaser,
-            self.instance.time_m_s_per_s,
+def _missions(
+    instance: Instance,
+    threads: int | None,
+    margin: float,
+    connecting: ConnectionFinder,
+    timetables: Sequence[Timetable],
+) -> list[Mission]:
+    """The missions of all chasers; those there at the same times choose the same transfers."""
+    there: dict[Any, Mission] = {}
+    missions = []
+    for number, since in enumerate(instance.available_s):
+        twin = there.get(since)
+        mission = Mission(
+            instance, threads=threads, margin=margin, chaser=number, connecting=connecting,
+            twin=twin, timetable=timetables[number] if timetables and twin is None else None,
         )  # fmt: skip
-
-    @cached_property
-    def transfer_inputs(
-        self,
-    ) -> tuple[
-        npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], TransferRule
-    ]:
-        """What transfers follow from, see :class:`adr_opt.legs.connections.ConnectionFinder`."""
-        return self.connecting.inputs
-
-    @cached_property
-    def has_transfer(self) -> npt.NDArray[np.bool_]:
-        """Whether any body has a transfer to a body at any departure event, shape (bodies,)."""
-        table = self.rules.table
-        if source_of(table) is not None:  # one would have to ask for all pairs
-            return np.ones(len(self.names), dtype=np.bool_)
-        found: npt.NDArray[np.bool_] = transfer_exists(table)
-        return found
-
-    def numbers(self, sequence: Iterable[int | str]) -> Sequence:
-        """The numbers of bodies that are given by number or by name.
-
-        Raises
-        ------
-        InputError
-            There is no such body.
-        """
-        moves = list(sequence)
-        if any(isinstance(body, str) for body in moves):
-            index: dict[int | str, int] = {name: at for at, name in enumerate(self.names)}
-            for body in moves:
-                if isinstance(body, str) and body not in index:
-                    raise InputError(f"{body!r} is not a body of {self.instance.name!r}")
-            moves = [index.get(body, body) for body in moves]
-        numbers = np.array(moves) if moves else np.empty(0, dtype=np.int64)
-        if moves and not (
-            numbers.dtype.kind in "iu" and numbers.min() >= 0 and numbers.max() < len(self.names)
-        ):
-            raise InputError(
-                f"a sequence may only name the bodies 0 to {len(self.names) - 1}, by their numbers "
-                "or their names"
-            )
-        return numbers.astype(np.int64)
-
-    def named(self, sequence: Iterable[int | str]) -> tuple[str, ...]:
-        """The names of bodies that are given by number or by name.
-
-        Raises
-        ------
-        InputError
-            There is no such body.
-        """
-        return tuple(self.names[j] for j in self.numbers(sequence).tolist())
-
-    def time(self, sequence: Iterable[int | str]) -> Schedule:
-        """The best schedule of an order of bodies, by number or by name, as far as it is legal.
-
-        Of all schedules over all connections, waiting allowed, the one of least cost. Moves that
-        the rules of the order forbid end it.
-        """
-        moves = tuple(self.numbers(sequence).tolist())
-        return self.schedules.of(moves[: self.in_order(moves)])
-
-    def in_order(self, moves: tuple[int, ...]) -> int:
-        """How many moves the rules of the order allow: no target twice, refuelling earned."""
-        rules = self.rules
-        body, since, visited = rules.start, 0, set[int]()
-        for made, j in enumerate(moves):
-            if j == body:
-                return made
-            if rules.is_station[j]:
-                if since == 0:
-                    return made
-                since = 0
-            elif j in visited or j < rules.first_target or len(visited) == rules.most_targets:
-                return made
-            else:
-                visited.add(j)
-                since += 1
-            body = j
-        return len(moves)
-
-    def may_stop(self, sequence: tuple[int, ...]) -> bool:
-        """Whether a mission may end after these moves."""
-        rules = self.rules
-        return bool(rules.may_end[sequence[-1] if sequence else rules.start])
-
-    def closed(self, sequence: Iterable[int | str]) -> tuple[int, ...]:
-        """A sequence as a mission ends: without a refuelling that nothing follows, and at an end.
-
-        By number or by name; those that it gives are numbers. Where the mission must end at a
-        station, the one is added that can be reached at least cost; a sequence after which none
-        can be reached stays as it is.
-        """
-        rules = self.rules
-        listed = list(sequence)
-        named = any(isinstance(body, str) for body in listed)
-        moves = self.numbers(listed).tolist() if named else [int(j) for j in listed]
-        while moves and rules.is_station[moves[-1]]:
-            moves.pop()
-        if self.may_stop(tuple(moves)):
-            return tuple(moves)
-        ways = [(*moves, s) for s in range(rules.stations) if rules.may_end[s]]
-        made = [(self.time(way), way) for way in ways]
-        flown = [
-            (timing.cost, timing.delta_v, way) for timing, way in made if timing.made == len(way)
-        ]
-        return min(flown)[-1] if flown else tuple(moves)
-
-
-def _shortest_sortie(
-    table: Table, service: npt.NDArray[np.float64], budget: float, stations: int, first_target: int
-) -> float:
-    """Least time from the departure from a station to the end of a service, or less [s]."""
-    source = source_of(table)
-    if source is not None:
-        return float(on_demand.shortest_sortie(source, stations, first_target))
-    return float(kernels.shortest_sortie(table, service, budget, stations, first_target))
+        there.setdefault(since, mission)
+        missions.append(mission)
+    return missions

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from ..common.constants import DAY_S, HOUR_S
 from ..kernels.core.windows import service_ends
 from ..kernels.rules.loads import Loads
-from .problem import Mission
+from .mission import Mission
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -155,7 +155,7 @@ def proven_of(problem: Prizes, objective: float, upper_bound: float = math.inf) 
 
     Parameters
     ----------
-    problem : Mission or Campaign
+    problem : Problem
     objective : float
     upper_bound : float
         In prizes, +inf for none.

@@ -13,13 +13,13 @@ from ..common.errors import InputError
 from ..common.progress import Progress, silent
 from ..common.stop import AnyOf, MaxIterations, MaxRuntime, Stop
 from ..legs.timetable_size import TABLE_BYTES, Size, estimate, too_large
-from ..mission.campaign import Campaign, Problem, problem_of
+from ..mission.problem import AnyProblem, Problem, problem_of
 from ..mission.result import Result, noted, proven_of
 from ..plan.plane_drift import drift_warning
-from ..problem.instance import AnyInstance, Instance
+from ..problem.instance import Instance
 from ..problem.least_time import too_short
-from .method_call import form_for, method_of, prepare, warm_up
-from .methods import BOUNDS, PLANNERS, knows_all_pairs, needs_no_table, takes_jobs, takes_start
+from .method_call import method_of, prepare, refuse_unable, spec_of, warm_up
+from .methods import BOUNDS, PLANNERS
 from .run_options import RunOptions
 from .side_by_side import together
 from .start_plan import Start, start_destinations
@@ -35,6 +35,7 @@ __all__ = [
     "method_of",
     "run",
     "solve",
+    "spec_of",
     "warm_up",
 ]
 
@@ -46,7 +47,7 @@ DEFAULT_BOUND_TIME_LIMIT_S = 60.0
 
 
 def solve(
-    instance: AnyInstance | Problem,
+    instance: AnyProblem,
     method: str = DEFAULT_METHOD,
     *,
     time_limit: float = DEFAULT_TIME_LIMIT_S,
@@ -66,7 +67,7 @@ def solve(
 
     Parameters
     ----------
-    instance : Instance, path, dict, Mission or Campaign
+    instance : Instance, path, dict, Mission or Problem
         The path of an instance file is loaded, a dictionary taken for its content. The latter two
         bring their timetables along.
     method : str
@@ -121,7 +122,7 @@ def solve(
 
 
 def bound(
-    instance: AnyInstance | Problem,
+    instance: AnyProblem,
     method: str = DEFAULT_BOUND,
     *,
     time_limit: float = DEFAULT_BOUND_TIME_LIMIT_S,
@@ -138,7 +139,7 @@ def bound(
 
     Parameters
     ----------
-    instance : Instance, path, dict, Mission or Campaign
+    instance : Instance, path, dict, Mission or Problem
     method : str
         Name of an installed bound.
     start : Plan or sequence of int or str, optional
@@ -168,7 +169,7 @@ def bound(
 
 def run(
     group: str,
-    instance: AnyInstance | Problem,
+    instance: AnyProblem,
     method: str,
     wanted: RunOptions,
     *,
@@ -183,7 +184,7 @@ def run(
     ----------
     group : str
         ``methods.PLANNERS`` or ``methods.BOUNDS``.
-    instance : Instance, path, dict, Mission or Campaign
+    instance : Instance, path, dict, Mission or Problem
     method : str
     wanted : RunOptions
     stop : Stop, optional
@@ -214,12 +215,13 @@ def run(
         whole = whole.with_margin(wanted.margin)
     # Each side counts its own iterations, or the work of one would depend on the other's speed.
     limits = [] if iterations is None else [MaxIterations(iterations) for _ in range(2)]
-    prover = None if bound is None else method_of(bound, BOUNDS)
-    form_for(whole, method, method_of(method, group))
-    if bound is not None and prover is not None:
-        form_for(whole, bound, prover)
-    both_jobs = jobs if prover is not None and takes_jobs(prover) else None
-    only_prover = both_jobs is not None and not takes_jobs(method_of(method, group))
+    known, prover = spec_of(method, group), None
+    refuse_unable(whole, known)
+    if bound is not None:
+        prover = spec_of(bound, BOUNDS)
+        refuse_unable(whole, prover)
+    both_jobs = jobs if prover is not None and prover.uses_cores else None
+    only_prover = both_jobs is not None and not known.uses_cores
     its_jobs = None if only_prover else jobs
     prepared = prepare(
         group, method, seed=wanted.seed, starts=start is not None, repair=repair,
@@ -231,19 +233,17 @@ def run(
     drifts = whole.connecting.drifts
     if drifts and not whole.has_timetable:
         _announce(whole.instance, sizing)
-    ready = partial(
-        warm_up, starts=start is not None, drifts=drifts, campaign=isinstance(whole, Campaign)
-    )
+    ready = partial(warm_up, starts=start is not None, drifts=drifts, several=whole.alone is None)
     ready(group, method, *others, options=wanted.options, jobs=its_jobs)
-    on_demand = needs_no_table(prepared.function, prepared.arguments["options"])
+    on_demand = prepared.on_demand
     if on_demand and may_ask(whole):
         ready(group, method, *others, options=wanted.options, jobs=its_jobs, asks=True)
     if bound is not None:
         ready(BOUNDS, bound, *others, jobs=both_jobs)
     criteria: list[Stop] = [MaxRuntime(wanted.time_limit), *others]
     # Some methods look at all pairs by themselves: what they prove is proven of all.
-    of_all = knows_all_pairs(method_of(method, group))
-    hasty = of_all and group == BOUNDS and not isinstance(whole, Campaign)
+    of_all = known.bounds_all_pairs
+    hasty = of_all and group == BOUNDS and whole.alone is not None
     chosen = candidates(
         whole,
         wanted.time_limit,
@@ -263,10 +263,8 @@ def run(
         planned = prepared(whole, AnyOf(*criteria, *limits[:1]), progress)
         return _beyond_the_model(whole, chosen.of_the_whole(planned, of_all=of_all))
     proving = prepare(BOUNDS, bound, seed=wanted.seed, jobs=both_jobs)
-    if start is not None and takes_start(prover):
-        proving = replace(
-            proving, arguments={**proving.arguments, "start": prepared.arguments["start"]}
-        )
+    if start is not None and prover.starts:
+        proving = proving.beginning_from(whole, destinations, repair)
     result = together(whole, prepared, proving, AnyOf(*criteria), progress, limits)
     return _beyond_the_model(whole, result)
 

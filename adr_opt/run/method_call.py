@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import takewhile
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 from ..common.errors import InputError
 from ..common.options import read
@@ -14,28 +14,17 @@ from ..common.progress import Progress, silent
 from ..common.stop import Stop
 from ..common.wording import counted
 from ..mission.build_legs import APPROXIMATE
-from ..mission.campaign import Campaign, Problem
 from ..mission.certified import certify_routes
+from ..mission.problem import Problem
 from ..mission.result import Result, noted
 from ..plan.cargo import loads_of, what_counts
 from ..sources.generator import LARGEST_SEED
-from .methods import (
-    BOUNDS,
-    EXPENSE,
-    KITS,
-    LIMITS,
-    PLANNERS,
-    Planner,
-    campaign_form,
-    get,
-    known_rules,
-    names,
-    options_of,
-    takes_jobs,
-    takes_start,
-)
+from .method_spec import EXPENSE, LOADS, STATIONS, MethodSpec
+from .methods import BOUNDS, PLANNERS, Planner, adapted, names, options_of, spec
 from .start_plan import legal_beginning
-from .warm_up import Practice, asking_mission, habits, practice_campaign, practice_mission
+from .warm_up import PracticeStop, asking_problem, practice_problem
+
+Taken = TypeVar("Taken")
 
 FALLBACK = "greedy-guarded"
 """Takes a millisecond: the least that any planner returns when its time is over."""
@@ -77,7 +66,7 @@ class Prepared:
 
     Attributes
     ----------
-    method : str
+    spec : MethodSpec
     function : Planner
     arguments : mapping
         Seed, start and options.
@@ -87,30 +76,40 @@ class Prepared:
         Whether a plan is what it is asked for.
     """
 
-    method: str
+    spec: MethodSpec
     function: Planner
     arguments: Mapping[str, Any]
     notes: tuple[str, ...] = ()
     plans: bool = True
 
-    def __call__(self, mission: Problem, stop: Stop, progress: Progress = silent) -> Result:
+    @property
+    def method(self) -> str:
+        """Its name."""
+        return self.spec.name
+
+    @property
+    def on_demand(self) -> bool:
+        """Whether rows of the timetable may be worked out on demand for it."""
+        return not self.spec.needs_table(self.arguments["options"])
+
+    def __call__(self, problem: Problem, stop: Stop, progress: Progress = silent) -> Result:
         """Run the method."""
-        result = form_for(mission, self.method, self.function)(
-            mission, stop=_Shown(mission, stop), progress=_shown(mission, progress),
-            **self.arguments,
+        result = self.function(
+            given_to(problem, self.spec), stop=_Shown(problem, stop),
+            progress=_shown(problem, progress), **self.arguments,
         )  # fmt: skip
         _check_result(self.method, result)
         if self.plans and self.method != PUBLISHED and stop.remaining_s() <= 0.0:
-            result = self._at_least_the_fallback(mission, result, stop, progress)
+            result = self._at_least_the_fallback(problem, result, stop, progress)
         return noted(result, self.notes)
 
     def beginning_from(
-        self, mission: Problem, destinations: tuple[tuple[str, ...], ...], repair: bool
+        self, problem: Problem, destinations: tuple[tuple[str, ...], ...], repair: bool
     ) -> Self:
         """The same from a start plan, or from as much of each of its routes as is legal."""
         notes, routes = self.notes, []
         done: set[str] = set()
-        for each, wanted in zip(mission.missions, destinations, strict=True):
+        for each, wanted in zip(problem.missions, destinations, strict=True):
             # What was another chaser's is nobody else's; without repair it was refused.
             left = takewhile(lambda name: name not in done, wanted)
             sequence = legal_beginning(each, left, repair=repair)
@@ -121,23 +120,25 @@ class Prepared:
                 legs = counted(len(wanted), "leg")
                 whose = "" if len(destinations) == 1 else f" of {each.chaser.name!r}"
                 notes = (*notes, f"{kept} of the start plan's {legs}{whose} could be kept")
-        start = tuple(routes) if isinstance(mission, Campaign) else routes[0]
+        start = tuple(routes) if self.spec.several else routes[0]
         return replace(self, arguments={**self.arguments, "start": start}, notes=notes)
 
     def _at_least_the_fallback(
-        self, mission: Problem, result: Result, stop: Stop, progress: Progress
+        self, problem: Problem, result: Result, stop: Stop, progress: Progress
     ) -> Result:
         """What a method has that ran out of time, or the plan of :data:`FALLBACK` if better."""
-        fallback = form_for(mission, FALLBACK, get(FALLBACK))
-        quick = fallback(mission, seed=result.seed, stop=stop, progress=silent)
+        fallback = spec(FALLBACK)
+        quick = adapted(FALLBACK, fallback.load())(
+            given_to(problem, fallback), seed=result.seed, stop=stop, progress=silent
+        )
         if quick.objective <= result.objective:
             return result
         progress(quick.objective, result.upper_bound)
         said = [note for note in result.notes if note != APPROXIMATE]  # certify says it again
         return certify_routes(
-            mission, self.method, quick.routes,
+            problem, self.method, quick.routes,
             seed=result.seed, runtime_s=result.runtime_s,
-            upper_bound=mission.worth(result.upper_bound),
+            upper_bound=problem.worth(result.upper_bound),
             evidence=result.evidence,
             counters=result.counters,
             notes=[*said, f"{self.method} ran out of time: the plan is that of {FALLBACK}"],
@@ -179,25 +180,26 @@ def prepare(
     """
     if not 0 <= seed <= LARGEST_SEED:
         raise InputError(f"seed = {seed}: must be between 0 and {LARGEST_SEED}")
-    function = method_of(method, group)
+    known, function = spec_of(method, group), method_of(method, group)
     chosen = dict(options or {})
     if jobs is not None:
-        if not takes_jobs(function):
+        if not known.uses_cores:
             raise InputError(
                 f"jobs = {jobs}: method {method!r} uses one core; leave it out"
-                f"{_others(group, takes_jobs)}"
+                f"{_others(group, lambda other: other.uses_cores)}"
             )
         if "jobs" in chosen:
             raise InputError("jobs is given twice, also as an option of the method; give it once")
         chosen["jobs"] = jobs
     if repair and not starts:
         raise InputError("repair mends a start plan, but none is given; give one with start")
-    if starts and not takes_start(function):
+    if starts and not known.starts:
         raise InputError(
-            f"method {method!r} takes no start plan; leave it out{_others(group, takes_start)}"
+            f"method {method!r} takes no start plan; leave it out"
+            f"{_others(group, lambda other: other.starts)}"
         )
     arguments = {"seed": seed, "options": read(options_of(function), chosen)}
-    return Prepared(method, function, arguments, plans=group == PLANNERS)
+    return Prepared(known, function, arguments, plans=group == PLANNERS)
 
 
 def method_of(name: str, group: str = PLANNERS) -> Planner:
@@ -208,13 +210,29 @@ def method_of(name: str, group: str = PLANNERS) -> Planner:
     InputError
         There is none of that name, or it is declared but cannot be imported.
     """
+    return _installed(name, group, lambda known: adapted(name, known.load()))
+
+
+def spec_of(name: str, group: str = PLANNERS) -> MethodSpec:
+    """What the planner (or bound) of a name can do.
+
+    Raises
+    ------
+    InputError
+        As of :func:`method_of`.
+    """
+    return _installed(name, group, lambda known: known)
+
+
+def _installed(name: str, group: str, taken: Callable[[MethodSpec], Taken]) -> Taken:
+    """What is taken of a specification, with a sentence for all that may go wrong."""
     if group == BOUNDS and not names(group):
         raise InputError(
             f"bound {name!r} is unknown and none is installed; "
             f"install a package with an entry point in the group {BOUNDS!r}"
         )
     try:
-        return get(name, group)
+        return taken(spec(name, group))
     except (ImportError, AttributeError) as error:
         raise InputError(
             f"method {name!r} is declared, but cannot be imported ({error}); "
@@ -222,74 +240,76 @@ def method_of(name: str, group: str = PLANNERS) -> Planner:
         ) from error
 
 
-def _others(group: str, able: Callable[[Planner], bool]) -> str:
+def _others(group: str, able: Callable[[MethodSpec], bool]) -> str:
     """The end of a sentence that says which methods are able to do something."""
-    found = []
-    for name in names(group):
-        try:
-            if able(get(name, group)):
-                found.append(name)
-        except (ImportError, AttributeError, InputError):
-            continue  # cannot be recommended; asked for by name, it says why
+    found = [name for name in names(group) if _can(name, group, able)]
     return f", or use one of: {', '.join(found)}" if found else ""
 
 
-def form_for(problem: Problem, name: str, function: Planner) -> Planner:
-    """The function of a method that plans a mission or a campaign.
+def _can(name: str, group: str, able: Callable[[MethodSpec], bool]) -> bool:
+    """Whether an installed method can be called, and is able to do something."""
+    try:
+        return able(spec(name, group))
+    except (ImportError, AttributeError, InputError):
+        return False  # cannot be recommended; asked for by name, it says why
+
+
+def given_to(problem: Problem, method: MethodSpec) -> Any:
+    """What a method is given of a problem: all of it, or the mission of the only chaser."""
+    return problem if method.several else problem.missions[0]
+
+
+def refuse_unable(problem: Problem, method: MethodSpec) -> None:
+    """Refuse a method that does not know what a problem has.
 
     Raises
     ------
     InputError
         It plans for one chaser, and there are several; or does not know a rule that counts.
     """
-    if not isinstance(problem, Campaign):
-        return function
-    instance, found = problem.instance, campaign_form(function)
+    if problem.alone is not None:
+        return
     counts = _rules_of(problem)
-    if found is not None and counts <= known_rules(function):
-        return found
-    able = ", ".join(
+
+    def able(other: MethodSpec) -> bool:
+        return other.several and counts <= other.rules
+
+    if able(method):
+        return
+    others = ", ".join(
         f"{other} ({group.rsplit('.', 1)[1]})" if group == BOUNDS else other
         for group in (PLANNERS, BOUNDS)
         for other in names(group)
-        if _plans_campaigns(other, group, counts)
+        if _can(other, group, able)
     )
+    instance = problem.instance
     chasers = len(instance.chasers)
     why = f"is for one chaser, and {instance.name!r} has {chasers}"
-    if found is not None or chasers == 1:
-        unknown = sorted(counts - (known_rules(function) if found is not None else frozenset()))
-        word = what_counts(instance) if unknown[0] == KITS else unknown[0]
+    if method.several or chasers == 1:
+        unknown = sorted(counts - method.rules)
+        word = what_counts(instance) if unknown[0] == LOADS else unknown[0]
         why = f"knows no {word}, and {_THEY[unknown[0]].format(instance.name)}"
-    raise InputError(f"method {name!r} {why}; use one of: {able}")
+    raise InputError(f"method {method.name!r} {why}; use one of: {others}")
 
 
 _THEY = {
-    KITS: "those of {!r} count",
-    LIMITS: "those of {!r} do",
+    LOADS: "those of {!r} count",
+    STATIONS: "those of {!r} do",
     EXPENSE: "that of {!r} is what plans are to have least of",
 }
 """Why a rule counts for an instance of a name."""
 
 
-def _rules_of(problem: Campaign) -> frozenset[str]:
-    """The rules that count for a campaign, and that not every method knows."""
+def _rules_of(problem: Problem) -> frozenset[str]:
+    """The rules that count for a problem, and that not every method knows."""
     instance = problem.instance
     loads = [loads_of(instance, chaser, problem.margin) for chaser in instance.chasers]
     counts = {
-        KITS: any(each is not None for each in loads),
-        LIMITS: bool(problem.limits),
+        LOADS: any(each is not None for each in loads),
+        STATIONS: bool(problem.limits),
         EXPENSE: instance.objective.cost == "expense",
     }
     return frozenset(word for word, does in counts.items() if does)
-
-
-def _plans_campaigns(name: str, group: str, counts: frozenset[str]) -> bool:
-    """Whether an installed method can be called for several chasers, by the rules that count."""
-    try:
-        method = get(name, group)
-    except (ImportError, AttributeError, InputError):
-        return False  # cannot be recommended; asked for by name, it says why
-    return campaign_form(method) is not None and counts <= known_rules(method)
 
 
 _warm: set[tuple[object, ...]] = set()
@@ -304,7 +324,7 @@ def warm_up(
     jobs: int | None = None,
     options: Mapping[str, Any] | None = None,
     drifts: bool = False,
-    campaign: bool = False,
+    several: bool = False,
     asks: bool = False,
 ) -> Exception | None:
     """Let a method compile its kernels, by a run on a small mission, with the options asked for.
@@ -321,8 +341,8 @@ def warm_up(
         Whether there will be a plan to begin from.
     drifts : bool
         Whether nodes will drift.
-    campaign : bool
-        Whether there will be several chasers.
+    several : bool
+        Whether there will be several chasers, or rules that count for all of them.
     asks : bool
         Whether rows of the timetable will be worked out on demand.
 
@@ -336,28 +356,29 @@ def warm_up(
     InputError
         There is no such method or option.
     """
-    mission = practice_campaign(drifts) if campaign else practice_mission(drifts)
-    mission = asking_mission() if asks else mission
+    problem = asking_problem(several) if asks else practice_problem(drifts, several)
     prepared = prepare(group, method, jobs=jobs, options=options)
-    given, habit = prepared.arguments["options"], habits(prepared.function)
+    given, habit = prepared.arguments["options"], prepared.spec.practice
     # Numbers say how much is done, for which a method may have habits; texts and switches say what.
     chosen = {
         name: habit.options.get(name, value) if not isinstance(value, (str, bool)) else value
         for name, value in vars(given).items()
     }
-    function = form_for(mission, method, prepared.function)
-    begins = {}
-    if starts and takes_start(function):
-        begins["start"] = ((1,), ()) if campaign else (1,)
+    refuse_unable(problem, prepared.spec)
+    begins: dict[str, Any] = {}
+    if starts and prepared.spec.starts:
+        routes = ((1,), *[()] * (len(problem.missions) - 1))
+        begins["start"] = routes if prepared.spec.several else routes[0]
     told = sorted((name, repr(value)) for name, value in chosen.items())
-    key = (group, method, drifts, campaign, asks, *begins, *told)
+    key = (group, method, drifts, several, asks, *begins, *told)
     with _warming:
         if key in _warm:
             return None
         _warm.add(key)
         try:
-            result = function(
-                mission, seed=0, stop=Practice(habit.rounds, *stops), progress=silent, **begins,
+            result = prepared.function(
+                given_to(problem, prepared.spec), seed=0,
+                stop=PracticeStop(habit.rounds, *stops), progress=silent, **begins,
                 options=read(type(given), chosen),
             )  # fmt: skip
             _check_result(method, result)

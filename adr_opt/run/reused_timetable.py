@@ -13,8 +13,8 @@ from typing import Any
 
 from ..common.records import Record
 from ..legs.connections import ConnectionFinder
-from ..mission.campaign import Campaign, Problem, is_campaign, problem_of
-from ..mission.problem import Mission
+from ..mission.mission import Mission
+from ..mission.problem import Problem, problem_of
 from ..problem.instance import Instance
 
 
@@ -73,7 +73,7 @@ class Reused:
                 return _on_what_is_there(known, instance)
         longest = self._longest
         if longest is not None and longest.connecting.drifts and _is_part(longest, instance):
-            self._built = _connected(instance, longest.connecting.shortened(instance))
+            self._built = Problem(instance, connecting=longest.connecting.shortened(instance))
         else:
             self._built = self._longest = problem_of(instance)
         return self._built
@@ -87,19 +87,11 @@ def _is_part(known: Problem, wanted: Instance) -> bool:
     return shorter and same and _alike(known.instance, wanted)
 
 
-def _connected(instance: Instance, connecting: ConnectionFinder) -> Problem:
-    if is_campaign(instance):
-        return Campaign(instance, connecting=connecting)
-    return Mission(instance, connecting=connecting)
-
-
 def _on_what_is_there(known: Problem, instance: Instance) -> Problem:
     """A problem on the timetable of one of as many targets, or more."""
     connecting = known.connecting.shortened(instance)
     timetables = [mission.timetable.of_variant(instance, connecting) for mission in known.missions]
-    if is_campaign(instance):
-        return Campaign(instance, timetables=timetables)
     # Other choices of connections are shared, too, as far as they are of the same bodies.
-    is_twin = isinstance(known, Mission) and known.names == instance.names
-    twin = known.missions[0] if is_twin else None
-    return Mission(instance, timetables[0], twin=twin)
+    if len(known.missions) == 1 and known.names == instance.names:
+        return Problem.of(Mission(instance, timetables[0], twin=known.missions[0]))
+    return Problem(instance, timetables=timetables)

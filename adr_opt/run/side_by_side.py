@@ -11,8 +11,8 @@ from dataclasses import replace
 from ..common.progress import Progress
 from ..common.stop import Proven, Stop
 from ..mission.build_legs import APPROXIMATE
-from ..mission.campaign import Problem
 from ..mission.certified import certify_routes
+from ..mission.problem import Problem
 from ..mission.result import Result
 
 Method = Callable[[Problem, Stop, Progress], Result]
@@ -113,7 +113,7 @@ def together(
 
     Parameters
     ----------
-    mission : Mission or Campaign
+    mission : Problem
     planner, bound : callable
         Called with mission, stop and progress, as :class:`.method_call.Prepared` is.
     stop : Stop

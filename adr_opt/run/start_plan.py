@@ -11,8 +11,8 @@ import numpy as np
 from ..common.errors import InputError
 from ..judge.check.verdict import check
 from ..kernels.rules.loads import most_kits
-from ..mission.campaign import Problem
-from ..mission.problem import Mission
+from ..mission.mission import Mission
+from ..mission.problem import Problem
 from ..mission.refused_legs import why_not_flown
 from ..plan.plan import Plan
 

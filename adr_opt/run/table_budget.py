@@ -13,8 +13,7 @@ from ..kernels.tables.timetable_making import WAVE
 from ..legs.nearest_pairs import nearest_pairs, neighbours
 from ..legs.timetable import Timetable
 from ..legs.timetable_size import TABLE_BYTES, estimate
-from ..mission.campaign import Problem
-from ..mission.problem import Mission
+from ..mission.problem import Problem
 from ..mission.result import Result, proven_of
 
 SHARE = 1.0 / 3.0
@@ -40,7 +39,7 @@ class TableBudget:
 
     Attributes
     ----------
-    mission : Mission or Campaign
+    mission : Problem
         With its timetable.
     spent_s : float
         What the timetable took [s].
@@ -149,9 +148,7 @@ would take longer than finding them."""
 
 def may_ask(whole: Problem) -> bool:
     """Whether rows may have to be worked out on demand: a large field and a mission of weeks."""
-    if not isinstance(whole, Mission) or whole.has_timetable:
-        return False
-    if not whole.connecting.may_be_asked:
+    if whole.alone is None or whole.has_timetable or not whole.connecting.may_be_asked:
         return False
     size = estimate(whole.instance)
     return size.entries >= LARGE_ENTRIES and size.events <= MOST_EVENTS
@@ -172,7 +169,7 @@ def candidates(
 
     Parameters
     ----------
-    whole : Mission or Campaign
+    whole : Problem
         One that has its timetable is left as it is; else it gets one.
     limit_s : float
         The time limit of everything [s].
@@ -195,8 +192,7 @@ def candidates(
     if whole.has_timetable and (on_demand or not whole.missions[0].timetable.is_asked):
         return TableBudget(whole, 0.0, 0.0)
     began = time.perf_counter()
-    asker = whole if isinstance(whole, Mission) and may_ask(whole) else None
-    on_demand = on_demand and asker is not None
+    on_demand = on_demand and may_ask(whole)
     allowed_s = max(LEAST_S, limit_s if first is None else SHARE * limit_s)
     patience = 1.0 if first is None else PATIENCE
     patient_s = MOMENT_S if hasty or on_demand else allowed_s
@@ -226,7 +222,7 @@ def candidates(
     built = pairs is not None or not on_demand
     if built:
         whole.build(pairs, enough)
-    if asker is not None and on_demand and not (built and whole.is_whole):
+    if on_demand and not (built and whole.is_whole):
         required = sum(target.required for target in whole.instance.targets)
-        asker.ask(neighbours(whole.instance, RANKS + required))
+        whole.ask(neighbours(whole.instance, RANKS + required))
     return TableBudget(whole, time.perf_counter() - began, whole_s)

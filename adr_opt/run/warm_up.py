@@ -4,24 +4,18 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping
 from functools import cache
 from itertools import cycle
-from typing import Any, NamedTuple, TypeVar
 
 from ..common.constants import DAY_S
 from ..common.stop import Stop
 from ..kernels.core.compile import compiling_s
 from ..legs.nearest_pairs import neighbours
-from ..mission.campaign import Campaign
-from ..mission.problem import Mission
+from ..mission.mission import Mission
+from ..mission.problem import Problem, problem_of
 from ..problem.instance import Instance
 from ..problem.transfer_sizes import transfers_for
 from ..sources.generator import generate
-
-Method = TypeVar("Method", bound=Callable[..., object])
-
-_ATTRIBUTE = "practice_habits"
 
 LONGEST_S = 10.0
 """For methods that ask for the time alone. Compiling is not counted."""
@@ -49,19 +43,22 @@ def practice_mission(drifts: bool = False) -> Mission:
 
 
 @cache
-def asking_mission() -> Mission:
-    """The same field, with rows of its timetable that are worked out on demand."""
-    mission = Mission(practice_mission().instance)
-    mission.ask(neighbours(mission.instance, len(mission.names)))
-    return mission
+def asking_problem(several: bool = False) -> Problem:
+    """The same field, with rows of its timetables that are worked out on demand."""
+    problem = Problem(practice_problem(several=several).instance)
+    problem.ask(neighbours(problem.instance, len(problem.names)))
+    return problem
 
 
 @cache
-def practice_campaign(drifts: bool = False) -> Campaign:
-    """The same field with two chasers, of two kinds."""
-    field = practice_mission(drifts).instance
+def practice_problem(drifts: bool = False, several: bool = False) -> Problem:
+    """The same field as a problem, or with two chasers, of two kinds."""
+    mission = practice_mission(drifts)
+    if not several:
+        return problem_of(mission)
+    field = mission.instance
     second = field.chaser.replace(name=f"{field.chaser.name}-2", max_targets=8)
-    return Campaign(field.replace(chasers=(field.chaser, second)))
+    return Problem(field.replace(chasers=(field.chaser, second)))
 
 
 def _drifting() -> Instance:
@@ -76,44 +73,13 @@ def _drifting() -> Instance:
     )
 
 
-class Habits(NamedTuple):
-    """How a method practises.
-
-    Attributes
-    ----------
-    rounds : int
-        How often it may ask whether it is enough.
-    options : mapping
-        What it is called with.
-    """
-
-    rounds: int = 3
-    options: Mapping[str, Any] = {}
-
-
-def practises(rounds: int = Habits().rounds, **options: Any) -> Callable[[Method], Method]:
-    """Decorate a method that does not come by all of its kernels in the usual way."""
-
-    def decorate(method: Method) -> Method:
-        setattr(method, _ATTRIBUTE, Habits(rounds, options))
-        return method
-
-    return decorate
-
-
-def habits(method: Callable[..., object]) -> Habits:
-    """How a method practises."""
-    found: Habits = getattr(method, _ATTRIBUTE, Habits())
-    return found
-
-
-class Practice:
+class PracticeStop:
     """The stop of a practice run: after some rounds, or when somebody else says enough.
 
     Parameters
     ----------
     rounds : int
-        Of :class:`Habits`.
+        Of :class:`.method_spec.Practice`.
     others : sequence of Stop
         They end the practice too, but are only asked for the time: they may count questions.
     """

@@ -10,12 +10,11 @@ import numpy as np
 
 from ..common.constants import DAY_S
 from ..legs.timetable import Timetable
-from ..mission.campaign import Problem
-from ..mission.problem import Mission
+from ..mission.problem import Problem
 from ..problem.bodies import Station, Target
 from ..problem.chasers import AtStation, Chaser, InOrbit
 from ..problem.instance import Instance
-from ..run.warm_up import asking_mission, practice_campaign, practice_mission
+from ..run.warm_up import asking_problem, practice_problem
 from ..sources.generator import generate
 
 BEGINNING, REPEATED, OVER = "start plan", "same seed, same plan", "time over at once"
@@ -46,7 +45,7 @@ def _field() -> Instance:
 
 def _with(**changes: object) -> Callable[[], Problem]:
     """The field with other parts."""
-    return lambda: Mission(_field().replace(**changes))
+    return lambda: Problem(_field().replace(**changes))
 
 
 def _with_targets(change: Callable[[int, Target], Target]) -> Callable[[], Problem]:
@@ -54,7 +53,7 @@ def _with_targets(change: Callable[[int, Target], Target]) -> Callable[[], Probl
 
     def problem() -> Problem:
         field = _field()
-        return Mission(
+        return Problem(
             field.replace(targets=tuple(change(*each) for each in enumerate(field.targets)))
         )
 
@@ -66,13 +65,13 @@ def _with_chaser(change: Callable[[Instance], Chaser]) -> Callable[[], Problem]:
 
     def problem() -> Problem:
         field = _field()
-        return Mission(field.replace(chasers=(change(field),)))
+        return Problem(field.replace(chasers=(change(field),)))
 
     return problem
 
 
 def _with_limits(duration_s: float | None = None, delta_v_m_s: float | None = None) -> Problem:
-    return Mission(_field().with_limits(duration_s=duration_s, delta_v_m_s=delta_v_m_s))
+    return Problem(_field().with_limits(duration_s=duration_s, delta_v_m_s=delta_v_m_s))
 
 
 def _required(delta_v_m_s: float | None = None) -> Problem:
@@ -80,7 +79,7 @@ def _required(delta_v_m_s: float | None = None) -> Problem:
     field = _field()
     *others, last = field.targets
     changed = field.replace(targets=(*others, last.replace(required=True)))
-    return Mission(changed.with_limits(delta_v_m_s=delta_v_m_s))
+    return Problem(changed.with_limits(delta_v_m_s=delta_v_m_s))
 
 
 def _without_station() -> Problem:
@@ -89,7 +88,7 @@ def _without_station() -> Problem:
     orbit = field.stations[0].orbit
     assert orbit is not None
     chaser = field.chaser.replace(start=InOrbit(orbit=orbit))
-    return Mission(field.replace(stations=(), chasers=(chaser,)))
+    return Problem(field.replace(stations=(), chasers=(chaser,)))
 
 
 def _two_stations() -> Problem:
@@ -98,7 +97,7 @@ def _two_stations() -> Problem:
     *targets, last = field.targets
     stations = (*field.stations, Station(name="second", orbit=last.orbit))
     chaser = field.chaser.replace(end=AtStation(station="second"))
-    return Mission(field.replace(stations=stations, targets=tuple(targets), chasers=(chaser,)))
+    return Problem(field.replace(stations=stations, targets=tuple(targets), chasers=(chaser,)))
 
 
 def _given() -> Problem:
@@ -111,17 +110,17 @@ def _given() -> Problem:
     duration = np.where(np.isfinite(cost), 5000.0 + 500.0 * abs(origin - destination), math.inf)
     departures = [0.0, 0.4 * DAY_S, 0.8 * DAY_S]
     timetable = Timetable.from_matrices(field, departures, [duration] * 3, [cost] * 3)
-    return Mission(timetable.instance)
+    return Problem(timetable.instance)
 
 
 CASES: dict[str, Case] = {
-    "practice mission": Case(practice_mission, practises=True),
-    "practice mission with drifting nodes": Case(lambda: practice_mission(True), practises=True),
-    "practice mission without a timetable": Case(asking_mission, practises=True),
-    "practice campaign": Case(practice_campaign, practises=True),
+    "practice mission": Case(practice_problem, practises=True),
+    "practice mission with drifting nodes": Case(lambda: practice_problem(True), practises=True),
+    "practice mission without a timetable": Case(asking_problem, practises=True),
+    "practice campaign": Case(lambda: practice_problem(several=True), practises=True),
     "usual field": Case(_with()),
     "no targets": Case(_with(targets=())),
-    "one target": Case(lambda: Mission(_field().replace(targets=_field().targets[:1]))),
+    "one target": Case(lambda: Problem(_field().replace(targets=_field().targets[:1]))),
     "tank nearly empty": Case(lambda: _with_limits(delta_v_m_s=1.0)),
     "mission of a quarter of an hour": Case(lambda: _with_limits(duration_s=900.0)),
     "targets worth nothing": Case(_with_targets(lambda at, each: each.replace(prize=0.0))),
@@ -149,7 +148,7 @@ CASES: dict[str, Case] = {
     ),
     "no station": Case(_without_station),
     "two stations": Case(_two_stations),
-    "keep-out zones": Case(lambda: Mission(generate("tiny", 0, zones=4))),
+    "keep-out zones": Case(lambda: Problem(generate("tiny", 0, zones=4))),
     "given connections": Case(_given),
     OVER: Case(_with()),
     BEGINNING: Case(_with()),

@@ -8,22 +8,14 @@ from typing import Any, NamedTuple
 
 from ..common.errors import InputError
 from ..common.options import read
-from ..common.progress import silent
 from ..common.stop import MaxIterations, MaxRuntime, Stop
 from ..judge.check.verdict import check
-from ..mission.campaign import Campaign, Problem
+from ..mission.problem import Problem
 from ..mission.result import Result
-from ..run.method_call import FALLBACK, Prepared
-from ..run.methods import (
-    Planner,
-    adapted,
-    campaign_form,
-    get,
-    needs_no_table,
-    options_of,
-    takes_start,
-)
-from ..run.warm_up import Practice, habits
+from ..run.method_call import FALLBACK, Prepared, prepare
+from ..run.method_spec import MethodSpec
+from ..run.methods import PLANNERS, adapted, options_of, spec, spec_of_function
+from ..run.warm_up import PracticeStop
 from .cases import BEGINNING, CASES, OVER, REPEATED, Case
 
 MOST_QUESTIONS = 1000
@@ -70,7 +62,7 @@ class PlannerFault(AssertionError):
 
 
 def validate_planner(
-    planner: Callable[..., Result] | str,
+    planner: Callable[..., Result] | MethodSpec | str,
     *,
     cases: Iterable[str] | None = None,
     plans: bool = True,
@@ -87,8 +79,8 @@ def validate_planner(
 
     Parameters
     ----------
-    planner : callable or str
-        The function, or the name of an installed planner.
+    planner : callable, MethodSpec or str
+        The function, what it can do, or the name of an installed planner.
     cases : iterable of str, optional
         Names of :data:`CASES`. By default all, but those of several chasers, of rows that are
         worked out on demand and of start plans for planners that do not know them.
@@ -113,10 +105,14 @@ def validate_planner(
         It cannot be called as planners are, or there is no such case or option.
     """
     name = planner if isinstance(planner, str) else getattr(planner, "__name__", "planner")
-    function = get(planner) if isinstance(planner, str) else adapted(name, planner)
+    if isinstance(planner, str):
+        known = spec(planner)
+    else:
+        known = planner if isinstance(planner, MethodSpec) else spec_of_function(name, planner)
+    function = adapted(known.name, known.load())
     arguments = {"seed": seed, "options": read(options_of(function), options)}
     # Not as a planner, for which a greedy plan would stand in.
-    prepared = Prepared(name, function, arguments, plans=False)
+    prepared = Prepared(known, function, arguments, plans=False)
     wanted = _wanted(prepared, cases)
     faults = tuple(
         Fault(case, reason)
@@ -135,13 +131,10 @@ def _wanted(prepared: Prepared, cases: Iterable[str] | None) -> tuple[str, ...]:
             if case not in CASES:
                 raise InputError(f"case {case!r} is unknown; use one of: {', '.join(CASES)}")
         return wanted
-    function = prepared.function
     knows = {
-        "practice campaign": campaign_form(function) is not None,
-        "practice mission without a timetable": needs_no_table(
-            function, prepared.arguments["options"]
-        ),
-        BEGINNING: takes_start(function),
+        "practice campaign": prepared.spec.several,
+        "practice mission without a timetable": prepared.on_demand,
+        BEGINNING: prepared.spec.starts,
     }
     return tuple(case for case in CASES if knows.get(case, True))
 
@@ -206,7 +199,7 @@ def _faults(prepared: Prepared, name: str, plans: bool, time_limit: float) -> It
         if name == REPEATED:
             return _Watched(MaxIterations(SAME_WORK))
         if case.practises:
-            return _Watched(Practice(habits(prepared.function).rounds))
+            return _Watched(PracticeStop(prepared.spec.practice.rounds))
         return _Watched(MaxRuntime(time_limit))
 
     heard = _Heard()
@@ -229,10 +222,7 @@ def _faults(prepared: Prepared, name: str, plans: bool, time_limit: float) -> It
 
 def _greedy(problem: Problem) -> Result:
     """The plan of a planner that is known."""
-    planner: Planner = get(FALLBACK)
-    form = campaign_form(planner) if isinstance(problem, Campaign) else planner
-    assert form is not None
-    return form(problem, seed=0, stop=MaxIterations(1_000_000), progress=silent)
+    return prepare(PLANNERS, FALLBACK)(problem, MaxIterations(1_000_000))
 
 
 def _judged(problem: Problem, result: Result, case: Case, plans: bool) -> Iterator[str]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import adr_opt
 from adr_opt.common.errors import InputError
-from adr_opt.mission.campaign import Problem, problem_of
+from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.sources.generator import FAMILIES
 
 

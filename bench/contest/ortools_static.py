@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from adr_opt.mission.campaign import Problem
+from adr_opt.mission.problem import Problem
 from adr_opt.problem.chasers import AtStation
 
 from .promise import Promise, need

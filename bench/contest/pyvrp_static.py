@@ -19,11 +19,11 @@ from typing import Any
 import numpy as np
 
 from adr_opt.common.errors import InputError
-from adr_opt.mission.campaign import Problem
+from adr_opt.mission.problem import Problem
 from adr_opt.problem.chasers import AtStation
 
 from .promise import Promise, need
-from .static import kinds_of, one_matrix
+from .static import one_matrix
 
 CHEAPEST = 5
 """Legs into a target whose mean static ΔV is its load in PyVRP."""
@@ -56,7 +56,7 @@ def pyvrp_promise(
     built = time.perf_counter()
     found = model.solve(pyvrp.stop.MaxRuntime(time_limit_s), seed=seed, display=False)
     solved = time.perf_counter()
-    free = [list(kind.chasers) for kind in kinds_of(problem)]
+    free = [list(kind.chasers) for kind in problem.kinds]
     for route in found.best.routes() if found.best.is_feasible() else ():
         # Depots are stations and starts, in the order of their bodies.
         routes[free[route.vehicle_type()].pop(0)] = tuple(
@@ -70,7 +70,7 @@ def pyvrp_promise(
 def _model(pyvrp: Any, problem: Problem, delta_v: np.ndarray, duration: np.ndarray) -> Any:
     """The static relaxation as a model of PyVRP."""
     bodies, first = len(problem.names), problem.instance.first_target
-    kinds = kinds_of(problem)
+    kinds = problem.kinds
     budget = max(kind.mission.rules.budget for kind in kinds)
     model = pyvrp.Model()
     places = [model.add_location(0.0, 0.0) for _ in range(bodies + 1)]

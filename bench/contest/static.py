@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import adr_opt
-from adr_opt.mission.campaign import Campaign, ChaserType, Problem
+from adr_opt.mission.problem import Problem
 
 STATISTICS = ("mean", "quartile", "best", "epoch", "middle")
 """What a matrix is made of."""
@@ -56,8 +56,3 @@ def one_matrix(problem: Problem, statistic: str) -> tuple[np.ndarray, np.ndarray
     """The static costs that all chasers share: those of the one who is there longest."""
     longest = max(problem.missions, key=lambda each: each.rules.duration - each.rules.ready)
     return static_costs(longest, statistic)
-
-
-def kinds_of(problem: Problem) -> tuple[ChaserType, ...]:
-    """The kinds of chasers, also where there is one."""
-    return problem.kinds if isinstance(problem, Campaign) else (ChaserType(problem, (0,)),)

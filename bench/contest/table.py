@@ -11,11 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import adr_opt
-from adr_opt.mission.campaign import Problem
 from adr_opt.mission.certified import certify_routes
 from adr_opt.mission.order_repair import as_it_is, mended
-from adr_opt.run.front import method_of
-from adr_opt.run.methods import takes_jobs
+from adr_opt.mission.problem import Problem
+from adr_opt.run.front import spec_of
 
 from .didppy_slots import didppy_promise
 from .ortools_static import ortools_promise
@@ -120,7 +119,7 @@ def timed(
 
 def our_row(name: str, problem: Problem, *, time_limit_s: float, seed: int, jobs: int) -> Row:
     """One of our planners."""
-    cores = jobs if takes_jobs(method_of(name)) else None
+    cores = jobs if spec_of(name).uses_cores else None
     began = time.perf_counter()
     result = adr_opt.solve(problem, name, time_limit=time_limit_s, seed=seed, jobs=cores)
     wall = time.perf_counter() - began

@@ -10,8 +10,8 @@ from typing import Any
 
 from adr_opt.common.errors import InputError
 from adr_opt.common.options import parsed, read
-from adr_opt.run.front import method_of
-from adr_opt.run.methods import campaign_form, options_of, takes_jobs
+from adr_opt.run.front import method_of, spec_of
+from adr_opt.run.methods import options_of
 
 DEFAULT_METHODS = "greedy,greedy-guarded,mcts,beam,auto,ortools,ppo"
 """The planners of the published study and those of this project that answer it."""
@@ -34,7 +34,7 @@ class Method:
     @property
     def plans_campaigns(self) -> bool:
         """Whether it plans for several chasers."""
-        return campaign_form(method_of(self.name)) is not None
+        return spec_of(self.name).several
 
     def values(self) -> dict[str, Any]:
         """The options as :func:`adr_opt.solve` takes them, on one core unless typed otherwise.
@@ -50,7 +50,7 @@ class Method:
         kind = options_of(planner)
         values = {name: parsed(kind, name, text) for name, text in self.options}
         read(kind, values)
-        if takes_jobs(planner):
+        if spec_of(self.name).uses_cores:
             values.setdefault("jobs", 1)
         return values
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.problem.instance import Instance
-from adr_opt.run.front import method_of
-from adr_opt.run.methods import BOUNDS, campaign_form
+from adr_opt.run.front import spec_of
+from adr_opt.run.methods import BOUNDS
 from adr_opt.sources.generator import FAMILIES, draw_zones
 
 from .methods import Method
@@ -66,7 +66,7 @@ class BoundCall:
     @property
     def bounds_campaigns(self) -> bool:
         """Whether it is one for several chasers too."""
-        return campaign_form(method_of(self.name, BOUNDS)) is not None
+        return spec_of(self.name, BOUNDS).several
 
 
 @dataclass(frozen=True)

@@ -18,13 +18,12 @@ from typing import Any
 import adr_opt
 from adr_opt.common.errors import MissingExtra
 from adr_opt.common.tolerance import meets, rounded_down
-from adr_opt.mission.campaign import Campaign, Problem, problem_of
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.mission.result import Result
 from adr_opt.problem.instance import Instance
 from adr_opt.run import front
-from adr_opt.run.methods import BOUNDS, takes_jobs
-from adr_opt.run.warm_up import practice_campaign, practice_mission
+from adr_opt.run.methods import BOUNDS
+from adr_opt.run.warm_up import practice_problem
 
 from .environment import environment
 from .methods import Method
@@ -74,7 +73,7 @@ def work(task: Task, tell: Tell) -> None:
             tell("bound", {**_bound_row(task.trial, task.bound), "message": _sentence(error)})
         return
     spent.build, build_cpu_s = time.perf_counter() - began, time.process_time() - cpu_began
-    best, kind = task.best, (problem.connecting.drifts, isinstance(problem, Campaign))
+    best, kind = task.best, (problem.connecting.drifts, problem.alone is None)
     for method in task.methods:
         spent.warm += warm_up(method, *kind)
         row = _plan(task, method, _as_new(problem), spent)
@@ -90,9 +89,8 @@ def work(task: Task, tell: Tell) -> None:
 
 def _as_new(problem: Problem) -> Problem:
     """The same on the same timetable, without what the method before has worked out besides."""
-    if isinstance(problem, Campaign):
-        return problem  # its timetables belong to it
-    return Mission(problem.instance, problem.timetable, threads=1)
+    timetables = [mission.timetable for mission in problem.missions]
+    return Problem(problem.instance, threads=1, timetables=timetables)
 
 
 def preflight(methods: tuple[Method | BoundCall, ...]) -> str | None:
@@ -132,17 +130,15 @@ def warm_up(method: Method | BoundCall, drifts: bool = False, campaign: bool = F
 
 @cache
 def _small(drifts: bool, campaign: bool) -> Problem:
-    if campaign:
-        return practice_campaign(drifts)
-    if drifts:
-        return practice_mission(True)
+    if campaign or drifts:
+        return practice_problem(drifts, campaign)
     return problem_of(adr_opt.generate("tiny", 0, zones=2), threads=1)
 
 
 def _solve_small(method: Method | BoundCall, drifts: bool = False, campaign: bool = False) -> None:
     mission = _small(drifts, campaign)
     if isinstance(method, BoundCall):
-        options = {"jobs": 1} if takes_jobs(front.method_of(method.name, BOUNDS)) else {}
+        options = {"jobs": 1} if front.spec_of(method.name, BOUNDS).uses_cores else {}
         front.bound(mission, method.name, time_limit=WARM_LIMIT_S, iterations=3, **options)
         return
     result = front.solve(
@@ -246,7 +242,7 @@ def _bound(
     trial: Trial, seed: int, call: BoundCall, mission: Problem, best: float, spent: Spent
 ) -> dict[str, Any]:
     row = _bound_row(trial, call)
-    options = {"jobs": 1} if takes_jobs(front.method_of(call.name, BOUNDS)) else {}
+    options = {"jobs": 1} if front.spec_of(call.name, BOUNDS).uses_cores else {}
     began = time.perf_counter()
     try:
         result = front.bound(

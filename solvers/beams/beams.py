@@ -28,7 +28,7 @@ from adr_opt.common.constants import HOUR_S
 from adr_opt.common.stop import Stop
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.tables.timetable import asks
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from ..progress.halting import halted_by
 from ..walks.completion_times import no_latest

@@ -16,7 +16,7 @@ import numpy as np
 from adr_opt.common.constants import HOUR_S
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.rules import rules as rule_kernels
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from .greedy_order import greedy_sequence
 

@@ -12,7 +12,7 @@ from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.memory import borrowed, write
 from adr_opt.kernels.rules import rules as rule_kernels
 from adr_opt.kernels.rules.loads import most_kits
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 GUARDED_BETA = 0.0125
 """Worth of time of the guarded planner: 45 m/s an hour [m/s per s]."""

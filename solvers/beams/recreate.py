@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.common.stop import Stop
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from .beams import BeamSettings, beam_search
 from .exchange_rates import worth_of

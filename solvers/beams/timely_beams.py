@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.common.stop import Stop
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from ..walks.latest_times import Latest
 from .beams import BeamSettings, beam_search

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from .beams import BeamSettings
 from .exchange_rates import worth_of

@@ -6,10 +6,8 @@ from collections.abc import Iterable
 
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
-from adr_opt.run.methods import bounds_all_pairs, shows_evidence
-from adr_opt.run.warm_up import practises
 
 from ..proof.proof import ProofOptions, bounded
 
@@ -18,9 +16,6 @@ class LagrangianOptions(ProofOptions, method="lagrangian"):
     """Options of the bound ``lagrangian``."""
 
 
-@bounds_all_pairs
-@practises(rounds=12)
-@shows_evidence
 def lagrangian(
     mission: Mission,
     *,

@@ -18,7 +18,7 @@ from adr_opt.kernels.core.windows import service_end, service_ends
 from adr_opt.kernels.legs import co_elliptic
 from adr_opt.kernels.rules.rules import Rules
 from adr_opt.mission.certified import certify
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 
 from ..models.answer import Hear

@@ -16,9 +16,9 @@ import numpy as np
 from scipy.optimize import LinearConstraint
 
 from adr_opt.common.stop import Stop
-from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Problem
 
-from ..progress.campaign_incumbent import CampaignCertificate
+from ..progress.gap import GapTracker
 from ..routes.digits import has_large
 from ..routes.route_pool import Column, RoutePool, dealt
 from ..routes.set_packing import cheapest_of, packing
@@ -29,20 +29,18 @@ MOST_TARGETS = 6
 """Sets double with each target, and orders of them more than that."""
 
 
-def lacks_plan(campaign: Campaign, certificate: CampaignCertificate) -> bool:
+def lacks_plan(problem: Problem, certificate: GapTracker) -> bool:
     """Whether no plan is known that services all required targets and ends where it must."""
-    return certificate.sequence is None or campaign.shown(certificate.incumbent) < 0.0
+    return certificate.routes is None or problem.shown(certificate.incumbent) < 0.0
 
 
-def settle(
-    campaign: Campaign, certificate: CampaignCertificate, pool: RoutePool, stop: Stop
-) -> bool:
+def settle(problem: Problem, certificate: GapTracker, pool: RoutePool, stop: Stop) -> bool:
     """Put a plan together from the cheapest routes of all sets of targets, where these are few.
 
     Parameters
     ----------
-    campaign : Campaign
-    certificate : CampaignCertificate
+    problem : Problem
+    certificate : GapTracker
         Told of the plan, and of what no plan is worth more than.
     pool : RoutePool
         Of routes; all that are found are added to it.
@@ -54,20 +52,20 @@ def settle(
     bool
         Whether it is proven that no plan services all required targets and ends where it must.
     """
-    if len(campaign.instance.targets) > MOST_TARGETS or not _list_all(campaign, pool, stop):
+    if len(problem.instance.targets) > MOST_TARGETS or not _list_all(problem, pool, stop):
         return False
-    columns, required = pool.columns(), sorted(campaign.required)
+    columns, required = pool.columns(), sorted(problem.required)
     # Which of the routes that refuel as often takes least propellant is not asked.
-    proves = campaign.is_whole and not _weighs(campaign)
+    proves = problem.is_whole and not _weighs(problem)
     if not columns:
-        none = proves and (bool(required) or _must_fly(campaign))
-        return _none(campaign, certificate) if none else False
+        none = proves and (bool(required) or _must_fly(problem))
+        return _none(problem, certificate) if none else False
     worths = np.array([column.worth for column in columns])
     scale = SCALE / (float(worths.max()) or 1.0)
     covered = np.array([[j in column.targets for column in columns] for j in required], dtype=float)
     constraints = [
         packing(
-            campaign, [(column.kind, column.targets) for column in columns],
+            problem, [(column.kind, column.targets) for column in columns],
             [column.use for column in columns], all_flown=True,
         )
     ]  # fmt: skip
@@ -76,19 +74,19 @@ def settle(
     found = cheapest_of(-scale * worths, constraints, stop.remaining_s(), gap=0.0)
     if found.taken is not None:
         taken = [columns[at] for at in found.taken]
-        certificate.offer(dealt(campaign, [(each.kind, each.route) for each in taken]))
+        certificate.offer(*dealt(problem, [(each.kind, each.route) for each in taken]))
         if proves and found.solved:
             most = (PACKING_OFF - found.least) / scale
             certificate.lower(most if worths.any() else 0.0)
-            if has_large(campaign):
-                _compare_exactly(campaign, certificate, columns, constraints, stop)
-    none = found.taken is None and found.solved and proves and lacks_plan(campaign, certificate)
-    return _none(campaign, certificate) if none else False
+            if has_large(problem):
+                _compare_exactly(problem, certificate, columns, constraints, stop)
+    none = found.taken is None and found.solved and proves and lacks_plan(problem, certificate)
+    return _none(problem, certificate) if none else False
 
 
 def _compare_exactly(
-    campaign: Campaign,
-    certificate: CampaignCertificate,
+    problem: Problem,
+    certificate: GapTracker,
     columns: Sequence[Column],
     constraints: Sequence[LinearConstraint],
     stop: Stop,
@@ -97,39 +95,39 @@ def _compare_exactly(
     worths = [column.worth for column in columns]
     while not certificate.proven and stop.remaining_s() > 0.0:
         goal = certificate.next_goal
-        found = worth_a_goal(campaign, worths, goal, constraints, stop.remaining_s())
+        found = worth_a_goal(problem, worths, goal, constraints, stop.remaining_s())
         if found.taken is None:
             if found.solved:
                 certificate.lower(certificate.below(goal))
             return
         taken = [columns[at] for at in found.taken]
-        if not certificate.offer(dealt(campaign, [(each.kind, each.route) for each in taken])):
+        if not certificate.offer(*dealt(problem, [(each.kind, each.route) for each in taken])):
             return
 
 
-def _none(campaign: Campaign, certificate: CampaignCertificate) -> bool:
+def _none(problem: Problem, certificate: GapTracker) -> bool:
     """Tell that there is no plan: whoever lacks a required target lacks its bonus."""
-    certificate.lower(campaign.all_worth - campaign.bonus if campaign.required else -math.inf)
+    certificate.lower(problem.all_worth - problem.bonus if problem.required else -math.inf)
     return True
 
 
-def _must_fly(campaign: Campaign) -> bool:
+def _must_fly(problem: Problem) -> bool:
     """Whether a chaser does not start where it has to end."""
-    return not all(mission.may_stop(()) for mission in campaign.missions)
+    return not all(mission.may_stop(()) for mission in problem.missions)
 
 
-def _weighs(campaign: Campaign) -> bool:
+def _weighs(problem: Problem) -> bool:
     """Whether a station has so much propellant only."""
-    return any(station.max_propellant_kg is not None for station in campaign.instance.stations)
+    return any(station.max_propellant_kg is not None for station in problem.instance.stations)
 
 
-def _list_all(campaign: Campaign, pool: RoutePool, stop: Stop) -> bool:
+def _list_all(problem: Problem, pool: RoutePool, stop: Stop) -> bool:
     """Add the cheapest route of each kind and set to a pool; False if the time is over."""
-    first = campaign.instance.first_target
-    targets = range(first, first + len(campaign.instance.targets))
-    counted = frozenset(campaign.limits.stations)
-    by_weight = _weighs(campaign)
-    for number, kind in enumerate(campaign.kinds):
+    first = problem.instance.first_target
+    targets = range(first, first + len(problem.instance.targets))
+    counted = frozenset(problem.limits.stations)
+    by_weight = _weighs(problem)
+    for number, kind in enumerate(problem.kinds):
         for size in range(1, len(targets) + 1):
             for chosen in combinations(targets, size):
                 over = stop.remaining_s() <= 0.0

@@ -15,8 +15,8 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from adr_opt.mission.campaign import Campaign
 from adr_opt.mission.evidence import Evidence
+from adr_opt.mission.problem import Problem
 
 from ..networks.evidence import evidence_of
 from ..walks.walks import WalkBound
@@ -31,7 +31,7 @@ class CampaignBound(Generic[Walks]):
 
     Parameters
     ----------
-    campaign : Campaign
+    problem : Problem
     delta_v_slot_m_s : float
         Slot of the ΔV axis [m/s].
     jobs : int
@@ -55,7 +55,7 @@ class CampaignBound(Generic[Walks]):
 
     def __init__(
         self,
-        campaign: Campaign,
+        problem: Problem,
         delta_v_slot_m_s: float,
         *,
         jobs: int,
@@ -65,8 +65,8 @@ class CampaignBound(Generic[Walks]):
     ) -> None:
         bounds: list[Walks] = []
         places: dict[int, tuple[Walks, int]] = {}
-        for number, kinds in enumerate(campaign.networks):
-            earliest, *others = (campaign.kinds[kind].mission for kind in kinds)
+        for number, kinds in enumerate(problem.networks):
+            earliest, *others = (problem.kinds[kind].mission for kind in kinds)
             network = None if known is None else known.walks[number].network
             bounds.append(
                 kind(
@@ -77,10 +77,10 @@ class CampaignBound(Generic[Walks]):
         self.walks: tuple[Walks, ...] = tuple(bounds)
         for walks in bounds:
             walks.is_paid = walks.is_target | walks.network.is_station
-        self.of_kind = tuple(places[kind] for kind in range(len(campaign.kinds)))
-        self._guard = campaign.bound_guard / len(campaign.missions)
-        self._counts = [len(kind.chasers) for kind in campaign.kinds]
-        self._chasers = [kind.chasers for kind in campaign.kinds]
+        self.of_kind = tuple(places[kind] for kind in range(len(problem.kinds)))
+        self._guard = problem.bound_guard / len(problem.missions)
+        self._counts = [len(kind.chasers) for kind in problem.kinds]
+        self._chasers = [kind.chasers for kind in problem.kinds]
         self._least = math.inf
         self.evidence: Evidence | None = None
         # Multipliers that are exact in the coarsest unit are exact in all.

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels.rules.schedule import undominated
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.schedule import Front
 
 

@@ -16,10 +16,10 @@ import numpy as np
 from scipy.optimize import LinearConstraint
 
 from adr_opt.common.stop import Stop
-from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Problem
 
-from ..progress.campaign_incumbent import CampaignCertificate
 from ..progress.cost_rounds import RELATIVE
+from ..progress.gap import GapTracker
 from ..routes.route_pool import RoutePool, dealt
 from ..routes.set_packing import cheapest_of, packing
 from .cheapest_routes import cheapest_routes
@@ -39,8 +39,8 @@ class CostFinish:
 
     Parameters
     ----------
-    campaign : Campaign
-    certificate : CampaignCertificate
+    problem : Problem
+    certificate : GapTracker
         Told of cheaper plans.
     pool : RoutePool
         Of routes; added to.
@@ -51,20 +51,20 @@ class CostFinish:
 
     def __init__(
         self,
-        campaign: Campaign,
-        certificate: CampaignCertificate,
+        problem: Problem,
+        certificate: GapTracker,
         pool: RoutePool,
         asked: float,
         stop: Stop,
     ) -> None:
-        self._campaign, self._certificate, self._pool = campaign, certificate, pool
+        self._problem, self._certificate, self._pool = problem, certificate, pool
         self._asked, self._stop = asked, stop
         self._least: dict[Set, float] = {}
         self._route: dict[Set, tuple[int, ...]] = {}
         self._known: set[Set] = set()
         self._counted = frozenset(
             number
-            for number, station in enumerate(campaign.instance.stations)
+            for number, station in enumerate(problem.instance.stations)
             if station.max_refuellings is not None
         )
 
@@ -85,7 +85,7 @@ class CostFinish:
         value : float
             What no route of these targets is worth more than, less what it costs.
         """
-        first = self._campaign.instance.first_target
+        first = self._problem.instance.first_target
         key = kind, frozenset(j for j in route if j >= first), ()
         least = max(math.fsum(gains[j] for j in key[1]) - value, 0.0)
         if least < self._least.get(key, math.inf):
@@ -116,7 +116,7 @@ class CostFinish:
 
     def _look(self, key: Set) -> None:
         """Whether a route costs what its set does at least."""
-        mission = self._campaign.kinds[key[0]].mission
+        mission = self._problem.kinds[key[0]].mission
         moves = mission.closed(self._route[key])
         schedule = mission.time(moves)
         if schedule.made == len(moves) and schedule.cost <= self._least[key] * (1.0 + NEAR) + NEAR:
@@ -127,7 +127,7 @@ class CostFinish:
         """Put what a set costs in place of what it costs at least; False if the time is over."""
         kind, targets, _ = key
         over = self._stop.remaining_s() <= 0.0
-        mission = self._campaign.kinds[kind].mission
+        mission = self._problem.kinds[kind].mission
         found = None if over else cheapest_routes(
             mission, targets, lambda: self._stop.remaining_s() <= 0.0, self._counted
         )  # fmt: skip
@@ -146,7 +146,7 @@ class CostFinish:
         """The cheapest sets that are worth enough, what they cost, and whether that is proven."""
         sets = list(self._least)
         costs = np.array([self._least[key] for key in sets])
-        worths = np.array([self._campaign.collected(targets) for _, targets, _ in sets])
+        worths = np.array([self._problem.collected(targets) for _, targets, _ in sets])
         scale = 1.0 / max(self._asked, 1e-300)
         # What is dearer than the plan known is in none that is cheaper; and what HiGHS may be off
         # by is little in such units.
@@ -156,9 +156,9 @@ class CostFinish:
             unit * np.minimum(costs, 2.0 * known),
             [
                 packing(
-                    self._campaign,
+                    self._problem,
                     [(kind, targets) for kind, targets, _ in sets],
-                    [self._campaign.limits.refuellings(stops) for *_, stops in sets],
+                    [self._problem.limits.refuellings(stops) for *_, stops in sets],
                     all_flown=True,
                 ),
                 LinearConstraint(scale * worths[None, :], scale * self._asked, np.inf),
@@ -178,4 +178,4 @@ class CostFinish:
         routes = [(key[0], self._route[key]) for key in taken]
         for kind, route in routes:
             self._pool.add(kind, route)
-        self._certificate.offer(dealt(self._campaign, routes))
+        self._certificate.offer(*dealt(self._problem, routes))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import highspy
 import numpy as np
 
-from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Problem
 
 from ..routes.route_pool import Column
 
@@ -38,12 +38,12 @@ class CostMaster:
 
     Parameters
     ----------
-    campaign : Campaign
+    problem : Problem
     least_worth : float
     """
 
-    def __init__(self, campaign: Campaign, least_worth: float) -> None:
-        self._bodies = len(campaign.names)
+    def __init__(self, problem: Problem, least_worth: float) -> None:
+        self._bodies = len(problem.names)
         # Worths in tens of thousands would leave the tolerances of the solver behind.
         self._scale = 1.0 / max(least_worth, 1e-300)
         self._highs = highspy.Highs()
@@ -52,10 +52,10 @@ class CostMaster:
         none, nobody = np.empty(0), np.empty(0, dtype=np.int32)
         for _ in range(self._bodies):
             self._highs.addRow(-highspy.kHighsInf, 1.0, 0, nobody, none)
-        for kind in campaign.kinds:
+        for kind in problem.kinds:
             self._highs.addRow(-highspy.kHighsInf, float(len(kind.chasers)), 0, nobody, none)
         self._highs.addRow(least_worth * self._scale, highspy.kHighsInf, 0, nobody, none)
-        self._last = self._bodies + len(campaign.kinds)
+        self._last = self._bodies + len(problem.kinds)
 
     def add(self, columns: list[Column]) -> None:
         """More routes to mix."""

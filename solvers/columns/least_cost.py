@@ -25,11 +25,11 @@ import numpy as np
 from scipy.optimize import LinearConstraint
 
 from adr_opt.common.stop import Stop, TimeIsOver
-from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Problem
 
 from ..labels.label_search import LabelSearch as Search
-from ..progress.campaign_incumbent import CampaignCertificate
 from ..progress.cost_rounds import CostRounds, asked, is_least, settled
+from ..progress.gap import GapTracker
 from ..proof.cost import COARSER, PricedBound
 from ..proof.proof import FIRST_LABELS, GROWTH, ProofOptions
 from ..routes.route_pool import RoutePool, dealt
@@ -78,13 +78,13 @@ class _Place(NamedTuple):
     pricing: LabelPricing
 
 
-class CampaignCost(CostRounds):
+class ColumnCost(CostRounds):
     """Rounds of column generation for the least cost of one campaign.
 
     Parameters
     ----------
-    campaign : Campaign
-    certificate : CampaignCertificate
+    problem : Problem
+    certificate : GapTracker
         With the plan whose worth is asked for; told of cheaper ones.
     pool : RoutePool
         Of routes; added to.
@@ -95,27 +95,27 @@ class CampaignCost(CostRounds):
 
     def __init__(
         self,
-        campaign: Campaign,
-        certificate: CampaignCertificate,
+        problem: Problem,
+        certificate: GapTracker,
         pool: RoutePool,
         stop: Stop,
         options: ProofOptions,
     ) -> None:
-        self._campaign, self._certificate, self._pool = campaign, certificate, pool
+        self._problem, self._certificate, self._pool = problem, certificate, pool
         self._options, self._stop = options, stop
-        self._worths = np.array(campaign.worths)
+        self._worths = np.array(problem.worths)
         self._over = lambda: stop.remaining_s() <= 0.0
-        self._asked = asked(campaign, certificate.incumbent)
+        self._asked = asked(problem, certificate.incumbent)
         self._bounds = CampaignBound(
-            campaign, COARSER * options.delta_v_slot_m_s, jobs=options.cores,
+            problem, COARSER * options.delta_v_slot_m_s, jobs=options.cores,
             over=self._over,
             kind=partial(
-                PricedBound, greatest_tanks=GREATEST_TANKS, greatest=_greatest(campaign)
+                PricedBound, greatest_tanks=GREATEST_TANKS, greatest=_greatest(problem)
             ),
         )  # fmt: skip
         self._places = tuple(self._all_places())
-        self._counts = np.array([len(kind.chasers) for kind in campaign.kinds])
-        self._master = CostMaster(campaign, self._asked)
+        self._counts = np.array([len(kind.chasers) for kind in problem.kinds])
+        self._master = CostMaster(problem, self._asked)
         self._mixed: dict[tuple[int, frozenset[int]], float] = {}
         self._labels = min(FIRST_LABELS, options.most_labels)
         self._centre: tuple[float, np.ndarray] | None = None
@@ -124,9 +124,9 @@ class CampaignCost(CostRounds):
         self._proven: tuple[float, np.ndarray, np.ndarray, float] | None = None
         self._finishing = 0
         self.bound, self.done = 0.0, False
-        for kind, group in enumerate(campaign.kinds):
+        for kind, group in enumerate(problem.kinds):
             for chaser in group.chasers:
-                route = certificate.sequence[chaser] if certificate.sequence else ()
+                route = certificate.routes[chaser] if certificate.routes else ()
                 if route:
                     pool.add(kind, route)
 
@@ -185,10 +185,10 @@ class CampaignCost(CostRounds):
 
     def _all_places(self) -> Iterator[_Place]:
         """All walks that there are to ask; those that are swept together one after the other."""
-        campaign = self._campaign
-        for kinds in campaign.networks:
+        problem = self._problem
+        for kinds in problem.networks:
             # What they may fly and what that takes is the same for all of them.
-            for tariff in tariffs_of(campaign.kinds[kinds[0]].mission):
+            for tariff in tariffs_of(problem.kinds[kinds[0]].mission):
                 for kind in kinds:
                     walks, start = self._bounds.of_kind[kind]
                     yield _Place(kind, tariff, walks, start, LabelPricing(walks, start))
@@ -244,7 +244,7 @@ class CampaignCost(CostRounds):
             costs,
             [
                 packing(
-                    self._campaign,
+                    self._problem,
                     [(column.kind, column.targets) for column in columns],
                     [column.use for column in columns],
                 ),
@@ -257,7 +257,7 @@ class CampaignCost(CostRounds):
             return
         taken = [columns[at] for at in found.taken]
         self._certificate.offer(
-            dealt(self._campaign, [(column.kind, column.route) for column in taken])
+            *dealt(self._problem, [(column.kind, column.route) for column in taken])
         )
 
     def _finish(self) -> None:
@@ -265,7 +265,7 @@ class CampaignCost(CostRounds):
         if self.proven or self._proven is None:
             return
         worth, targets, most, bound = self._proven
-        finish = CostFinish(self._campaign, self._certificate, self._pool, self._asked, self._stop)
+        finish = CostFinish(self._problem, self._certificate, self._pool, self._asked, self._stop)
         gap = self._certificate.cost - bound
         for place in self._places:
             search = Search(place.walks, start=place.start, all_sets=True)
@@ -302,9 +302,9 @@ class CampaignCost(CostRounds):
         self._bounds.close()
 
 
-def prove_campaign_cost(
-    campaign: Campaign,
-    certificate: CampaignCertificate,
+def prove_cost_by_columns(
+    problem: Problem,
+    certificate: GapTracker,
     pool: RoutePool,
     stop: Stop,
     options: ProofOptions,
@@ -316,13 +316,13 @@ def prove_campaign_cost(
     bound : float
     counters : dict
     """
-    proof = CampaignCost(campaign, certificate, pool, stop, options)
+    proof = ColumnCost(problem, certificate, pool, stop, options)
     return settled(proof, lambda: stop.remaining_s() <= 0.0)
 
 
-def _greatest(campaign: Campaign) -> float | None:
+def _greatest(problem: Problem) -> float | None:
     """The most that a target may be worth to walks that pay expenses; None where they pay ΔV."""
-    if campaign.instance.objective.cost != "expense":
+    if problem.instance.objective.cost != "expense":
         return None
-    most = max(most_expense(kind.mission) for kind in campaign.kinds)
+    most = max(most_expense(kind.mission) for kind in problem.kinds)
     return GREATEST_TANKS * (most or 1.0)

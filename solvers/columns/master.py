@@ -8,7 +8,7 @@ from typing import NamedTuple
 import highspy
 import numpy as np
 
-from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Problem
 
 from ..routes.route_pool import Column
 
@@ -38,19 +38,19 @@ class Master:
 
     Parameters
     ----------
-    campaign : Campaign
+    problem : Problem
     """
 
-    def __init__(self, campaign: Campaign) -> None:
-        self._bodies = len(campaign.names)
+    def __init__(self, problem: Problem) -> None:
+        self._bodies = len(problem.names)
         self._highs = highspy.Highs()
         self._highs.setOptionValue("output_flag", False)
         self._highs.setOptionValue("threads", 1)
         self._highs.changeObjectiveSense(highspy.ObjSense.kMaximize)
         none = np.empty(0)
-        for most in campaign.limits.of_body:
+        for most in problem.limits.of_body:
             self._highs.addRow(-highspy.kHighsInf, float(most), 0, none.astype(np.int32), none)
-        for kind in campaign.kinds:
+        for kind in problem.kinds:
             most = float(len(kind.chasers))
             self._highs.addRow(-highspy.kHighsInf, most, 0, none.astype(np.int32), none)
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from adr_opt.common.stop import Stop
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from ..beams.beams import beam_search
 from ..beams.varied_beams import varied

@@ -23,11 +23,11 @@ from functools import partial
 import numpy as np
 
 from adr_opt.common.stop import Stop, TimeIsOver
-from adr_opt.mission.campaign import Campaign
 from adr_opt.mission.evidence import Evidence
+from adr_opt.mission.problem import Problem
 
 from ..networks.evidence import evidence_of
-from ..progress.campaign_incumbent import CampaignCertificate
+from ..progress.gap import GapTracker
 from ..proof.proof import COARSER, FIRST_LABELS, GROWTH, ProofOptions
 from ..routes.route_pool import Column, Key, RoutePool
 from ..walks.multipliers import Descent
@@ -56,13 +56,13 @@ ITERATIONS, LABELS = 6, 1_000_000
 """Of column generation in a round, and labels after which no other one begins in it."""
 
 
-class CampaignProof:
+class ColumnProof:
     """Rounds of column generation for one campaign.
 
     Parameters
     ----------
-    campaign : Campaign
-    certificate : CampaignCertificate
+    problem : Problem
+    certificate : GapTracker
         Told of every bound, and asked for the incumbent.
     pool : RoutePool
         Of routes; added to.
@@ -79,33 +79,33 @@ class CampaignProof:
 
     def __init__(
         self,
-        campaign: Campaign,
-        certificate: CampaignCertificate,
+        problem: Problem,
+        certificate: GapTracker,
         pool: RoutePool,
         seed: int,
         stop: Stop,
         options: ProofOptions,
     ) -> None:
-        self._campaign, self._certificate, self._pool = campaign, certificate, pool
+        self._problem, self._certificate, self._pool = problem, certificate, pool
         self._options, self._stop = options, stop
         self._rng = np.random.default_rng(seed)
         self._over = lambda: stop.remaining_s() <= 0.0
         self._coarse = CampaignBound(
-            campaign, COARSER * options.delta_v_slot_m_s, jobs=options.cores, over=self._over,
+            problem, COARSER * options.delta_v_slot_m_s, jobs=options.cores, over=self._over,
             kind=WalkBound,
         )  # fmt: skip
         self._descent = Descent(self._coarse)
         self._pricing: tuple[LabelPricing, ...] = ()
         self._fine: CampaignBound[WalkBound] | None = None
-        self._master = Master(campaign)
+        self._master = Master(problem)
         self._mixed: set[Key] = set()
-        self._guard = campaign.bound_guard / len(campaign.missions)
-        self._counts = [len(kind.chasers) for kind in campaign.kinds]
-        self._centre = np.zeros(len(campaign.names))
+        self._guard = problem.bound_guard / len(problem.missions)
+        self._counts = [len(kind.chasers) for kind in problem.kinds]
+        self._centre = np.zeros(len(problem.names))
         self._centred = CENTRED
         self._least = math.inf  # the bound at the centre
         self._labels = min(FIRST_LABELS, options.most_labels)
-        self._largest = float(campaign.worths.max(initial=0.0)) or 1.0
+        self._largest = float(problem.worths.max(initial=0.0)) or 1.0
         self._columns = 0
         # Multipliers, the most that routes are worth less them, and the bound of both.
         self._priced: tuple[np.ndarray, np.ndarray, float] | None = None
@@ -133,7 +133,7 @@ class CampaignProof:
         """
         if not self._pricing:
             self._fine = CampaignBound(
-                self._campaign, self._options.delta_v_slot_m_s, jobs=self._options.cores,
+                self._problem, self._options.delta_v_slot_m_s, jobs=self._options.cores,
                 over=self._over, kind=WalkBound, known=self._coarse,
             )  # fmt: skip
             self._pricing = tuple(LabelPricing(*place) for place in self._fine.of_kind)
@@ -176,7 +176,7 @@ class CampaignProof:
         """What the bound rests on that labels have just proven."""
         return evidence_of(
             multipliers,
-            [kind.chasers for kind in self._campaign.kinds],
+            [kind.chasers for kind in self._problem.kinds],
             [pricing.most_worth + self._guard for pricing in self._pricing],
             [pricing.remembered for pricing in self._pricing],
             self._options.delta_v_slot_m_s,
@@ -188,7 +188,7 @@ class CampaignProof:
         assert self._priced is not None
         assert self._fine is not None
         multipliers, most_worth, _ = self._priced
-        finish = Finish(self._campaign, self._fine.of_kind)
+        finish = Finish(self._problem, self._fine.of_kind)
         while not certificate.proven and not enough():
             goal = certificate.next_goal
             answer, routes = finish.ask(
@@ -197,7 +197,7 @@ class CampaignProof:
             )  # fmt: skip
             if answer is EnumerationAnswer.NONE:
                 certificate.lower(certificate.below(goal))
-            if routes is None or not certificate.offer(routes):
+            if routes is None or not certificate.offer(*routes):
                 break
         self._finishing_labels += finish.labels_made
         self.done = True
@@ -226,7 +226,7 @@ class CampaignProof:
     def _by_beams(self, duals: Duals, multipliers: np.ndarray) -> bool:
         """Whether beams find routes that the master would take."""
         found = 0
-        for number, kind in enumerate(self._campaign.kinds):
+        for number, kind in enumerate(self._problem.kinds):
             for _ in range(BEAMS):
                 if self._over():
                     break
@@ -251,7 +251,7 @@ class CampaignProof:
         self, duals: Duals, multipliers: np.ndarray, enough: Callable[[], bool]
     ) -> tuple[bool, float]:
         """Whether labels find such routes, and the bound that they prove; +inf if they gave up."""
-        bound, new = self._campaign.limits.total(multipliers), False
+        bound, new = self._problem.limits.total(multipliers), False
         for number, pricing in enumerate(self._pricing):
             paid = float(duals.kinds[number])
             finished, routes = pricing.search(

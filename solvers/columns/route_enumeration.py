@@ -16,7 +16,7 @@ from enum import Enum
 import numpy as np
 from scipy.optimize import LinearConstraint
 
-from adr_opt.mission.campaign import Campaign, Routes
+from adr_opt.mission.problem import Problem, Routes
 from adr_opt.plan.station_limits import Use
 
 from ..labels.label_search import LabelSearch as Search
@@ -36,7 +36,7 @@ LEAST_OFF = 1e-6
 
 
 def worth_a_goal(
-    campaign: Campaign,
+    problem: Problem,
     worths: Sequence[float],
     goal: float,
     constraints: Sequence[LinearConstraint],
@@ -46,19 +46,19 @@ def worth_a_goal(
 
     Parameters
     ----------
-    campaign : Campaign
+    problem : Problem
     worths : sequence of float
         Of the columns.
     goal : float
     constraints : sequence of LinearConstraint
     time_limit_s : float
     """
-    scale = SCALE / (float(campaign.worths.max(initial=0.0)) or 1.0)
+    scale = SCALE / (float(problem.worths.max(initial=0.0)) or 1.0)
     scaled = scale * np.array(worths)
-    if goal <= 0.0 or not has_large(campaign):
+    if goal <= 0.0 or not has_large(problem):
         row = LinearConstraint(scaled[None, :], scale * goal - PACKING_OFF, np.inf)
         return cheapest_of(-scaled, [*constraints, row], time_limit_s)
-    row, carries = reaching(*in_units(campaign, worths, goal))
+    row, carries = reaching(*in_units(problem, worths, goal))
     costs = np.append(-scaled, np.zeros(carries))
     wider = [beside(each, carries) for each in constraints]
     return cheapest_of(costs, [*wider, row], time_limit_s, carries=carries)
@@ -77,15 +77,15 @@ class Finish:
 
     Parameters
     ----------
-    campaign : Campaign
+    problem : Problem
     bounds : sequence of (WalkBound, int)
         Of each kind, and its number there; their values are overwritten.
     """
 
-    def __init__(self, campaign: Campaign, bounds: Sequence[tuple[WalkBound, int]]) -> None:
-        self._campaign = campaign
+    def __init__(self, problem: Problem, bounds: Sequence[tuple[WalkBound, int]]) -> None:
+        self._problem = problem
         self._searches = tuple(Search(bound, start=start, all_sets=True) for bound, start in bounds)
-        self._largest = float(campaign.worths.max(initial=0.0)) or 1.0
+        self._largest = float(problem.worths.max(initial=0.0)) or 1.0
 
     @property
     def labels_made(self) -> int:
@@ -116,8 +116,8 @@ class Finish:
         remaining_s : callable
             How much time is left, for the packing: asked when it begins [s].
         """
-        counts = [len(kind.chasers) for kind in self._campaign.kinds]
-        total = self._campaign.limits.total(multipliers)
+        counts = [len(kind.chasers) for kind in self._problem.kinds]
+        total = self._problem.limits.total(multipliers)
         bound = math.fsum([total, *(counts * most_worth)])
         routes: list[tuple[int, tuple[int, ...]]] = []
         for kind, search in enumerate(self._searches):
@@ -148,9 +148,9 @@ class Finish:
         if not routes:
             return EnumerationAnswer.NONE, None
         answer, taken = self._packed(
-            goal, routes, remaining_s(), limited=bool(self._campaign.limits)
+            goal, routes, remaining_s(), limited=bool(self._problem.limits)
         )
-        if answer is EnumerationAnswer.NONE and self._campaign.limits:
+        if answer is EnumerationAnswer.NONE and self._problem.limits:
             if (
                 self._packed(goal, routes, remaining_s(), limited=False)[0]
                 is not EnumerationAnswer.NONE
@@ -163,20 +163,20 @@ class Finish:
         *, limited: bool,
     ) -> tuple[EnumerationAnswer, Routes | None]:  # fmt: skip
         """The same, of these very routes, with the limits of stations or without."""
-        campaign, first = self._campaign, self._campaign.instance.first_target
+        problem, first = self._problem, self._problem.instance.first_target
         sets = [(kind, frozenset(j for j in route if j >= first)) for kind, route in routes]
         uses = [self._use(*each) for each in routes] if limited else None
-        worths = [campaign.collected(targets) for _, targets in sets]
-        packed = packing(campaign, sets, uses, all_flown=True)
-        found = worth_a_goal(campaign, worths, goal, [packed], time_limit_s)
+        worths = [problem.collected(targets) for _, targets in sets]
+        packed = packing(problem, sets, uses, all_flown=True)
+        found = worth_a_goal(problem, worths, goal, [packed], time_limit_s)
         if found.taken is None:
             return EnumerationAnswer.NONE if found.solved else EnumerationAnswer.UNKNOWN, None
         taken = [routes[at] for at in found.taken]
-        return EnumerationAnswer.FOUND, dealt(campaign, taken)
+        return EnumerationAnswer.FOUND, dealt(problem, taken)
 
     def _use(self, kind: int, route: tuple[int, ...]) -> Use:
         """What a route takes of stations."""
-        mission = self._campaign.kinds[kind].mission
+        mission = self._problem.kinds[kind].mission
         moves = mission.closed(route)
         schedule = mission.time(moves)
-        return self._campaign.use(mission, moves[: schedule.made], schedule.delta_vs)
+        return self._problem.use(mission, moves[: schedule.made], schedule.delta_vs)

@@ -17,7 +17,7 @@ from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop, TimeIsOver
 from adr_opt.kernels.rules.rules import Rules
 from adr_opt.mission.certified import certify
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 
 from ..beams.greedy_order import greedy_sequence

@@ -21,7 +21,7 @@ from adr_opt.kernels.core.lists import chosen, rising
 from adr_opt.kernels.core.windows import service_end
 from adr_opt.kernels.legs import connections
 from adr_opt.kernels.legs.found import ConnectionArrays
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from .arrays import Network, joined
 from .dominated_legs import mark_stale

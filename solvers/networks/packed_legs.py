@@ -29,7 +29,7 @@ from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
 from adr_opt.kernels.core.lists import wider
 from adr_opt.kernels.core.windows import service_end
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from .layers import SLACK
 from .network import found_of, listed_of, reachable

@@ -14,7 +14,7 @@ from adr_opt.common.constants import HOUR_S
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.windows import service_ends
 from adr_opt.kernels.tables import timetable_making as making
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from ..beams.time_value import TIME_VALUE_M_S_PER_H
 

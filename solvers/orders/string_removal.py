@@ -23,7 +23,7 @@ from adr_opt.common.stop import Stop
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.lists import rising
 from adr_opt.kernels.core.memory import borrowed, write
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from ..beams.exchange_rates import worth_of
 from ..beams.time_value import TIME_VALUE_M_S_PER_H

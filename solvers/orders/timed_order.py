@@ -17,7 +17,7 @@ from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.memory import borrowed
 from adr_opt.kernels.rules import rules as rule_kernels
 from adr_opt.kernels.rules.rules import State
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from ..beams.levels import STRAIGHT
 

@@ -11,9 +11,8 @@ from adr_opt.common.options import Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.mission.certified import certify
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
-from adr_opt.run.methods import plans_on_demand
 
 from ..beams.beams import USUAL, BeamSettings, hurried
 from ..beams.exchange_rates import worth_of
@@ -69,7 +68,6 @@ class BeamOptions(Options, method="beam"):
     )
 
 
-@plans_on_demand(unless=lambda options: bool(options.policy))
 def beam(
     mission: Mission,
     *,

@@ -19,12 +19,10 @@ import numpy as np
 from adr_opt.common.options import option
 from adr_opt.common.progress import Progress, silent
 from adr_opt.common.stop import Clock, Stop
-from adr_opt.mission.campaign import Campaign
 from adr_opt.mission.certified import certify
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.mission.result import Result
-from adr_opt.run.methods import bounds_all_pairs, for_campaigns, plans_on_demand, shows_evidence
-from adr_opt.run.warm_up import practises
 
 from ..beams.beams import hurried, usual_settings
 from ..beams.greedy_order import guarded_sequence
@@ -35,7 +33,7 @@ from ..progress.proof_size import proof_notes
 from ..proof.least_end import prove_end
 from ..proof.proof import MOST_LABELS, ProofOptions, prove, prove_cost
 from ..walks.latest_times import Latest
-from .fleet_plan import plan
+from . import many_routes
 
 WIDTH = 2000
 """Of the guided beams that are searched before each round of proof."""
@@ -59,8 +57,8 @@ class ExactOptions(ProofOptions, method="exact"):
     )
 
 
-def _campaign(
-    campaign: Campaign,
+def exact(
+    problem: Problem | Mission,
     *,
     seed: int,
     stop: Stop,
@@ -68,37 +66,38 @@ def _campaign(
     start: Iterable[Iterable[int]] | None = None,
     options: ExactOptions = ExactOptions(),
 ) -> Result:
-    return plan(
-        "exact", campaign, seed=seed, stop=stop, progress=progress, start=start, options=options,
+    """The optimal plan and its proof; at the limit the best plan and bound so far.
+
+    Of several chasers, and where loads, expense or limits of stations count, by column generation:
+    see :func:`.many_routes.plan`.
+
+    Parameters
+    ----------
+    start : sequence of sequences of int, optional
+        A plan to begin with, a route for each chaser, compared with one found by beam search.
+    """
+    problem = problem_of(problem)
+    if problem.alone is not None:
+        return _one_route(problem.alone, seed, stop, progress, start, options)
+    return many_routes.plan(
+        "exact", problem, seed=seed, stop=stop, progress=progress, start=start, options=options,
         until_done=True, cost=options.cost,
     )  # fmt: skip
 
 
-@bounds_all_pairs
-@for_campaigns(_campaign)
-@plans_on_demand()
-@practises(rounds=12)
-@shows_evidence
-def exact(
+def _one_route(
     mission: Mission,
-    *,
     seed: int,
     stop: Stop,
     progress: Progress,
-    start: Iterable[int] | None = None,
-    options: ExactOptions = ExactOptions(),
+    start: Iterable[Iterable[int]] | None,
+    options: ExactOptions,
 ) -> Result:
-    """The optimal plan and its proof; at the limit the best plan and bound so far.
-
-    Parameters
-    ----------
-    start : sequence of int, optional
-        A plan to begin with, compared with one found by beam search.
-    """
+    """The optimal plan of one chaser, and its proof."""
     began = time.perf_counter()
     certificate = GapTracker(mission, progress)
     if start is not None:
-        certificate.offer(start)
+        certificate.offer(*start)
 
     def enough() -> bool:
         return stop(certificate.incumbent, certificate.bound)
@@ -130,12 +129,12 @@ def exact(
     if options.cost and certificate.proven and certificate.sequence is not None:
         if mission.instance.objective.cost == "duration":
             cost_bound, counted = prove_end(
-                mission, certificate, stop,
+                Problem.of(mission), certificate, stop,
                 lambda sooner, within: exact(
                     sooner, seed=seed, stop=within, progress=silent,
                     options=replace(options, cost=False),
                 ),
-                lambda found: certificate.offer(found.sequence or ()),
+                lambda found: certificate.offer(*found.routes),
             )  # fmt: skip
         else:
             cost_bound, counted = prove_cost(

@@ -13,11 +13,10 @@ import numpy.typing as npt
 from adr_opt.common.options import Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
-from adr_opt.mission.campaign import Campaign, Problem
 from adr_opt.mission.certified import certify_routes
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.mission.result import Result
-from adr_opt.run.methods import for_campaigns, plans_on_demand
 
 from ..beams.greedy_order import GUARDED_BETA, greedy_sequence
 from ..routes.one_chaser import one_after_another
@@ -59,44 +58,18 @@ def _order(name: str, mission: Mission, options: GreedyOptions) -> npt.NDArray[n
 
 
 def _plan(
-    name: str, problem: Problem, seed: int, progress: Progress, options: GreedyOptions
+    name: str, problem: Problem | Mission, seed: int, progress: Progress, options: GreedyOptions
 ) -> Result:
     start = time.perf_counter()
-    if isinstance(problem, Campaign):
-        routes = one_after_another(problem, lambda each: _order(name, each, options))
-    else:
-        routes = (tuple(_order(name, problem, options).tolist()),)
+    problem = problem_of(problem)
+    routes = one_after_another(problem, lambda each: _order(name, each, options))
     runtime = time.perf_counter() - start
     progress(float(problem.collected(chain.from_iterable(routes))), math.inf)
     return certify_routes(problem, name, routes, seed=seed, runtime_s=runtime)
 
 
-def _greedy_campaign(
-    campaign: Campaign,
-    *,
-    seed: int,
-    stop: Stop,
-    progress: Progress,
-    options: GreedyOptions = GreedyOptions(),
-) -> Result:
-    return _plan("greedy", campaign, seed, progress, options)
-
-
-def _guarded_campaign(
-    campaign: Campaign,
-    *,
-    seed: int,
-    stop: Stop,
-    progress: Progress,
-    options: GuardedOptions = GuardedOptions(),
-) -> Result:
-    return _plan("greedy-guarded", campaign, seed, progress, options)
-
-
-@for_campaigns(_greedy_campaign)
-@plans_on_demand()
 def greedy(
-    mission: Mission,
+    problem: Problem | Mission,
     *,
     seed: int,
     stop: Stop,
@@ -109,13 +82,11 @@ def greedy(
     goes for what those before have left. Deterministic; ends by itself within a millisecond and
     does not ask ``stop``.
     """
-    return _plan("greedy", mission, seed, progress, options)
+    return _plan("greedy", problem, seed, progress, options)
 
 
-@for_campaigns(_guarded_campaign)
-@plans_on_demand()
 def greedy_guarded(
-    mission: Mission,
+    problem: Problem | Mission,
     *,
     seed: int,
     stop: Stop,
@@ -127,4 +98,4 @@ def greedy_guarded(
     The same rule as :func:`greedy` with one guard and, by default, a price on time, so that a
     cheap transfer is not waited for while a zone is closed; as quick.
     """
-    return _plan("greedy-guarded", mission, seed, progress, options)
+    return _plan("greedy-guarded", problem, seed, progress, options)

@@ -20,7 +20,7 @@ from adr_opt.learning.episodes import (
     start,
 )
 from adr_opt.learning.episodes.board import follows_chains
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from .policy import Policy, log_probabilities
 from .promises import FloatArray, follow_chains, promises

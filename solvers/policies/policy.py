@@ -16,7 +16,7 @@ from adr_opt.kernels.episodes.observation import MISSION_FIELDS
 from adr_opt.kernels.episodes.published import PUBLISHED_ELEMENTS
 from adr_opt.learning.episodes import OBSERVATIONS, Observation
 from adr_opt.learning.episodes.board import MISSION, MOVES, move_fields, published_size
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from .screening import ACTIONS, BATCH, check_graph, parsed
 

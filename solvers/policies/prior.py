@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.kernels.episodes import episodes as kernels
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from .decoding import Field
 from .policy import load_policy

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Iterable
-from typing import Any, Generic, Protocol, TypeVar
 
 from adr_opt.common.progress import Progress
 from adr_opt.common.tolerance import rounded_up
 from adr_opt.mission.evidence import Evidence
-from adr_opt.mission.prizes import Prizes
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem, Routes, problem_of
 
 from .incumbent import Incumbent
 
@@ -19,45 +18,33 @@ STRIDE = 0.01
 """Ask for a plan worth so much less than the bound (relative)."""
 
 
-Found = TypeVar("Found", bound=Iterable[Any])
-
-
-class Best(Protocol[Found]):
-    """The best plan that was offered."""
-
-    sequence: Found | None
-    objective: float
-    cost: float
-
-    def offer(self, sequence: Any) -> bool:
-        """A plan that may be the best one; whether it is."""
-        ...
-
-
-class CertificateOf(Generic[Found]):
-    """Incumbent and bound, and who is told of them.
+class GapTracker:
+    """Incumbent and bound of a problem; whoever listens is told of both.
 
     Parameters
     ----------
-    problem : Mission or Campaign
+    problem : Problem or Mission
     progress : Progress
-    best : Best
-        Compares plans.
     """
 
-    def __init__(self, problem: Prizes, progress: Progress, best: Best[Found]) -> None:
-        self._mission = problem
+    def __init__(self, problem: Problem | Mission, progress: Progress) -> None:
+        self._problem = problem_of(problem)
         self._progress = progress
         self._telling = threading.RLock()
         self._told = (-math.inf, math.inf)
-        self._best = best
+        self._best = Incumbent(self._problem)
         self.bound = math.inf
         self.evidence: Evidence | None = None
-        self.lower(problem.total_worth)
+        self.lower(self._problem.total_worth)
 
     @property
-    def sequence(self) -> Found | None:
-        """The best plan; None before the first."""
+    def routes(self) -> Routes | None:
+        """The best plan: bodies in order for each chaser; None before the first."""
+        return self._best.routes
+
+    @property
+    def sequence(self) -> tuple[int, ...] | None:
+        """The route of the one chaser in the best plan; None before the first."""
         return self._best.sequence
 
     @property
@@ -70,10 +57,10 @@ class CertificateOf(Generic[Found]):
         """What it costs; +inf before the first."""
         return self._best.cost
 
-    def offer(self, sequence: Iterable[Any]) -> bool:
+    def offer(self, *routes: Iterable[int]) -> bool:
         """What may be the best plan so far; whether it is: see :class:`Incumbent`."""
         before = self.incumbent
-        better = self._best.offer(sequence)
+        better = self._best.offer(*routes)
         if self.incumbent > before:
             self.tell(self.incumbent, self.bound)
         return better
@@ -96,7 +83,7 @@ class CertificateOf(Generic[Found]):
         What it rests on is kept; where nobody can tell, that of the last bound of which it is
         known.
         """
-        bound = max(self._mission.rounded_down(bound), self.incumbent)
+        bound = max(self._problem.rounded_down(bound), self.incumbent)
         if bound < 0.0:
             bound = -math.inf  # every plan is worth at least nothing, so there is none
         if bound < self.bound:
@@ -107,8 +94,8 @@ class CertificateOf(Generic[Found]):
     @property
     def proven(self) -> bool:
         """Whether the incumbent meets the bound, or no plan has all that is required."""
-        none = self._mission.shown(self.bound) == -math.inf
-        return none or self._mission.meets(self.incumbent, self.bound)
+        none = self._problem.shown(self.bound) == -math.inf
+        return none or self._problem.meets(self.incumbent, self.bound)
 
     @property
     def stated(self) -> float:
@@ -116,7 +103,7 @@ class CertificateOf(Generic[Found]):
 
         No more is collected than the largest prizes of as many targets as may be serviced.
         """
-        problem = self._mission
+        problem = self._problem
         bound = min(self.bound, problem.total_worth)
         says = bound < problem.all_worth or problem.shown(bound) < problem.all_prize
         return bound if says else math.inf
@@ -124,29 +111,22 @@ class CertificateOf(Generic[Found]):
     @property
     def goal(self) -> float:
         """What the next plan has to be worth to be better."""
-        return self.incumbent + (self._mission.prize_step or self._mission.prize_resolution)
+        return self.incumbent + (self._problem.prize_step or self._problem.prize_resolution)
 
     @property
     def next_goal(self) -> float:
         """The same, but half of it where prizes have no step, so that none is within tolerance."""
-        return self.goal if self._mission.prize_step else 0.5 * (self.incumbent + self.goal)
+        return self.goal if self._problem.prize_step else 0.5 * (self.incumbent + self.goal)
 
     def below(self, goal: float) -> float:
         """What no plan is worth more than if none is worth :attr:`next_goal`."""
-        return self.incumbent if self._mission.prize_step else goal
+        return self.incumbent if self._problem.prize_step else goal
 
     @property
     def threshold(self) -> float:
         """What to ask for next: more than the incumbent, at most the bound."""
-        step = self._mission.prize_step
+        step = self._problem.prize_step
         value = min(self.bound, rounded_up((1.0 - STRIDE) * self.bound, step))
         if step:
-            return max(value, self.incumbent + step) - self._mission.step_margin * step
-        return max(value, self.incumbent + 0.5 * self._mission.prize_resolution)
-
-
-class GapTracker(CertificateOf[tuple[int, ...]]):
-    """Incumbent and bound of one chaser's mission, and who is told of them."""
-
-    def __init__(self, mission: Mission, progress: Progress) -> None:
-        super().__init__(mission, progress, Incumbent(mission))
+            return max(value, self.incumbent + step) - self._problem.step_margin * step
+        return max(value, self.incumbent + 0.5 * self._problem.prize_resolution)

@@ -8,7 +8,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from adr_opt.kernels.rules import rules as rule_kernels
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem, Routes, problem_of
 
 
 class Incumbent:
@@ -16,66 +17,93 @@ class Incumbent:
 
     Parameters
     ----------
-    mission : Mission
+    problem : Problem or Mission
     by_choice : bool
-        Cost is that of the connections that the mission's choice makes, for planners that come by
-        plans more quickly than by their best schedules.
+        Cost is that of the connections that the choice of the timetable makes, for planners of one
+        chaser that come by plans more quickly than by their best schedules.
 
     Attributes
     ----------
-    sequence : tuple of int or None
-        Bodies in order; None before the first plan.
+    routes : tuple of tuple of int or None
+        Bodies in order for each chaser; None before the first plan.
     objective : float
         Prizes, −inf before the first plan.
     cost : float
-        What the plan costs at its best schedule, or by choice; +inf before the first plan.
+        What the plan costs at its best schedules, or by choice; +inf before the first plan.
     """
 
-    def __init__(self, mission: Mission, *, by_choice: bool = False) -> None:
-        self._mission = mission
+    def __init__(self, problem: Problem | Mission, *, by_choice: bool = False) -> None:
+        self._problem = problem_of(problem)
         self._by_choice = by_choice
-        self.sequence: tuple[int, ...] | None = None
+        self.routes: Routes | None = None
         self.objective = -math.inf
         self.cost = math.inf
 
-    def offer(self, sequence: Iterable[int]) -> bool:
-        """A sequence that may be the best plan; whether it is.
+    @property
+    def sequence(self) -> tuple[int, ...] | None:
+        """The route of the one chaser; None before the first plan."""
+        return None if self.routes is None else self.routes[0]
 
-        It is closed first (:meth:`adr_opt.mission.problem.Mission.closed`). What cannot be flown to
-        its end, or may not end there, is no plan.
+    def offer(self, *routes: Iterable[int]) -> bool:
+        """Routes, one for each chaser, that may be the best plan; whether they are.
+
+        They are closed first (:meth:`adr_opt.mission.mission.Mission.closed`). What cannot be flown
+        to its end, or may not end there, visits a target on two routes or takes more of a station
+        than it has is no plan.
         """
-        mission = self._mission
-        moves = tuple(int(j) for j in sequence)
-        prizes = mission.collected(moves)
-        if prizes < self.objective or moves == self.sequence:
+        moves = tuple(tuple(int(j) for j in route) for route in routes)
+        objective = self._problem.collected(j for route in moves for j in route)
+        if objective < self.objective or moves == self.routes:
             return False
-        tie = prizes == self.objective
-        if tie and not self._by_choice and mission.schedules.least_cost(moves) >= self.cost:
-            return False
-        moves = mission.closed(moves)
-        cost = self._cost_of(moves) if mission.may_stop(moves) else math.inf
+        tie = objective == self.objective
+        if tie and len(moves) == 1 and not self._by_choice:
+            alone = self._problem.alone
+            if alone is not None and alone.schedules.least_cost(moves[0]) >= self.cost:
+                return False
+        moves = self._problem.closed(moves)
+        cost = self._cost_of(moves)
         if cost == math.inf or (tie and cost >= self.cost):
             return False
-        self.sequence, self.objective, self.cost = moves, prizes, cost
+        self.routes, self.objective, self.cost = moves, objective, cost
         return True
 
-    def _cost_of(self, moves: tuple[int, ...]) -> float:
-        """What a sequence costs; +inf if it cannot be flown to its end."""
-        mission = self._mission
-        if not self._by_choice:
-            schedule = mission.time(moves)
-            return schedule.cost if schedule.made == len(moves) else math.inf
-        rules = mission.rules
-        made, delta_v, state = rule_kernels.replay(
-            rules,
-            np.array(moves, dtype=np.int64),
-            rule_kernels.beginning(rules),
-            np.zeros(rules.service.size, dtype=np.bool_),
-            *np.empty((2, len(moves))),
-        )
-        if made < len(moves):
+    def _cost_of(self, routes: Routes) -> float:
+        """What routes cost together; +inf if they are no plan."""
+        problem, costs, uses = self._problem, [], []
+        first = problem.instance.first_target
+        targets = [j for route in routes for j in route if j >= first]
+        if len(routes) > 1 and len(set(targets)) < len(targets):
             return math.inf
-        if mission.instance.objective.cost == "duration":
-            return float(state.time)
-        paid = mission.instance.time_m_s_per_s * (state.time - rules.ready)
-        return float(delta_v + paid) if made else 0.0
+        for mission, route in zip(problem.missions, routes, strict=True):
+            if not mission.may_stop(route):
+                return math.inf
+            if self._by_choice:
+                cost = _cost_by_choice(mission, route)
+            else:
+                schedule = mission.time(route)
+                cost = schedule.cost if schedule.made == len(route) else math.inf
+                uses.append(problem.use(mission, route, schedule.delta_vs))
+            if cost == math.inf:
+                return math.inf
+            costs.append(cost)
+        if not problem.limits.allow(uses):
+            return math.inf
+        return problem.instance.objective.together(costs)
+
+
+def _cost_by_choice(mission: Mission, moves: tuple[int, ...]) -> float:
+    """What a route costs over the connections of the timetable; +inf if it cannot be flown."""
+    rules = mission.rules
+    made, delta_v, state = rule_kernels.replay(
+        rules,
+        np.array(moves, dtype=np.int64),
+        rule_kernels.beginning(rules),
+        np.zeros(rules.service.size, dtype=np.bool_),
+        *np.empty((2, len(moves))),
+    )
+    if made < len(moves):
+        return math.inf
+    if mission.instance.objective.cost == "duration":
+        return float(state.time)
+    paid = mission.instance.time_m_s_per_s * (state.time - rules.ready)
+    return float(delta_v + paid) if made else 0.0

@@ -6,7 +6,8 @@ import math
 
 from adr_opt.common.memory import available_bytes
 from adr_opt.kernels.rules.loads import most_kits
-from adr_opt.mission.campaign import Campaign, Problem
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem, problem_of
 
 SET_UP_S_PER_EVENT = 3e-6
 SWEEP_S_PER_ENTRY = 3.3e-8
@@ -35,28 +36,31 @@ TOO_LARGE = (
 """What is said of a bound that no network was made for."""
 
 
-def fits_memory(mission: Problem) -> bool:
+def fits_memory(problem: Mission | Problem) -> bool:
     """Whether there is memory for the network of a proof."""
-    return BYTES_PER_EVENT * _entries(mission) <= MEMORY_SHARE * available_bytes()
+    return BYTES_PER_EVENT * _entries(problem) <= MEMORY_SHARE * available_bytes()
 
 
-def set_up_s(mission: Problem) -> float:
+def set_up_s(problem: Mission | Problem) -> float:
     """About how long setting up a proof takes [s]."""
-    return SET_UP_S_PER_EVENT * _entries(mission)
+    return SET_UP_S_PER_EVENT * _entries(problem)
 
 
-def sweep_s(problem: Problem) -> float:
+def sweep_s(problem: Mission | Problem) -> float:
     """About how long the values of all walks take for one set of multipliers [s]."""
-    layers = max(1 + int(most_kits(mission.rules.loads)) for mission in problem.missions)
+    layers = max(
+        1 + int(most_kits(mission.rules.loads)) for mission in problem_of(problem).missions
+    )
     return SWEEP_S_PER_ENTRY * layers * _entries(problem)
 
 
-def _entries(problem: Problem) -> float:
+def _entries(problem: Mission | Problem) -> float:
     """Timetable entries; where connections are listed, and counted, as many as have so many.
 
     Of each kind of chasers that has a network of its own.
     """
-    kinds = len(problem.networks) if isinstance(problem, Campaign) else 1
+    problem = problem_of(problem)
+    kinds = len(problem.networks)
     timetable, connecting = problem.missions[0].timetable, problem.connecting
     if not timetable.is_whole:
         return math.inf
@@ -66,23 +70,23 @@ def _entries(problem: Problem) -> float:
     return kinds * sum(connecting.counts.values()) / CONNECTIONS_PER_EVENT
 
 
-def bound_notes(mission: Problem) -> list[str]:
+def bound_notes(problem: Mission | Problem) -> list[str]:
     """What a reader of a bound has to know."""
-    notes = _rounded(mission)
-    if not fits_memory(mission):
+    notes = _rounded(problem)
+    if not fits_memory(problem):
         notes.append(
             f"nothing was proven: there is no memory for the network of about "
-            f"{CONNECTIONS_PER_EVENT * _entries(mission):.2g} connections; take fewer targets or a "
+            f"{CONNECTIONS_PER_EVENT * _entries(problem):.2g} connections; take fewer targets or a "
             "shorter mission"
         )
     return notes
 
 
-def proof_notes(mission: Problem) -> list[str]:
+def proof_notes(problem: Mission | Problem) -> list[str]:
     """The same where :func:`proof_of` chose how to prove."""
-    return [*_rounded(mission), *([] if fits_memory(mission) else [TOO_LARGE])]
+    return [*_rounded(problem), *([] if fits_memory(problem) else [TOO_LARGE])]
 
 
-def _rounded(mission: Problem) -> list[str]:
-    step = mission.prize_step
+def _rounded(problem: Mission | Problem) -> list[str]:
+    step = problem.prize_step
     return [f"the bound is rounded down: all objectives are multiples of {step:g}"] if step else []

@@ -7,7 +7,7 @@ from typing import Generic, Protocol, TypeVar
 
 from adr_opt.common.stop import Stop
 
-from ..progress.gap import CertificateOf, Found
+from ..progress.gap import GapTracker
 
 LEAST_PROOF_S, LEAST_SET_UPS = 1.0, 2.0
 """With less time left, or less than so many times what setting it up takes, no proof is begun."""
@@ -35,12 +35,12 @@ class Rounds(Protocol):
 AnyProof = TypeVar("AnyProof", bound=Rounds)
 
 
-class ConcurrentProof(Generic[Found, AnyProof]):
+class ConcurrentProof(Generic[AnyProof]):
     """The proving half of a planner.
 
     Parameters
     ----------
-    shared, own : CertificateOf
+    shared, own : GapTracker
         That of the planner, and that of the proof.
     stop : Stop
         Its time alone counts here.
@@ -55,8 +55,8 @@ class ConcurrentProof(Generic[Found, AnyProof]):
 
     def __init__(
         self,
-        shared: CertificateOf[Found],
-        own: CertificateOf[Found],
+        shared: GapTracker,
+        own: GapTracker,
         stop: Stop,
         made: Callable[[], AnyProof | None],
     ) -> None:
@@ -79,13 +79,13 @@ class ConcurrentProof(Generic[Found, AnyProof]):
 
     def fetch(self) -> None:
         """Hear of the incumbent, before a round."""
-        if self._shared.sequence is not None:
-            self._own.offer(self._shared.sequence)
+        if self._shared.routes is not None:
+            self._own.offer(*self._shared.routes)
 
     def deliver(self) -> None:
         """Tell what the round has found."""
-        if self._own.sequence is not None:
-            self._shared.offer(self._own.sequence)
+        if self._own.routes is not None:
+            self._shared.offer(*self._own.routes)
         self._shared.lower(self._own.bound, self._own.evidence)
 
     @property

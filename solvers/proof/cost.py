@@ -30,7 +30,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.common.stop import TimeIsOver
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from ..labels.extension import CompletionValues
 from ..labels.label_search import LabelSearch

@@ -21,7 +21,7 @@ import numpy as np
 
 from adr_opt.common.memory import available_bytes
 from adr_opt.common.stop import Stop, TimeIsOver
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from ..networks.packed_legs import MOST, LegSource, NoRoom, Stream
 from ..progress.gap import GapTracker

@@ -16,11 +16,11 @@ from typing import Any
 
 from adr_opt.common.errors import InputError
 from adr_opt.common.stop import Stop
-from adr_opt.mission.campaign import Problem
+from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
 
 from ..progress.cost_rounds import RELATIVE, asked
-from ..progress.gap import CertificateOf
+from ..progress.gap import GapTracker
 from ..progress.halting import ShareOfTime
 
 JUST_BELOW = 0.9 * RELATIVE
@@ -50,7 +50,7 @@ class _Answered(ShareOfTime):
 
 def prove_end(
     problem: Problem,
-    certificate: CertificateOf[Any],
+    certificate: GapTracker,
     stop: Stop,
     solve: Callable[[Any, Stop], Result],
     offer: Callable[[Result], bool],
@@ -59,9 +59,9 @@ def prove_end(
 
     Parameters
     ----------
-    problem : Mission or Campaign
+    problem : Problem
         Whose cost is the end of the last service.
-    certificate : Certificate
+    certificate : GapTracker
         With a plan that is proven to be worth most.
     stop : Stop
         Its time alone counts here.

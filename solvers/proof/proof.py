@@ -23,7 +23,7 @@ from adr_opt.common.options import MOST_JOBS, Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop, TimeIsOver
 from adr_opt.mission.certified import certify
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 
 from ..labels.label_search import LabelSearch

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.optimize import LinearConstraint
 from scipy.sparse import csc_array, hstack
 
-from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Problem
 
 BASE = 2**12
 """Of the digits: a thousand columns that are whole to 10⁻⁶ each miss a sum by far less than 1."""
@@ -33,19 +33,19 @@ OFF = 0.25
 """What sums of whole numbers may be off by."""
 
 
-def has_large(campaign: Campaign) -> bool:
+def has_large(problem: Problem) -> bool:
     """Whether prizes have too many steps for sums of them to be compared as they are."""
-    largest = float(campaign.worths.max(initial=0.0))
-    step = campaign.prize_step
+    largest = float(problem.worths.max(initial=0.0))
+    step = problem.prize_step
     return largest > 0.0 and (not step or largest > FEW * step)
 
 
-def in_units(campaign: Campaign, worths: Sequence[float], goal: float) -> tuple[list[int], int]:
+def in_units(problem: Problem, worths: Sequence[float], goal: float) -> tuple[list[int], int]:
     """Worths and a goal as whole numbers; in favour of the worths where they have no step."""
-    step = campaign.prize_step
+    step = problem.prize_step
     if step:
         return [round(worth / step) for worth in worths], math.ceil(goal / step - OFF)
-    unit = campaign.prize_resolution / PARTS
+    unit = problem.prize_resolution / PARTS
     return [math.ceil(worth / unit) for worth in worths], math.floor(goal / unit)
 
 

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.mission.campaign import Campaign, Problem, Routes
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem, Routes
 from adr_opt.plan.station_limits import Use
 
 FloatArray = npt.NDArray[np.float64]
@@ -16,65 +16,67 @@ FloatArray = npt.NDArray[np.float64]
 RouteOf = Callable[[Mission], Iterable[int]]
 
 
-def left(campaign: Problem, done: Iterable[int]) -> FloatArray:
+def left(problem: Problem, done: Iterable[int]) -> FloatArray:
     """What targets are worth that are not done, and −inf for the others, shape (bodies,)."""
-    worths = np.array(campaign.worths)
+    worths = np.array(problem.worths)
     for j in done:
         worths[j] = -np.inf
-    worths[: campaign.instance.first_target] = 0.0
+    worths[: problem.instance.first_target] = 0.0
     return worths
 
 
-def targets_of(campaign: Problem, routes: Iterable[Iterable[int]]) -> set[int]:
+def targets_of(problem: Problem, routes: Iterable[Iterable[int]]) -> set[int]:
     """The targets on routes."""
-    first = campaign.instance.first_target
+    first = problem.instance.first_target
     return {j for route in routes for j in route if j >= first}
 
 
-def one_after_another(campaign: Campaign, route_of: RouteOf) -> Routes:
+def one_after_another(problem: Problem, route_of: RouteOf) -> Routes:
     """Routes made chaser after chaser, each over what those before have left.
 
     Parameters
     ----------
-    campaign : Campaign
+    problem : Problem
     route_of : callable
         From the mission of a chaser that offers what is left to its route.
     """
+    if problem.alone is not None:
+        return (tuple(int(j) for j in route_of(problem.alone)),)
     routes: list[tuple[int, ...]] = []
     uses: list[Use] = []
-    for mission in campaign.missions:
-        worths = left(campaign, targets_of(campaign, routes))
-        offered = mission.offering(without_empty(campaign, worths, uses))
-        route, use = trimmed(campaign, mission, [int(j) for j in route_of(offered)], uses)
+    for mission in problem.missions:
+        worths = left(problem, targets_of(problem, routes))
+        offered = mission.offering(without_empty(problem, worths, uses))
+        route, use = trimmed(problem, mission, [int(j) for j in route_of(offered)], uses)
         routes.append(route)
         uses.append(use)
     return tuple(routes)
 
 
-def without_empty(campaign: Campaign, worths: FloatArray, uses: Sequence[Use]) -> FloatArray:
+def without_empty(problem: Problem, worths: FloatArray, uses: Sequence[Use]) -> FloatArray:
     """The same worths, but that nobody goes to stations at which nothing is left.
 
     Parameters
     ----------
-    campaign : Campaign
+    problem : Problem
     worths : (bodies,) float64
         Written.
     uses : sequence of tuple of float
         What others take of stations.
     """
-    if campaign.limits:
-        worths[list(campaign.limits.exhausted(campaign.limits.left(uses)))] = -np.inf
+    if problem.limits:
+        worths[list(problem.limits.exhausted(problem.limits.left(uses)))] = -np.inf
     return worths
 
 
 def trimmed(
-    campaign: Campaign, mission: Mission, route: Iterable[int], uses: Sequence[Use]
+    problem: Problem, mission: Mission, route: Iterable[int], uses: Sequence[Use]
 ) -> tuple[tuple[int, ...], Use]:
     """As much of a route as stations have propellant for, and what it takes of them.
 
     Parameters
     ----------
-    campaign : Campaign
+    problem : Problem
     mission : Mission
         Of the chaser.
     route : iterable of int
@@ -82,13 +84,13 @@ def trimmed(
         What others take.
     """
     moves = tuple(route)
-    if not campaign.limits:
+    if not problem.limits:
         return moves, ()
     while True:
         closed = mission.closed(moves)
         schedule = mission.time(closed)
-        use = campaign.use(mission, closed[: schedule.made], schedule.delta_vs)
-        if not moves or campaign.limits.allow([*uses, use]):
+        use = problem.use(mission, closed[: schedule.made], schedule.delta_vs)
+        if not moves or problem.limits.allow([*uses, use]):
             return moves, use
         stops = [at for at, body in enumerate(moves) if mission.rules.is_station[body]]
         # Without a stop on the way it is the one at the end that takes too much.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adr_opt.mission.campaign import Campaign, Routes
+from adr_opt.mission.problem import Problem, Routes
 from adr_opt.plan.station_limits import Use
 
 from .one_chaser import FloatArray
@@ -64,10 +64,10 @@ class Column:
         return math.fsum(prices[body] * times for body, times in self.taken.items())
 
 
-def dealt(campaign: Campaign, flown: Iterable[tuple[int, tuple[int, ...]]]) -> Routes:
+def dealt(problem: Problem, flown: Iterable[tuple[int, tuple[int, ...]]]) -> Routes:
     """Routes of kinds given to chasers of these kinds; nothing to the others."""
-    routes: list[tuple[int, ...]] = [()] * len(campaign.missions)
-    free = [list(kind.chasers) for kind in campaign.kinds]
+    routes: list[tuple[int, ...]] = [()] * len(problem.missions)
+    free = [list(kind.chasers) for kind in problem.kinds]
     for kind, route in flown:
         routes[free[kind].pop(0)] = route
     return tuple(routes)
@@ -80,12 +80,12 @@ class RoutePool:
 
     Parameters
     ----------
-    campaign : Campaign
+    problem : Problem
     """
 
-    def __init__(self, campaign: Campaign) -> None:
-        self._campaign = campaign
-        self._first = campaign.instance.first_target
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        self._first = problem.instance.first_target
         self._columns: dict[Key, Column] = {}
 
     def columns(self) -> list[Column]:
@@ -101,12 +101,12 @@ class RoutePool:
 
     def add(self, kind: int, route: Iterable[int]) -> Column | None:
         """Keep a route that a chaser of a kind can fly to an end; None if it cannot."""
-        mission = self._campaign.kinds[kind].mission
+        mission = self._problem.kinds[kind].mission
         moves = mission.closed(route)
         targets = frozenset(j for j in moves if j >= self._first)
         stops = tuple(
             (station, moves.count(station))
-            for station in self._campaign.limits.stations
+            for station in self._problem.limits.stations
             if station in moves
         )
         known = self._columns.get((kind, targets, stops))
@@ -117,10 +117,10 @@ class RoutePool:
             return None
         if known is not None and known.cost <= schedule.cost:
             return known
-        use = self._campaign.use(mission, moves, schedule.delta_vs)
-        if not self._campaign.limits.allow([use]):
+        use = self._problem.use(mission, moves, schedule.delta_vs)
+        if not self._problem.limits.allow([use]):
             return None
-        worth = self._campaign.collected(targets)
+        worth = self._problem.collected(targets)
         column = Column(kind, targets, worth, schedule.cost, moves, use, stops)
         self._columns[column.key] = column
         return column
@@ -136,14 +136,14 @@ class RoutePool:
         """
         if not columns or time_limit_s <= 0.0:
             return None
-        campaign = self._campaign
-        step = campaign.prize_step or 1e-3 * max(column.worth for column in columns) or 1.0
-        chasers = len(campaign.missions)
+        problem = self._problem
+        step = problem.prize_step or 1e-3 * max(column.worth for column in columns) or 1.0
+        chasers = len(problem.missions)
         dearest = math.fsum(sorted(column.cost for column in columns)[-chasers:])
         price = LEAST_COST * step / max(dearest, 1e-9)
         gain = np.array([column.worth - price * column.cost for column in columns])
         constraint = packing(
-            campaign,
+            problem,
             [(column.kind, column.targets) for column in columns],
             [column.use for column in columns],
             all_flown=True,
@@ -152,4 +152,4 @@ class RoutePool:
         if found.taken is None:
             return None
         taken = [columns[at] for at in found.taken]
-        return dealt(campaign, [(column.kind, column.route) for column in taken])
+        return dealt(problem, [(column.kind, column.route) for column in taken])

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from adr_opt.common.stop import Stop
-from adr_opt.mission.campaign import Campaign, Routes
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem, Routes
 from adr_opt.plan.station_limits import Use
 
 from ..beams.beams import BeamSettings, beam_search, hurried, usual_settings
 from ..beams.greedy_order import guarded_sequence
 from ..beams.varied_beams import varied
-from ..progress.campaign_incumbent import CampaignCertificate
+from ..progress.gap import GapTracker
 from .one_chaser import FloatArray, left, one_after_another, targets_of, trimmed, without_empty
 from .route_pool import Column, RoutePool, dealt
 
@@ -40,10 +40,10 @@ class RouteSearch:
 
     Parameters
     ----------
-    campaign : Campaign
+    problem : Problem
     seed : int
     stop : Stop
-    certificate : CampaignCertificate
+    certificate : GapTracker
     pool : RoutePool
 
     Attributes
@@ -55,37 +55,37 @@ class RouteSearch:
 
     def __init__(
         self,
-        campaign: Campaign,
+        problem: Problem,
         seed: int,
         stop: Stop,
-        certificate: CampaignCertificate,
+        certificate: GapTracker,
         pool: RoutePool,
     ) -> None:
-        self._campaign = campaign
+        self._problem = problem
         self._rng = np.random.default_rng(seed)
         self._stop = stop
         self._certificate = certificate
         self._pool = pool
-        self._kind_of = campaign.kind_of
-        self._routes: Routes = tuple(() for _ in campaign.missions)
+        self._kind_of = problem.kind_of
+        self._routes: Routes = tuple(() for _ in problem.missions)
         self._worth = -np.inf
         self._idle = 0
-        self.multipliers = np.zeros(len(campaign.names))
-        worthy = campaign.worths[campaign.worths > 0.0]
+        self.multipliers = np.zeros(len(problem.names))
+        worthy = problem.worths[problem.worths > 0.0]
         self._mean_worth = float(worthy.mean()) if worthy.size else 1.0
         self.counters = {"beams": 0, "recreations": 0, "completions": 0, "packings": 0}
 
     def begin(self, start: Routes | None = None) -> None:
         """The guarded greedy plan, one by beams, chaser after chaser, and one that is given."""
-        self._meet(one_after_another(self._campaign, guarded_sequence))
-        self._meet(one_after_another(self._campaign, self._usual))
+        self._meet(one_after_another(self._problem, guarded_sequence))
+        self._meet(one_after_another(self._problem, self._usual))
         if start is not None:
             self._meet(start)
         self.begin_again()
 
     def begin_again(self) -> None:
         """Go on from the best plan, whoever has found it."""
-        best = self._certificate.sequence
+        best = self._certificate.routes
         if best is not None:
             self._meet(best)
 
@@ -105,22 +105,22 @@ class RouteSearch:
         for chaser, route in enumerate(routes):
             if route:
                 self._pool.add(self._kind_of[chaser], route)
-        self._certificate.offer(routes)
+        self._certificate.offer(*routes)
         self._routes = routes
-        self._worth = self._campaign.collected(targets_of(self._campaign, routes))
+        self._worth = self._problem.collected(targets_of(self._problem, routes))
 
     def move(self, width: int) -> None:
         """Give up the routes of some chasers, and fly anew over what the others leave."""
-        campaign, rng = self._campaign, self._rng
-        count = len(campaign.missions)
+        problem, rng = self._problem, self._rng
+        count = len(problem.missions)
         flown_anew = rng.permutation(count)[: int(rng.integers(1, min(count, MOST_FLOWN_ANEW) + 1))]
         routes = list(self._routes)
         for chaser in flown_anew:
             routes[chaser] = ()
-        done = targets_of(campaign, routes)
+        done = targets_of(problem, routes)
         uses = [self._use(chaser, route) for chaser, route in enumerate(routes)]
         for number, chaser in enumerate(flown_anew):
-            worths = left(campaign, done)
+            worths = left(problem, done)
             considerate = float(rng.uniform())
             if number < flown_anew.size - 1:
                 offered = worths - considerate * self.multipliers
@@ -130,13 +130,13 @@ class RouteSearch:
                 return
             routes[chaser] = found
             uses[chaser] = self._use(int(chaser), found)
-            done |= targets_of(campaign, [routes[chaser]])
+            done |= targets_of(problem, [routes[chaser]])
         self.counters["recreations"] += 1
-        worth = campaign.collected(done)
+        worth = problem.collected(done)
         if worth >= self._worth:
             self._idle = 0 if worth > self._worth else self._idle + 1
             self._routes, self._worth = tuple(routes), worth
-            self._certificate.offer(routes)
+            self._certificate.offer(*routes)
         else:
             self._idle += 1
         if self._idle >= ADRIFT:
@@ -157,27 +157,27 @@ class RouteSearch:
             What others take of stations.
         width : int
         """
-        campaign, rng = self._campaign, self._rng
-        mission = campaign.missions[chaser]
-        if campaign.limits:
-            worths = without_empty(campaign, worths, uses)
+        problem, rng = self._problem, self._rng
+        mission = problem.missions[chaser]
+        if problem.limits:
+            worths = without_empty(problem, worths, uses)
             if rng.random() < WITHOUT_STATIONS:
-                worths[list(campaign.limits.stations)] = -np.inf
+                worths[list(problem.limits.stations)] = -np.inf
         layer, settings, seed = varied(mission.offering(worths), width, rng)
         if self._stop.remaining_s() <= 0.0:
             return None
         route = self._beam(layer, settings, seed)
         self._pool.add(self._kind_of[chaser], route)
-        return trimmed(campaign, mission, route, uses)[0]
+        return trimmed(problem, mission, route, uses)[0]
 
     def _use(self, chaser: int, route: tuple[int, ...]) -> Use:
         """What a chaser takes of stations."""
-        campaign, mission = self._campaign, self._campaign.missions[chaser]
-        if not campaign.limits:
+        problem, mission = self._problem, self._problem.missions[chaser]
+        if not problem.limits:
             return ()
         moves = mission.closed(route)
         schedule = mission.time(moves)
-        return campaign.use(mission, moves[: schedule.made], schedule.delta_vs)
+        return problem.use(mission, moves[: schedule.made], schedule.delta_vs)
 
     def complete(self, width: int) -> None:
         """Let all chasers but one fly routes met that do not meet, and one go for the rest.
@@ -185,12 +185,12 @@ class RouteSearch:
         Routes that are worth much, less multipliers, are preferred: there are no better ones left
         to find for who flies them, and the others lose little by them.
         """
-        campaign, rng = self._campaign, self._rng
+        problem, rng = self._problem, self._rng
         columns = self._pool.columns()
         if not columns:
             return
-        spare = [len(kind.chasers) for kind in campaign.kinds]
-        last = int(rng.integers(len(campaign.missions)))
+        spare = [len(kind.chasers) for kind in problem.kinds]
+        last = int(rng.integers(len(problem.missions)))
         spare[self._kind_of[last]] -= 1
         noise = rng.exponential(TOLERANCE * self._mean_worth, len(columns))
         losses = noise - [self._less_multipliers(column) for column in columns]
@@ -198,21 +198,21 @@ class RouteSearch:
         for at in np.argsort(losses, kind="stable").tolist():
             column = columns[at]
             fits = spare[column.kind] and done.isdisjoint(column.targets)
-            if fits and campaign.limits.allow([*uses, column.use]):
+            if fits and problem.limits.allow([*uses, column.use]):
                 spare[column.kind] -= 1
                 uses.append(column.use)
                 done |= column.targets
                 taken.append(column)
                 if not any(spare):
                     break
-        found = self._fly(last, left(campaign, done), uses, width)
+        found = self._fly(last, left(problem, done), uses, width)
         if found is None:
             return
         added = self._pool.add(self._kind_of[last], found)
         self.counters["completions"] += 1
         if added is not None:
             flown = [(column.kind, column.route) for column in (*taken, added)]
-            self._certificate.offer(dealt(campaign, flown))
+            self._certificate.offer(*dealt(problem, flown))
 
     def _less_multipliers(self, column: Column) -> float:
         return column.worth - column.paid(self.multipliers)
@@ -221,5 +221,5 @@ class RouteSearch:
         """The best plan of the routes met."""
         found = self._pool.best(self._pool.columns(), min(time_limit_s, self._stop.remaining_s()))
         self.counters["packings"] += 1
-        if found is not None and self._certificate.offer(found):
+        if found is not None and self._certificate.offer(*found):
             self._meet(found)

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csc_array
 
-from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Problem
 from adr_opt.plan.station_limits import Use
 
 from .one_chaser import FloatArray
@@ -90,7 +90,7 @@ def cheapest_of(
 
 
 def packing(
-    campaign: Campaign,
+    problem: Problem,
     columns: Sequence[tuple[int, frozenset[int]]],
     uses: Sequence[Use] | None = None,
     *,
@@ -100,14 +100,14 @@ def packing(
 
     Parameters
     ----------
-    campaign : Campaign
+    problem : Problem
     columns : sequence of (kind, targets)
     uses : sequence of tuple of float, optional
         What they take of stations, which is no more than there is; not asked about by default.
     all_flown : bool
         Whether one is taken for each chaser that has to fly, because it does not start at its end.
     """
-    bodies, kinds, limits = len(campaign.names), len(campaign.kinds), campaign.limits.most.size
+    bodies, kinds, limits = len(problem.names), len(problem.kinds), problem.limits.most.size
     rows, values, ends = [], [], [0]
     for at, (kind, targets) in enumerate(columns):
         rows += [*sorted(targets), bodies + kind]
@@ -121,11 +121,11 @@ def packing(
         shape=(bodies + kinds + limits, len(columns)),
     )
     most = np.ones(bodies + kinds + limits)
-    most[bodies : bodies + kinds] = [len(kind.chasers) for kind in campaign.kinds]
-    most[bodies + kinds :] = campaign.limits.most
+    most[bodies : bodies + kinds] = [len(kind.chasers) for kind in problem.kinds]
+    most[bodies + kinds :] = problem.limits.most
     least = np.full(most.size, -np.inf)
     if all_flown:
-        for number, group in enumerate(campaign.kinds):
+        for number, group in enumerate(problem.kinds):
             if not group.mission.may_stop(()):
                 least[bodies + number] = len(group.chasers)
     return LinearConstraint(matrix, least, most)

@@ -16,10 +16,10 @@ import numpy as np
 
 from adr_opt.common.stop import Stop
 from adr_opt.common.tolerance import COST_RELATIVE
-from adr_opt.mission.campaign import Campaign, Routes
+from adr_opt.mission.problem import Problem, Routes
 from adr_opt.plan.station_limits import Use
 
-from ..progress.campaign_incumbent import CampaignCertificate
+from ..progress.gap import GapTracker
 from .one_chaser import targets_of
 from .route_pool import RoutePool
 
@@ -79,9 +79,9 @@ class Exchanges:
 
     Parameters
     ----------
-    campaign : Campaign
+    problem : Problem
     seed : int
-    certificate : CampaignCertificate
+    certificate : GapTracker
         Has the plan to begin from; told of better ones.
     pool : RoutePool
         Routes of better plans are added to it.
@@ -89,18 +89,18 @@ class Exchanges:
 
     def __init__(
         self,
-        campaign: Campaign,
+        problem: Problem,
         seed: int,
-        certificate: CampaignCertificate,
+        certificate: GapTracker,
         pool: RoutePool,
     ) -> None:
-        self._campaign, self._certificate, self._pool = campaign, certificate, pool
+        self._problem, self._certificate, self._pool = problem, certificate, pool
         self._rng = np.random.default_rng(seed)
-        self._first = campaign.instance.first_target
-        self._kind_of = campaign.kind_of
-        self._stations = len(campaign.instance.stations)
+        self._first = problem.instance.first_target
+        self._kind_of = problem.kind_of
+        self._stations = len(problem.instance.stations)
         self._timed: dict[tuple[int, tuple[int, ...]], _Timed] = {}
-        self._worthy = [j for j, worth in enumerate(campaign.worths) if worth > 0.0]
+        self._worthy = [j for j, worth in enumerate(problem.worths) if worth > 0.0]
         self.counters = {"exchanges": 0}
 
     def anneal(self, iterations: int, stop: Stop) -> bool:
@@ -112,10 +112,10 @@ class Exchanges:
         stop : Stop
             Its time alone counts here.
         """
-        if self._certificate.sequence is None:
+        if self._certificate.routes is None:
             return False
         asked = self._certificate.incumbent
-        now = tuple(self._open(route) for route in self._certificate.sequence)
+        now = tuple(self._open(route) for route in self._certificate.routes)
         best = present = self._total(now)
         scale, found_any = abs(self._certificate.cost), False
         for made in range(iterations):
@@ -127,8 +127,8 @@ class Exchanges:
             if trial is None:
                 continue
             found = self._total(trial)
-            worth = self._campaign.collected(targets_of(self._campaign, trial))
-            if worth > asked + self._campaign.prize_resolution and found < math.inf:
+            worth = self._problem.collected(targets_of(self._problem, trial))
+            if worth > asked + self._problem.prize_resolution and found < math.inf:
                 asked, now, present, best = worth, trial, found, found
                 found_any = self._offer(trial) or found_any
             elif found < present - heat * math.log(1.0 - self._rng.random()):
@@ -144,15 +144,15 @@ class Exchanges:
         for chaser, route in enumerate(timed):
             if route.moves:
                 self._pool.add(self._kind_of[chaser], route.moves)
-        return self._certificate.offer(tuple(route.moves for route in timed))
+        return self._certificate.offer(*(route.moves for route in timed))
 
     def _total(self, routes: Routes) -> float:
         """What routes cost together; +inf where stations have too little for them."""
         timed = [self._time(chaser, route) for chaser, route in enumerate(routes)]
         costs = [route.cost for route in timed]
-        if math.inf in costs or not self._campaign.limits.allow([route.use for route in timed]):
+        if math.inf in costs or not self._problem.limits.allow([route.use for route in timed]):
             return math.inf
-        objective = self._campaign.instance.objective
+        objective = self._problem.instance.objective
         if objective.cost == "duration":
             return objective.together(costs) + SUM_BESIDE * math.fsum(costs)
         return objective.together(costs)
@@ -175,12 +175,12 @@ class Exchanges:
         known = self._timed.get(key)
         if known is not None:
             return known
-        mission = self._campaign.missions[chaser]
+        mission = self._problem.missions[chaser]
         moves = mission.closed(route)
         schedule = mission.time(moves)
-        timed = _Timed(moves, math.inf, self._campaign.limits.nothing)
+        timed = _Timed(moves, math.inf, self._problem.limits.nothing)
         if schedule.made == len(moves) and mission.may_stop(moves):
-            use = self._campaign.use(mission, moves, schedule.delta_vs)
+            use = self._problem.use(mission, moves, schedule.delta_vs)
             timed = _Timed(moves, schedule.cost, use)
         if len(self._timed) >= MOST_REMEMBERED:
             self._timed.clear()
@@ -189,19 +189,19 @@ class Exchanges:
 
     def _exchanged(self, now: Routes, asked: float) -> Routes | None:
         """Routes after some targets left them and others came; None if they are worth less."""
-        rng, worths = self._rng, self._campaign.worths
+        rng, worths = self._rng, self._problem.worths
         out = self._drawn(now)
         routes = [self._open(tuple(j for j in route if j not in out)) for route in now]
         bag = sorted(out)
         if rng.random() < WITH_SPARES:
-            visited = targets_of(self._campaign, now)
+            visited = targets_of(self._problem, now)
             spares = [j for j in self._worthy if j not in visited]
             bag += [spares[at] for at in rng.permutation(len(spares))[:SPARES]]
         bag = [bag[at] for at in rng.permutation(len(bag))]
         with_stations, more = rng.random() < WITH_STATIONS, rng.random() < ONE_MORE
-        have = self._campaign.collected(targets_of(self._campaign, routes))
+        have = self._problem.collected(targets_of(self._problem, routes))
         costs = [self._time(chaser, route).cost for chaser, route in enumerate(routes)]
-        asked -= self._campaign.prize_resolution
+        asked -= self._problem.prize_resolution
         while bag and (more or have < asked):
             drawn = bag if rng.random() < CHOSEN else bag[:1]
             place = self._place(routes, costs, drawn, with_stations)
@@ -217,7 +217,7 @@ class Exchanges:
     def _drawn(self, now: Routes) -> set[int]:
         """Targets that are to leave their routes."""
         rng = self._rng
-        visited = sorted(targets_of(self._campaign, now))
+        visited = sorted(targets_of(self._problem, now))
         if not visited:
             return set()
         kind, most = rng.random(), int(rng.integers(1, MOST_OUT + 1))
@@ -273,4 +273,4 @@ class Exchanges:
         known = self._timed.get((self._kind_of[chaser], route))
         if known is not None:
             return known.cost
-        return self._campaign.missions[chaser].schedules.least_cost(route)
+        return self._problem.missions[chaser].schedules.least_cost(route)

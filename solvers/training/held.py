@@ -12,7 +12,7 @@ from stable_baselines3.common.utils import obs_as_tensor
 from adr_opt.kernels.episodes import episodes as kernels
 from adr_opt.learning.environment.fields import Limits
 from adr_opt.learning.episodes import Board, FieldPool, new_episodes, start
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.sources.generator import family, generate
 
 HELD_SEED, HELD_FIELDS = 900_000, 24

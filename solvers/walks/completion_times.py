@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from adr_opt.kernels.core.compile import kernel
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from .latest_times import Latest
 from .walks import WalkBound

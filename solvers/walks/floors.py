@@ -20,6 +20,7 @@ pairs is looked at, but for costs that are given.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -30,9 +31,9 @@ from adr_opt.kernels.core.windows import service_ends
 from adr_opt.kernels.legs import co_elliptic
 from adr_opt.kernels.legs.fixed_points import BAND_S
 from adr_opt.kernels.orbits import ephemeris
-from adr_opt.mission.campaign import Problem
 from adr_opt.mission.evidence import Evidence, Floors
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.problem.instance import Instance
 
 PRICES = 200
@@ -88,18 +89,17 @@ def floor_bound(problem: Problem) -> float:
     float
         In worths, as :attr:`adr_opt.kernels.rules.rules.Rules.prize` has them.
     """
-    return _priced(problem).most
+    return _priced(problem.missions).most
 
 
 def floor_evidence(mission: Mission) -> tuple[float, Evidence]:
     """The same of a mission, and what it rests on."""
-    most, per_s, per_m_s = _priced(mission)
+    most, per_s, per_m_s = _priced((mission,))
     bodies = len(mission.names)
     return most, Evidence(np.zeros(bodies), (), SLOT_M_S, Floors(per_s, per_m_s, most))
 
 
-def _priced(problem: Problem) -> Priced:
-    missions = problem.missions
+def _priced(missions: Sequence[Mission]) -> Priced:
     distinct = {id(mission): mission for mission in missions}
     sacks = {key: sack_of(mission) for key, mission in distinct.items()}
     every = [sacks[id(mission)] for mission in missions]

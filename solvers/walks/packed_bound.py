@@ -15,7 +15,7 @@ import numpy as np
 
 from adr_opt.common.stop import TimeIsOver
 from adr_opt.mission.evidence import Evidence
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from ..networks.evidence import evidence_of
 from ..networks.packed_legs import Stream, units_of

@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels.core.compile import kernel
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from ..networks.packed_legs import AHEAD, DEPARTURE, DESTINATION, FIELD, Stream, first_leg
 from .packed_bound import StreamBound

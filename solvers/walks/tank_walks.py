@@ -22,7 +22,7 @@ from functools import partial
 import numpy as np
 
 from adr_opt.kernels.core.compile import kernel
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from ..networks import simd
 from ..networks.packed_legs import AHEAD, DEPARTURE, DESTINATION, FIELD, Stream, first_leg, units_of

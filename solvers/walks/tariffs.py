@@ -36,7 +36,7 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.common.constants import SLACK_M_S
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.problem.chasers import TankByMass
 
 PARTS = 4

@@ -32,7 +32,7 @@ import numpy as np
 
 from adr_opt.common.stop import TimeIsOver
 from adr_opt.kernels.core.events import earliest_taken
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from ..networks import simd
 from ..networks.arrays import Network

@@ -9,7 +9,7 @@ from drifting_plans import orbit
 import adr_opt
 from adr_opt.analysis.grids import grid_advice, on_grid
 from adr_opt.common.constants import DAY_S
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 

@@ -7,7 +7,7 @@ import pytest
 import adr_opt
 from adr_opt import plan_of
 from adr_opt.common.errors import InputError
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.problem.chasers import AtStation
 
 DAY_S = 86400.0

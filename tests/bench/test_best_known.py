@@ -23,9 +23,9 @@ from adr_opt.common.stop import Stop
 from adr_opt.kernels.rules.schedule import follow
 from adr_opt.legs.connections import ConnectionFinder
 from adr_opt.legs.service_limits import limits_of
-from adr_opt.mission.campaign import Campaign, Routes
 from adr_opt.mission.certified import certify, certify_routes
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem, Routes
 from adr_opt.mission.result import Result
 from adr_opt.plan.cargo import loads_of
 from adr_opt.problem.instance import Instance
@@ -340,7 +340,7 @@ def test_campaigns_are_solved(
     assert script.main([*arguments, name]) == 2
     assert "'lagrangian' is for one chaser" in capsys.readouterr().err
     alone = certify_routes(
-        Campaign(made), "hand", [(), (1,), ()], seed=0, runtime_s=0.0, upper_bound=8.0
+        Problem(made), "hand", [(), (1,), ()], seed=0, runtime_s=0.0, upper_bound=8.0
     ).plan
     assert alone is not None
     # Whatever order a plan has its routes in, and if it leaves out those that are empty.

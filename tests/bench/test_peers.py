@@ -18,8 +18,8 @@ from hand_made import BEYOND, FAR, NORTH, OPTIMAL_PLAN, SOUTH, STATION, hand_mad
 from random_rules import random_campaign
 
 import adr_opt
-from adr_opt.mission.campaign import Campaign, Problem
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 
 BENCH = Path(__file__).parents[2] / "bench"
 SLOT_S = 240.0
@@ -114,7 +114,7 @@ def test_static_peers_plan_campaigns(peers, peer):
     drawn = [random_campaign(seed) for seed in range(6)]
     drawn += [adr_opt.generate("tiny", seed, targets=4, chasers=2, stations=2) for seed in range(3)]
     for instance in drawn:
-        campaign = Campaign(instance)
+        campaign = Problem(instance)
         promise = promised(peers, peer, campaign)
         first = campaign.instance.first_target
         targets = [j for route in promise.routes for j in route if j >= first]
@@ -138,7 +138,7 @@ def test_ortools_routing_keeps_tanks_at_its_costs(peers):
     No station follows another one or the start, and somebody does refuel.
     """
     instance = adr_opt.generate("campaign", 0, targets=20, chasers=2, stations=2)
-    campaign = Campaign(instance.with_limits(duration_s=5 * 86400.0, delta_v_m_s=600.0))
+    campaign = Problem(instance.with_limits(duration_s=5 * 86400.0, delta_v_m_s=600.0))
     promise = promised(peers, "ortools", campaign, time_limit_s=1.0, statistic="quartile")
     delta_v, duration = peers.static_costs(campaign.missions[0], "quartile")
     first, refuelled = instance.first_target, 0
@@ -176,7 +176,7 @@ def test_gaps_are_to_the_best_bound_of_the_mission(peers):
         adr_opt.generate("campaign", 1, chasers=chasers) for chasers in (None, 4)
     )  # fmt: skip
     a, b, bounds = known.name, unknown.name, {known.name: 37.0, unknown.name: math.inf}
-    fields = [Campaign(known), Campaign(unknown)]
+    fields = [Problem(known), Problem(unknown)]
     assert peers.best_bounds([], fields) == bounds
     rows = [
         peers.Row(method, name, visits, promised, bound, 0.0, 1.0)

@@ -27,7 +27,7 @@ PATIENCE_S = 120.0
 PLANNERS = """
 import os, signal, time
 from adr_opt.run.methods import get
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.certified import certify
 
 def note(mission, name):

@@ -168,8 +168,9 @@ def test_the_parameters_of_a_function_are_options_too() -> None:
     kind = options_of(method)
     expected = ["depth", "seen", "limit", "most", "what", "jobs", "options"]
     assert [each.name for each in fields(kind)] == expected
-    assert methods.takes_start(method)
-    assert methods.takes_jobs(method)
+    known = methods.spec_of_function("plain", plain)
+    assert known.starts
+    assert known.uses_cores
     assert method.__doc__ == plain.__doc__
     chosen = read(kind, {"depth": 7, "limit": math.nan, "jobs": 2})
     method(None, seed=0, stop=None, progress=None, options=chosen)

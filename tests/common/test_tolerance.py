@@ -13,8 +13,8 @@ from varied_fields import varied
 from adr_opt.common.errors import InputError, MissingExtra
 from adr_opt.common.stop import MaxRuntime
 from adr_opt.common.tolerance import check_prizes, common_step, meets, rounded_down, rounded_up
-from adr_opt.mission.problem import Mission
-from adr_opt.run.methods import get, takes_jobs
+from adr_opt.mission.mission import Mission
+from adr_opt.run.methods import get, spec
 
 SCALES = (1e-7, 1.0, 1e7)
 
@@ -24,7 +24,7 @@ SCALES = (1e-7, 1.0, 1e7)
 def test_scaled_prizes_change_nothing(method: str, prizes: tuple[float, ...]) -> None:
     """All prizes a ten-millionth, or ten million times: optimal plans and proofs of the same."""
     function = get(method)
-    one_core = {"jobs": 1} if takes_jobs(function) else {}
+    one_core = {"jobs": 1} if spec(method).uses_cores else {}
     for seed in range(3):
         for scale in SCALES:
             scaled = tuple(scale * prize for prize in prizes)

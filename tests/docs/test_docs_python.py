@@ -64,9 +64,7 @@ def test_the_page_on_campaigns_runs(cli: Cli, capsys: pytest.CaptureFixture[str]
     assert second.startswith("late ['debris-")
     assert last.endswith(" optimal ()")
     listed = {cell.strip("`") for row in next(tables(page))[1][2:] for cell in row[:1]}
-    able = {
-        name for name in methods.names() if methods.campaign_form(methods.get(name)) is not None
-    }
+    able = {name for name in methods.names() if methods.spec(name).several}
     assert listed == able
 
 

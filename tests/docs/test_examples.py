@@ -16,8 +16,8 @@ from conftest import Cli
 
 import adr_opt
 from adr_opt.export.tables import write_matrix, write_timetable
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.order_repair import as_it_is, mended
-from adr_opt.mission.problem import Mission
 
 FOLDER = Path(__file__).parents[2] / "examples"
 SCRIPTS = sorted(path for path in FOLDER.glob("*.py") if path.stem != "coming_back")

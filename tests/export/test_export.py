@@ -15,7 +15,7 @@ import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
 from adr_opt.export.tables import write_matrix
 from adr_opt.export.tables.weights import LARGEST, whole_weights
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.problem.instance import Instance
 
 DEPARTURES = [0.0, 3600.0, 50000.0]

@@ -13,7 +13,7 @@ import pytest
 import adr_opt
 from adr_opt.export.tables import write_matrix
 from adr_opt.export.tables.oplib import scores
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 EXTERNAL = Path(
     os.environ.get("ADR_OPT_EXTERNAL_DATA", Path(__file__).parents[3] / "shared" / "data")

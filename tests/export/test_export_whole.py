@@ -21,7 +21,7 @@ import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.export.tables import models, parquet, write_timetable
 from adr_opt.export.tables.write import ONE_DEPARTURE, SAMPLED, whole_suffixes
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from solvers.planners.mip import files
 
 MODELS = pytest.mark.parametrize("suffix", [".lp", ".mps"])

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import adr_opt
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.problem.bodies import Station
 from adr_opt.problem.chasers import AtStation, Chaser, InOrbit
 from solvers.models.network import of_rows

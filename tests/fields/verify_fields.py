@@ -24,8 +24,8 @@ from adr_opt.common.errors import InputError
 from adr_opt.judge.verify.legs import Legs, legs_of
 from adr_opt.judge.verify.rules import kept_apart
 from adr_opt.legs.connections import ConnectionFinder, Connections
-from adr_opt.mission.campaign import Campaign, problem_of
 from adr_opt.mission.certify import certificate_of
+from adr_opt.mission.problem import problem_of
 from adr_opt.plan.certificate import Certificate
 from adr_opt.problem.chasers import AtStation, TankByMass
 from adr_opt.problem.instance import Instance
@@ -114,9 +114,9 @@ def proven(instance: Instance, method: str = "exact") -> tuple[adr_opt.Result, C
 def most_collected(instance: Instance) -> float:
     """The most prizes of any plan, of one chaser or of several together, by enumeration."""
     problem = problem_of(instance)
-    if isinstance(problem, Campaign):
+    if problem.alone is None:
         return brute_force_campaign(problem)[0]
-    return brute_force(problem)[0]
+    return brute_force(problem.alone)[0]
 
 
 class Spoilt(ConnectionFinder):

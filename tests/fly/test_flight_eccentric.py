@@ -15,7 +15,7 @@ from adr_opt.common.constants import MU_M3_S2
 from adr_opt.fly.flight import fly
 from adr_opt.fly.trajectory import body_states, propagate
 from adr_opt.mission.certified import certify
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.plan.plan import Plan, load_plan
 from adr_opt.problem.instance import Instance
 

@@ -22,7 +22,7 @@ from adr_opt.fly.refine.lessons import Lessons
 from adr_opt.fly.refine.loop import RefinedResult
 from adr_opt.kernels.legs.found import ConnectionArrays
 from adr_opt.legs.corrections import Corrections
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.plan.plan import InstanceReference, Plan
 from adr_opt.plan.refined_plan import reference
 from adr_opt.problem.instance import Instance

@@ -18,7 +18,7 @@ from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.refine import refine
 from adr_opt.fly.refine.ephemeris import tracks
 from adr_opt.fly.refine.holding import beginning
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.plan.cargo import followed
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import RefinedPlan

@@ -30,9 +30,9 @@ from adr_opt.judge.verify import verify
 from adr_opt.judge.verify.cargo import after_service
 from adr_opt.judge.verify.claim import bound_of, check_names
 from adr_opt.judge.verify.walks import walks_reach
-from adr_opt.mission.campaign import Campaign
 from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.evidence import Evidence, Walks
+from adr_opt.mission.problem import Problem
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.problem.instance import Instance
 
@@ -73,7 +73,7 @@ def test_bounds_where_stations_run_empty_are_verified(draw, seeds, least_paid):
             continue
         verdict = verify(instance, None, certificate, connections=0)
         assert verdict.verified, seed
-        assert verdict.upper_bound >= brute_force_campaign(Campaign(instance))[0] - 1e-9, seed
+        assert verdict.upper_bound >= brute_force_campaign(Problem(instance))[0] - 1e-9, seed
         asked += bool(certificate.walks)
         paid += any(station.name in certificate.multipliers for station in instance.stations)
     assert asked > 6
@@ -107,7 +107,7 @@ def test_whatever_refuellings_cost_the_best_plan_is_worth_no_more_than_follows()
     asked = 0
     for seed in range(60):
         instance = running_empty(seed)
-        prizes, _ = brute_force_campaign(Campaign(instance))
+        prizes, _ = brute_force_campaign(Problem(instance))
         often = {each.name: each.max_refuellings for each in instance.stations}
         if not math.isfinite(prizes) or all(each is None for each in often.values()):
             continue

@@ -18,7 +18,7 @@ from adr_opt.judge.verify.claim import bound_of, trivial_bound
 from adr_opt.mission.certified import certify
 from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.evidence import Evidence
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.plan.certificate import Certificate, ProvenFloors
 from adr_opt.problem.instance import Instance
 from adr_opt.run import table_budget

@@ -18,7 +18,7 @@ from adr_opt.common.errors import InputError
 from adr_opt.common.files import parse_model
 from adr_opt.judge.verify import verify
 from adr_opt.mission.certify import certificate_of
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.plan.certificate import Certificate, sha256_of
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance

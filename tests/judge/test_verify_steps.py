@@ -29,7 +29,7 @@ from adr_opt.judge.verify.steps import most_in_steps
 from adr_opt.judge.verify.terms import terms_of
 from adr_opt.legs.connections import ConnectionFinder
 from adr_opt.mission.certify import certificate_of
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.plan.certificate import Certificate
 from adr_opt.problem.instance import Instance
 from solvers.progress import proof_size

@@ -13,7 +13,7 @@ from random_rules import drifting_mission, given_mission, random_mission, towing
 from verify_fields import laden, legs_for, refuelling, towing_and_laden, worths_of
 
 from adr_opt.judge.verify.walks import walks_reach
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 every_mission = pytest.mark.parametrize(
     "draw",

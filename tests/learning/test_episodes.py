@@ -17,7 +17,7 @@ from adr_opt.kernels.rules.rules import State
 from adr_opt.learning.environment import MissionEnv
 from adr_opt.learning.episodes import Board, FieldPool, in_mean_prizes, new_episodes, start
 from adr_opt.mission.certified import certify
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.problem.chasers import Chaser
 from adr_opt.problem.instance import Instance
 

@@ -13,7 +13,7 @@ import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.legs import timetable_size
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.transfer_sizes import transfers_for
 

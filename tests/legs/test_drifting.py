@@ -19,7 +19,7 @@ from adr_opt.fly.trajectory.kepler import drift as coast
 from adr_opt.kernels.legs import drift, drift_pair
 from adr_opt.kernels.orbits import ephemeris
 from adr_opt.legs.families.drift_burns import DriftBurns, flown
-from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Problem
 
 LIMITS = EARTH_RADIUS_M + 400e3, EARTH_RADIUS_M + 1300e3
 INCLINATIONS_DEG = (71.0, 98.0, 45.0, 110.0, 89.5)
@@ -179,7 +179,7 @@ def test_what_cannot_be_met_is_said(truth):
 
 def test_the_target_is_met_where_its_last_crossings_are_too_late():
     """A cheap drift of twelve days is flown although its first dozen ways arrive after the end."""
-    mission = Campaign(adr_opt.generate("removal", 12)).missions[0]
+    mission = Problem(adr_opt.generate("removal", 12)).missions[0]
     orbits_of, *_, law = mission.transfer_inputs
     one, other = mission.numbers(["debris-001", "debris-016"])
     flight = flown(orbits_of[one], orbits_of[other], law, 154_483_200.0, 155_520_000.0)

@@ -10,7 +10,7 @@ from adr_opt.kernels.tables import on_demand
 from adr_opt.kernels.tables import timetable as tables
 from adr_opt.legs.nearest_pairs import neighbours
 from adr_opt.legs.timetable import Timetable
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.run import table_budget
 from solvers.beams.beams import BeamSettings, beam_search, hurried
 from solvers.beams.greedy_order import greedy_sequence

@@ -18,7 +18,7 @@ from random_rules import drifting_mission, given_mission, random_mission, towing
 
 import adr_opt
 from adr_opt.mission.certified import certify
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.problem.settings import Objective
 from solvers.labels.label_search import LabelSearch
 from solvers.proof.cost import CostProof

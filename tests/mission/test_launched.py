@@ -16,8 +16,8 @@ from random_rules import carrying, random_mission
 
 import adr_opt
 from adr_opt.mission.build_legs import unvisited
-from adr_opt.mission.campaign import Campaign
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.plan.cargo import followed
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import load_refined
@@ -107,7 +107,7 @@ def test_reasons_are_those_of_the_rules() -> None:
     heard = dict.fromkeys(("capacity", "not-worth-it"), 0)
     for seed in range(40):
         instance = carrying(random_mission(seed), seed)
-        mission = Campaign(instance).missions[0]
+        mission = Problem(instance).missions[0]
         for length in (1, 2, 3):
             moves = legal(mission, seed, length)
             for left in unvisited([(mission, moves)]):

@@ -30,8 +30,8 @@ from two_chasers import campaign as two_chasers
 import adr_opt
 from adr_opt.analysis import Axis, frontier, tradeoff
 from adr_opt.common.errors import InputError
-from adr_opt.mission.campaign import Campaign
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.plan.plan import FORMER_MODEL
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.problem.given import of_rows
@@ -80,7 +80,7 @@ def test_the_least_cost_of_several_chasers_is_that_of_enumeration(draw):
             instance = towing(instance, seed)
         if seed % 5 == 0:
             instance = limited(instance, seed)
-        campaign = Campaign(priced(instance, seed))
+        campaign = Problem(priced(instance, seed))
         result = adr_opt.solve(campaign, "exact", time_limit=30.0, iterations=8, cost=True)
         closed.append(compared_cost(campaign, result, seed))
     asked = [each for each in closed if each is not None]
@@ -279,7 +279,7 @@ def test_a_frontier_of_several_chasers_adds_what_each_takes_by_then():
     assert len(endings) > 2
     assert all(all(ending.routes) for ending in endings)
     for ending in endings:
-        campaign = Campaign(
+        campaign = Problem(
             instance.replace(
                 mission=instance.mission.replace(duration_s=ending.last_s),
                 objective=Objective(time_m_s_per_day=0.0),

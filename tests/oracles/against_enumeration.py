@@ -8,11 +8,11 @@ import pytest
 from brute_force import brute_force_campaign
 
 import adr_opt
-from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
 
 
-def compared(campaign: Campaign, result: Result, case: int) -> bool:
+def compared(campaign: Problem, result: Result, case: int) -> bool:
     """Hold a result against all plans of its campaign, with its margin; whether there is a plan.
 
     What is planned passes `check`, enumeration knows nothing above what is proven, and what is
@@ -34,7 +34,7 @@ def compared(campaign: Campaign, result: Result, case: int) -> bool:
     return True
 
 
-def compared_cost(campaign: Campaign, result: Result, case: int) -> bool | None:
+def compared_cost(campaign: Problem, result: Result, case: int) -> bool | None:
     """Hold what is proven of the least cost against all plans; whether it is that of the plan.
 
     None where nothing was asked: the prizes are not proven.

@@ -13,8 +13,8 @@ import numpy as np
 from adr_opt.common.constants import SLACK_M_S, SLACK_S
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.legs.connections import Connections
-from adr_opt.mission.campaign import Campaign
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.problem.bodies import Target
 from adr_opt.problem.chasers import Chaser, Expense, TankByMass
 from adr_opt.problem.instance import Instance
@@ -381,7 +381,7 @@ def _keep(ways: Ways, done: int, cost: float, use: tuple[float, ...]) -> None:
     known.append((cost, use))
 
 
-def brute_force_campaign(campaign: Campaign) -> tuple[float, float]:
+def brute_force_campaign(campaign: Problem) -> tuple[float, float]:
     """The most prizes that all chasers together collect, and the least cost of that.
 
     Every partition of every set of targets among them. Prizes are −inf where no plan keeps to all

@@ -8,8 +8,9 @@ from typing import Any
 from adr_opt.common.options import read
 from adr_opt.common.progress import silent
 from adr_opt.common.stop import MaxRuntime
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
+from adr_opt.plan.plan import Plan
 from adr_opt.run.methods import Planner, options_of
 
 
@@ -20,6 +21,10 @@ def call(method: Planner, mission: Mission, **arguments: Any) -> Result:
     more = {name: value for name, value in arguments.items() if name in known}
     if options:
         more["options"] = read(options_of(method), options)
+    begins = more.get("start")
+    of_one = "problem" in known and isinstance(mission, Mission)
+    if of_one and begins is not None and not isinstance(begins, Plan):
+        more["start"] = (begins,)
     return method(mission, **{"seed": 0, "progress": silent, **more})
 
 

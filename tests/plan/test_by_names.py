@@ -114,7 +114,7 @@ def test_connections_that_are_listed_are_kept_for_shorter_missions() -> None:
 
 def test_campaigns_have_their_limits_changed_too() -> None:
     """All chasers of a campaign get the same tank, over the connections that are known."""
-    whole = adr_opt.mission.campaign.Campaign(campaign())
+    whole = adr_opt.mission.problem.Problem(campaign())
     small = whole.with_limits(delta_v_m_s=450.0)
     assert {chaser.tank.delta_v_m_s for chaser in small.instance.chasers} == {450.0}
     plan = adr_opt.solve(small, "greedy-guarded").plan

@@ -18,8 +18,8 @@ from two_chasers import campaign as two_chasers
 
 import adr_opt
 from adr_opt.common.errors import InputError
-from adr_opt.mission.campaign import Campaign
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.plan.expense import carried_kg
 from adr_opt.plan.plan import InstanceReference, Plan
 from adr_opt.problem.chasers import Expense, TankByMass
@@ -50,7 +50,7 @@ def test_plans_pass_and_bounds_hold(method, draw, seeds):
     """Plans pass `check`, and enumeration knows nothing above what is proven."""
     planned = proven = 0
     for seed in seeds:
-        campaign = Campaign(drawn(seed, draw))
+        campaign = Problem(drawn(seed, draw))
         result = adr_opt.solve(campaign, method, time_limit=30.0, iterations=6)
         if compared(campaign, result, seed):
             planned += 1
@@ -65,7 +65,7 @@ def test_the_least_expense_is_that_of_enumeration(draw, seeds):
     """No bound on the cost lies above the least, and what is proven to be the least is."""
     closed, dear = [], 0
     for seed in seeds:
-        campaign = Campaign(drawn(seed, draw))
+        campaign = Problem(drawn(seed, draw))
         result = adr_opt.solve(campaign, "exact", time_limit=30.0, iterations=8, cost=True)
         closed.append(compared_cost(campaign, result, seed))
         by_expense = campaign.instance.objective.cost == "expense"

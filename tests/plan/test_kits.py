@@ -21,7 +21,7 @@ from adr_opt.common.constants import SLACK_M_S
 from adr_opt.fly.flight import fly, fly_refined
 from adr_opt.judge.check.tank import TankLevel
 from adr_opt.kernels.rules.loads import after_service
-from adr_opt.mission.campaign import Campaign, is_campaign
+from adr_opt.mission.problem import Problem
 from adr_opt.plan.cargo import loads_of
 from adr_opt.problem.instance import Instance
 
@@ -54,8 +54,8 @@ def test_plans_pass_and_bounds_hold(method, seeds):
     counted = planned = proven = 0
     for seed in seeds:
         instance, margin = drawn(seed), (0.15, 0.0, 0.5, 0.0, 0.8)[seed % 5]
-        counted += is_campaign(instance)
-        campaign = Campaign(instance, margin=margin)
+        campaign = Problem(instance, margin=margin)
+        counted += campaign.alone is None
         result = adr_opt.solve(campaign, method, time_limit=30.0, iterations=8)
         if compared(campaign, result, seed):
             planned += 1
@@ -129,7 +129,7 @@ def test_what_is_kept_back_may_leave_more_than_a_share_of_the_lightest_tank():
     """Bounds allow for what is left after a kit of a tank of which a part is kept back."""
     instance, needed = kit_then_leg()
     assert 0.5 * instance.chaser.tank.delta_v_m_s < needed
-    campaign = Campaign(instance, margin=0.5)
+    campaign = Problem(instance, margin=0.5)
     for slot in (20.0, 0.5):
         result = adr_opt.solve(campaign, "exact", time_limit=30.0, delta_v_slot_m_s=slot)
         assert result.objective == brute_force_campaign(campaign)[0] == 2.0

@@ -31,8 +31,8 @@ from adr_opt.kernels.legs import drift_linear
 from adr_opt.kernels.orbits import ephemeris
 from adr_opt.kernels.rules.loads import after_service
 from adr_opt.learning.episodes import check_playable
-from adr_opt.mission.campaign import Campaign
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.plan.cargo import followed, loads_of
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.planes import ahead, outward
@@ -76,7 +76,7 @@ def test_plans_pass_and_bounds_hold(method, seeds):
     towed = planned = proven = 0
     for seed in seeds:
         instance, margin = drawn(seed), (0.0, 0.2, 0.0)[seed % 3]
-        campaign = Campaign(instance, margin=margin)
+        campaign = Problem(instance, margin=margin)
         prizes, cost = brute_force_campaign(campaign)
         asked = {"cost": True} if method == "exact" else {}
         result = adr_opt.solve(campaign, method, time_limit=30.0, iterations=8, **asked)
@@ -251,12 +251,12 @@ def test_a_window_is_for_the_service_and_not_for_the_tow():
             for target in instance.targets
         )
         limited = instance.with_limits(duration_s=last_s).replace(targets=targets)
-        return Campaign(limited).missions[0].time(order).made
+        return Problem(limited).missions[0].time(order).made
 
     enough = leg.end_s + tow.time_s + 1.0
     assert made(enough) == at + 1
     assert made(enough, window_s=(0.0, leg.end_s + 1.0)) == at + 1
-    soonest = Campaign(instance.replace(objective={"cost": "duration"})).missions[0].time(order)
+    soonest = Problem(instance.replace(objective={"cost": "duration"})).missions[0].time(order)
     end = float(soonest.ends[at])
     assert made(end + 1.0) == at + 1
     assert made(end - 1.0) == at

@@ -18,7 +18,7 @@ from hand_made import OPTIMAL_PLAN, PERIOD_S, hand_made
 
 import adr_opt
 from adr_opt.mission.certified import certify
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.plan.expense import cost_of_routes
 from adr_opt.plan.plan import Plan, load_plan
 from adr_opt.problem.instance import Instance

@@ -21,7 +21,7 @@ from adr_opt.kernels.tables import timetable_making as making
 from adr_opt.kernels.tables.timetable_making import Pairs
 from adr_opt.legs import timetable, timetable_size
 from adr_opt.legs.nearest_pairs import all_pairs, nearest_pairs
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 from adr_opt.problem.instance import Instance
 from adr_opt.run import front, table_budget

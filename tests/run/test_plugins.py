@@ -14,7 +14,7 @@ import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.mission.certified import certify, certify_routes
 from adr_opt.run import front, method_call, methods
-from adr_opt.run.methods import for_campaigns
+from adr_opt.run.method_spec import MethodSpec
 from adr_opt.testing import CASES, PlannerFault, validate_planner
 
 ROOT = Path(__file__).parents[2]
@@ -22,8 +22,7 @@ ROOT = Path(__file__).parents[2]
 PLUGINS = '''
 """Planners that are wrong, and one that notes what it is called with."""
 
-from adr_opt.run.methods import for_campaigns
-from adr_opt.run.warm_up import practises
+from adr_opt.run.method_spec import MethodSpec, Practice
 from adr_opt.mission.certified import certify, certify_routes
 
 CALLS = []
@@ -45,26 +44,29 @@ def noting(mission, *, seed, stop, progress, walks=100_000, mode="quick", jobs=1
     return certify(mission, "noting", (), seed=seed, runtime_s=0.0)
 
 
-@practises(rounds=2, walks=3)
 def modest(mission, *, seed, stop, progress, walks=100_000):
     """Note its options, and practise with few walks."""
     CALLS.append((mission.instance.name, walks))
     return certify(mission, "modest", (), seed=seed, runtime_s=0.0)
 
 
-def _several(campaign, *, seed, stop, progress, walks=100):
-    CALLS.append((campaign.instance.name, walks))
-    return certify_routes(campaign, "several", [() for _ in campaign.missions], seed=seed,
+MODEST = MethodSpec(
+    "modest", "plugins_of_others:modest", practice=Practice(rounds=2, options={"walks": 3})
+)
+
+
+def several(problem, *, seed, stop, progress, walks=100):
+    """Plan for several chasers as well."""
+    CALLS.append((problem.instance.name, walks))
+    return certify_routes(problem, "several", [() for _ in problem.missions], seed=seed,
                           runtime_s=0.0)
 
 
-@for_campaigns(_several)
-def several(mission, *, seed, stop, progress, walks=100):
-    """Plan for several chasers as well."""
-    return certify(mission, "several", (), seed=seed, runtime_s=0.0)
+SEVERAL = MethodSpec("several", "plugins_of_others:several", several=True)
 '''
 
 NAMES = ("forgets", "other", "a_list", "noting", "modest", "several")
+SPECIFIED = {"modest": "MODEST", "several": "SEVERAL"}
 
 
 @pytest.fixture
@@ -74,7 +76,10 @@ def calls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[tuple]:
     metadata.mkdir()
     (tmp_path / "plugins_of_others.py").write_text(PLUGINS, encoding="utf-8")
     (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: plugins\nVersion: 1.0\n")
-    lines = ["[adr_opt.planners]", *(f"{name} = plugins_of_others:{name}" for name in NAMES)]
+    lines = [
+        "[adr_opt.planners]",
+        *(f"{name} = plugins_of_others:{SPECIFIED.get(name, name)}" for name in NAMES),
+    ]
     (metadata / "entry_points.txt").write_text("\n".join(lines) + "\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     sys.modules.pop("plugins_of_others", None)
@@ -144,7 +149,7 @@ def test_practising_uses_the_options_asked_for(calls: list[tuple], field: adr_op
 def test_a_planner_may_say_with_which_numbers_it_practises(
     calls: list[tuple], field: adr_opt.Instance
 ) -> None:
-    """What `practises` declares is taken for the practice mission, and not for any other."""
+    """What its specification says of practice is taken for the practice mission alone."""
     adr_opt.solve(field, "modest", walks=9)
     assert [walks for _, walks in calls] == [3, 9]
 
@@ -172,7 +177,7 @@ def test_a_good_planner_passes_all_cases(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_an_installed_planner_is_tried_by_name() -> None:
-    """Cases are chosen by name; those that a planner knows by its decorators are among them."""
+    """Cases are chosen by name; those that a planner knows by its specification are among them."""
     wanted = ("practice campaign", "start plan", "windows")
     assert validate_planner("exact", cases=wanted) == wanted
     with pytest.raises(InputError, match="case 'no such' is unknown; use one of: practice mission"):
@@ -266,17 +271,15 @@ def test_an_empty_plan_passes_but_where_a_target_is_required() -> None:
 
 
 def test_a_planner_of_several_chasers_is_tried_with_them() -> None:
-    """What `for_campaigns` names is called for the practice campaign, and its faults are found."""
+    """A planner that says that it plans for several gets the practice campaign, and is judged."""
 
-    def wrong(campaign, *, seed, stop, progress):
-        return certify_routes(campaign, "wrong", [(1,), (1,)], seed=seed, runtime_s=0.0)
+    def wrong(problem, *, seed, stop, progress):
+        routes = [(1,)] * len(problem.missions)
+        return certify_routes(problem, "wrong", routes, seed=seed, runtime_s=0.0)
 
-    @for_campaigns(wrong)
-    def good(mission, *, seed, stop, progress):
-        return _empty(mission, seed=seed, stop=stop, progress=progress)
-
+    several = MethodSpec("wrong", wrong, several=True)
     with pytest.raises(PlannerFault, match="practice campaign: "):
-        validate_planner(good, cases=["practice campaign"])
+        validate_planner(several, cases=["practice campaign"])
 
 
 @pytest.mark.usefixtures("calls")

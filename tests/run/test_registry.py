@@ -24,11 +24,11 @@ from varied_fields import varied
 import adr_opt
 from adr_opt.common.errors import MissingExtra
 from adr_opt.common.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime, Stop
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 from adr_opt.problem.instance import Instance
 from adr_opt.run import front
-from adr_opt.run.methods import BOUNDS, PLANNERS, get, names, takes_jobs, takes_start
+from adr_opt.run.methods import BOUNDS, PLANNERS, get, names, spec
 
 ITERATIONS = 3
 SAFETY_S = 10.0
@@ -100,7 +100,7 @@ def call(group: str, method: str, name: str, stop: Stop, **arguments: Any) -> Re
     """Run a method on one core; the test is skipped if a package that it needs is missing."""
     try:
         function = get(method, group)
-        if takes_jobs(function):
+        if spec(method, group).uses_cores:
             arguments.setdefault("jobs", 1)
         return calling.call(function, mission(name), stop=stop, **arguments)
     except MissingExtra as missing:
@@ -268,7 +268,7 @@ def test_bound_tells_its_progress(method: str, name: str) -> None:
 @bounds
 def test_bound_with_the_best_plan_to_start_from(method: str, name: str) -> None:
     """A known optimal plan never brings a bound below the optimum, and may prove it optimal."""
-    if not takes_start(get(method, BOUNDS)):
+    if not spec(method, BOUNDS).starts:
         pytest.skip(f"{method} takes no start plan")
     best, sequence = optimum(name)
     result = call(BOUNDS, method, name, work(), start=sequence)
@@ -282,7 +282,7 @@ def test_bound_with_the_best_plan_to_start_from(method: str, name: str) -> None:
 @planners
 def test_start_plan_is_never_lost(method: str, name: str) -> None:
     """A planner that begins from an optimal plan returns one as good, however little it works."""
-    if not takes_start(get(method)):
+    if not spec(method).starts:
         pytest.skip(f"{method} takes no start plan")
     best, sequence = optimum(name)
     result = call(PLANNERS, method, name, MaxIterations(1), start=sequence)

@@ -13,8 +13,8 @@ from hand_made import hand_made
 from random_rules import drifting_mission, random_campaign, random_mission, with_given_costs
 
 import adr_opt
-from adr_opt.mission.campaign import Campaign
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.plan.cargo import tank_worths
 from adr_opt.problem.chasers import InOrbit, Tank, TankByMass
 from adr_opt.problem.instance import Instance
@@ -115,7 +115,7 @@ def test_campaigns_of_such_chasers_are_proven() -> None:
     flown = 0
     for seed in range(14):
         instance = begun(random_campaign(seed), seed)
-        campaign = Campaign(instance, threads=1)
+        campaign = Problem(instance, threads=1)
         prizes, cost = brute_force_campaign(campaign)
         result = adr_opt.solve(campaign, "exact", time_limit=60.0, cost=True)
         if not math.isfinite(prizes):

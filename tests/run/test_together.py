@@ -19,7 +19,8 @@ import adr_opt
 from adr_opt.common.progress import Progress, silent
 from adr_opt.common.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime, Stop
 from adr_opt.mission.certified import certify
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.mission.result import Result
 from adr_opt.run import front, methods
 from adr_opt.run.side_by_side import InvalidBound, Meeting, Seat, together
@@ -33,8 +34,12 @@ NEVER = MaxRuntime(math.inf)
 def planning(sequence: tuple[int, ...] | None, *, waits: bool = True, fails: bool = False) -> Any:
     """A planner that has a plan from the beginning and asks until it is told to stop."""
 
-    def method(mission: Mission, stop: Stop, progress: Progress) -> Result:
-        value = -math.inf if sequence is None else mission.time(sequence).objective
+    def method(mission: Problem, stop: Stop, progress: Progress) -> Result:
+        value = (
+            -math.inf
+            if sequence is None
+            else problem_of(mission).missions[0].time(sequence).objective
+        )
         progress(value, math.inf)
         asked = 0
         while waits:
@@ -45,7 +50,9 @@ def planning(sequence: tuple[int, ...] | None, *, waits: bool = True, fails: boo
                 break
             time.sleep(1e-3)
         counters = {"asked": asked}
-        return certify(mission, "plans", sequence, seed=0, runtime_s=0.0, counters=counters)
+        return certify(
+            mission.missions[0], "plans", sequence, seed=0, runtime_s=0.0, counters=counters
+        )
 
     return method
 
@@ -55,7 +62,7 @@ def proving(
 ) -> Any:
     """A bound that proves one value after the other, then asks until it is told to stop."""
 
-    def method(mission: Mission, stop: Stop, progress: Progress) -> Result:
+    def method(mission: Problem, stop: Stop, progress: Progress) -> Result:
         best, asked = math.inf, 0
         for bound in bounds:
             best = min(best, bound)
@@ -72,7 +79,7 @@ def proving(
                     break
                 time.sleep(1e-3)
         return certify(
-            mission, "proves", plan, seed=0, runtime_s=0.0, upper_bound=best,
+            problem_of(mission).missions[0], "proves", plan, seed=0, runtime_s=0.0, upper_bound=best,
             counters={"asked": asked}, notes=["rounded down"],
         )  # fmt: skip
 
@@ -133,11 +140,11 @@ def installed(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(scope="module")
-def mission() -> Mission:
-    return Mission(adr_opt.generate("tiny", 0))
+def mission() -> Problem:
+    return Problem(adr_opt.generate("tiny", 0))
 
 
-def test_both_stop_when_they_meet(mission: Mission) -> None:
+def test_both_stop_when_they_meet(mission: Problem) -> None:
     """Incumbent 1 and bound 1 end both at once: optimal, gap 0, and `check` accepts the plan."""
     began = time.monotonic()
     result = together(mission, planning((1,)), proving(5.0, 1.0), MaxRuntime(LONG_S), silent)
@@ -150,7 +157,7 @@ def test_both_stop_when_they_meet(mission: Mission) -> None:
     assert adr_opt.check(mission.instance, result.plan) == ()
 
 
-def test_the_result_joins_both(mission: Mission) -> None:
+def test_the_result_joins_both(mission: Problem) -> None:
     """Plan of the planner, bound of the bound, counters with prefixes, notes, runtime."""
     stop = MaxRuntime(0.2)
     result = together(mission, planning((1,)), proving(4.0), stop, silent)
@@ -164,7 +171,7 @@ def test_the_result_joins_both(mission: Mission) -> None:
     assert adr_opt.check(mission.instance, result.plan) == ()
 
 
-def test_each_side_asks_with_what_the_other_knows(mission: Mission) -> None:
+def test_each_side_asks_with_what_the_other_knows(mission: Problem) -> None:
     """The stop hears of incumbent and bound together, from both threads, one at a time."""
     asked: dict[str, list[tuple[float, float]]] = {}
     inside = threading.Lock()
@@ -196,7 +203,7 @@ def test_each_side_asks_with_what_the_other_knows(mission: Mission) -> None:
         assert (better, tighter) != (worse, looser)
 
 
-def test_a_planner_that_ends_leaves_the_bound_running(mission: Mission) -> None:
+def test_a_planner_that_ends_leaves_the_bound_running(mission: Problem) -> None:
     """After a quick planner the bound goes on to its limit, and its last bound counts."""
     limits = (MaxIterations(3), MaxIterations(50))
     method = proving(*(7.0 - 0.1 * step for step in range(30)))
@@ -205,7 +212,7 @@ def test_a_planner_that_ends_leaves_the_bound_running(mission: Mission) -> None:
     assert result.counters == {"planner.asked": 0, "bound.asked": 51}
 
 
-def test_a_bound_that_ends_leaves_the_planner_running(mission: Mission) -> None:
+def test_a_bound_that_ends_leaves_the_planner_running(mission: Problem) -> None:
     """After a quick bound the planner goes on to its limit."""
     limits = (MaxIterations(50), MaxIterations(3))
     result = together(mission, planning((1,)), proving(4.0, waits=False), NEVER, silent, limits)
@@ -223,7 +230,7 @@ def test_a_bound_that_ends_leaves_the_planner_running(mission: Mission) -> None:
     ],
 )
 def test_a_failure_ends_both_and_is_raised(
-    mission: Mission, plans: Any, proves: Any, expected: type[Exception]
+    mission: Problem, plans: Any, proves: Any, expected: type[Exception]
 ) -> None:
     """A failure of one side stops the other and reaches the caller; no thread stays behind."""
     before, began = threading.active_count(), time.monotonic()
@@ -233,7 +240,7 @@ def test_a_failure_ends_both_and_is_raised(
     assert threading.active_count() == before
 
 
-def test_an_interrupt_stops_both(mission: Mission) -> None:
+def test_an_interrupt_stops_both(mission: Problem) -> None:
     """Ctrl-C on the command line interrupts the stop, and both sides end with what they have."""
     stop = Interrupted()
     timer = threading.Timer(0.2, stop.interrupt)
@@ -246,10 +253,10 @@ def test_an_interrupt_stops_both(mission: Mission) -> None:
     assert (result.objective, result.upper_bound) == (1.0, 4.0)
 
 
-def test_a_keyboard_interrupt_of_the_caller_stops_the_bound(mission: Mission) -> None:
+def test_a_keyboard_interrupt_of_the_caller_stops_the_bound(mission: Problem) -> None:
     """KeyboardInterrupt, as in a notebook, leaves no thread behind."""
 
-    def pressed(mission: Mission, stop: Stop, progress: Progress) -> Result:
+    def pressed(mission: Problem, stop: Stop, progress: Progress) -> Result:
         raise KeyboardInterrupt
 
     before = threading.active_count()
@@ -258,7 +265,7 @@ def test_a_keyboard_interrupt_of_the_caller_stops_the_bound(mission: Mission) ->
     assert threading.active_count() == before
 
 
-def test_a_better_plan_of_the_bound_is_kept(mission: Mission) -> None:
+def test_a_better_plan_of_the_bound_is_kept(mission: Problem) -> None:
     """Where the bound itself finds a better plan, that one is returned, and it is said."""
     guarded = adr_opt.solve(mission, "greedy-guarded").sequence
     assert guarded is not None
@@ -270,7 +277,7 @@ def test_a_better_plan_of_the_bound_is_kept(mission: Mission) -> None:
     assert "proves found a better plan than plans" in result.notes
 
 
-def test_without_a_plan_the_bound_is_kept(mission: Mission) -> None:
+def test_without_a_plan_the_bound_is_kept(mission: Problem) -> None:
     """A planner that finds nothing does not lose what the bound proved."""
     result = together(
         mission, planning(None, waits=False), proving(4.0, waits=False), NEVER, silent
@@ -279,13 +286,13 @@ def test_without_a_plan_the_bound_is_kept(mission: Mission) -> None:
     assert (result.upper_bound, result.status) == (4.0, "unknown")
 
 
-def test_a_bound_below_a_legal_plan_is_an_alarm(mission: Mission) -> None:
+def test_a_bound_below_a_legal_plan_is_an_alarm(mission: Problem) -> None:
     """A plan that is worth more than a claimed bound is never returned as proven."""
     with pytest.raises(InvalidBound, match=r"objective 1\.0 exceeds the bound 0\.5 .*'proves'"):
         together(mission, planning((1,)), proving(0.5), MaxRuntime(LONG_S), silent)
 
 
-def test_rounding_makes_no_negative_gap(mission: Mission) -> None:
+def test_rounding_makes_no_negative_gap(mission: Problem) -> None:
     """A bound below the objective by rounding only meets it exactly."""
     method = proving(1.0 - 1e-9)
     result = together(mission, planning((1,)), method, MaxRuntime(LONG_S), silent)

@@ -12,8 +12,8 @@ from two_chasers import campaign as two_chasers
 
 import adr_opt
 from adr_opt.common.errors import InputError
-from adr_opt.mission.campaign import Campaign, is_campaign
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.plan.station_limits import StationLimits
 from adr_opt.problem.chasers import AtStation
 from adr_opt.problem.instance import Instance
@@ -25,7 +25,7 @@ from solvers.columns.cheapest_routes import cheapest_routes
 def test_a_plan_is_found_where_chasers_must_fly_for_little(method, draw, seed) -> None:
     """Where all must get to an end, for no prizes or past stations with limits, plans are found."""
     instance = drawn(seed, draw)
-    prizes, _ = brute_force_campaign(Campaign(instance))
+    prizes, _ = brute_force_campaign(Problem(instance))
     plan = adr_opt.solve(instance, method, time_limit=30.0, iterations=8).plan
     assert plan is not None
     assert adr_opt.check(instance, plan) == ()
@@ -38,7 +38,7 @@ def test_that_there_is_no_plan_is_proven(draw) -> None:
     infeasible = feasible = 0
     for seed in range(100, 130):
         instance = drawn(seed, draw)
-        prizes, _ = brute_force_campaign(Campaign(instance))
+        prizes, _ = brute_force_campaign(Problem(instance))
         result = adr_opt.solve(instance, "exact", time_limit=30.0, iterations=4)
         by_weight = any(station.max_propellant_kg is not None for station in instance.stations)
         if math.isfinite(prizes):
@@ -67,17 +67,24 @@ def test_no_route_takes_more_than_a_chaser_can() -> None:
             assert bool(cheapest_routes(mission, targets, lambda: False)) == some
 
 
-def test_missions_that_leave_rules_out_are_refused() -> None:
-    """The mission of one chaser is no way past kits, tows, expenses and limits of stations."""
+def test_the_mission_of_the_only_chaser_is_planned_by_all_its_rules() -> None:
+    """A Mission is no way past kits, tows and limits of stations: its plan is the instance's."""
     towing = towing_mission(1)
-    assert is_campaign(towing)
+    assert Problem(towing).alone is None
     alone = adr_opt.generate("tiny", 0)
     limited = alone.replace(stations=(alone.stations[0].replace(max_refuellings=1),))
     for instance in (towing, limited):
-        for method in ("greedy", "beam", "exact"):
-            with pytest.raises(InputError, match=r"planned as a campaign.*in place of a Mission"):
-                adr_opt.solve(Mission(instance), method, time_limit=5.0)
-        with pytest.raises(InputError, match="planned as a campaign"):
+        for method in ("greedy", "exact"):
+            given, own = (
+                adr_opt.solve(each, method, time_limit=5.0, iterations=3)
+                for each in (Mission(instance), instance)
+            )
+            assert given.plan is not None
+            assert adr_opt.check(instance, given.plan) == ()
+            assert given.routes == own.routes
+        with pytest.raises(InputError, match="knows no "):
+            adr_opt.solve(Mission(instance), "beam", time_limit=5.0)
+        with pytest.raises(InputError, match="knows no "):
             adr_opt.bound(Mission(instance), "lagrangian", time_limit=5.0)
     assert adr_opt.solve(Mission(alone), "greedy").plan is not None
 

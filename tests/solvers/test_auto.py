@@ -15,7 +15,7 @@ from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 import adr_opt
 from adr_opt.common.progress import silent
 from adr_opt.common.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 from adr_opt.run.method_call import warm_up
 from adr_opt.run.methods import PLANNERS

@@ -18,7 +18,7 @@ from on_a_layer import best_on_layer
 import adr_opt
 from adr_opt.common.constants import STATION
 from adr_opt.common.stop import Interrupted, MaxIterations, MaxRuntime
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 from adr_opt.problem.instance import Instance
 from solvers.beams import timely_beams

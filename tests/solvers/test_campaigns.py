@@ -22,8 +22,8 @@ from random_rules import (
 from resonant_fields import RARE, resonant
 
 import adr_opt
-from adr_opt.mission.campaign import Campaign
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from solvers.labels.label_search import LabelSearch
 from solvers.walks.walks import WalkBound
 
@@ -54,7 +54,7 @@ def test_plans_pass_and_bounds_hold(method, draw, seeds):
     """What is planned passes `check`, and enumeration knows nothing above what is proven."""
     planned = proven = 0
     for seed in seeds:
-        campaign = Campaign(random_campaign(seed, draw))
+        campaign = Problem(random_campaign(seed, draw))
         result = adr_opt.solve(campaign, method, time_limit=30.0, iterations=8)
         if compared(campaign, result, seed):
             planned += 1
@@ -71,7 +71,7 @@ def test_chasers_of_many_kinds(method, draw, seeds):
     proven = planned = several = 0
     for seed in seeds:
         instance, margin = mixed_campaign(seed, draw), 0.1 * (seed % 3 == 0)
-        campaign = Campaign(instance, margin=margin)
+        campaign = Problem(instance, margin=margin)
         several += len(campaign.kinds) > 1
         result = adr_opt.solve(instance, method, time_limit=30.0, iterations=8, margin=margin)
         if compared(campaign, result, seed):
@@ -94,7 +94,7 @@ def test_the_least_cost_is_that_of_enumeration(make, draw, seeds):
             instance = carrying(instance, seed)
         if seed % 3 == 0 and instance.given is None:
             instance = towing(instance, seed)
-        campaign = Campaign(instance)
+        campaign = Problem(instance)
         result = adr_opt.solve(campaign, "exact", time_limit=30.0, iterations=8, cost=True)
         closed.append(compared_cost(campaign, result, seed))
     asked = [each for each in closed if each is not None]
@@ -109,7 +109,7 @@ def test_proofs_hold_on_knife_edges(seed):
     first = instance.chaser
     second = first.replace(name="second", max_targets=1 if rng.random() < 0.3 else None)
     chasers = [first, second] if rng.random() < 0.5 else [first, second, first.replace(name="c")]
-    campaign = Campaign(instance.replace(chasers=tuple(chasers)))
+    campaign = Problem(instance.replace(chasers=tuple(chasers)))
     prizes, _ = brute_force_campaign(campaign)
     for method in ("auto", "exact"):
         result = adr_opt.solve(campaign, method, time_limit=30.0, iterations=8)

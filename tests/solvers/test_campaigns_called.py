@@ -8,8 +8,8 @@ import pytest
 from conftest import Cli, refused
 
 import adr_opt
-from adr_opt.mission.campaign import Campaign
 from adr_opt.mission.certified import certify_routes
+from adr_opt.mission.problem import Problem
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.chasers import AtStation, InOrbit
 from adr_opt.problem.instance import Instance
@@ -84,12 +84,12 @@ def test_a_campaign_of_one_is_the_mission(method: str) -> None:
     instance = adr_opt.generate("tiny", 3)
     mission, campaign = (
         adr_opt.solve(problem, method, time_limit=30.0)
-        for problem in (instance, Campaign(instance, margin=0.0))
+        for problem in (instance, Problem(instance, margin=0.0))
     )
     assert campaign.plan.routes == mission.plan.routes
     assert (campaign.upper_bound, campaign.status) == (mission.upper_bound, mission.status)
     assert campaign.counters == mission.counters
-    kept = adr_opt.solve(Campaign(instance, margin=0.5), "greedy").plan
+    kept = adr_opt.solve(Problem(instance, margin=0.5), "greedy").plan
     assert sum(leg.delta_v_m_s for leg in kept.legs) <= 0.5 * instance.chaser.tank.delta_v_m_s
 
 
@@ -171,7 +171,7 @@ def test_no_route_of_a_repaired_start_repeats_another(instance: Instance, plan: 
     legs = len(longest.legs)
     assert f"none of the start plan's {legs} legs of 'chaser-2' could be kept" in result.notes
     with pytest.raises(adr_opt.InputError, match="is visited twice"):
-        certify_routes(Campaign(instance), "hand", [(2,), (2,)], seed=0, runtime_s=0.0)
+        certify_routes(Problem(instance), "hand", [(2,), (2,)], seed=0, runtime_s=0.0)
 
 
 def test_a_target_is_done_once_by_one_chaser(instance: Instance, plan: Plan) -> None:
@@ -208,8 +208,8 @@ def test_most_targets_add_up(instance: Instance) -> None:
     result = adr_opt.solve(limited, "auto", time_limit=20.0)
     assert (result.objective, result.status) == (1.0, "optimal")
     assert result.routes[1] == ()
-    assert Campaign(limited).most_targets == 1
-    assert Campaign(instance).most_targets is None
+    assert Problem(limited).most_targets == 1
+    assert Problem(instance).most_targets is None
 
 
 def test_a_margin_is_kept_of_every_tank(instance: Instance) -> None:

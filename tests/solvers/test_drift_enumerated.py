@@ -11,7 +11,7 @@ from random_rules import weeks_mission
 import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.mission.certify import certificate_of
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 SEEDS = [range(4), *(range(first, first + 12) for first in range(4, 100, 12))]
 

@@ -16,13 +16,13 @@ import adr_opt
 from adr_opt.common.errors import InputError, MissingExtra
 from adr_opt.common.stop import MaxRuntime
 from adr_opt.judge.verify import verify
-from adr_opt.mission.campaign import Campaign
 from adr_opt.mission.certified import certify
 from adr_opt.mission.certify import certificate_of
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
 from adr_opt.problem.instance import Instance
-from adr_opt.run.methods import BOUNDS, PLANNERS, get, takes_jobs
+from adr_opt.run.methods import BOUNDS, PLANNERS, get, spec
 
 LIMIT_S = 30.0
 
@@ -42,7 +42,7 @@ def drawn(kind: str, seed: int) -> Instance:
 
 def planned(instance: Instance, method: str) -> Result:
     """What a method makes of an instance on one core."""
-    jobs = {"jobs": 1} if takes_jobs(get(method)) else {}
+    jobs = {"jobs": 1} if spec(method).uses_cores else {}
     return adr_opt.solve(instance, method=method, stop=MaxRuntime(LIMIT_S), **jobs)
 
 
@@ -90,7 +90,7 @@ def test_campaigns_equal_enumeration(kind: str, seeds: range) -> None:
         instance = random_campaign(seed)
         required = min(2, sum(target.required for target in instance.targets))
         instance = with_prizes(instance, kind, seed, required=required)
-        best, _ = brute_force_campaign(Campaign(instance))
+        best, _ = brute_force_campaign(Problem(instance))
         result = planned(instance, "exact")
         assert result.status == ("optimal" if best > -math.inf else "infeasible"), seed
         hold(instance, result, best, seed)

@@ -11,11 +11,11 @@ from random_rules import carrying, given_field, limited, mixed_campaign, priced,
 
 import adr_opt
 from adr_opt.common.stop import Proven
-from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Problem
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import Objective
 from solvers.beams.greedy_order import guarded_sequence
-from solvers.progress.campaign_incumbent import CampaignCertificate
+from solvers.progress.gap import GapTracker
 from solvers.routes.one_chaser import one_after_another
 from solvers.routes.route_pool import RoutePool
 from solvers.routes.route_search import RouteSearch
@@ -40,10 +40,10 @@ def test_what_is_made_cheaper_is_legal_and_mostly_the_cheapest():
     """Plans stay legal and collect no less, cost no more, and most reach the enumerated least."""
     reached = asked = 0
     for seed in range(60):
-        campaign = Campaign(drawn(seed))
-        certificate, pool = CampaignCertificate(campaign, lambda *_: None), RoutePool(campaign)
-        certificate.offer(one_after_another(campaign, guarded_sequence))
-        if certificate.sequence is None:
+        campaign = Problem(drawn(seed))
+        certificate, pool = GapTracker(campaign, lambda *_: None), RoutePool(campaign)
+        certificate.offer(*one_after_another(campaign, guarded_sequence))
+        if certificate.routes is None:
             continue
         worth, cost = certificate.incumbent, certificate.cost
         search = Exchanges(campaign, seed, certificate, pool)
@@ -54,7 +54,7 @@ def test_what_is_made_cheaper_is_legal_and_mostly_the_cheapest():
             assert found == (certificate.cost < cost), seed
         assert campaign.limits.allow(
             campaign.use(mission, route, mission.time(route).delta_vs)
-            for mission, route in zip(campaign.missions, certificate.sequence, strict=True)
+            for mission, route in zip(campaign.missions, certificate.routes, strict=True)
         )
         prizes, least = brute_force_campaign(campaign)
         if math.isfinite(prizes) and campaign.shown(certificate.incumbent) == pytest.approx(prizes):
@@ -73,20 +73,20 @@ def test_plans_by_expense_are_made_cheaper_without_being_asked():
         chasers=tuple(chaser.replace(expense=expense) for chaser in field.chasers),
         objective={"cost": "expense"},
     )
-    campaign = Campaign(instance)
+    campaign = Problem(instance)
     result = adr_opt.solve(campaign, "auto", time_limit=60.0)
     assert result.counters["exchanges"] > 0
     assert adr_opt.check(instance, result.plan) == ()
-    certificate = CampaignCertificate(campaign, lambda *_: None)
-    certificate.offer(result.routes)
+    certificate = GapTracker(campaign, lambda *_: None)
+    certificate.offer(*result.routes)
     search = Exchanges(campaign, 1, certificate, RoutePool(campaign))
     assert not search.anneal(100, Proven())
 
 
 def test_exchanges_find_what_beams_miss():
     """In a long campaign they bring in targets that flying anew chaser by chaser leaves out."""
-    campaign = Campaign(adr_opt.generate("removal", 7, targets=40, chasers=3))
-    certificate, pool = CampaignCertificate(campaign, lambda *_: None), RoutePool(campaign)
+    campaign = Problem(adr_opt.generate("removal", 7, targets=40, chasers=3))
+    certificate, pool = GapTracker(campaign, lambda *_: None), RoutePool(campaign)
     search = RouteSearch(campaign, 0, Proven(), certificate, pool)
     search.begin()
     for _ in range(20):

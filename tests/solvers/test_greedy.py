@@ -15,7 +15,7 @@ from random_rules import random_mission
 import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.common.stop import MaxIterations
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 from adr_opt.run.methods import get
 

@@ -9,7 +9,7 @@ import adr_opt
 from adr_opt.common.stop import MaxIterations, MaxRuntime
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.mission.certify import certificate_of
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from solvers.beams.greedy_order import greedy_sequence
 from solvers.bounds.lagrangian import lagrangian
 from solvers.labels.label_search import LabelSearch

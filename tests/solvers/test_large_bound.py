@@ -22,8 +22,8 @@ from random_rules import (
 )
 
 import adr_opt
-from adr_opt.mission.campaign import Campaign
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.run import front
 from solvers.networks.packed_legs import AHEAD, FIELD, LegSource, NoRoom, Stream
 from solvers.progress import proof_size
@@ -103,7 +103,7 @@ def test_least_times_bound_every_plan(draw):
 def test_least_times_bound_every_plan_of_a_campaign(draw):
     """No plan of several chasers is worth more than services at least time and ΔV of all tanks."""
     for seed in range(SEEDS // 4):
-        campaign = Campaign(draw(seed))
+        campaign = Problem(draw(seed))
         prizes, _ = brute_force_campaign(campaign)
         assert campaign.shown(floor_bound(campaign)) >= prizes - 1e-9, seed
 
@@ -329,7 +329,7 @@ def test_without_room_for_legs_the_floors_remain(monkeypatch):
 def test_campaigns_without_a_network_state_a_bound(method):
     """Planned without column generation, no plan of several chasers exceeds what is stated."""
     for seed in range(8):
-        campaign = Campaign(mixed_campaign(seed))
+        campaign = Problem(mixed_campaign(seed))
         result = adr_opt.solve(campaign, method, time_limit=20.0, iterations=2)
         compared(campaign, result, seed)
 
@@ -358,7 +358,7 @@ def test_every_size_has_a_bound():
 
 def test_campaigns_of_every_size_have_a_bound(monkeypatch):
     """Three chasers among 300 targets are bounded where there is memory for a few pairs only."""
-    campaign = Campaign(adr_opt.generate("campaign", 0, targets=300))
+    campaign = Problem(adr_opt.generate("campaign", 0, targets=300))
     monkeypatch.setattr(front, "TABLE_BYTES", 2e7)
     result = adr_opt.bound(campaign, "exact", time_limit=20.0, iterations=1)
     assert not campaign.is_whole

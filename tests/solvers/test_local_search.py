@@ -18,7 +18,7 @@ import adr_opt
 from adr_opt.common.constants import STATION
 from adr_opt.common.progress import silent
 from adr_opt.common.stop import Interrupted, MaxIterations
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 from adr_opt.run.methods import get
 from solvers.orders.timed_order import make_labels, time_order, with_refuelling

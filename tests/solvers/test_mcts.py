@@ -12,7 +12,7 @@ from on_a_layer import best_on_layer
 
 import adr_opt
 from adr_opt.common.stop import Interrupted, MaxIterations
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 from solvers.planners.mcts import mcts, planner
 from solvers.planners.mcts import policy as policies

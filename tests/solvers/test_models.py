@@ -21,7 +21,7 @@ from adr_opt.common.constants import SLACK_M_S
 from adr_opt.common.errors import MissingExtra
 from adr_opt.common.stop import Interrupted, MaxIterations, MaxRuntime
 from adr_opt.mission.certified import certify
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from solvers.bounds.routing_bound import routing_bound
 from solvers.models import course
 from solvers.models.steps import in_steps

@@ -9,7 +9,7 @@ import pytest
 from brute_force import brute_force
 from small_missions import DAY_S, featured_mission, network_of, random_mission
 
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.problem.chasers import InOrbit
 from solvers.models import network
 from solvers.models.network import all_of, bodies_along, keep, path_of

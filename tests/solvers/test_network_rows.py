@@ -8,7 +8,7 @@ from brute_force import brute_force
 
 import adr_opt
 from adr_opt.legs.corrections import Corrections
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.problem.instance import Instance
 from solvers.networks.network import build
 

@@ -15,7 +15,7 @@ from adr_opt.common.errors import InputError
 from adr_opt.common.progress import silent
 from adr_opt.common.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
 from adr_opt.kernels.rules.rules import State, replay
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.run.methods import get
 from solvers.planners.ortools_windows import ortools
 from solvers.planners.ortools_windows.fill import best_insertion

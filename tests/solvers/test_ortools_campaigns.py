@@ -16,10 +16,9 @@ import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.common.stop import MaxIterations
 from adr_opt.kernels.rules import rules as rule_kernels
-from adr_opt.mission.campaign import Campaign
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
-from adr_opt.run.methods import campaign_form
 from solvers.beams.beams import hurried
 from solvers.beams.greedy_order import guarded_sequence
 from solvers.planners.ortools_windows import network, ortools
@@ -45,18 +44,15 @@ class Found(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def campaign() -> Campaign:
+def campaign() -> Problem:
     """Two chasers who have to leave targets out."""
     drawn = adr_opt.generate("campaign", 2, targets=24, chasers=2, stations=2)
-    return Campaign(drawn.with_limits(duration_s=4 * 86400.0))
+    return Problem(drawn.with_limits(duration_s=4 * 86400.0))
 
 
-def plan(campaign: Campaign, windows: int = 8, **how: object) -> Result:
+def plan(campaign: Problem, windows: int = 8, **how: object) -> Result:
     """A result that passes the check."""
-    form = campaign_form(ortools)
-    assert form is not None
-    result = call(ortools if isinstance(campaign, Mission) else form, campaign,
-                  **{"stop": MaxIterations(windows), **how})  # fmt: skip
+    result = call(ortools, campaign, **{"stop": MaxIterations(windows), **how})
     assert adr_opt.check(campaign.instance, result.plan) == ()
     return result
 
@@ -69,7 +65,7 @@ def test_launches_are_planned_and_kits_refused() -> None:
     refused = launched = 0
     for seed in range(40):
         instance = carrying(random_campaign(seed), seed)
-        campaign = Campaign(instance)
+        campaign = Problem(instance)
         if any(mission.rules.loads is not None for mission in campaign.missions):
             said = (
                 r"'ortools' knows no kits.*auto, exact, greedy, greedy-guarded, exact \(bounds\)$"
@@ -89,7 +85,7 @@ def test_launches_are_planned_and_kits_refused() -> None:
     assert launched > 0
 
 
-def fleet_of(campaign: Campaign, routes: object = None) -> Fleet:
+def fleet_of(campaign: Problem, routes: object = None) -> Fleet:
     """The guarded greedy plan, or another one, as windows see it."""
     layers = tuple(hurried(mission) for mission in campaign.missions)
     if routes is None:
@@ -97,7 +93,7 @@ def fleet_of(campaign: Campaign, routes: object = None) -> Fleet:
     return Fleet.flying(campaign, layers, [np.array(route, dtype=np.int64) for route in routes])
 
 
-def test_gains_on_guarded_greedy(campaign: Campaign) -> None:
+def test_gains_on_guarded_greedy(campaign: Problem) -> None:
     """Windows service more targets than the greedy plan that they begin with."""
     greedy = adr_opt.solve(campaign, "greedy-guarded")
     result = plan(campaign, windows=16)
@@ -105,7 +101,7 @@ def test_gains_on_guarded_greedy(campaign: Campaign) -> None:
     assert result.counters["windows"] == 16
 
 
-def test_same_seed_same_plan(campaign: Campaign) -> None:
+def test_same_seed_same_plan(campaign: Problem) -> None:
     """Seed, windows and jobs fix routes and counters; another seed searches elsewhere."""
     one, two, other = (plan(campaign, windows=5, seed=seed) for seed in (3, 3, 4))
     assert (one.routes, one.counters) == (two.routes, two.counters)
@@ -120,12 +116,12 @@ def test_a_campaign_of_one_is_the_mission(seed: int) -> None:
     instance = adr_opt.generate("reduced-fuel", seed, targets=16).with_limits(
         duration_s=3 * 86400.0
     )
-    alone, several = (plan(problem(instance), windows=5) for problem in (Mission, Campaign))
+    alone, several = (plan(problem(instance), windows=5) for problem in (Mission, Problem))
     assert several.routes == (alone.sequence,)
     assert several.counters == alone.counters
 
 
-def test_begins_from_a_start_plan(campaign: Campaign) -> None:
+def test_begins_from_a_start_plan(campaign: Problem) -> None:
     """A start plan is never left worse, and an illegal one is refused."""
     good = plan(campaign, windows=12)
     again = plan(campaign, windows=1, start=good.routes)
@@ -136,7 +132,7 @@ def test_begins_from_a_start_plan(campaign: Campaign) -> None:
         plan(campaign, start=((first, first), ()))
 
 
-def test_a_fleet_offers_what_others_leave(campaign: Campaign) -> None:
+def test_a_fleet_offers_what_others_leave(campaign: Problem) -> None:
     """A chaser may fly its own targets and nobody's, and those of who is planned anew with it."""
     fleet = fleet_of(campaign)
     own, other = (set(order.moves[order.moves >= 2].tolist()) for order in fleet.orders)
@@ -169,7 +165,7 @@ def whole_windows(fleet: Fleet) -> list[Window]:
     return windows
 
 
-def best_of(campaign: Campaign, layers: Sequence[Mission], windows: Sequence[Window]) -> Found:
+def best_of(campaign: Problem, layers: Sequence[Mission], windows: Sequence[Window]) -> Found:
     """The best paths through some windows, what they are worth, and what prices say."""
     nets = [
         network.grow(layer.rules, WORTH, window, LIMITS)
@@ -214,7 +210,7 @@ def test_two_windows_are_one_model() -> None:
     """
     several = better = 0
     for seed in range(40):
-        campaign = Campaign(random_campaign(seed))
+        campaign = Problem(random_campaign(seed))
         fleet = fleet_of(campaign)
         if campaign.required or fleet.objective <= 0.0:
             continue
@@ -234,7 +230,7 @@ def test_two_windows_are_one_model() -> None:
     assert better > 0
 
 
-def test_one_window_joined_is_itself(campaign: Campaign) -> None:
+def test_one_window_joined_is_itself(campaign: Problem) -> None:
     """The network of one window is what it was, with its tanks and targets beside it."""
     fleet = fleet_of(campaign)
     layer, window = fleet.layers[0], whole_windows(fleet)[0]

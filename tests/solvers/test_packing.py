@@ -12,7 +12,7 @@ from random_rules import random_campaign
 from scipy.optimize import LinearConstraint
 from scipy.sparse import csc_array
 
-from adr_opt.mission.campaign import Campaign
+from adr_opt.mission.problem import Problem
 from solvers.columns import route_enumeration
 from solvers.columns.route_enumeration import EnumerationAnswer, Finish
 from solvers.routes.set_packing import PRESOLVED, cheapest_of
@@ -71,7 +71,7 @@ def test_the_least_is_that_of_all_choices(seed):
 
 def test_the_end_of_a_proof_asks_for_the_time_when_it_packs(monkeypatch):
     """Labels that take most of what is left leave no more than the rest to the packing."""
-    campaign = Campaign(random_campaign(3))
+    campaign = Problem(random_campaign(3))
     bounds = [
         (WalkBound(kind.mission, 50.0), 0) for kind in campaign.kinds
     ]  # fmt: skip

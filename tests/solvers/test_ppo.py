@@ -16,7 +16,7 @@ from calling import call
 import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.common.stop import MaxIterations, MaxRuntime, Stop
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 pytest.importorskip("onnxruntime")
 onnx = pytest.importorskip("onnx")

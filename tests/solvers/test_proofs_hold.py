@@ -17,10 +17,10 @@ from resonant_fields import RARE, resonant
 import adr_opt
 from adr_opt.common.errors import MissingExtra
 from adr_opt.common.stop import MaxRuntime
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 from adr_opt.problem.instance import Instance
-from adr_opt.run.methods import BOUNDS, PLANNERS, get, names, takes_jobs
+from adr_opt.run.methods import BOUNDS, PLANNERS, get, names, spec
 
 PROVERS = ("auto", "exact", "mip", "cpsat")
 
@@ -61,7 +61,7 @@ def results(mission: Mission) -> Iterator[Result]:
         for method in methods:
             try:
                 function = get(method, group)
-                one_core = {"jobs": 1} if takes_jobs(function) else {}
+                one_core = {"jobs": 1} if spec(method, group).uses_cores else {}
                 yield call(function, mission, stop=MaxRuntime(LIMIT_S), **one_core)
             except MissingExtra:
                 continue

@@ -13,7 +13,7 @@ from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 from small_missions import TINY, featured_mission, random_mission
 
 import adr_opt
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from solvers.bounds.routing_bound import routing_bound, static_costs
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 import adr_opt
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from solvers.networks.arrays import Network
 from solvers.networks.dominated_legs import LOOK_BACK
 from solvers.networks.network import build

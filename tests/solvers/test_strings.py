@@ -12,7 +12,7 @@ from random_rules import drifting_mission
 import adr_opt
 from adr_opt.common.stop import MaxIterations
 from adr_opt.mission.certified import certify
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from solvers.orders import bit_orders, fronts
 from solvers.orders.connection_table import table_of
 from solvers.orders.reach import may_fit, reach_of

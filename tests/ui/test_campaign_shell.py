@@ -185,7 +185,7 @@ def test_each_chaser_keeps_the_beginning_that_holds(
 ) -> None:
     """Where a chaser's tank breaks only its own route is cut, and what is left passes `check`."""
     instance, plan = mission
-    from adr_opt.mission.campaign import Campaign
+    from adr_opt.mission.problem import Problem
 
     last = refined.legs[2]
     burn = last.burns[0]
@@ -196,7 +196,7 @@ def test_each_chaser_keeps_the_beginning_that_holds(
     )
     assert spent > 500.0
     found = beginning(
-        Campaign(instance), plan,
+        Problem(instance), plan,
         refined.replace(legs=(*refined.legs[:2], broken, *refined.legs[3:])),
     )  # fmt: skip
     assert found is not None

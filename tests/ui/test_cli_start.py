@@ -9,7 +9,7 @@ from conftest import Cli
 from plans import with_legs
 
 import adr_opt
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.plan.plan import load_plan
 from adr_opt.run import front
 

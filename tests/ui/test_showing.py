@@ -16,8 +16,8 @@ from two_chasers import campaign, planned
 import adr_opt
 from adr_opt.analysis import Axis, compare, price, replan, tradeoff
 from adr_opt.common.card import MOST_NAMES, MOST_ROWS, CardTable, order_words
-from adr_opt.mission.campaign import Campaign
 from adr_opt.mission.certify import certificate_of
+from adr_opt.mission.problem import Problem
 
 NASTY = "<script>alert('x')</script> & co"
 
@@ -55,7 +55,7 @@ def shown() -> dict[str, Any]:
     return {
         "instance": instance,
         "mission": mission,
-        "campaign": Campaign(campaign()),
+        "campaign": Problem(campaign()),
         "result": result,
         "bound": adr_opt.bound(mission, "routing-bound", time_limit=5.0),
         "plan": plan,

@@ -23,7 +23,7 @@ from ...common.constants import DAY_S
 from ...common.errors import InputError
 from ...common.files import write_text
 from ...common.stop import Stop
-from ...mission.campaign import Problem, problem_of
+from ...mission.problem import Problem, problem_of
 from ...problem.instance import Instance
 from ...run.front import solve
 from .axes import tanks_of

@@ -15,7 +15,7 @@ from ...common.errors import InputError
 from ...judge.check.verdict import check
 from ...legs.nearest_pairs import neighbours
 from ...mission.build_legs import legs
-from ...mission.campaign import Problem
+from ...mission.problem import Problem
 from ...plan.expense import cost_of_routes
 from ...plan.plan import MODEL, InstanceReference, Plan, Route, Unvisited
 from .axes import Limits

@@ -15,11 +15,10 @@ from ...common.cluster import Calls, LocalPool, Workers
 from ...common.errors import InputError
 from ...common.stop import MaxRuntime, Stop
 from ...common.tolerance import meets
-from ...mission.campaign import Problem
+from ...mission.problem import Problem
 from ...problem.instance import Instance
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, solve
-from ...run.method_call import form_for, method_of
-from ...run.methods import PLANNERS, campaign_form, get, takes_jobs, takes_start
+from ...run.method_call import refuse_unable, spec_of
 from .axes import Axis, Limits, Tanks, grid, tanks_of
 from .points import Impossible, KnownPoints, Point, Tradeoff
 from .results import ResultsFile
@@ -131,7 +130,7 @@ def tradeoff(
         variant(instance, each, tanks=tanks)  # what is not valid is refused before any work
     shared = Shared(instance, max(duration for _, duration in limits), tanks=tanks)
     problem = shared.problem(limits[0])
-    form_for(problem, method, method_of(method))
+    refuse_unable(problem, spec_of(method))
     settings = Settings(method, time_limit, seed, _quick(problem, method))
     file = None if path is None else ResultsFile(path, instance.sha256, str(settings))
     board, ran = KnownPoints(limits, slack_m_s(instance)), dict[Limits, set[str]]()
@@ -175,11 +174,11 @@ def tradeoff(
 def _quick(problem: Problem, method: str) -> str | None:
     """The planner of the first pass; None where there is no other one than ``method``."""
     try:
-        planner = get(QUICK, PLANNERS)
-    except (InputError, ImportError, AttributeError):
+        quick = spec_of(QUICK)
+    except InputError:
         return None
     plans = len(problem.missions) == 1 and problem.missions[0].rules.loads is None
-    return QUICK if method != QUICK and (plans or campaign_form(planner)) else None
+    return QUICK if method != QUICK and (plans or quick.several) else None
 
 
 def _is_over(stop: Stop | None) -> bool:
@@ -210,7 +209,7 @@ def run_point(
 
     Parameters
     ----------
-    problem : Mission or Campaign
+    problem : Problem
     settings : Settings
     known : Point
         What is known of it.
@@ -221,12 +220,12 @@ def run_point(
     stop : Stop, optional
     """
     method = settings.quick if quick and settings.quick is not None else settings.method
-    planner = method_of(method)
+    planner = spec_of(method)
     more: dict[str, Any] = {}
-    if takes_start(planner) and any(known.routes):
+    if planner.starts and any(known.routes):
         routes = known.routes if len(problem.missions) > 1 else known.routes[0]
         more = {"start": routes, "repair": True}
-    if not alone and takes_jobs(planner):
+    if not alone and planner.uses_cores:
         more["jobs"] = 1
     began, cpu_began = time.perf_counter(), time.process_time()
     result = solve(

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 
 from ...legs.connections import ConnectionFinder
-from ...mission.campaign import Problem, problem_of
+from ...mission.problem import Problem, problem_of
 from ...problem.instance import Instance
 from .axes import IN_DELTA_V, Limits, Tanks, counts_masses
 

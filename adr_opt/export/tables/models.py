@@ -14,7 +14,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from ...common.errors import InputError
-from ...mission.problem import Mission
+from ...mission.mission import Mission
 
 MODELS = "adr_opt.models"
 """Entry-point group; a package that declares it adds its formats to ``matrix``."""

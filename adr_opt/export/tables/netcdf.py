@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...common.errors import MissingExtra
 from ...legs.matrices import Matrices
-from ...mission.problem import Mission
+from ...mission.mission import Mission
 from .attributes import attributes
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ...legs.matrices import Matrices
-from ...mission.problem import Mission
+from ...mission.mission import Mission
 
 
 def write(path: Path, mission: Mission, matrices: Matrices) -> None:

@@ -22,7 +22,7 @@ import numpy as np
 from ...common.constants import STATION
 from ...common.errors import InputError
 from ...legs.matrices import Matrices
-from ...mission.problem import Mission
+from ...mission.mission import Mission
 from .weights import LARGEST, comment, rows, slug, whole_weights
 
 FINEST_SCORES = 1000.0

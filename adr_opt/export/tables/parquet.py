@@ -16,7 +16,7 @@ import numpy as np
 
 from ...common.errors import MissingExtra
 from ...legs.service_limits import limits_of
-from ...mission.problem import Mission
+from ...mission.mission import Mission
 from .attributes import attributes
 
 if TYPE_CHECKING:

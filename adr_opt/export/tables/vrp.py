@@ -21,7 +21,7 @@ from pathlib import Path
 
 from ...common.errors import InputError
 from ...legs.matrices import Matrices
-from ...mission.problem import Mission
+from ...mission.mission import Mission
 from .weights import comment, rows, slug, whole_weights
 
 LARGEST_PRIZES = 2**44

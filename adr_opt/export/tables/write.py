@@ -12,7 +12,7 @@ from ...common.errors import InputError
 from ...common.files import check_writable, write_whole
 from ...legs.connections import Choice
 from ...legs.matrices import FloatArray, Matrices
-from ...mission.problem import Mission
+from ...mission.mission import Mission
 from ...problem.instance import Instance
 from . import models, netcdf, npz, oplib, parquet, tsp, vrp
 from .weights import check_no_kits, check_one_depot, check_quantity, check_scale

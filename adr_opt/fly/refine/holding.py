@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from ...judge.check.violation import DELTA_V_TOLERANCE_M_S
 from ...mission.build_legs import tow_flown
-from ...mission.campaign import Problem
+from ...mission.problem import Problem
 from ...mission.result import proven_of
 from ...plan.expense import cost_of_routes
 from ...plan.plan import Leg, Plan, Route, Unvisited
@@ -54,7 +54,7 @@ def beginning(
 
     Parameters
     ----------
-    problem : Mission or Campaign
+    problem : Problem
     plan : Plan
     refined : RefinedPlan
         Of that plan.

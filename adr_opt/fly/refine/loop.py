@@ -14,14 +14,13 @@ from ...common.progress import Progress, silent
 from ...common.stop import Stop
 from ...judge.check.violation import DELTA_V_TOLERANCE_M_S
 from ...legs.corrections import Corrections
-from ...mission.campaign import Problem, problem_of
+from ...mission.problem import AnyProblem, Problem, problem_of
 from ...mission.result import Result
 from ...plan.plan import Plan
 from ...plan.refined_plan import Freedom, Gravity, RefinedPlan, reference
 from ...plan.routes import routes_of
-from ...problem.instance import AnyInstance
-from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, RunOptions, method_of, run
-from ...run.methods import BOUNDS, PLANNERS, takes_jobs
+from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, RunOptions, run, spec_of
+from ...run.methods import BOUNDS, PLANNERS
 from ..flight.flyable import refuse_given
 from ..flight.result import TankFlight
 from ..flight.tanks import tanks_of
@@ -147,7 +146,7 @@ def _rank(plan: Plan, refined: RefinedPlan) -> tuple[float, float]:
 
 
 def solve_refined(
-    instance: AnyInstance | Problem,
+    instance: AnyProblem,
     method: str = DEFAULT_METHOD,
     *,
     gravity: Gravity | None = None,
@@ -215,8 +214,8 @@ def solve_refined(
     refuse_given(mission.instance)
     lessons, best, held = Lessons(spend_savings), _Best(), list[Round]()
 
-    able = [method_of(method), *([method_of(bound, BOUNDS)] if bound else [])]
-    planning_jobs = jobs if any(takes_jobs(one) for one in able) else None
+    able = [spec_of(method), *([spec_of(bound, BOUNDS)] if bound else [])]
+    planning_jobs = jobs if any(one.uses_cores for one in able) else None
     kept_back = mission.with_margin(margin or mission.margin)
     hearing = {name: arguments.pop(name) for name in ("building", "sizing") if name in arguments}
     wanted = RunOptions(

@@ -41,7 +41,7 @@ class Rules(NamedTuple):
         No service begins before, or ends after, with the slack [s].
     prize : (bodies,) float64
         What each target is worth to a planner; 0 for other bodies. Required targets are worth more
-        than all others together, see :class:`adr_opt.mission.problem.Mission`.
+        than all others together, see :class:`adr_opt.mission.mission.Mission`.
     is_station, may_end : (bodies,) bool
         Where the tank is filled, and where the mission may end.
     stations, first_target : int

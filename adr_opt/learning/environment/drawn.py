@@ -10,7 +10,7 @@ from weakref import WeakValueDictionary
 
 import numpy as np
 
-from ...mission.problem import Mission
+from ...mission.mission import Mission
 from ...problem.instance import Instance
 from ..episodes import FieldPool
 from .fields import Fields, Limits

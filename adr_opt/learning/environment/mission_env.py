@@ -14,7 +14,7 @@ from gymnasium import spaces
 from ...common.constants import SLACK_M_S
 from ...common.errors import InputError
 from ...kernels.episodes import episodes as kernels
-from ...mission.problem import Mission
+from ...mission.mission import Mission
 from ...problem.instance import Instance
 from ..episodes import Board, FieldPool, Observation, new_episodes, playing_time_s, start
 from .drawn import DrawnFields, shared

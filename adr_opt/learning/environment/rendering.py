@@ -11,7 +11,7 @@ from ...common.constants import HOUR_S
 from ...common.wording import counted
 from ...kernels.episodes.outlook import HOME
 from ...kernels.orbits.ephemeris import INCLINATION, RAAN, RAAN_RATE
-from ...mission.problem import Mission
+from ...mission.mission import Mission
 
 SIZE = 400
 MARGIN = 30

@@ -15,7 +15,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvStepRetu
 
 from ...common.errors import InputError
 from ...kernels.episodes import episodes as kernels
-from ...mission.problem import Mission
+from ...mission.mission import Mission
 from ..episodes import Board, Observation, new_episodes
 from .drawn import ready, work_out
 from .fields import PUBLISHED, Fields, check_kind

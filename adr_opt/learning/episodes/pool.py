@@ -21,7 +21,7 @@ from ...kernels.episodes.outlook import HOME
 from ...kernels.orbits.ephemeris import ORBIT_COLUMNS
 from ...kernels.tables import stacked_timetables
 from ...kernels.tables import timetable as timetable_kernels
-from ...mission.problem import Mission
+from ...mission.mission import Mission
 from ...plan.cargo import what_counts
 from ...problem.instance import Instance
 

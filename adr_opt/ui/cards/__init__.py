@@ -12,7 +12,6 @@ from ...common.card import Card
 
 VIEWS = {
     "AllConnections": ("of_connections", "of_all"),
-    "Campaign": ("of_instance", "of_problem"),
     "Certificate": ("of_refined", "of_certificate"),
     "Comparison": ("of_analysis", "of_comparison"),
     "Connections": ("of_connections", "of_connections"),
@@ -23,6 +22,7 @@ VIEWS = {
     "Mission": ("of_instance", "of_problem"),
     "Plan": ("of_plan", "of_plan"),
     "Point": ("of_analysis", "of_point"),
+    "Problem": ("of_instance", "of_problem"),
     "PricedOrder": ("of_analysis", "of_priced_order"),
     "PricedRoute": ("of_analysis", "of_priced_route"),
     "RefinedPlan": ("of_refined", "of_refined"),

@@ -9,8 +9,8 @@ from ...common.wording import counted
 from ...problem.chasers import AtStation, Chaser, TankByMass
 
 if TYPE_CHECKING:
-    from ...mission.campaign import Campaign
-    from ...mission.problem import Mission
+    from ...mission.mission import Mission
+    from ...mission.problem import Problem
     from ...problem.instance import Instance
 
 COSTS = {"delta-v": "ΔV", "duration": "duration", "expense": "expense"}
@@ -78,8 +78,8 @@ def _chaser(chaser: Chaser) -> tuple[str, ...]:
     )  # fmt: skip
 
 
-def of_problem(problem: Mission | Campaign) -> Card:
-    """The card of a mission or a campaign."""
+def of_problem(problem: Mission | Problem) -> Card:
+    """The card of a mission, or of those of all chasers."""
     instance = problem.instance
     facts = [
         *facts_of(instance),

@@ -54,7 +54,7 @@ def check_certificate(
         Entry points of the method; those of planners by default.
     """
     from ...judge.verify.rules import refuse_unknown
-    from ...run.methods import BOUNDS, PLANNERS, get, has_evidence, names
+    from ...run.methods import BOUNDS, PLANNERS, names, spec
 
     if path is None:
         return
@@ -65,11 +65,11 @@ def check_certificate(
             f"--certificate: with {what} nothing is proven of the instance as it is; leave out one"
         )
     group = group or PLANNERS
-    able = has_evidence(get(method, group)) or (
-        bound is not None and has_evidence(get(bound, BOUNDS))
+    able = spec(method, group).shows_evidence or (
+        bound is not None and spec(bound, BOUNDS).shows_evidence
     )
     if not able:
-        known = [name for name in names(group) if has_evidence(get(name, group))]
+        known = [name for name in names(group) if spec(name, group).shows_evidence]
         raise InputError(
             f"--certificate: {method!r} does not say what its bound rests on; use one of: "
             f"{', '.join(known)}"

@@ -65,7 +65,7 @@ def _explained(option: dict[str, Any]) -> list[str]:
 def _describe(name: str, group: str) -> dict[str, Any]:
     from ...common.options import listed
     from ...run import front
-    from ...run.methods import PLANNERS, options_of, takes_start
+    from ...run.methods import PLANNERS, options_of
 
     entry: dict[str, Any] = {
         "name": name,
@@ -81,7 +81,7 @@ def _describe(name: str, group: str) -> dict[str, Any]:
     paragraph = (inspect.getdoc(method) or "").partition("\n\n")[0]
     return entry | {
         "summary": " ".join(paragraph.split()),
-        "takes_start": takes_start(method),
+        "takes_start": front.spec_of(name, group).starts,
         "options": listed(options_of(method)),
     }
 

@@ -83,7 +83,7 @@ def command(
     none that holds.
     """
     from ...analysis.grids import grid_advice
-    from ...mission.campaign import problem_of
+    from ...mission.problem import problem_of
     from ...plan.plan import load_plan
     from ...problem.instance import load
     from ...run import front

@@ -16,8 +16,8 @@ from ...plan.plan import Plan, relative_gap
 from ...problem.instance import Instance
 from ...run import front
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
-from ...run.method_call import method_of
-from ...run.methods import BOUNDS, PLANNERS, takes_start
+from ...run.method_call import method_of, spec_of
+from ...run.methods import BOUNDS, PLANNERS
 from ...run.reused_timetable import Reused
 from ...run.start_plan import start_destinations
 from ..report.text import NOTHING, number
@@ -289,7 +289,7 @@ class Work:
         order = run.order
         problem = self._reused.problem(instance)
         start: Any = None
-        if order.goes_on and known is not None and takes_start(method_of(order.method)):
+        if order.goes_on and known is not None and spec_of(order.method).starts:
             names = set(instance.names)
             routes = [
                 tuple(name for name in route if name in names)

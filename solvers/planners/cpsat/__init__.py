@@ -6,9 +6,8 @@ from collections.abc import Iterable
 
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
-from adr_opt.run.warm_up import practises
 
 from ...models.course import ModelOptions, prove
 from .model import CpSatModel
@@ -20,7 +19,6 @@ class CpsatOptions(ModelOptions, method="cpsat"):
     """Options of the method ``cpsat``."""
 
 
-@practises(rounds=6, evaluations=4)
 def cpsat(
     mission: Mission,
     *,

@@ -14,7 +14,7 @@ from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.kernels.rules import rules as rule_kernels
 from adr_opt.mission.certified import certify
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 
 from ...beams.recreate import recreate

@@ -11,9 +11,8 @@ from ortools.sat.python import cp_model  # noqa: F401 — loaded before highspy,
 from adr_opt.common.errors import InputError, MissingExtra
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
-from adr_opt.run.warm_up import practises
 
 from ...models.course import MakeModel, ModelOptions, prove
 
@@ -43,7 +42,6 @@ class MipOptions(ModelOptions, method="mip"):
     """Options of the method ``mip``."""
 
 
-@practises(rounds=6, evaluations=4)
 def mip(
     mission: Mission,
     *,

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from adr_opt.common.errors import InputError, MissingExtra
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
 
 from ...models.network import SolverNetwork, of_rows
 from ...networks.network import build

@@ -7,8 +7,8 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from adr_opt.mission.campaign import Problem
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 
 from ...routes.one_chaser import left, targets_of
 from .network import SlackWorth
@@ -20,7 +20,7 @@ class Fleet:
 
     Parameters
     ----------
-    problem : Mission or Campaign
+    problem : Problem
     layers : sequence of Mission
         Of each chaser, with the connections that windows choose from.
     orders : sequence of ClosedOrder

@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -16,12 +17,11 @@ from adr_opt.common.constants import HOUR_S
 from adr_opt.common.options import MOST_JOBS, Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
-from adr_opt.mission.campaign import Campaign, Problem
 from adr_opt.mission.certified import certify_routes
-from adr_opt.mission.problem import Mission
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.mission.result import Result
 from adr_opt.plan.plan import Plan
-from adr_opt.run.methods import for_campaigns
 from adr_opt.run.start_plan import Start, legal_beginning, start_destinations
 
 from ...beams.beams import USUAL, hurried
@@ -77,26 +77,13 @@ class OrtoolsOptions(Options, method="ortools"):
     )
 
 
-def _campaign(
-    campaign: Campaign,
+def ortools(
+    problem: Problem | Mission,
     *,
     seed: int,
     stop: Stop,
     progress: Progress,
     start: Start | None = None,
-    options: OrtoolsOptions = OrtoolsOptions(),
-) -> Result:
-    return _plan(campaign, seed, stop, progress, start, options)
-
-
-@for_campaigns(_campaign, kits=False, limits=False, expense=False)
-def ortools(
-    mission: Mission,
-    *,
-    seed: int,
-    stop: Stop,
-    progress: Progress,
-    start: Plan | Iterable[int] | None = None,
     options: OrtoolsOptions = OrtoolsOptions(),
 ) -> Result:
     """Improve a greedy plan window by window with CP-SAT on the exact timetable.
@@ -107,26 +94,17 @@ def ortools(
 
     Parameters
     ----------
-    start : Plan or sequence of int, optional
-        A legal plan to begin from; that of ``greedy-guarded`` by default.
+    start : Plan or sequence of sequences of int, optional
+        A legal plan to begin from, with a route for each chaser; that of ``greedy-guarded`` by
+        default.
 
     Raises
     ------
     InputError
         The start plan is not legal.
     """
-    return _plan(mission, seed, stop, progress, start, options)
-
-
-def _plan(
-    problem: Problem,
-    seed: int,
-    stop: Stop,
-    progress: Progress,
-    start: Start | None,
-    options: OrtoolsOptions,
-) -> Result:
     begun = time.perf_counter()
+    problem = problem_of(problem)
     layers = tuple(hurried(mission, options.time_value_m_s_per_h) for mission in problem.missions)
     best = Fleet.flying(problem, layers, _first_routes(problem, start))
     present = best
@@ -196,15 +174,16 @@ def _first_routes(problem: Problem, start: Start | None) -> list[Bodies]:
         The start plan is not legal.
     """
     if start is not None:
-        wanted = start_destinations(problem, start)
+        given: Any = start
+        if len(problem.missions) == 1 and not isinstance(start, Plan):
+            (given,) = given
+        wanted = start_destinations(problem, given)
         routes: Iterable[Iterable[int]] = [
             legal_beginning(mission, names, repair=False)
             for mission, names in zip(problem.missions, wanted, strict=True)
         ]
-    elif isinstance(problem, Campaign):
-        routes = one_after_another(problem, guarded_sequence)
     else:
-        routes = [guarded_sequence(problem)]
+        routes = one_after_another(problem, guarded_sequence)
     return [np.array(tuple(route), dtype=np.int64) for route in routes]
 
 

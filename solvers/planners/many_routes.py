@@ -5,21 +5,19 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterable
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import closing, nullcontext
 
 import numpy as np
 
 from adr_opt.common.progress import Progress, silent
 from adr_opt.common.stop import Stop
-from adr_opt.mission.campaign import Campaign, Routes
 from adr_opt.mission.certified import certify_routes
+from adr_opt.mission.problem import Problem, Routes
 from adr_opt.mission.result import Result
 
 from ..columns.all_sets import lacks_plan, settle
-from ..columns.least_cost import prove_campaign_cost
-from ..columns.proof import CampaignProof
-from ..progress.campaign_incumbent import CampaignCertificate
+from ..columns.least_cost import prove_cost_by_columns
+from ..columns.proof import ColumnProof
+from ..progress.gap import GapTracker
 from ..progress.halting import ShareOfTime
 from ..progress.proof_size import fits_memory, proof_notes, set_up_s, sweep_s
 from ..proof.concurrent_proof import LEAST_PROOF_S, LEAST_SET_UPS, ConcurrentProof
@@ -30,6 +28,7 @@ from ..routes.route_pool import RoutePool
 from ..routes.route_search import RouteSearch
 from ..routes.target_exchange import Exchanges
 from ..walks.floors import floor_bound
+from .rounds import Task, run
 
 FIRST_MOVES, MOST_MOVES = 20, 160
 """Moves of the search in a round: twice as many in each; more where proofs take their time."""
@@ -54,27 +53,27 @@ EXCHANGES = 30
 where planes drift, so that routes are more than a way through a cloud."""
 
 
-class _Prover(ConcurrentProof[Routes, CampaignProof]):
+class _Prover(ConcurrentProof[ColumnProof]):
     """The proving half: with a pool of its own as well."""
 
     def __init__(
         self,
-        campaign: Campaign,
-        certificate: CampaignCertificate,
+        problem: Problem,
+        certificate: GapTracker,
         pool: RoutePool,
         seed: int,
         stop: Stop,
         options: ProofOptions,
     ) -> None:
-        own, self._shared_pool = CampaignCertificate(campaign, certificate.tell), pool
-        self._pool = RoutePool(campaign)
-        self._nothing = np.zeros(len(campaign.names))
+        own, self._shared_pool = GapTracker(problem, certificate.tell), pool
+        self._pool = RoutePool(problem)
+        self._nothing = np.zeros(len(problem.names))
 
-        def made() -> CampaignProof | None:
-            if stop.remaining_s() < max(LEAST_PROOF_S, LEAST_SET_UPS * set_up_s(campaign)):
-                own.lower(floor_bound(campaign))
+        def made() -> ColumnProof | None:
+            if stop.remaining_s() < max(LEAST_PROOF_S, LEAST_SET_UPS * set_up_s(problem)):
+                own.lower(floor_bound(problem))
                 return None
-            return CampaignProof(campaign, own, self._pool, seed, stop, options)
+            return ColumnProof(problem, own, self._pool, seed, stop, options)
 
         super().__init__(certificate, own, stop, made)
 
@@ -94,14 +93,65 @@ class _Prover(ConcurrentProof[Routes, CampaignProof]):
         return self._nothing if self.proof is None else self.proof.multipliers
 
 
-def _many(certificate: CampaignCertificate) -> int:
-    """So many exchanges are made at once."""
-    return EXCHANGES * sum(map(len, certificate.sequence or ()))
+class _Search:
+    """The searching half: ruin and recreate across routes, packing, and exchanges of targets."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        seed: int,
+        stop: Stop,
+        certificate: GapTracker,
+        pool: RoutePool,
+    ) -> None:
+        self._certificate, self._stop = certificate, stop
+        self.routes = RouteSearch(problem, seed, stop, certificate, pool)
+        self.exchanges = Exchanges(problem, seed, certificate, pool)
+        self._drifts = problem.instance.transfer.may_drift
+        self._moves, self._most_moves = FIRST_MOVES, MOST_MOVES
+
+    def begin(self, start: Routes | None, scale: int) -> None:
+        """The first plans; ``scale`` times as many moves are made in a round as usual."""
+        self._moves, self._most_moves = scale * FIRST_MOVES, scale * MOST_MOVES
+        self.routes.begin(start)
+
+    def beside(self, prover: _Prover | None, rounds: int) -> Task | None:
+        """The proof, as long as it can do more."""
+        return None if prover is None or prover.done else prover.advance
+
+    def advance(self, prover: _Prover | None, rounds: int) -> None:
+        """One round of all searches."""
+        search, certificate = self.routes, self._certificate
+        search.pack(PACKING_S)
+        if self._drifts and self.exchange(self._stop):
+            search.begin_again()
+        for _ in range(self._moves):
+            if certificate.proven or self._stop.remaining_s() <= 0.0:
+                break
+            search.move(WIDTH)
+            if search.multipliers.any() and not certificate.proven:
+                search.complete(WIDTH)
+
+    def exchange(self, stop: Stop) -> bool:
+        """Make the best plan cheaper; whether anything was found."""
+        many = EXCHANGES * sum(map(len, self._certificate.routes or ()))
+        return self.exchanges.anneal(many, stop)
+
+    def meet(self, prover: _Prover | None) -> None:
+        """Hear what targets are worth, and do more in the next round."""
+        if prover is not None:
+            self.routes.multipliers = prover.multipliers
+        self._moves = min(2 * self._moves, self._most_moves)
+
+    @property
+    def counters(self) -> dict[str, float]:
+        """What was done."""
+        return {**self.routes.counters, **self.exchanges.counters}
 
 
 def plan(
     method: str,
-    campaign: Campaign,
+    problem: Problem,
     *,
     seed: int,
     stop: Stop,
@@ -140,89 +190,56 @@ def plan(
         The plan need not be cheap: no time is kept for that.
     """
     began = time.perf_counter()
-    certificate, pool = CampaignCertificate(campaign, progress), RoutePool(campaign)
-    asks_for_cost = campaign.instance.objective.asks_for_more and not prizes_alone
+    certificate, pool = GapTracker(problem, progress), RoutePool(problem)
+    asks_for_cost = problem.instance.objective.asks_for_more and not prizes_alone
     within: Stop = ShareOfTime(stop, 1.0 - LAST_FOR_COST) if asks_for_cost else stop
-    search = RouteSearch(campaign, seed, within, certificate, pool)
-    exchanges = Exchanges(campaign, seed, certificate, pool)
-    drifts = campaign.instance.transfer.may_drift
-    search.begin(None if start is None else tuple(map(tuple, start)))
-    lacking = lacks_plan(campaign, certificate)
-    infeasible = lacking and settle(campaign, certificate, pool, stop)
-    prover = None
-    if proves and fits_memory(campaign):
-        prover = _Prover(campaign, certificate, pool, seed, within, options)
-    elif proves:
-        certificate.lower(floor_bound(campaign))
-
-    def is_over() -> bool:
-        ended = until_done and (prover is None or prover.done)
-        return (
-            ended
-            or infeasible
-            or certificate.proven
-            or stop(certificate.incumbent, certificate.bound)
-            or within.remaining_s() <= 0.0
-        )
-
-    rounds, most = 0, 1 if prover is None else max(1, round(sweep_s(campaign) / USUAL_SWEEP_S))
-    moves = FIRST_MOVES * most
-    with nullcontext() if prover is None else closing(prover), ThreadPoolExecutor(1) as threads:
-        while not is_over():
-            rounds += 1
-            advancing: Future[None] | None = None
-            if prover is not None and not prover.done:
-                prover.fetch()
-                if options.cores > 1:
-                    advancing = threads.submit(prover.advance)
-                else:
-                    prover.advance()
-            search.pack(PACKING_S)
-            if drifts and exchanges.anneal(_many(certificate), within):
-                search.begin_again()
-            for _ in range(moves):
-                if certificate.proven or within.remaining_s() <= 0.0:
-                    break
-                search.move(WIDTH)
-                if search.multipliers.any() and not certificate.proven:
-                    search.complete(WIDTH)
-            if advancing is not None:
-                advancing.result()
-            if prover is not None:
-                prover.deliver()
-                search.multipliers = prover.multipliers
-            moves = min(2 * moves, MOST_MOVES * most)
-    if proves and campaign.limits and not (lacking or certificate.proven):
-        settle(campaign, certificate, pool, stop)
-        search.pack(PACKING_S)
+    search = _Search(problem, seed, within, certificate, pool)
+    prover, scale = None, 1
+    if proves and fits_memory(problem):
+        scale = max(1, round(sweep_s(problem) / USUAL_SWEEP_S))
+        prover = _Prover(problem, certificate, pool, seed, within, options)
+    search.begin(None if start is None else tuple(map(tuple, start)), scale)
+    lacking = lacks_plan(problem, certificate)
+    rounds = 0
+    infeasible = lacking and settle(problem, certificate, pool, stop)
+    if proves and prover is None:
+        certificate.lower(floor_bound(problem))
+    if not infeasible:
+        rounds = run(
+            certificate, search, prover, stop=stop, within=within, cores=options.cores,
+            until_done=until_done,
+        )  # fmt: skip
+    if proves and problem.limits and not (lacking or certificate.proven):
+        settle(problem, certificate, pool, stop)
+        search.routes.pack(PACKING_S)
     if asks_for_cost or (cost and certificate.proven):
-        exchanges.anneal(_many(certificate), ShareOfTime(stop, FOR_COST) if cost else stop)
-    counters: dict[str, float] = {"rounds": rounds, **search.counters, **exchanges.counters}
+        search.exchange(ShareOfTime(stop, FOR_COST) if cost else stop)
+    counters: dict[str, float] = {"rounds": rounds, **search.counters}
     if prover is not None:
         counters |= prover.counters
     cost_bound = None
-    if cost and certificate.proven and certificate.sequence is not None:
-        if campaign.instance.objective.cost == "duration":
+    if cost and certificate.proven and certificate.routes is not None:
+        if problem.instance.objective.cost == "duration":
             cost_bound, counted = prove_end(
-                campaign, certificate, stop,
+                problem, certificate, stop,
                 lambda sooner, within: plan(
                     method, sooner, seed=seed, stop=within, progress=silent, options=options,
                     until_done=True, prizes_alone=True,
                 ),
-                lambda found: certificate.offer(found.routes),
+                lambda found: certificate.offer(*found.routes),
             )  # fmt: skip
         else:
-            cost_bound, counted = prove_campaign_cost(campaign, certificate, pool, stop, options)
+            cost_bound, counted = prove_cost_by_columns(problem, certificate, pool, stop, options)
         counters |= counted
     return certify_routes(
-        campaign,
+        problem,
         method,
-        certificate.sequence,
+        certificate.routes,
         seed=seed,
         runtime_s=time.perf_counter() - began,
         upper_bound=certificate.stated,
         cost_bound=cost_bound,
         evidence=certificate.evidence,
         counters=counters,
-        notes=proof_notes(campaign) if math.isfinite(certificate.stated) else (),
+        notes=proof_notes(problem) if math.isfinite(certificate.stated) else (),
     )

@@ -1,0 +1,92 @@
+"""Specifications of planners and bounds: what each can do, said where nothing of it is imported."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any
+
+LOADS, STATIONS, EXPENSE = "kits", "stations that run empty", "expense"
+"""Rules of campaigns that not every method knows."""
+
+ALL_RULES = frozenset({LOADS, STATIONS, EXPENSE})
+
+
+@dataclass(frozen=True)
+class Practice:
+    """How a method practises before its clock starts, so that its kernels are compiled.
+
+    Attributes
+    ----------
+    rounds : int
+        How often it may ask whether it is enough.
+    options : mapping
+        Numbers that it is called with.
+    """
+
+    rounds: int = 3
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class MethodSpec:
+    """What a planner or a bound can do.
+
+    Entry points of the groups ``adr_opt.planners`` and ``adr_opt.bounds`` name one, or a function,
+    which is then a method for one chaser that can do what its parameters say, and no more.
+
+    Attributes
+    ----------
+    name : str
+    function : str or callable
+        Where the method is, ``"package.module:function"``, imported by :meth:`load`.
+    several : bool
+        Whether it plans for several chasers. It is given an
+        :class:`adr_opt.mission.problem.Problem` then, with one start route for each chaser, and
+        otherwise the :class:`adr_opt.mission.mission.Mission` of the only chaser, with its route.
+    rules : frozenset of str
+        Of :data:`ALL_RULES` those that it plans with, where it plans for several chasers.
+    starts : bool
+        Whether it can begin from a known plan.
+    uses_cores : bool
+        Whether it has an option ``jobs``.
+    shows_evidence : bool
+        Whether its results say what their bounds rest on, so that certificates can be made.
+    bounds_all_pairs : bool
+        Whether its bounds hold of all pairs of bodies, whatever the timetable has.
+    on_demand : bool
+        Whether it looks up what is chosen of few pairs, and needs no table of them all.
+    table_options : tuple of str
+        Options that, once set, make it need that table all the same.
+    practice : Practice
+    """
+
+    name: str
+    function: str | Callable[..., Any]
+    several: bool = False
+    rules: frozenset[str] = frozenset()
+    starts: bool = False
+    uses_cores: bool = False
+    shows_evidence: bool = False
+    bounds_all_pairs: bool = False
+    on_demand: bool = False
+    table_options: tuple[str, ...] = ()
+    practice: Practice = field(default_factory=Practice)
+
+    def load(self) -> Any:
+        """The method itself, imported.
+
+        Raises
+        ------
+        ImportError, AttributeError
+            It is not where it is said to be.
+        """
+        if not isinstance(self.function, str):
+            return self.function
+        module, _, function = self.function.partition(":")
+        return getattr(import_module(module), function)
+
+    def needs_table(self, options: object) -> bool:
+        """Whether all pairs have to be in the timetable for the method with some options."""
+        return not self.on_demand or any(getattr(options, name) for name in self.table_options)

@@ -1,0 +1,100 @@
+"""What `auto` and `exact` make of limits in work: plans, labels, certificates, to compare commits.
+
+    python bench/same_work.py --out before.json
+    python bench/same_work.py --against before.json
+
+Iterations and labels are limited and time is not, so that a change of code that is not to change
+what comes out can be judged by it: each line is a field, a method and a digest of routes, bound,
+counters and certificate. With ``--against``, the status is 1 where a line differs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import adr_opt
+from adr_opt.common.errors import InputError
+from adr_opt.mission.certify import certificate_of
+
+FIELDS = {"tiny": 5, "nominal": 3, "campaign": 2, "removal": 2, "rocket-bodies": 3}
+"""How many of each family."""
+
+WORK = {"auto": 3, "exact": 8}
+"""Iterations by method."""
+
+LABELS = 300_000
+"""Most of one search."""
+
+LIMIT_S = 3600.0
+
+
+def lines(families: list[str]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """What comes out, field by field."""
+    for family in families:
+        for seed in range(FIELDS[family]):
+            instance = adr_opt.generate(family, seed)
+            for method, iterations in WORK.items():
+                result = adr_opt.solve(
+                    instance, method, time_limit=LIMIT_S, iterations=iterations, jobs=1,
+                    most_labels=LABELS,
+                )  # fmt: skip
+                yield f"{instance.name} {method}", _line(instance, result)
+
+
+def _line(instance: adr_opt.Instance, result: adr_opt.Result) -> dict[str, Any]:
+    """Routes, schedule, bound, counters and certificate, by their digests."""
+    legs = [
+        (route.chaser, leg.destination, leg.departure_s, leg.delta_v_m_s)
+        for route in ([] if result.plan is None else result.plan.routes)
+        for leg in route.legs
+    ]
+    try:
+        certificate = certificate_of(instance, result)
+        stated: Any = certificate.model_dump(mode="json", exclude={"plan_sha256"})
+    except InputError as error:
+        stated = str(error)
+    return {
+        "objective": result.objective,
+        "upper_bound": str(result.upper_bound),
+        "counters": dict(result.counters),
+        "plan": _digest(legs),
+        "certificate": _digest(stated),
+    }
+
+
+def _digest(what: Any) -> str:
+    return hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def main() -> int:
+    """Print the lines, and what differs from those before."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("families", nargs="*", default=[], help="by default all")
+    parser.add_argument("--out", type=Path, help="where to write the lines")
+    parser.add_argument("--against", type=Path, help="lines of another commit")
+    arguments = parser.parse_args()
+    before = json.loads(arguments.against.read_text()) if arguments.against else {}
+    found, differing = {}, 0
+    for name, line in lines(arguments.families or list(FIELDS)):
+        found[name] = line
+        same = ""
+        if name in before:
+            differing += before[name] != line
+            same = "same" if before[name] == line else f"before: {before[name]}"
+        print(f"{name:28} {line['plan']} {line['objective']:g} of {line['upper_bound']}, "
+              f"{line['counters'].get('labels', 0):,.0f} labels  {same}", flush=True)  # fmt: skip
+    if arguments.out:
+        arguments.out.write_text(json.dumps(found, indent=1) + "\n")
+    if arguments.against:
+        print(f"{len(found) - differing} of {len(found)} are the same")
+    return int(differing > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,357 @@
+"""Planning for one chaser: beams, ruin and recreate, annealing and a proof, round by round."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterable
+from functools import partial
+
+import numpy as np
+
+from adr_opt.common.progress import Progress
+from adr_opt.common.stop import Stop
+from adr_opt.mission.certified import certify_routes
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
+from adr_opt.mission.result import Result
+
+from ..beams.beams import USUAL, hurried, usual_settings
+from ..beams.greedy_order import guarded_sequence
+from ..beams.recreate import recreate
+from ..beams.timely_beams import Beams, pilots
+from ..beams.varied_beams import varied
+from ..orders.string_removal import Strings
+from ..progress.gap import GapTracker
+from ..progress.incumbent import Incumbent
+from ..progress.proof_size import proof_notes
+from ..proof.concurrent_proof import LEAST_PROOF_S, LEAST_SET_UPS, ConcurrentProof
+from ..proof.large_proof import LargeProof
+from ..proof.proof import Proof, ProofOptions, proof_of
+from ..walks.latest_times import Latest
+from .rounds import Task, run
+
+Prover = ConcurrentProof[Proof | LargeProof]
+
+USUAL_WIDTH = 2000
+"""Of the first beam, the one that the planner ``beam`` searches."""
+
+VARIED_WIDTH = 1000
+"""Of the first varied beam."""
+
+UNHURRIED = 0.25
+"""Share of the time left that the first beam may take beside a proof."""
+
+MOST_GUIDED = 16
+"""Guided beams in a round."""
+
+WIDEST = 30_000
+
+ASKING = 0.1
+"""Share of the usual widths where rows are worked out on demand."""
+
+USUAL_TARGETS = 50
+"""Fields of this size get beams of the widths above; larger ones narrower ones."""
+
+ANNEALED, ANNEALINGS = 300, 8
+"""Iterations of an annealing where planes drift, and annealings of the first round."""
+
+PROVING_ROUNDS = 4
+"""Where planes drift and a proof has no bound yet, it goes on in one of so many rounds after
+the second; in the others a second order is annealed in its place."""
+
+FRUITLESS = 6
+"""So many annealings from one plan that find nothing better are followed by one from another."""
+
+
+class RouteSearches:
+    """The searching half: beams, and ruin and recreate.
+
+    Parameters
+    ----------
+    mission : Mission
+    seed : int
+    stop : Stop
+        Its time alone counts here.
+    certificate : GapTracker
+    """
+
+    def __init__(self, mission: Mission, seed: int, stop: Stop, certificate: GapTracker) -> None:
+        self._mission = mission
+        self._stop = stop
+        self._certificate = certificate
+        self._rng = np.random.default_rng(seed)
+        self._beams, self._beams_apart = Beams(mission, stop), Beams(mission, stop)
+        self._widest = 0
+        self._strings: Strings | None = None
+        self._fruitless = 0
+        self._beside: Strings | None = None
+        self._found = Incumbent(mission)
+        self.counters = {"beams": 0, "recreations": 0}
+        if self.drifts:
+            self.counters["annealings"] = 0
+        # Large fields get narrower beams, so that a round takes about as long on all of them.
+        targets = max(1, len(mission.instance.targets))
+        self._scale = min(1.0, (USUAL_TARGETS / targets) ** 2)
+        # Where rows are worked out on demand all beams look at as many destinations, but dearer
+        # ones.
+        self._asks = mission.timetable.is_asked
+        if self._asks:
+            self._scale = ASKING
+        self._usual = pilots(mission)[0] if self._asks else USUAL_WIDTH
+        # An annealing of few targets is as good after a few: the proof is not to wait for others.
+        share = min(1.0, (len(mission.instance.targets) / USUAL_TARGETS) ** 2)
+        self._width, self._recreations = VARIED_WIDTH, 20
+        self._annealings = max(2, round(share * ANNEALINGS))
+
+    @property
+    def drifts(self) -> bool:
+        """Whether planes drift far enough for orders to be annealed, which takes memory."""
+        return self._mission.instance.transfer.may_drift
+
+    def needed_s(self, width: int) -> float:
+        """Seconds that a beam takes."""
+        return self._beams.needed_s(width)
+
+    def unhurried(self, width: int) -> int:
+        """A width up to this one whose beam leaves most of the time to others."""
+        needed_s, allowed_s = self.needed_s(width), UNHURRIED * self._stop.remaining_s()
+        return width if needed_s <= allowed_s else max(1, int(width * allowed_s / needed_s))
+
+    def scaled(self, width: int) -> int:
+        """A width for a field of this size."""
+        least = max(10, int(self._scale * width))
+        return self.unhurried(least) if self._asks else least
+
+    def begin(self, prover: Prover | None, cores: int) -> None:
+        """What comes before the first round: the quickest beams, and a first bound."""
+        certificate, stop = self._certificate, self._stop
+
+        def is_over() -> bool:
+            return certificate.proven or stop(certificate.incumbent, certificate.bound)
+
+        if self._asks and prover is not None and not is_over():
+            prover.advance()  # only beginning takes no time, and beams may take all of it
+            prover.deliver()
+        for width in pilots(self._mission):
+            if not is_over():
+                self.usual(self.unhurried(width))
+        # Beside a proof a beam is slower, so where time is short it comes before; on one core the
+        # proof would come before it, and take what there is.
+        short = cores == 1 or self.needed_s(self._usual) > UNHURRIED * stop.remaining_s()
+        if short and not certificate.proven:
+            self.usual(self._usual)
+
+    def _is_unbounded(self, rounds: int) -> bool:
+        """Whether a search has proven nothing, so that the next ones will not prove it soon."""
+        bound = self._certificate.bound
+        return self.drifts and bound >= self._mission.total_worth and rounds > 2
+
+    def beside(self, prover: Prover | None, rounds: int) -> Task | None:
+        """The proof, or where it has not got far a second order to anneal."""
+        task: Task | None = None
+        anneals = partial(self.part, self._annealings)
+        if prover is not None and not prover.done:
+            task = prover.advance
+            is_turn = rounds % PROVING_ROUNDS != 1
+            if self._is_unbounded(rounds) and is_turn and self.may_part():
+                task = anneals
+        elif self.may_part():
+            task = anneals
+        if self._asks:
+            task = _one_after_another(task, self.apart(self.scaled(self._width)))
+        return task
+
+    def advance(self, prover: Prover | None, rounds: int) -> None:
+        """One round of all searches."""
+        knows = prover is not None and rounds > 1 and not self._is_unbounded(rounds)
+        proof = prover.proof if prover is not None and knows else None
+        if proof is not None and proof.latest is not None:
+            self.guided(proof.latest, min(2**rounds, MOST_GUIDED))
+        else:
+            self.usual(max(self._usual, self.scaled(self._width)))
+        self.varied(self.scaled(self._width))
+        self.anneal(self._annealings, VARIED_WIDTH)
+        self.improve(self._recreations, self.scaled(self._width // 20))
+
+    def usual(self, width: int) -> None:
+        """Search one beam with the usual settings, unless as wide a one was searched before."""
+        if width > self._widest:
+            self._widest = width
+            self.beam(width)
+
+    def guided(self, latest: Latest, beams: int) -> None:
+        """Search some beams by the times that a proof knows."""
+        for _ in range(beams):
+            if self._certificate.proven:
+                break
+            self.varied(USUAL_WIDTH, latest)
+
+    def beam(self, width: int) -> None:
+        """Search one beam with the usual settings."""
+        if self._stop.remaining_s() <= 0.0:
+            return
+        self._certificate.offer(self._beams.search(usual_settings(self._mission, width)))
+        self.counters["beams"] += 1
+
+    def varied(self, width: int, latest: Latest | None = None) -> None:
+        """Search one beam with settings near the usual ones."""
+        # The draws do not depend on the clock, so that time limits do not shift them.
+        mission, settings, seed = varied(self._mission, width, self._rng)
+        if self._stop.remaining_s() <= 0.0:
+            return
+        if latest is not None:
+            latest = latest._replace(goal=self._certificate.goal)
+        found = self._beams.search(settings, guide=latest, seed=seed, mission=mission)
+        self._certificate.offer(found)
+        self.counters["beams"] += 1
+
+    def anneal(self, annealings: int, width: int) -> None:
+        """Where planes drift: anneal an order again and again, another once that is fruitless."""
+        if not (self.drifts and self._mission.total_worth > 0.0):
+            return
+        if self._strings is None and self._stop.remaining_s() > 0.0:
+            self._strings = Strings(self._mission, int(self._rng.integers(2**31)), self._stop)
+            self._strings.begin(self._certificate.sequence or ())
+        for _ in range(annealings):
+            if self._strings is None or self._certificate.proven or self._stop.remaining_s() <= 0.0:
+                break
+            if self._fruitless == FRUITLESS:
+                mission, settings, seed = varied(self._mission, width, self._rng)
+                found = self._beams.search(settings, seed=seed, mission=mission)
+                self._certificate.offer(found)
+                self.counters["beams"] += 1
+                self._strings.begin(found)
+                self._fruitless = 0
+            before = self._certificate.incumbent
+            self._certificate.offer(self._strings.anneal(ANNEALED))
+            self._fruitless = 0 if self._certificate.incumbent > before else self._fruitless + 1
+            self.counters["annealings"] += 1
+
+    def may_part(self) -> bool:
+        """Get ready to anneal a second order; whether there is one to anneal."""
+        if self._strings is None:
+            return False
+        if self._beside is None:
+            self._beside = self._strings.beside(int(self._rng.integers(2**31)))
+        if self._certificate.incumbent > self._found.objective:
+            self._beside.begin(self._certificate.sequence or ())
+            self._found.offer(self._certificate.sequence or ())
+        return True
+
+    def part(self, annealings: int) -> None:
+        """Anneal a second order, in a thread beside the searches; :meth:`meet` brings it back."""
+        for _ in range(annealings):
+            if self._beside is None or self._stop.remaining_s() <= 0.0:
+                break
+            self._found.offer(self._beside.anneal(ANNEALED))
+
+    def apart(self, width: int) -> Task:
+        """A varied beam that is drawn now, to search in a thread; :meth:`meet` brings it back."""
+        mission, settings, seed = varied(self._mission, width, self._rng)
+        self.counters["beams"] += 1
+
+        def search() -> None:
+            if self._stop.remaining_s() > 0.0:
+                self._found.offer(self._beams_apart.search(settings, seed=seed, mission=mission))
+
+        return search
+
+    def meet(self, prover: Prover | None) -> None:
+        """Tell what was found in a thread, and do more in the next round."""
+        if self._found.sequence is not None:
+            self._certificate.offer(self._found.sequence)
+        self._width = min(2 * self._width, WIDEST)
+        self._recreations *= 2
+        self._annealings *= 2
+
+    def improve(self, recreations: int, width: int) -> None:
+        """Ruin and recreate the incumbent."""
+        rng = np.random.default_rng(int(self._rng.integers(2**31)))
+        for _ in range(recreations):
+            if self._stop.remaining_s() <= 0.0:
+                break
+            found = recreate(
+                self._mission, self._certificate.sequence or (), width, rng, self._stop
+            )
+            self._certificate.offer(found)
+            self.counters["recreations"] += 1
+
+
+def _prover(mission: Mission, certificate: GapTracker, stop: Stop, options: ProofOptions) -> Prover:
+    """The proving half."""
+    own = GapTracker(mission, certificate.tell)
+    return ConcurrentProof(
+        certificate, own, stop,
+        lambda: proof_of(mission, own, stop, options, LEAST_PROOF_S, LEAST_SET_UPS),
+    )  # fmt: skip
+
+
+def _one_after_another(first: Task | None, then: Task) -> Task:
+    """Both tasks as one."""
+
+    def both() -> None:
+        if first is not None:
+            first()
+        then()
+
+    return both
+
+
+def plan(
+    method: str,
+    mission: Mission,
+    *,
+    seed: int,
+    stop: Stop,
+    progress: Progress,
+    start: Iterable[int] | None = None,
+    options: ProofOptions,
+    proves: bool = True,
+    time_value_m_s_per_h: float = USUAL,
+) -> Result:
+    """The best plan of one chaser that the time allows, and a proof where one is found.
+
+    Begins with the guarded greedy plan and the searches of ``beam``. Then rounds: one of proof
+    (:class:`solvers.proof.proof.Proof`: it bounds the objective, and its searches for plans
+    worth more than the incumbent are exhaustive, so they find what beams miss) side by side with
+    wider beams, with ruin-and-recreate and, where planes drift or costs are given, with annealing
+    of orders. Where orders are annealed and a search has proven nothing, a second order is annealed
+    in most rounds in place of the proof.
+
+    Parameters
+    ----------
+    method : str
+        Whose result it is.
+    start : sequence of int, optional
+        A plan to begin from: bodies in order.
+    proves : bool
+        Whether to work on the bound.
+    time_value_m_s_per_h : float
+        As for ``beam``.
+    """
+    began = time.perf_counter()
+    given, mission = mission, hurried(mission, time_value_m_s_per_h)
+    certificate = GapTracker(mission, progress)
+    search = RouteSearches(mission, seed, stop, certificate)
+    certificate.offer(guarded_sequence(given))
+    if start is not None:
+        certificate.offer(start)
+    prover = _prover(mission, certificate, stop, options) if proves else None
+    search.begin(prover, options.cores)
+    rounds = run(certificate, search, prover, stop=stop, cores=options.cores)
+    counters: dict[str, float] = {"rounds": rounds, **search.counters}
+    if prover is not None:
+        counters |= prover.counters
+    problem = Problem.of(mission)
+    return certify_routes(
+        problem,
+        method,
+        certificate.routes,
+        seed=seed,
+        runtime_s=time.perf_counter() - began,
+        upper_bound=certificate.stated,
+        evidence=certificate.evidence,
+        counters=counters,
+        notes=proof_notes(problem) if math.isfinite(certificate.stated) else (),
+    )
