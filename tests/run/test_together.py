@@ -34,12 +34,9 @@ NEVER = MaxRuntime(math.inf)
 def planning(sequence: tuple[int, ...] | None, *, waits: bool = True, fails: bool = False) -> Any:
     """A planner that has a plan from the beginning and asks until it is told to stop."""
 
-    def method(mission: Problem, stop: Stop, progress: Progress) -> Result:
-        value = (
-            -math.inf
-            if sequence is None
-            else problem_of(mission).missions[0].time(sequence).objective
-        )
+    def method(mission: Any, stop: Stop, progress: Progress) -> Result:
+        mission = problem_of(mission).missions[0]
+        value = -math.inf if sequence is None else mission.time(sequence).objective
         progress(value, math.inf)
         asked = 0
         while waits:
@@ -50,9 +47,7 @@ def planning(sequence: tuple[int, ...] | None, *, waits: bool = True, fails: boo
                 break
             time.sleep(1e-3)
         counters = {"asked": asked}
-        return certify(
-            mission.missions[0], "plans", sequence, seed=0, runtime_s=0.0, counters=counters
-        )
+        return certify(mission, "plans", sequence, seed=0, runtime_s=0.0, counters=counters)
 
     return method
 
@@ -62,7 +57,7 @@ def proving(
 ) -> Any:
     """A bound that proves one value after the other, then asks until it is told to stop."""
 
-    def method(mission: Problem, stop: Stop, progress: Progress) -> Result:
+    def method(mission: Any, stop: Stop, progress: Progress) -> Result:
         best, asked = math.inf, 0
         for bound in bounds:
             best = min(best, bound)
@@ -79,7 +74,8 @@ def proving(
                     break
                 time.sleep(1e-3)
         return certify(
-            problem_of(mission).missions[0], "proves", plan, seed=0, runtime_s=0.0, upper_bound=best,
+            problem_of(mission).missions[0], "proves", plan, seed=0, runtime_s=0.0,
+            upper_bound=best,
             counters={"asked": asked}, notes=["rounded down"],
         )  # fmt: skip
 
