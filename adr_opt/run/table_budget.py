@@ -148,7 +148,7 @@ would take longer than finding them."""
 
 def may_ask(whole: Problem) -> bool:
     """Whether rows may have to be worked out on demand: a large field and a mission of weeks."""
-    if whole.alone is None or whole.has_timetable or not whole.connecting.may_be_asked:
+    if whole.has_timetable or not whole.connecting.may_be_asked:
         return False
     size = estimate(whole.instance)
     return size.entries >= LARGE_ENTRIES and size.events <= MOST_EVENTS

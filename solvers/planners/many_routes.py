@@ -14,6 +14,7 @@ from adr_opt.mission.certified import certify_routes
 from adr_opt.mission.problem import Problem, Routes
 from adr_opt.mission.result import Result
 
+from ..beams.timely_beams import pilots
 from ..columns.all_sets import lacks_plan, settle
 from ..columns.least_cost import prove_cost_by_columns
 from ..columns.proof import ColumnProof
@@ -37,7 +38,7 @@ USUAL_SWEEP_S = 0.017
 """What a sweep of the walks takes where so many moves are made."""
 
 WIDTH = 100
-"""Of the beams of a move."""
+"""Of the beams of a move; where rows are worked out on demand, the narrowest."""
 
 PACKING_S = 10.0
 """The longest that putting routes together may take in a round."""
@@ -109,6 +110,8 @@ class _Search:
         self.exchanges = Exchanges(problem, seed, certificate, pool)
         self._drifts = problem.instance.transfer.may_drift
         self._moves, self._most_moves = FIRST_MOVES, MOST_MOVES
+        first = problem.missions[0]
+        self._width = pilots(first)[0] if first.timetable.is_asked else WIDTH
 
     def begin(self, start: Routes | None, scale: int) -> None:
         """The first plans; ``scale`` times as many moves are made in a round as usual."""
@@ -128,9 +131,9 @@ class _Search:
         for _ in range(self._moves):
             if certificate.proven or self._stop.remaining_s() <= 0.0:
                 break
-            search.move(WIDTH)
+            search.move(self._width)
             if search.multipliers.any() and not certificate.proven:
-                search.complete(WIDTH)
+                search.complete(self._width)
 
     def exchange(self, stop: Stop) -> bool:
         """Make the best plan cheaper; whether anything was found."""

@@ -11,6 +11,7 @@ from adr_opt.plan.station_limits import Use
 
 from ..beams.beams import BeamSettings, beam_search, hurried, usual_settings
 from ..beams.greedy_order import guarded_sequence
+from ..beams.timely_beams import pilots
 from ..beams.varied_beams import varied
 from ..progress.gap import GapTracker
 from .one_chaser import FloatArray, left, one_after_another, targets_of, trimmed, without_empty
@@ -94,7 +95,8 @@ class RouteSearch:
             return ()
         layer = hurried(mission)
         self.counters["beams"] += 1
-        return self._beam(layer, usual_settings(layer, FIRST_WIDTH), 0)
+        width = pilots(mission)[0] if mission.timetable.is_asked else FIRST_WIDTH
+        return self._beam(layer, usual_settings(layer, width), 0)
 
     def _beam(self, mission: Mission, settings: BeamSettings, seed: int) -> tuple[int, ...]:
         found = beam_search(mission, settings, seed=seed, stop=self._stop)[0]

@@ -11,6 +11,7 @@ from adr_opt.kernels.tables import timetable as tables
 from adr_opt.legs.nearest_pairs import neighbours
 from adr_opt.legs.timetable import Timetable
 from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.run import table_budget
 from solvers.beams.beams import BeamSettings, beam_search, hurried
 from solvers.beams.greedy_order import greedy_sequence
@@ -176,3 +177,21 @@ def test_long_missions_have_tables(monkeypatch):
     assert table_budget.may_ask(Mission(drifting))
     waiting = drifting.replace(transfer=drifting.transfer.replace(max_drift_s=86400.0))
     assert not table_budget.may_ask(Mission(waiting))
+
+
+@pytest.mark.parametrize("method", ["greedy-guarded", "auto", "exact"])
+def test_several_chasers_plan_on_rows_that_are_asked_for(method):
+    """Without timetables two chasers plan as with them, and bounds stay above what they collect."""
+    for seed in range(3):
+        first = drawn(seed).chaser
+        instance = drawn(seed).replace(chasers=(first, first.replace(name="another")))
+        held, asked = Problem(instance), Problem(instance)
+        asked.ask(neighbours(instance, len(instance.names)))
+        results = [
+            adr_opt.solve(problem, method, time_limit=30.0, iterations=2)
+            for problem in (held, asked)
+        ]
+        assert adr_opt.check(instance, results[1].plan) == ()
+        assert results[1].upper_bound >= results[0].objective - 1e-9
+        if method == "greedy-guarded":
+            assert results[0].routes == results[1].routes
