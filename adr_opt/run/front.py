@@ -45,7 +45,7 @@ DEFAULT_TIME_LIMIT_S = 10.0
 DEFAULT_BOUND_TIME_LIMIT_S = 60.0
 
 
-def solve(
+def solve(  # noqa: PLR0913
     instance: AnyInstance | Problem,
     method: str = DEFAULT_METHOD,
     *,
@@ -120,7 +120,7 @@ def solve(
     return run(PLANNERS, instance, method, wanted, stop=stop, progress=progress)
 
 
-def bound(
+def bound(  # noqa: PLR0913
     instance: AnyInstance | Problem,
     method: str = DEFAULT_BOUND,
     *,
