@@ -26,7 +26,7 @@ import adr_opt
 from adr_opt.common.constants import DAY_S, MU_M3_S2
 from adr_opt.kernels.legs import co_elliptic, precession
 from adr_opt.kernels.orbits import ephemeris
-from adr_opt.sources.catalogue import read, to_instance
+from adr_opt.sources.catalogue import MissionOutline, read, to_instance
 
 RADIUS_M, CLIMB_M, ECCENTRICITY, TURN_DEG = 7.15e6, 100e3, 0.02, 3.0
 """Random legs: mean radius; largest difference of radii, eccentricity and angle of planes."""
@@ -205,7 +205,10 @@ def main() -> None:
         # Two of a catalogue: the model has two dynamics.
         fields += [
             to_instance(
-                read(path), max_targets=60, skip_bad=True, dynamics=dynamics, name=path.stem
+                read(path),
+                max_targets=60,
+                skip_bad=True,
+                mission=MissionOutline(name=path.stem, dynamics=dynamics),
             ).instance
             for dynamics in DYNAMICS
         ]

@@ -67,7 +67,7 @@ def fields(seeds: range, catalogues: list[Path], targets: int) -> Iterator[tuple
         instance = eccentric("nominal", seed).replace(dynamics="j2")
         yield f"{instance.name}, e to {ECCENTRICITY:g}", "nominal, eccentric", instance
     for path in catalogues:
-        found = to_instance(read(path), max_targets=targets, skip_bad=True, dynamics="j2")
+        found = to_instance(read(path), max_targets=targets, skip_bad=True)
         yield path.stem, "catalogues", found.instance
 
 

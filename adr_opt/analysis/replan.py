@@ -24,7 +24,7 @@ from ..run.methods import PLANNERS
 from .beginnings import beginnings, former_orders, orders_left
 from .deviations import Deviations
 from .putting import in_order, is_usurped, kept_waiting
-from .replanned import Replanned, compared
+from .replanned import PlannedRest, Replanned, compared
 from .rest import crossings, rest_of
 from .state import ChaserState, states_at
 
@@ -36,14 +36,11 @@ DEFAULT_TIME_LIMIT_S = 2.0
 HURRY = 110.0 / 75.0
 """What an hour is worth to the quick planner, as a multiple of what it is usually worth."""
 
-Found = tuple[Instance, tuple[ChaserState, ...], Result]
-"""What is left of the mission, where chasers go on from, and a plan of it."""
-
 Finding = Callable[[Instance, list[list[str]]], Result]
 """A plan of what is left, from what is left of the former orders."""
 
 
-def replan(
+def replan(  # noqa: PLR0913
     instance: Instance,
     plan: Plan,
     at_s: float,
@@ -135,17 +132,17 @@ def replan(
         problem = problem_of(beginning)
         return _certified(problem, _flyable(problem, orders), seed, 0.0)
 
-    def settled(found: Finding) -> Found:
+    def settled(found: Finding) -> PlannedRest:
         """What is found where each chaser has the kits aboard that it leaves behind, or carries."""
         now = states
         while True:
-            best: Found | None = None
+            best: PlannedRest | None = None
             for beginning, begun in beginnings(left, now, former):
                 made = found(beginning, orders_left(beginning, former, begun, now))
-                if best is None or _is_better(made, best[2]):
-                    best = beginning, begun, made
+                if best is None or _is_better(made, best.result):
+                    best = PlannedRest(beginning, begun, made)
             assert best is not None
-            if is_usurped(*best[1:]):
+            if is_usurped(best.states, best.result):
                 known = in_order(zoned, kept_waiting(now))
                 if known == now:
                     return settled(flown_on)
@@ -157,21 +154,21 @@ def replan(
             now = known
 
     best = settled(planned)
-    if any(state.idle_kits for state in best[1]):
+    if any(state.idle_kits for state in best.states):
         # Planned with other kits, the former rest was none of those that it was compared with.
         own = settled(flown_on)
-        if _is_better(own[2], best[2]):
+        if _is_better(own.result, best.result):
             best = own
     notes = (*notes, *_waits(states, best))
-    orders = tuple(former[state.chaser.name] for state in best[1])
-    return compared(instance, *best, orders, gone, went, notes, began)
+    orders = tuple(former[state.chaser.name] for state in best.states)
+    return compared(instance, best, orders, gone, went, notes, began)
 
 
 def _each_once(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-def _waits(states: Sequence[ChaserState], found: Found) -> Iterator[str]:
+def _waits(states: Sequence[ChaserState], found: PlannedRest) -> Iterator[str]:
     """What is said of chasers that go on from a disposal orbit where they have waited."""
     released = {state.chaser.name for state in states if state.is_released}
     instance, begun, made = found
@@ -184,7 +181,7 @@ def _waits(states: Sequence[ChaserState], found: Found) -> Iterator[str]:
         )
 
 
-def _carrying(states: tuple[ChaserState, ...], found: Found) -> tuple[ChaserState, ...]:
+def _carrying(states: tuple[ChaserState, ...], found: PlannedRest) -> tuple[ChaserState, ...]:
     """The states with the kits that a new rest leaves behind; more that are aboard stay there."""
     instance, _, made = found
     flown = () if made.plan is None else routes_of(instance, made.plan)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..common.card import Shown
 from ..mission.result import Result
@@ -111,21 +111,35 @@ class Replanned(Shown):
         }  # fmt: skip
 
 
+class PlannedRest(NamedTuple):
+    """What is left of a mission, and a plan of it.
+
+    Attributes
+    ----------
+    instance : Instance
+        What is left.
+    states : tuple of ChaserState
+        Where chasers go on from.
+    result : Result
+        Of planning it.
+    """
+
+    instance: Instance
+    states: tuple[ChaserState, ...]
+    result: Result
+
+
 def compared(
-    instance: Instance, chosen: Instance, states: tuple[ChaserState, ...], result: Result,
-    former: Orders, lost: tuple[str, ...], went: Deviations, notes: tuple[str, ...],
-    began: float,
+    instance: Instance, rest: PlannedRest, former: Orders, lost: tuple[str, ...],
+    went: Deviations, notes: tuple[str, ...], began: float,
 ) -> Replanned:  # fmt: skip
     """What a new rest gains and loses against the former one.
 
     Parameters
     ----------
-    instance, chosen : Instance
-        The whole mission, and what is left of it.
-    states : tuple of ChaserState
-        Where chasers go on from.
-    result : Result
-        Of planning what is left.
+    instance : Instance
+        The whole mission.
+    rest : PlannedRest
     former : tuple of tuple of str
         What the plan was about to do, for each chaser.
     lost : tuple of str
@@ -134,6 +148,7 @@ def compared(
     began : float
         When replanning began, by the performance counter [s].
     """
+    chosen, states, result = rest
     prizes = {target.name: target.prize for target in instance.targets}
     before = [name for order in former for name in order if name in prizes]
     plan = result.plan

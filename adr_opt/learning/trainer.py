@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Protocol
@@ -16,6 +17,32 @@ Report = Callable[[int, Mapping[str, float]], None]
 """Hears of the steps done so far, and of the last evaluation if there is a new one."""
 
 
+@dataclass(frozen=True)
+class TrainingOptions:
+    """How a configuration is trained.
+
+    Attributes
+    ----------
+    steps : int or None
+        Of the whole training; the configuration's own number if None.
+    seed, jobs : int
+        ``jobs``: threads.
+    device : str
+        Of PyTorch: "cpu", "cuda".
+    evaluate_every : int
+        Steps between evaluations on held fields.
+    checkpoint_s : float
+        Time between checkpoints [s].
+    """
+
+    steps: int | None
+    seed: int
+    jobs: int
+    device: str
+    evaluate_every: int
+    checkpoint_s: float
+
+
 class Trainer(Protocol):
     """A training configuration.
 
@@ -26,13 +53,8 @@ class Trainer(Protocol):
     def __call__(
         self,
         folder: Path,
+        options: TrainingOptions,
         *,
-        steps: int | None,
-        seed: int,
-        jobs: int,
-        device: str,
-        evaluate_every: int,
-        checkpoint_s: float,
         enough: Callable[[], bool],
         report: Report,
     ) -> None:
@@ -42,16 +64,7 @@ class Trainer(Protocol):
         ----------
         folder : Path
             Made if it does not exist.
-        steps : int or None
-            Of the whole training; the configuration's own number if None.
-        seed, jobs : int
-            ``jobs``: threads.
-        device : str
-            Of PyTorch: "cpu", "cuda".
-        evaluate_every : int
-            Steps between evaluations on held fields.
-        checkpoint_s : float
-            Time between checkpoints [s].
+        options : TrainingOptions
         enough : callable
             Asked after every step; True ends the training with a checkpoint.
         report : callable

@@ -149,7 +149,7 @@ class Timetable(Shown):
             given = (*connecting.inputs[:3], instance.transfer_rule(time_value_m_s_per_h))
             making.space(given[0], table)
             built = _in_slices(
-                lambda first, last: making.fill(first, last, chosen, *given, limits, table),
+                lambda first, last: making.fill(first, last, chosen, given, limits, table),
                 most, max(1, SLICE_ENTRIES // size.events), threads, so_far,
             )  # fmt: skip
         else:

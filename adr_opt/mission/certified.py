@@ -40,7 +40,7 @@ def _refuse_doubles(problem: Prizes, moves: Sequence[int]) -> None:
         raise InputError(f"{problem.names[twice[0]]!r} is visited twice; a target is done once")
 
 
-def certify(
+def certify(  # noqa: PLR0913
     mission: Mission,
     method: str,
     sequence: Iterable[int | str] | None,

@@ -227,11 +227,11 @@ class Scheduler:
             refill = rules.budget if loads is None else float(loads.full[aboard])
         flown = 0.0 if loads is None else float(loads.flown[j])
         weight, price = self._paid(here, found.delta_v, aboard, refuelled, j)
+        visit = kernels.Visit(j, aboard, rules.service[j], rules.opens[j], rules.closes[j], refill)
         front = Front(
             *kernels.follow(
                 here.ready, here.left, here.cost, weight,
-                (found.departure, found.arrival, found.delta_v, price),
-                rules.service[j], rules.opens[j], rules.closes[j], refill, loads, j, aboard,
+                (found.departure, found.arrival, found.delta_v, price), visit, loads,
             )
         )  # fmt: skip
         if self._weighs:

@@ -46,7 +46,7 @@ DEFAULT_TIME_LIMIT_S = 10.0
 DEFAULT_BOUND_TIME_LIMIT_S = 60.0
 
 
-def solve(
+def solve(  # noqa: PLR0913
     instance: AnyProblem,
     method: str = DEFAULT_METHOD,
     *,
@@ -121,7 +121,7 @@ def solve(
     return run(PLANNERS, instance, method, wanted, stop=stop, progress=progress)
 
 
-def bound(
+def bound(  # noqa: PLR0913
     instance: AnyProblem,
     method: str = DEFAULT_BOUND,
     *,

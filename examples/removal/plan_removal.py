@@ -81,9 +81,8 @@ def mission(typed: argparse.Namespace) -> Instance:
         filters=catalogue.Filters(
             names=tuple(MASSES_KG), altitude_km=(700.0, 1000.0), inclination_deg=(70.0, 84.0)
         ),
-        duration_s=DAY_S * typed.days,
         skip_bad=True,
-        refuelling=False,
+        mission=catalogue.MissionOutline(duration_s=DAY_S * typed.days, refuelling=False),
         crew=catalogue.Crew(
             tank=TankByMass(propellant_kg=typed.propellant, **TANK),
             launches=3, apart_s=DAY_S * typed.launch_every, kits=typed.kits,

@@ -18,6 +18,7 @@ from pathlib import Path
 
 import adr_opt
 from adr_opt.common.wording import status_words
+from adr_opt.problem.chasers import Tank
 from adr_opt.sources import catalogue
 from adr_opt.ui.report import write_report
 
@@ -38,10 +39,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         made = catalogue.to_instance(
             catalogue.read(typed.files, skip_bad=True),
             filters=catalogue.Filters(names=(typed.name,)),
-            duration_s=DAY_S * typed.days,
-            delta_v_m_s=typed.delta_v,
             skip_bad=True,
-            refuelling=False,
+            mission=catalogue.MissionOutline(duration_s=DAY_S * typed.days, refuelling=False),
+            crew=catalogue.Crew(Tank(delta_v_m_s=typed.delta_v)),
         )
         for warning in made.warnings:
             print(f"warning: {warning}", file=sys.stderr)

@@ -166,9 +166,8 @@ def beam_kernel(rules, done, first, guide, guided, weights, halt):
             share = max(1, math.ceil(weights.crowding * most / remaining))
         count, looked_at = levels.succeed(search, level, size, serviced + depth, wanted, cand)
         priced += looked_at
-        size = levels.keep(
-            search, level, serviced + depth, cand, count, most, share, scratch, after
-        )
+        room = levels.LevelRoom(most, share)
+        size = levels.keep(search, level, serviced + depth, cand, count, room, scratch, after)
         for s in range(size):
             parent_of[depth, s] = cand.parent[which[s]]
             move_of[depth, s], via_of[depth, s] = cand.move[which[s]], cand.via[which[s]]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +20,13 @@ GUARDED_BETA = 0.0125
 
 WAYS = 4
 """Required targets are looked for cheapest or most urgent first, with the guard and without."""
+
+
+class MoveCost(NamedTuple):
+    """What a move costs: α·ΔV [m/s] + β·T [s], T from ready to the beginning of service."""
+
+    alpha: float
+    beta: float
 
 
 def greedy_sequence(
@@ -56,7 +64,7 @@ def greedy_sequence(
     most = most_kits(rules.loads)
     heavy = rules.loads is not None and rules.loads.heavy
     found: list[npt.NDArray[np.int64]] = [
-        _greedy(rules, mission.is_required, moves, alpha, beta, guarded, kits)
+        _greedy(rules, mission.is_required, moves, MoveCost(alpha, beta), guarded, kits)
         for kits in range(0 if heavy else most, most + 1)
     ]
     return max(found, key=lambda sequence: float(rule_kernels.collected(rules, sequence)))
@@ -68,7 +76,7 @@ def guarded_sequence(mission: Mission) -> npt.NDArray[np.int64]:
 
 
 @kernel
-def _greedy(rules, is_required, beginning, alpha, beta, guarded, kits):
+def _greedy(rules, is_required, beginning, costs, guarded, kits):
     rules = borrowed(rules)
     bodies = rules.service.size
     visited = np.zeros(bodies, dtype=np.bool_)
@@ -80,9 +88,9 @@ def _greedy(rules, is_required, beginning, alpha, beta, guarded, kits):
     write(sequence, beginning[:moves])
     missing = _missing(is_required, visited)
     while True:
-        choice = _next(rules, is_required, state, visited, alpha, beta, guarded, False, False)
+        choice = _next(rules, is_required, state, visited, costs, guarded, False, False)
         if missing > 0:
-            choice = _in_time(rules, is_required, state, visited, alpha, beta, choice)
+            choice = _in_time(rules, is_required, state, visited, costs, choice)
         if choice < 0:
             return sequence[:moves]
         _, _, state = rule_kernels.step(rules, state, choice)
@@ -93,7 +101,7 @@ def _greedy(rules, is_required, beginning, alpha, beta, guarded, kits):
 
 
 @kernel
-def _next(rules, is_required, state, visited, alpha, beta, guarded, required, urgent):
+def _next(rules, is_required, state, visited, costs, guarded, required, urgent):
     """The cheapest legal target, else a station; −1 if no move is legal.
 
     Parameters
@@ -114,7 +122,8 @@ def _next(rules, is_required, state, visited, alpha, beta, guarded, required, ur
         legal, delta_v, after = rule_kernels.step(rules, state, j)
         if not legal:
             continue
-        cost = alpha * delta_v + beta * (after.time - rules.service[j] - state.time)
+        taken_s = after.time - rules.service[j] - state.time
+        cost = costs.alpha * delta_v + costs.beta * taken_s
         if urgent:
             cost = rules.closes[j]
         if cost < best_cost:
@@ -123,39 +132,39 @@ def _next(rules, is_required, state, visited, alpha, beta, guarded, required, ur
             safe, safe_cost = j, cost
     choice = safe if guarded else best
     if choice < 0:
-        choice = _cheapest_station(rules, state, alpha, beta)
+        choice = _cheapest_station(rules, state, costs)
     return best if choice < 0 else choice
 
 
 @kernel
-def _next_required(rules, is_required, state, visited, alpha, beta, way):
+def _next_required(rules, is_required, state, visited, costs, way):
     """The same of required targets only, by one of the ways to look for them."""
-    return _next(rules, is_required, state, visited, alpha, beta, way < 2, True, way % 2 == 1)
+    return _next(rules, is_required, state, visited, costs, way < 2, True, way % 2 == 1)
 
 
 @kernel
-def _in_time(rules, is_required, state, visited, alpha, beta, choice):
+def _in_time(rules, is_required, state, visited, costs, choice):
     """A move if the required targets can still be serviced after it, else the first of those."""
     if choice >= 0:
         done = visited.copy()
         done[choice] = not rules.is_station[choice]
         _, _, after = rule_kernels.step(rules, state, choice)
         for way in range(WAYS):
-            if _services(rules, is_required, after, done, alpha, beta, way):
+            if _services(rules, is_required, after, done, costs, way):
                 return choice
     for way in range(WAYS):
-        if _services(rules, is_required, state, visited, alpha, beta, way):
-            return _next_required(rules, is_required, state, visited, alpha, beta, way)
+        if _services(rules, is_required, state, visited, costs, way):
+            return _next_required(rules, is_required, state, visited, costs, way)
     return choice
 
 
 @kernel
-def _services(rules, is_required, state, visited, alpha, beta, way):
+def _services(rules, is_required, state, visited, costs, way):
     """Whether a chaser that looks at required targets only comes to all that are missing."""
     visited = visited.copy()
     missing = _missing(is_required, visited)
     while missing > 0:
-        choice = _next_required(rules, is_required, state, visited, alpha, beta, way)
+        choice = _next_required(rules, is_required, state, visited, costs, way)
         if choice < 0:
             return False
         _, _, state = rule_kernels.step(rules, state, choice)
@@ -174,14 +183,14 @@ def _missing(is_required, visited):
 
 
 @kernel
-def _cheapest_station(rules, state, alpha, beta):
+def _cheapest_station(rules, state, costs):
     """The station where a chaser refuels; −1 if it may refuel at none."""
     cheapest, least = -1, math.inf
     for s in range(rules.stations):
         if s == state.body:
             continue
         legal, delta_v, after = rule_kernels.step(rules, state, s)
-        cost = alpha * delta_v + beta * (after.time - state.time)
+        cost = costs.alpha * delta_v + costs.beta * (after.time - state.time)
         if legal and cost < least:
             cheapest, least = s, cost
     return cheapest

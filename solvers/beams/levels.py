@@ -103,6 +103,13 @@ class Successors(NamedTuple):
     spent: np.ndarray
 
 
+class LevelRoom(NamedTuple):
+    """Most states that a level keeps, in all and at one body."""
+
+    states: int
+    at_body: int
+
+
 class LevelScratch(NamedTuple):
     """Memory of :func:`keep`.
 
@@ -321,7 +328,7 @@ def succeed(search, level, size, serviced, wanted, cand):
 
 
 @kernel
-def keep(search, level, serviced, cand, count, most, share, scratch, after):
+def keep(search, level, serviced, cand, count, room, scratch, after):
     """Keep the best candidates that are not dominated, into the level ``after``; returns how many.
 
     Parameters
@@ -333,8 +340,7 @@ def keep(search, level, serviced, cand, count, most, share, scratch, after):
     cand : Successors
     count : int
         Successors of the level among them.
-    most, share : int
-        States to keep in all and at one body.
+    room : LevelRoom
     scratch : LevelScratch
     after : Level
         Written.
@@ -350,11 +356,11 @@ def keep(search, level, serviced, cand, count, most, share, scratch, after):
         held[body] = 0
     size, stranded = 0, 0
     for turn in range(2 * count):
-        if size == most or turn == count + stranded:
+        if size == room.states or turn == count + stranded:
             break
         c = order[turn] if turn < count else waiting[turn - count]
         s, j = cand.parent[c], np.int64(cand.move[c])
-        if held[j] == share:
+        if held[j] == room.at_body:
             continue
         since = level.since[s] + 1 if cand.via[c] == STRAIGHT else np.int64(1)
         kits = kits_after(rules.loads, j, level.kits[s])

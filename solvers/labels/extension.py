@@ -38,7 +38,7 @@ from adr_opt.mission.evidence import WORD
 
 from ..networks.layers import SLACK
 from .pending import is_preceded, next_of, send, take
-from .waiting import FINE, arrive, is_dominated, keep
+from .waiting import FINE, Candidate, arrive, is_dominated, keep
 
 MOST_PAID = 2.0**60
 """Walks pay no more than this for time: enough to be of no use [fine units]."""
@@ -137,6 +137,21 @@ class LabelQuery(NamedTuple):
     reach_unit: float
 
 
+class RowOrder(NamedTuple):
+    """The rows of a network.
+
+    Attributes
+    ----------
+    body : (rows,) int32
+        Body of each row.
+    by_departure : (rows,) int64
+        Rows by departure.
+    """
+
+    body: np.ndarray
+    by_departure: np.ndarray
+
+
 @inlined
 def _layer_of(loads, values, kits):
     """Where the layer of so many kits begins."""
@@ -206,13 +221,13 @@ def _time_paid(search, end):
 
 
 @inlined
-def _useful(network, search, row, value, left, kits, worth, i, j):
+def _useful(network, search, row, value, left, kits, worth, i):
     """The legs of a row that may lead on: from the one number to before the other one.
 
     The later they land, the less they cost. So none is of use that lands too late even for the
     least ΔV of all, nor one that costs too much even for the earliest landing.
     """
-    first, last = network.first[row], network.first[row + 1] - 1
+    j, first, last = network.destination[row], network.first[row], network.first[row + 1] - 1
     least = network.delta_v[last]
     if least > left:
         return first, first
@@ -245,16 +260,13 @@ def _useful(network, search, row, value, left, kits, worth, i, j):
 
 
 @kernel
-def extend(network, body, order, search, labels, pending, waiting, cursor, effort):
+def extend(network, rows, search, labels, pending, waiting, cursor, effort):
     """Extend labels row by row in order of departure, for a while.
 
     Parameters
     ----------
     network : Network
-    body : (rows,) int32
-        Body of each row.
-    order : (rows,) int64
-        Rows by departure.
+    rows : RowOrder
     search : LabelQuery
     labels : Labels
     pending : Pending
@@ -262,7 +274,7 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
     waiting : Waiting
         Updated.
     cursor : (3,) int64
-        Position in ``order``, number of labels, extensions tried; updated.
+        Position in the order, number of labels, extensions tried; updated.
     effort : int
         Extensions to make.
 
@@ -275,6 +287,7 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
     """
     network, search, labels = borrowed(network), borrowed(search), borrowed(labels)
     waiting, pending = borrowed(waiting), borrowed(pending)
+    body, order = rows
     words = search.neighbourhood.shape[1]
     counts = search.most_visits < search.gain.size
     timed = network.end.size > 0
@@ -308,7 +321,7 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
             left, value, worth = labels.left[here], labels.value[here], labels.worth[here]
             collected = worth + search.worths[j]
             kits = kits_in(search.loads, labels.visits[here])
-            begin, end = _useful(network, search, row, value, left, kits, collected, behind, j)
+            begin, end = _useful(network, search, row, value, left, kits, collected, behind)
             if begin >= end:
                 continue
             # What does not limit a walk is not counted, so that it tells no labels apart.
@@ -328,15 +341,14 @@ def extend(network, body, order, search, labels, pending, waiting, cursor, effor
                     continue
                 cursor[2] += 1
                 visits = with_kits(search.loads, services, aboard)
+                candidate = Candidate(then, rest, np.int64(visits), collected)
                 if is_dominated(
-                    waiting, labels, j, then, rest, visits, collected, remembered,
-                    compared, search.loads,
+                    waiting, labels, j, candidate, remembered, compared, search.loads
                 ):  # fmt: skip
                     continue
                 preceded = is_preceded(
-                    pending, landing, labels, then, rest, visits, collected, remembered,
-                    compared, search.loads,
-                )  # fmt: skip
+                    pending, landing, labels, candidate, remembered, compared, search.loads
+                )
                 # Who is ready by the same row may have been ready later: if the walk ends here,
                 # it may pay for less time than the one that dominates it.
                 if preceded and not (

@@ -27,9 +27,10 @@ from .extension import (
     PILED,
     CompletionValues,
     LabelQuery,
+    RowOrder,
     extend,
 )
-from .ng_augmentation import learn, most_of, path_of, plans_of
+from .ng_augmentation import WalkThreshold, learn, most_of, path_of, plans_of
 from .pending import more_room, pending_room, send
 from .waiting import FINE, Labels, labels_room, larger, room
 
@@ -110,8 +111,10 @@ class LabelSearch:
         self.searches = 0
         self._last = 0, 0
         self._roots = 1 if bound.loads is None else bound.loads.full.size
-        self._body = np.repeat(np.arange(bodies, dtype=np.int32), np.diff(network.start))
-        self._order = np.argsort(network.departure, kind="stable")
+        self._rows = RowOrder(
+            np.repeat(np.arange(bodies, dtype=np.int32), np.diff(network.start)),
+            np.argsort(network.departure, kind="stable"),
+        )
         self._timed = network.end.size > 0
         self._labels = labels_room(1 << 16, self.neighbourhood.shape[1], timed=self._timed)
         self._gain = np.zeros(bodies, dtype=np.int64)
@@ -185,7 +188,7 @@ class LabelSearch:
         )  # fmt: skip
         words = self.neighbourhood.shape[1]
         waiting = room(bound.prize.size, words, FIRST_WAITING)
-        pending = pending_room(self._body.size, words, FIRST_BLOCKS)
+        pending = pending_room(self._rows.body.size, words, FIRST_BLOCKS)
         for label in range(self._roots):
             send(pending, bound.network.roots[self._start], self._labels, label)
 
@@ -193,9 +196,8 @@ class LabelSearch:
             nonlocal waiting, pending
             while True:
                 state = extend(
-                    bound.network, self._body, self._order, search, labels, pending, waiting,
-                    cursor, EFFORT,
-                )  # fmt: skip
+                    bound.network, self._rows, search, labels, pending, waiting, cursor, EFFORT
+                )
                 if state == CROWDED:
                     waiting = larger(waiting, words)
                 elif state == PILED:
@@ -221,13 +223,12 @@ class LabelSearch:
         network, labels = self._bound.network, self._labels
         path = np.empty(self._bound.most_legs + 1, dtype=np.int64)
         at = np.empty(count, dtype=np.int32)
-        number = plans_of(
-            network, labels, self._body, count, need, self.least_worth, self._gain.size, path, at
-        )
+        least = WalkThreshold(need, self.least_worth)
+        number = plans_of(network, labels, self._rows.body, count, least, self._gain.size, path, at)
         at = at[:number]
         seen, found = set[frozenset[int]](), list[tuple[tuple[int, ...], float]]()
         for label in at[np.argsort(-labels.final[at], kind="stable")]:
-            route = path[: path_of(labels, self._body, label, path)].tolist()
+            route = path[: path_of(labels, self._rows.body, label, path)].tolist()
             targets = frozenset(route)
             if targets not in seen:
                 seen.add(targets)
@@ -291,15 +292,15 @@ class LabelSearch:
         count = int(cursor[1])
         self.labels_made += count
         self._last = count, need
-        best = int(most_of(bound.network, labels, self._body, count, need - 1, self.least_worth))
+        body, least = self._rows.body, WalkThreshold(need, self.least_worth)
+        best = int(most_of(bound.network, labels, body, count, least._replace(value=need - 1)))
         if best < need:
             return True, -math.inf, None, 0
         path = np.empty(bound.most_legs + 1, dtype=np.int64)
         plan, grown = learn(
-            bound.network, labels, self._body, count, need, self.least_worth, WALKS,
-            self.neighbourhood, path,
-        )  # fmt: skip
+            bound.network, labels, body, count, least, WALKS, self.neighbourhood, path
+        )
         sequence = None
         if plan >= 0:
-            sequence = path[: path_of(labels, self._body, plan, path)].copy()
+            sequence = path[: path_of(labels, self._rows.body, plan, path)].copy()
         return True, best * self._unit + self.total, sequence, int(grown)

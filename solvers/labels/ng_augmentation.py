@@ -7,6 +7,8 @@ few more memories forbid. Often the walks looked at after it are forbidden by th
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from adr_opt.kernels.core.compile import inlined, kernel
@@ -15,6 +17,21 @@ from adr_opt.mission.evidence import WORD
 
 SHORT = 4
 """Cycles that at most so many more memories forbid are forbidden, and one of any length."""
+
+
+class WalkThreshold(NamedTuple):
+    """What walks that count are worth at least.
+
+    Attributes
+    ----------
+    value : int
+        [fine units].
+    worth : float
+        Of their targets.
+    """
+
+    value: int
+    worth: float
 
 
 @kernel
@@ -92,7 +109,7 @@ def _forbid(network, path, length, neighbourhood, seen, most):
 
 
 @kernel
-def learn(network, labels, body, count, least, least_worth, most_walks, neighbourhood, path):
+def learn(network, labels, body, count, least, most_walks, neighbourhood, path):
     """Look at walks worth at least so much, and let the bodies inside their cycles remember.
 
     Parameters
@@ -103,10 +120,8 @@ def learn(network, labels, body, count, least, least_worth, most_walks, neighbou
         Body of each row.
     count : int
         Number of labels.
-    least : int
-        Walks of less value are not looked at [fine units].
-    least_worth : float
-        Walks of less worth are not looked at.
+    least : WalkThreshold
+        Other walks are not looked at.
     most_walks : int
         Walks to learn from, spread evenly over all of them: neighbours share their cycles.
     neighbourhood : (bodies, words) int64
@@ -124,13 +139,13 @@ def learn(network, labels, body, count, least, least_worth, most_walks, neighbou
     network, labels, body = borrowed(network), borrowed(labels), borrowed(body)
     walks = 0
     for label in range(count):
-        walks += _value(network, labels, body, label, least_worth) >= least
+        walks += _value(network, labels, body, label, least.worth) >= least.value
     stride = max(1, walks // most_walks)
     seen = np.empty(neighbourhood.shape[0], dtype=np.int64)
-    plan, grown, number, most = -1, 0, 0, least - 1
+    plan, grown, number, most = -1, 0, 0, least.value - 1
     for label in range(count):
-        value = _value(network, labels, body, label, least_worth)
-        if value < least:
+        value = _value(network, labels, body, label, least.worth)
+        if value < least.value:
             continue
         number += 1
         length = path_of(labels, body, label, path)
@@ -144,12 +159,12 @@ def learn(network, labels, body, count, least, least_worth, most_walks, neighbou
 
 
 @kernel
-def plans_of(network, labels, body, count, least, least_worth, bodies, path, found):
+def plans_of(network, labels, body, count, least, bodies, path, found):
     """Labels whose walks are plans worth at least so much; returns how many.
 
     Parameters
     ----------
-    network, labels, body, count, least, least_worth, path
+    network, labels, body, count, least, path
         As of :func:`learn`.
     bodies : int
     found : (labels,) int32
@@ -160,7 +175,7 @@ def plans_of(network, labels, body, count, least, least_worth, bodies, path, fou
     seen = np.empty(bodies, dtype=np.int64)
     plans = 0
     for label in range(count):
-        if _value(network, labels, body, label, least_worth) < least:
+        if _value(network, labels, body, label, least.worth) < least.value:
             continue
         length = path_of(labels, body, label, path)
         if _fewest(network, path, length, remembers_nothing, seen) < 0:
@@ -170,10 +185,10 @@ def plans_of(network, labels, body, count, least, least_worth, bodies, path, fou
 
 
 @kernel
-def most_of(network, labels, body, count, least, least_worth):
-    """Greatest value of the walks that count, see :func:`_value`; ``least`` if all are below."""
+def most_of(network, labels, body, count, least):
+    """Greatest value of the walks that count, see :func:`_value`; the least if all are below."""
     network, labels, body = borrowed(network), borrowed(labels), borrowed(body)
-    best = least
+    best = least.value
     for label in range(count):
-        best = max(best, _value(network, labels, body, label, least_worth))
+        best = max(best, _value(network, labels, body, label, least.worth))
     return best

@@ -67,10 +67,9 @@ def more_room(pending: Pending, words: int) -> Pending:
 
 
 @kernel
-def is_preceded(
-    pending, row, labels, value, left, visits, worth, memory, compared, loads
-):  # fmt: skip
+def is_preceded(pending, row, labels, candidate, memory, compared, loads):
     """Whether a label on its way to a row dominates what could come there."""
+    left, value = candidate.left, candidate.value
     block = pending.first[row]
     while block >= 0:
         base = block * (2 + 2 * memory.size) * LANES
@@ -78,9 +77,8 @@ def is_preceded(
         lane = 0
         while hits >> lane:
             if hits >> lane & 1 and dominates(
-                labels, pending.label[block * LANES + lane], value, left, visits, worth, memory,
-                compared, loads,
-            ):  # fmt: skip
+                labels, pending.label[block * LANES + lane], candidate, memory, compared, loads
+            ):
                 return True
             lane += 1
         block = pending.following[block]

@@ -74,6 +74,15 @@ def bytes_each() -> int:
     return sum(array.nbytes for array in {id(each): each for each in labels_room(1)}.values())
 
 
+class Candidate(NamedTuple):
+    """A partial walk before it has a label, but for its memory; as in :class:`Labels`."""
+
+    value: np.int64
+    left: float
+    visits: np.int64
+    worth: float
+
+
 class Waiting(NamedTuple):
     """The labels at each body.
 
@@ -126,16 +135,27 @@ def _part(memory, part):
 
 
 @inlined
-def dominates(labels, one, value, left, visits, worth, memory, compared, loads):
-    """Whether label ``one`` is worth as much, has as much left and remembers nothing more.
+def candidate_of(labels, label):
+    """A label as a candidate."""
+    return Candidate(
+        labels.value[label], labels.left[label], np.int64(labels.visits[label]),
+        labels.worth[label],
+    )  # fmt: skip
+
+
+@inlined
+def dominates(labels, one, other, memory, compared, loads):
+    """Whether label ``one`` is worth as much as a candidate, has as much left, remembers no more.
 
     And may stand for one with so many kits.
 
     Of the memory only the targets in ``compared`` count.
     """
-    if labels.value[one] < value or labels.left[one] < left:
+    if labels.value[one] < other.value or labels.left[one] < other.left:
         return False
-    if labels.worth[one] < worth or not may_serve_for(loads, labels.visits[one], visits):
+    if labels.worth[one] < other.worth:
+        return False
+    if not may_serve_for(loads, labels.visits[one], other.visits):
         return False
     beyond = 0
     for w in range(memory.size):
@@ -174,10 +194,9 @@ def fill_lane(keys, at, stride, labels, label):
 
 
 @kernel
-def is_dominated(
-    waiting, labels, j, value, left, visits, worth, memory, compared, loads
-):  # fmt: skip
+def is_dominated(waiting, labels, j, candidate, memory, compared, loads):
     """Whether a label that waits at body j dominates what could come there."""
+    left, value = candidate.left, candidate.value
     capacity = waiting.label.shape[1]
     base = j * (2 + 2 * memory.size) * capacity
     for k in range(0, waiting.size[j], simd.LANES):
@@ -185,9 +204,8 @@ def is_dominated(
         lane = 0
         while hits >> lane:
             if hits >> lane & 1 and dominates(
-                labels, waiting.label[j, k + lane], value, left, visits, worth, memory,
-                compared, loads,
-            ):  # fmt: skip
+                labels, waiting.label[j, k + lane], candidate, memory, compared, loads
+            ):
                 return True
             lane += 1
     return False
@@ -214,8 +232,7 @@ def _drop_dominated(waiting, labels, j, label, compared, loads):
             if hits >> lane & 1 and k + lane < waiting.size[j]:
                 other = waiting.label[j, k + lane]
                 if other >= 0 and dominates(
-                    labels, label, labels.value[other], labels.left[other], labels.visits[other],
-                    labels.worth[other], labels.memory[other], compared,
+                    labels, label, candidate_of(labels, other), labels.memory[other], compared,
                     loads,
                 ):  # fmt: skip
                     waiting.label[j, k + lane] = -1
@@ -239,10 +256,7 @@ def arrive(waiting, labels, j, label, compared, loads):
         False if there is no room for it.
     """
     memory = labels.memory[label]
-    if is_dominated(
-        waiting, labels, j, labels.value[label], labels.left[label], labels.visits[label],
-        labels.worth[label], memory, compared, loads,
-    ):  # fmt: skip
+    if is_dominated(waiting, labels, j, candidate_of(labels, label), memory, compared, loads):
         return True
     at, capacity = waiting.size[j], waiting.label.shape[1]
     if at == capacity:

@@ -18,6 +18,7 @@ next body is, one of the two may go there (as in :mod:`solvers.walks.walks`).
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -45,6 +46,24 @@ LARGEST = 2**40
 """No sum of values exceeds it in size, and NEVER is far below whatever is added to it."""
 
 
+class PathTerms(NamedTuple):
+    """What legs take and services give.
+
+    Attributes
+    ----------
+    cost : (legs,) int64
+        [slots].
+    gain : (bodies,) int64
+        Packed with no body.
+    top : int
+        Slots of a full tank.
+    """
+
+    cost: np.ndarray
+    gain: np.ndarray
+    top: int
+
+
 def finest_slot(network: SolverNetwork, budget: float) -> float:
     """The finest slot of ΔV that a sweep over the network can afford [m/s]."""
     return max(FINEST_SLOT_M_S, budget * network.nodes / MOST_STATES)
@@ -67,8 +86,9 @@ def _put(best, second, value):
 
 
 @kernel
-def _forwards(network, is_station, cost, gain, top, best, second):
+def _forwards(network, is_station, terms, best, second):
     """Most collected up to every (node, slots used), the node's own gain included."""
+    cost, gain, top = terms
     best[:] = NEVER
     second[:] = NEVER
     best[0, 0] = NOBODY
@@ -101,12 +121,13 @@ def _forwards(network, is_station, cost, gain, top, best, second):
 
 
 @kernel
-def _backwards(network, is_station, may_end, cost, gain, top, best, second, through):
+def _backwards(network, is_station, may_end, terms, best, second, through):
     """Most of a path through every leg; turns ``best``, as forwards, into what is left to come.
 
     Rows of ``best`` are read last when the node's own legs are done, so each is then overwritten
     with the most that can be collected after the node, by slots used.
     """
+    cost, gain, top = terms
     ahead, instead = np.empty(top + 1, np.int64), np.empty(top + 1, np.int64)
     for node in range(network.body.size - 1, -1, -1):
         i = network.body[node]
@@ -167,8 +188,9 @@ def best_through(
     gain = np.ceil(worth / unit).astype(np.int64) << BITS
     best, second = (np.empty((network.nodes, top + 1), dtype=np.int64) for _ in range(2))
     most = np.empty(network.legs, dtype=np.int64)
-    _forwards(network, rules.is_station, cost, gain, top, best, second)
-    _backwards(network, rules.is_station, rules.may_end, cost, gain, top, best, second, most)
+    terms = PathTerms(cost, gain, top)
+    _forwards(network, rules.is_station, terms, best, second)
+    _backwards(network, rules.is_station, rules.may_end, terms, best, second, most)
     through: np.ndarray = most * unit + float(multipliers.sum())
     through[most < -LARGEST] = -math.inf
     return through

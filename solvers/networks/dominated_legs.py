@@ -7,6 +7,8 @@ it. Of those that labels could take again and again while they wait, nearly all 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from adr_opt.kernels.core.compile import kernel
@@ -15,8 +17,25 @@ LOOK_BACK = 8
 """A leg is compared with those of so many earlier departures; to miss one is no mistake."""
 
 
+class RowLegs(NamedTuple):
+    """Legs by row.
+
+    Attributes
+    ----------
+    destination, first, delta_v
+        As in :class:`.arrays.Network`.
+    landing : (legs,) int32 or float64
+        When legs land, in any measure of time.
+    """
+
+    destination: np.ndarray
+    first: np.ndarray
+    landing: np.ndarray
+    delta_v: np.ndarray
+
+
 @kernel
-def mark_stale(begin, end, bodies, destination, first, landing, delta_v, since, fresh):
+def mark_stale(begin, end, bodies, legs, since, fresh):
     """Find out since when nobody has a use for the legs of a body.
 
     Parameters
@@ -24,15 +43,13 @@ def mark_stale(begin, end, bodies, destination, first, landing, delta_v, since, 
     begin, end : int
         The rows of the body.
     bodies : int
-    destination, first, delta_v
-        As in :class:`.arrays.Network`.
-    landing : (legs,) int32 or float64
-        When legs land, in any measure of time.
+    legs : RowLegs
     since : (legs,) int32
         Written: who was ready by this row has no use for the leg; −1 for none.
     fresh : (rows,) int32
         Written: who was ready by this row has no use for any leg of the row.
     """
+    destination, first, landing, delta_v = legs
     earlier = np.full((bodies, LOOK_BACK), -1)
     for row in range(begin, end):
         ahead = earlier[destination[row]]

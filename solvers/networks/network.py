@@ -24,7 +24,7 @@ from adr_opt.kernels.legs.found import ConnectionArrays
 from adr_opt.mission.mission import Mission
 
 from .arrays import Network, joined
-from .dominated_legs import mark_stale
+from .dominated_legs import RowLegs, mark_stale
 
 
 class Outgoing(NamedTuple):
@@ -278,10 +278,8 @@ def build(
             if with_ends:
                 end[own] = found[i].end[found[i].service]
             # Within a row of landing, too, an earlier end is of use to those who pay for time.
-            lands = end if with_ends else landing
-            mark_stale(
-                start[i], start[i + 1], bodies, destination, first, lands, delta_v, since, fresh
-            )
+            legs = RowLegs(destination, first, end if with_ends else landing, delta_v)
+            mark_stale(start[i], start[i + 1], bodies, legs, since, fresh)
 
         list(pool.map(land, range(bodies)))
     flown = [each.shortest for i, each in enumerate(found) if i not in launched]

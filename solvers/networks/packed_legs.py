@@ -89,16 +89,24 @@ def first_leg(stream, body, step):
     return low
 
 
+class LegUnits(NamedTuple):
+    """A step of time [s] and a unit of ΔV [m/s], in which legs are counted."""
+
+    length: float
+    unit: float
+
+
 class NoRoom(Exception):
     """There are more legs than there is room for."""
 
 
 @kernel
-def _put(j, found, rules, length, unit, ahead, earliest, room, count):
+def _put(j, found, rules, units, ahead, earliest, room, count):
     """Put the legs of one pair that count behind ``count`` others.
 
     Parameters
     ----------
+    units : LegUnits
     ahead : int
         What departures are later by than their step.
     earliest : (units + 1,) int64
@@ -111,6 +119,7 @@ def _put(j, found, rules, length, unit, ahead, earliest, room, count):
         The same, or a larger one.
     count : int
     """
+    length, unit = units
     for cost in range(earliest.size):
         earliest[cost] = NEVER
     for c in range(found.departure.size - 1, -1, -1):
@@ -139,20 +148,29 @@ def _put(j, found, rules, length, unit, ahead, earliest, room, count):
 
 
 @kernel
-def _of_body(
-    i, leaving, orbits, extra_delta_v, transfer_rule, listed, rules, is_start, length, unit, units,
-    ahead,
-):  # fmt: skip
-    """All legs of a body that count, and the fewest steps that one of them takes."""
+def _of_body(i, inputs, listed, rules, is_start, units, most, ahead):
+    """All legs of a body that count, and the fewest steps that one of them takes.
+
+    Parameters
+    ----------
+    inputs : tuple
+        As :attr:`adr_opt.mission.problem.Mission.transfer_inputs`.
+    units : LegUnits
+    most : int
+        Units of a full tank.
+    ahead : int
+        As of :func:`_put`.
+    """
+    leaving, orbits, extra_delta_v, transfer_rule = inputs
     room, count = np.empty(4096, np.int64), 0
-    earliest = np.empty(units + 1, np.int64)
+    earliest = np.empty(most + 1, np.int64)
     for j in range(rules.service.size):
         if not reachable(i, j, rules, is_start):
             continue
         found = found_of(
             i, j, leaving, orbits, extra_delta_v, transfer_rule, listed, rules.duration
         )
-        room, count = _put(j, found, rules, length, unit, ahead, earliest, room, count)
+        room, count = _put(j, found, rules, units, ahead, earliest, room, count)
     least = NEVER
     for leg in range(count):
         least = min(least, (room[leg] >> AHEAD) & FIELD)
@@ -185,8 +203,9 @@ class LegSource:
             Of a step of time [s], and of ΔV [m/s].
         """
         found: tuple[np.ndarray, int] = _of_body(
-            i, *self._inputs, listed_of(self._mission, i), self._rules, self._is_start, length,
-            unit, units_of(self._rules.budget, unit), int(i not in self._launches),
+            i, self._inputs, listed_of(self._mission, i), self._rules, self._is_start,
+            LegUnits(length, unit), units_of(self._rules.budget, unit),
+            int(i not in self._launches),
         )  # fmt: skip
         return found
 

@@ -44,45 +44,44 @@ def _before(rules, order, position):
 
 
 @kernel
-def time_forth(rules, connections, course, length, first, settled, workspace, trial):
+def time_forth(rules, connections, course, length, first, settled, workspace):
     """Fronts forwards from a position on; whether all targets can be reached.
 
     Only those that are early enough for the rest: the fronts backwards are right. From the position
     ``settled`` up the fronts are right if those before have not changed.
     """
     order, came, suffices = course.order, course.came, course.suffices
+    workspace = borrowed(workspace)
     for p in range(first, length):
         i, j = _before(rules, order, p), order[p]
         latest = suffices.time[j, 0]
-        size = fronts.forwards(
-            rules, connections, i, j, p > 0, came, i, latest, workspace, trial, 0
-        )
+        size = fronts.forwards(rules, connections, i, j, p > 0, came, latest, workspace)
         if size == 0:
             return False
-        if fronts.take(trial, 0, came, j) and p >= settled:
+        if fronts.take(workspace.trial, 0, came, j) and p >= settled:
             break
     return True
 
 
 @kernel
-def time_back(rules, connections, course, length, last, settled, workspace, trial):
+def time_back(rules, connections, course, length, last, settled, workspace):
     """Fronts backwards from a position on; whether all of them suffice.
 
     From the position ``settled`` down the fronts are right if those behind have not changed.
     """
     order, suffices = course.order, course.suffices
+    workspace = borrowed(workspace)
     for p in range(last, -1, -1):
         j = order[p]
         if p == length - 1:
-            size = fronts_backward.finish(rules, connections, j, rules.ready, workspace, trial, 0)
+            size = fronts_backward.finish(rules, connections, j, rules.ready, workspace, 0)
         else:
             size = fronts_backward.backwards(
-                rules, connections, j, order[p + 1], True, suffices, order[p + 1], rules.ready,
-                workspace, trial, 0,
-            )  # fmt: skip
+                rules, connections, j, order[p + 1], suffices, rules.ready, workspace, 0
+            )
         if size == 0:
             return False
-        if fronts.take(trial, 0, suffices, j) and p <= settled:
+        if fronts.take(workspace.trial, 0, suffices, j) and p <= settled:
             break
     return True
 
@@ -109,22 +108,23 @@ def insert(order, source, position):
 
 
 @kernel
-def left_with(rules, connections, course, length, j, p, latest, workspace, trial):
+def left_with(rules, connections, course, length, j, p, latest, workspace):
     """Time that is left once a target is put in at a position [s]; −inf if it does not fit.
 
     ``latest`` is when the chaser has to be ready at the next target, or when the mission ends.
     """
     order, came, suffices = course.order, course.came, course.suffices
     i = _before(rules, order, p)
-    size = fronts.forwards(rules, connections, i, j, p > 0, came, i, latest, workspace, trial, 0)
+    trial = workspace.trial
+    size = fronts.forwards(rules, connections, i, j, p > 0, came, latest, workspace)
     if size == 0:
         return -np.inf
     earliest = trial.time[0, 0]
     if p == length:
-        size = fronts_backward.finish(rules, connections, j, earliest, workspace, trial, 1)
+        size = fronts_backward.finish(rules, connections, j, earliest, workspace, 1)
     else:
         size = fronts_backward.backwards(
-            rules, connections, j, order[p], True, suffices, order[p], earliest, workspace, trial, 1
+            rules, connections, j, order[p], suffices, earliest, workspace, 1
         )
     if size == 0:
         return -np.inf
@@ -132,10 +132,10 @@ def left_with(rules, connections, course, length, j, p, latest, workspace, trial
 
 
 @kernel
-def best_position(rules, connections, reach, course, length, j, workspace, trial, rng):
+def best_position(rules, connections, reach, course, length, j, workspace, rng):
     """Where most time is left once a target is put in; −1 if it fits in nowhere."""
     rules, connections, reach = borrowed(rules), borrowed(connections), borrowed(reach)
-    course, trial = borrowed(course), borrowed(trial)
+    course, workspace = borrowed(course), borrowed(workspace)
     best, most = -1, -np.inf
     order, came, suffices = course.order, course.came, course.suffices
     for p in range(length + 1):
@@ -148,7 +148,7 @@ def best_position(rules, connections, reach, course, length, j, workspace, trial
             latest, need = suffices.time[k, 0], suffices.tank[k, suffices.size[k] - 1]
         times, tanks = (came.time[i, 0], latest), (came.tank[i, came.size[i] - 1], need)
         if may_fit(rules, reach, i, j, k, times, tanks, p > 0):
-            left = left_with(rules, connections, course, length, j, p, latest, workspace, trial)
+            left = left_with(rules, connections, course, length, j, p, latest, workspace)
             if left > most:
                 best, most = p, left
     return best

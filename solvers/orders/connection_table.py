@@ -37,6 +37,8 @@ class ConnectionTable(NamedTuple):
         Departure, end of the service at the destination [s], and ΔV [m/s].
     by_end : (connections,) int32
         The connections of each pair in order of their end, counted from the first of the pair.
+    budget : float
+        ΔV of a full tank [m/s].
     """
 
     first: np.ndarray
@@ -46,6 +48,7 @@ class ConnectionTable(NamedTuple):
     end: np.ndarray
     delta_v: np.ndarray
     by_end: np.ndarray
+    budget: float
 
 
 @kernel
@@ -95,4 +98,5 @@ def table_of(mission: Mission) -> ConnectionTable:
         np.concatenate([empty, *ends]),
         np.concatenate([empty, *costs]),
         np.concatenate([np.empty(0, dtype=np.int32), *orders]),
+        rules.budget,
     )

@@ -23,6 +23,9 @@ from ..beams.levels import STRAIGHT
 
 MOST_POINTS = 64
 
+DIRECT, BY_STATION, AT_STATION = 0, 1, 2
+"""Places of the parts of a front: of who comes directly, of who comes by a station, and there."""
+
 STEPS = 60
 """A point has more ΔV than the one before by at least this part of a tank."""
 
@@ -60,11 +63,14 @@ class Workspace(NamedTuple):
         By connection of a pair.
     parts : ParetoFront
         Three places, for fronts before they are merged.
+    trial : ParetoFront
+        Two places, for fronts that are tried.
     """
 
     tank: np.ndarray
     parent: np.ndarray
     parts: ParetoFront
+    trial: ParetoFront
 
 
 @kernel
@@ -81,7 +87,7 @@ def new_front(places):
 def new_workspace(connections):
     """Memory to work in, enough for any pair."""
     most = max(1, connections.total.max())
-    return Workspace(np.empty(most), np.empty(most, np.int16), new_front(3))
+    return Workspace(np.empty(most), np.empty(most, np.int16), new_front(3), new_front(2))
 
 
 @inlined
@@ -118,12 +124,16 @@ def put(front, place, size, time, tank, parent, via):
 
 
 @kernel
-def _fly(connections, i, j, here, at, latest, step, workspace, there, to, via):
-    """Points that the connections of a pair lead to, none after a time; returns how many."""
+def _fly(connections, i, j, here, at, latest, workspace, to):
+    """Points that the connections of a pair lead to, none after a time; returns how many.
+
+    They are written into the parts of the workspace at ``to``, DIRECT or BY_STATION, which is i.
+    """
     connections = borrowed(connections)
     here = borrowed(here)
-    there = borrowed(there)
     workspace = borrowed(workspace)
+    there, step = workspace.parts, connections.budget / STEPS
+    via = STRAIGHT if to == DIRECT else i
     begin, total = connections.first[i, j], connections.total[i, j]
     size = here.size[at]
     if total == 0 or here.tank[at, size - 1] < connections.least[i, j]:
@@ -163,15 +173,15 @@ def _fly(connections, i, j, here, at, latest, step, workspace, there, to, via):
 
 
 @kernel
-def _refuelled(connections, i, s, here, at, latest):
+def _refuelled(connections, i, s, here, latest):
     """When a chaser may be refuelled at a station at the earliest [s], and by which point."""
     connections = borrowed(connections)
     here = borrowed(here)
     begin, total = connections.first[i, s], connections.total[i, s]
-    size = here.size[at]
-    if total == 0 or here.tank[at, size - 1] < connections.least[i, s]:
+    size = here.size[i]
+    if total == 0 or here.tank[i, size - 1] < connections.least[i, s]:
         return np.inf, 0
-    ready = earliest_taken(here.time[at, 0])
+    ready = earliest_taken(here.time[i, 0])
     for place in range(first_by_end(connections, begin, total, ready), total):
         c = begin + connections.by_end[begin + place]
         if connections.end[c] > latest:
@@ -182,11 +192,11 @@ def _refuelled(connections, i, s, here, at, latest):
         low, high = 0, size
         while low < high:
             middle = (low + high) // 2
-            if earliest_taken(here.time[at, middle]) <= departure:
+            if earliest_taken(here.time[i, middle]) <= departure:
                 low = middle + 1
             else:
                 high = middle
-        if here.tank[at, low - 1] >= connections.delta_v[c]:
+        if here.tank[i, low - 1] >= connections.delta_v[c]:
             return connections.end[c], low - 1
     return np.inf, 0
 
@@ -215,53 +225,54 @@ def _merge(count, parts, rest, step, to, at):
 
 
 @kernel
-def forwards(rules, connections, i, j, refuels, here, at, latest, workspace, there, to):
-    """The front at the next target of an order, none of it after a time.
+def forwards(rules, connections, i, j, refuels, here, latest, workspace):
+    """The front at the next target of an order, none of it after a time, for a trial: place 0.
 
     Parameters
     ----------
     rules : Rules
     connections : ConnectionTable
     i, j : int
-        Where the front ``at`` of ``here`` is, and the next target.
+        Where the chaser comes from, and the next target.
     refuels : bool
         Whether the chaser may come by a station: it has serviced a target since the last.
+    here : ParetoFront
+        By body; the one at ``i`` counts.
     latest : float
         [s].
     workspace : Workspace
-    there : ParetoFront
-        Written at the place ``to``.
+        The front is written into its trial.
 
     Returns
     -------
     size : int
         0 if the target cannot be reached.
     """
-    connections, here, there = borrowed(connections), borrowed(here), borrowed(there)
-    workspace = borrowed(workspace)
-    parts = workspace.parts
-    step = rules.budget / STEPS
-    count = _fly(connections, i, j, here, at, latest, step, workspace, parts, 0, STRAIGHT)
-    size = _merge(count, parts, 0, step, there, to)
+    connections, here, workspace = borrowed(connections), borrowed(here), borrowed(workspace)
+    parts, there = workspace.parts, workspace.trial
+    step = connections.budget / STEPS
+    count = _fly(connections, i, j, here, i, latest, workspace, DIRECT)
+    size = _merge(count, parts, 0, step, there, 0)
     if not refuels:
         return size
     for s in range(rules.stations):
         if s == i:
             continue
-        full, point = _refuelled(connections, i, s, here, at, latest)
+        full, point = _refuelled(connections, i, s, here, latest)
         if full == np.inf:
             continue
-        parts.size[2], parts.time[2, 0], parts.tank[2, 0] = 1, full, rules.budget
-        rest = _fly(connections, s, j, parts, 2, latest, step, workspace, parts, 1, s)
+        parts.size[AT_STATION] = 1
+        parts.time[AT_STATION, 0], parts.tank[AT_STATION, 0] = full, connections.budget
+        rest = _fly(connections, s, j, parts, AT_STATION, latest, workspace, BY_STATION)
         for b in range(rest):
-            parts.parent[1, b] = point
+            parts.parent[BY_STATION, b] = point
         if rest > 0:
             for a in range(size):
                 put(
-                    parts, 0, a, there.time[to, a], there.tank[to, a], there.parent[to, a],
-                    there.via[to, a],
+                    parts, DIRECT, a, there.time[0, a], there.tank[0, a], there.parent[0, a],
+                    there.via[0, a],
                 )  # fmt: skip
-            size = _merge(size, parts, rest, step, there, to)
+            size = _merge(size, parts, rest, step, there, 0)
     return size
 
 

@@ -8,16 +8,29 @@ from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.memory import borrowed
 
 from ..beams.levels import STRAIGHT
-from .fronts import MOST_POINTS, STEPS, first_at, first_by_end, put
+from .fronts import (
+    AT_STATION,
+    BY_STATION,
+    DIRECT,
+    MOST_POINTS,
+    STEPS,
+    first_at,
+    first_by_end,
+    put,
+)
 
 
 @kernel
-def _fly_back(connections, i, j, budget, there, at, earliest, step, workspace, here, to):
-    """Points from which the connections of a pair lead to others, none before a time."""
+def _fly_back(connections, i, j, there, at, earliest, workspace, to):
+    """Points from which the connections of a pair lead to others, none before a time.
+
+    They are written into the parts of the workspace at ``to``.
+    """
     connections = borrowed(connections)
-    here = borrowed(here)
     there = borrowed(there)
     workspace = borrowed(workspace)
+    here, budget = workspace.parts, connections.budget
+    step = budget / STEPS
     begin, total = connections.first[i, j], connections.total[i, j]
     size = there.size[at]
     if total == 0 or there.tank[at, size - 1] + connections.least[i, j] > budget:
@@ -56,12 +69,12 @@ def _fly_back(connections, i, j, budget, there, at, earliest, step, workspace, h
 
 
 @kernel
-def _needed_full(connections, s, j, budget, there, at, earliest):
+def _needed_full(connections, s, j, there, earliest):
     """How late a chaser may be refuelled at a station; −inf for never [s]."""
     connections = borrowed(connections)
     there = borrowed(there)
     begin, total = connections.first[s, j], connections.total[s, j]
-    size, latest = there.size[at], there.time[at, 0]
+    size, latest = there.size[j], there.time[j, 0]
     for c in range(
         first_at(connections.departure, begin, begin + total, latest) - 1, begin - 1, -1
     ):
@@ -73,11 +86,11 @@ def _needed_full(connections, s, j, budget, there, at, earliest):
         low, high = 0, size
         while low < high:
             middle = (low + high) // 2
-            if there.time[at, middle] >= end:
+            if there.time[j, middle] >= end:
                 low = middle + 1
             else:
                 high = middle
-        if there.tank[at, low - 1] + connections.delta_v[c] <= budget:
+        if there.tank[j, low - 1] + connections.delta_v[c] <= connections.budget:
             return connections.departure[c]
     return -np.inf
 
@@ -103,55 +116,50 @@ def _merge_back(count, parts, rest, step, to, at):
 
 
 @kernel
-def backwards(rules, connections, i, j, refuels, there, at, earliest, workspace, here, to):
+def backwards(rules, connections, i, j, there, earliest, workspace, to):
     """The front that suffices at a target before one with a given front, none before a time.
 
-    Parameters as of :func:`.fronts.forwards`, from ``there`` back to ``here``.
+    Parameters as of :func:`.fronts.forwards`, from the front of ``there`` at ``j`` back to ``i``,
+    for the place ``to`` of the trial. From a target the chaser may always go by a station.
     """
-    connections, here, there = borrowed(connections), borrowed(here), borrowed(there)
+    connections, there = borrowed(connections), borrowed(there)
     workspace = borrowed(workspace)
-    parts = workspace.parts
-    step = rules.budget / STEPS
-    count = _fly_back(
-        connections, i, j, rules.budget, there, at, earliest, step, workspace, parts, 0
-    )
+    parts, here = workspace.parts, workspace.trial
+    step = connections.budget / STEPS
+    count = _fly_back(connections, i, j, there, j, earliest, workspace, DIRECT)
     size = _merge_back(count, parts, 0, step, here, to)
-    if not refuels:
-        return size
     for s in range(rules.stations):
         if s == i:
             continue
-        full = _needed_full(connections, s, j, rules.budget, there, at, earliest)
+        full = _needed_full(connections, s, j, there, earliest)
         if full == -np.inf:
             continue
-        parts.size[2], parts.time[2, 0], parts.tank[2, 0] = 1, full, 0.0
-        rest = _fly_back(
-            connections, i, s, rules.budget, parts, 2, earliest, step, workspace, parts, 1
-        )
+        parts.size[AT_STATION] = 1
+        parts.time[AT_STATION, 0], parts.tank[AT_STATION, 0] = full, 0.0
+        rest = _fly_back(connections, i, s, parts, AT_STATION, earliest, workspace, BY_STATION)
         if rest > 0:
             for a in range(size):
-                put(parts, 0, a, here.time[to, a], here.tank[to, a], 0, STRAIGHT)
+                put(parts, DIRECT, a, here.time[to, a], here.tank[to, a], 0, STRAIGHT)
             size = _merge_back(size, parts, rest, step, here, to)
     return size
 
 
 @kernel
-def finish(rules, connections, i, earliest, workspace, here, to):
-    """The front that suffices at the last target of an order."""
-    size, parts = np.int64(0), workspace.parts
+def finish(rules, connections, i, earliest, workspace, to):
+    """The front that suffices at the last target of an order, for the place ``to`` of the trial."""
+    size, parts, here = np.int64(0), workspace.parts, workspace.trial
     if rules.may_end[i]:
         size = put(here, to, size, rules.duration, 0.0, 0, STRAIGHT)
         here.size[to] = size
         return size
     here.size[to] = 0
-    step = rules.budget / STEPS
+    step = connections.budget / STEPS
     for s in range(rules.stations):
         if s != i and rules.may_end[s]:
-            parts.size[2], parts.time[2, 0], parts.tank[2, 0] = 1, rules.duration, 0.0
-            rest = _fly_back(
-                connections, i, s, rules.budget, parts, 2, earliest, step, workspace, parts, 1
-            )
+            parts.size[AT_STATION] = 1
+            parts.time[AT_STATION, 0], parts.tank[AT_STATION, 0] = rules.duration, 0.0
+            rest = _fly_back(connections, i, s, parts, AT_STATION, earliest, workspace, BY_STATION)
             for a in range(size):
-                put(parts, 0, a, here.time[to, a], here.tank[to, a], 0, STRAIGHT)
+                put(parts, DIRECT, a, here.time[to, a], here.tank[to, a], 0, STRAIGHT)
             size = _merge_back(size, parts, rest, step, here, to)
     return size

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from copy import copy
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -30,7 +31,8 @@ from ..beams.time_value import TIME_VALUE_M_S_PER_H
 from ..progress.halting import halted_by
 from . import bit_orders, fronts
 from .connection_table import table_of
-from .reach import reach_of
+from .cooling import AnnealingSchedule, temperature
+from .reach import Reach, reach_of
 
 LONGEST_STRING = 6
 MOST_STRINGS = 3
@@ -47,6 +49,27 @@ NEIGHBOURS = 3
 
 PATIENCE = 0.99
 """Share of the memory that a target was missing which an iteration leaves."""
+
+
+class Surroundings(NamedTuple):
+    """How targets lie among the others.
+
+    Attributes
+    ----------
+    near : (bodies, targets) int64
+        The targets by how near they are to each body, itself first.
+    far : (bodies,) float64
+        How far each target is from others.
+    reach : Reach
+        What a leg between them costs at least.
+    absent : (bodies,) float64
+        Share of the iterations in which each target was missing, smoothed; updated.
+    """
+
+    near: np.ndarray
+    far: np.ndarray
+    reach: Reach
+    absent: np.ndarray
 
 
 @kernel
@@ -103,9 +126,9 @@ def ruin(order, length, near, rng):
 
 
 @kernel
-def _recreate(rules, connections, reach, course, length, far, absent, workspace, trial, rng):
+def _recreate(rules, connections, around, course, length, workspace, rng):
     """Put missing targets back in, as far as they fit; returns how many are visited, or −1."""
-    order = course.order
+    order, far, absent = course.order, around.far, around.absent
     missing = order.size - length
     keys = np.empty(missing)
     way = rng.random()
@@ -124,7 +147,7 @@ def _recreate(rules, connections, reach, course, length, far, absent, workspace,
         if length == rules.most_targets:
             break
         position = bit_orders.best_position(
-            rules, connections, reach, course, length, j, workspace, trial, rng
+            rules, connections, around.reach, course, length, j, workspace, rng
         )
         if position < 0:
             continue
@@ -135,10 +158,10 @@ def _recreate(rules, connections, reach, course, length, far, absent, workspace,
         length += 1
         if not (
             bit_orders.time_back(
-                rules, connections, course, length, position, position - 1, workspace, trial
+                rules, connections, course, length, position, position - 1, workspace
             )
             and bit_orders.time_forth(
-                rules, connections, course, length, position, position + 1, workspace, trial
+                rules, connections, course, length, position, position + 1, workspace
             )
         ):
             # Of points of about one ΔV the one that would have done was left out.
@@ -147,29 +170,20 @@ def _recreate(rules, connections, reach, course, length, far, absent, workspace,
 
 
 @kernel
-def anneal(
-    rules, connections, reach, order, length, near, far, absent, weights, iterations, rng, halt
-):
+def anneal(rules, connections, around, order, length, schedule, rng, halt):
     """Improve an order.
 
     Parameters
     ----------
     rules : Rules
     connections : ConnectionTable
+    around : Surroundings
     order : (targets,) int64
         All targets: those visited in order, as far as they can be timed, then the others. Left as
         the last order accepted.
     length : int
         How many are visited.
-    near : (bodies, targets) int64
-        The targets by how near they are to each body, itself first.
-    far : (bodies,) float64
-        How far each target is from others.
-    absent : (bodies,) float64
-        Share of the iterations in which each target was missing, smoothed; updated.
-    weights : tuple of float
-        Worth of a second [prizes per s], temperature at the beginning and at the end [prizes].
-    iterations : int
+    schedule : AnnealingSchedule
     rng : numpy.random.Generator
     halt : (1,) bool
         Once another thread sets it, the annealing ends.
@@ -181,18 +195,17 @@ def anneal(
     length : int
         Of the last order accepted.
     """
-    rules, connections, reach = borrowed(rules), borrowed(connections), borrowed(reach)
-    worth, hot, cold = weights
+    rules, connections, around = borrowed(rules), borrowed(connections), borrowed(around)
+    absent, worth = around.absent, schedule.worth
     bodies = rules.service.size
     workspace = fronts.new_workspace(connections)
-    trial = fronts.new_front(2)
     here, there = bit_orders.new_course(order, bodies), bit_orders.new_course(order, bodies)
     for course in (here, there):
         start, came = rules.start, course.came
         came.size[start], came.time[start, 0], came.tank[start, 0] = 1, rules.ready, rules.budget
     while not (
-        bit_orders.time_back(rules, connections, here, length, length - 1, -1, workspace, trial)
-        and bit_orders.time_forth(rules, connections, here, length, 0, length, workspace, trial)
+        bit_orders.time_back(rules, connections, here, length, length - 1, -1, workspace)
+        and bit_orders.time_forth(rules, connections, here, length, 0, length, workspace)
     ):
         # A schedule over all connections may get farther than this table does.
         length -= 1
@@ -201,28 +214,24 @@ def anneal(
     value = prize + worth * bit_orders.spare(here, length)
     best, best_value = bit_orders.with_refuelling(rules, here, length), value
     best_prize = prize
-    for iteration in range(iterations):
+    for iteration in range(schedule.iterations):
         if halt[0]:
             break
-        temperature = hot * (cold / hot) ** (iteration / iterations)
+        allowed = temperature(schedule, iteration)
         size, first, last = length, 0, 0
         if length > 0:
-            size, first, last = ruin(there.order, length, near, rng)
+            size, first, last = ruin(there.order, length, around.near, rng)
         possible = bit_orders.time_back(
-            rules, connections, there, size, min(last, size) - 1, first - 1, workspace, trial
-        ) and bit_orders.time_forth(
-            rules, connections, there, size, 0, max(last, 1), workspace, trial
-        )
+            rules, connections, there, size, min(last, size) - 1, first - 1, workspace
+        ) and bit_orders.time_forth(rules, connections, there, size, 0, max(last, 1), workspace)
         new_value = -np.inf
         if possible:
-            size = _recreate(
-                rules, connections, reach, there, size, far, absent, workspace, trial, rng
-            )
+            size = _recreate(rules, connections, around, there, size, workspace, rng)
             possible = size >= 0
         if possible:
             prize = bit_orders.prize_of(rules, there, size)
             new_value = prize + worth * bit_orders.spare(there, size)
-        if possible and new_value >= value + temperature * math.log(1.0 - rng.random()):
+        if possible and new_value >= value + allowed * math.log(1.0 - rng.random()):
             length, value = size, new_value
             bit_orders.copy_course(there, here, bodies)
             if prize > best_prize or (prize == best_prize and value > best_value):
@@ -272,13 +281,14 @@ class Strings:
         self._lines = table_of(mission)
         rules = mission.rules
         value = TIME_VALUE_M_S_PER_H * mission.instance.hurry / HOUR_S
-        self._reach = reach_of(self._lines, rules.stations, rules.duration)
         first = rules.first_target
         apart = _nearness(rules, self._lines, value)[:, first:]
-        self._near = np.argsort(apart, axis=1, kind="stable") + first
-        self._far = np.sort(apart, axis=1)[:, 1 : 1 + NEIGHBOURS].mean(axis=1)
-        self._far[~np.isfinite(self._far)] = 0.0
-        self._absent = np.zeros(rules.service.size)
+        far = np.sort(apart, axis=1)[:, 1 : 1 + NEIGHBOURS].mean(axis=1)
+        far[~np.isfinite(far)] = 0.0
+        self._around = Surroundings(
+            np.argsort(apart, axis=1, kind="stable") + first, far,
+            reach_of(self._lines, rules.stations, rules.duration), np.zeros(rules.service.size),
+        )  # fmt: skip
         self._order = np.arange(first, rules.service.size, dtype=np.int64)
         self._length = 0
 
@@ -286,7 +296,8 @@ class Strings:
         """Another one of the same mission, that may anneal at the same time."""
         other = copy(self)
         other._rng = np.random.default_rng(seed)
-        other._absent, other._order = self._absent.copy(), self._order.copy()
+        other._around = self._around._replace(absent=self._around.absent.copy())
+        other._order = self._order.copy()
         return other
 
     def begin(self, sequence: Iterable[int]) -> None:
@@ -303,10 +314,11 @@ class Strings:
         rules, prize = mission.rules, worth_of(mission).prize
         worth = max(mission.prizes(self._order[: self._length]), prize) / rules.duration
         worth *= TIME_COUNTS
+        schedule = AnnealingSchedule(worth, HOT * prize, COLD * prize, iterations)
         with halted_by(self._stop) as halt:
             best, self._length = anneal(
-                rules, self._lines, self._reach, self._order, self._length, self._near, self._far,
-                self._absent, (worth, HOT * prize, COLD * prize), iterations, self._rng, halt,
+                rules, self._lines, self._around, self._order, self._length, schedule, self._rng,
+                halt,
             )  # fmt: skip
         found: npt.NDArray[np.int64] = best
         return found

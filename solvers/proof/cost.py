@@ -38,7 +38,7 @@ from ..networks.arrays import Network
 from ..progress.cost_rounds import RELATIVE, CostRounds, asked, is_least
 from ..walks.sweeps import NEVER
 from ..walks.tariffs import Tariff
-from ..walks.walks import LARGEST, WalkBound
+from ..walks.walks import LARGEST, Paid, WalkBound
 
 GREATEST_TANKS = 2.0
 """Most that a service is worth to a walk [tanks]."""
@@ -88,8 +88,8 @@ class PricedBound(WalkBound):
     ) -> None:
         time_price = mission.instance.time_m_s_per_s
         super().__init__(
-            mission, delta_v_slot_m_s, jobs=jobs, over=over, network=network, parts=PARTS,
-            others=others, with_ends=time_price > 0.0,
+            mission, delta_v_slot_m_s, jobs=jobs, over=over, network=network,
+            paid=Paid(PARTS, time_price > 0.0), others=others,
         )  # fmt: skip
         self.time_price = time_price
         self.worths = np.array(mission.rules.prize)
@@ -185,7 +185,7 @@ class CostProof(CostRounds):
         self._offer, self._cost, self._over, self._jobs = offer, cost, over, jobs
         self._reach = WalkBound(
             mission, delta_v_slot_m_s, bucket_share=REACH_SHARE, jobs=jobs, over=over,
-            with_ends=mission.instance.time_m_s_per_s > 0.0,
+            paid=Paid(time=mission.instance.time_m_s_per_s > 0.0),
         )  # fmt: skip
         self._walks = PricedBound(
             mission, COARSER * delta_v_slot_m_s, jobs, over, self._reach.network

@@ -1,13 +1,15 @@
 """Ruin and recreate of a tour, with annealing on its true expense."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.core.memory import borrowed
 
-from .costs import BLOCK, FAR, FORBIDDEN, expense_of
-from .inserting import put_back
+from .costs import BLOCK, FAR, FORBIDDEN, TourRows, expense_of
+from .inserting import CostRows, PuttingRules, put_back
 from .sweeps import backwards
 
 MOST_GROWTH = 30.0
@@ -20,26 +22,57 @@ LEAST_MARGINAL = 0.002
 """Of a kilogram: what slopes are made of at least, so that tiny missions draw not everything."""
 
 
+class RuinRules(NamedTuple):
+    """How much of a tour is taken out, and how it is put back.
+
+    Attributes
+    ----------
+    most : int
+        Targets that are taken out at once.
+    wide, near : int
+        See :class:`~.inserting.PuttingRules`.
+    blinks : float
+        Share of places that are overlooked.
+    noise : float
+        Costs of places are up to so many temperatures off.
+    """
+
+    most: int
+    wide: int
+    near: int
+    blinks: float
+    noise: float
+
+
+class TourTimes(NamedTuple):
+    """A tour: its order, whether a mission begins with a target, about when each is reached."""
+
+    order: np.ndarray
+    begins: np.ndarray
+    at: np.ndarray
+
+
 @kernel
-def judged(cost, order, begins, slope, size, behind, grid, expense, at, kit, fresh):
+def judged(cost, tour, size, behind, grid, expense, fresh):
     """True expense of a tour at the times that its slopes make best.
 
     Parameters
     ----------
+    tour : TourRows
+        Times are filled, and what another target costs in a mission besides legs.
+    size : int
     behind : (targets, times) float32
     grid : Grid
-    expense : Expense
-    at : (targets + 1,) int64
-        Is filled: the times.
-    kit, fresh : (targets + 1,) float64, float32
-        Are filled: what another target costs in a mission besides legs, and slopes as these
-        missions have them.
+    expense : TourExpense
+    fresh : (targets + 1,) float32
+        Is filled: slopes as these missions have them.
 
     Returns
     -------
     float
         Infinite where there is no way through.
     """
+    order, begins, at, slope, kit = borrowed(tour)
     times, gaps = cost.shape[3], cost.shape[2]
     best, now = FAR, -1
     first = behind[order[0]]
@@ -170,42 +203,34 @@ def marked(least, order, begins, at, size, most, marks):
 
 
 @kernel
-def anneal(
-    cost, least, order, begins, at, grid, expense, iterations, seed, heat, most, wide, near, blinks,
-    noise,
-):  # fmt: skip
+def anneal(costs, tour, grid, expense, iterations, seed, heat, rules):
     """Ruin and recreate a tour.
 
     Parameters
     ----------
-    cost : (targets, targets, gaps, times) uint16
-    least : (targets, targets, blocks) uint16
-        See :func:`~.costs.nearby`.
-    order, begins, at : (targets,) int64, bool, int64
-        The tour, whether a mission begins with a target, and about when it is reached.
-    grid : Grid
-    expense : Expense
+    costs : TourCosts
+    tour : TourTimes
+    grid : TimeGrid
+    expense : TourExpense
     iterations, seed : int
     heat : float
         Temperature, in units of expense.
-    most : int
-        Targets that are taken out at once.
-    wide, near : int
-        See :func:`~.sweeps.forwards` and :func:`~.inserting.at_place`.
-    blinks, noise : float
-        See :func:`~.inserting.put_back`.
+    rules : RuinRules
 
     Returns
     -------
     best : float
         Its expense on the grid.
-    order, begins, at : (targets,) int64, bool, int64
-        Of the best tour; that at which the search stood last is in the arguments.
+    tour : TourTimes
+        The best one; that at which the search stood last is in the arguments.
     """
     np.random.seed(seed)
+    cost, least = costs
+    order, begins, at = tour
+    most, wide = rules.most, rules.wide
     count, times = order.size, cost.shape[3]
     ahead, behind = np.full((count, times), FAR), np.full((count, times), FAR)
-    into, on = np.full((1, times), FAR), np.full((1, times), FAR)
+    rows = CostRows(ahead, behind, np.full((1, times), FAR), np.full((1, times), FAR))
     usual = np.float32(0.012 * grid.unit_m_s)
     slope, kit = np.full(count + 1, usual), np.full(count + 1, 0.37)
     now, cut = np.zeros(count + 1, np.int64), np.zeros(count + 1, np.bool_)
@@ -213,20 +238,23 @@ def anneal(
     trial, trial_cut = now.copy(), cut.copy()
     trial_at, trial_slope, trial_kit = when.copy(), slope.copy(), kit.copy()
     fresh = slope.copy()
+    here = TourRows(now, cut, when, slope, kit)
+    there = TourRows(trial, trial_cut, trial_at, trial_slope, trial_kit)
     marks, bag = np.zeros(count, np.bool_), np.zeros(count, np.int64)
     now[:count], cut[:count], when[:count] = order, begins, at
     present = np.inf
     for _ in range(4):
         when[:] = times // 2
-        backwards(
-            cost, now, cut, slope, when, grid.least_gap, grid.apart, times, count - 1, count, behind
-        )
-        present = judged(cost, now, cut, slope, count, behind, grid, expense, when, kit, fresh)
+        backwards(cost, here, grid, times, count - 1, count, behind)
+        present = judged(cost, here, count, behind, grid, expense, fresh)
         slope[:] = fresh
     best = present
     order[:], begins[:], at[:] = now[:count], cut[:count], when[:count]
     best_order, best_begins, best_at = order.copy(), begins.copy(), at.copy()
-    fixed = expense.fixed + expense.per_kg * expense.kit_kg
+    putting = PuttingRules(
+        grid, wide, rules.near, expense.fixed + expense.per_kg * expense.kit_kg, usual, 0.25,
+        rules.blinks, rules.noise * heat,
+    )  # fmt: skip
     for _ in range(iterations):
         split = marked(least, now, cut, when, count, most, marks)
         size, lost, pending = 0, 0, False
@@ -244,28 +272,15 @@ def anneal(
         for item in range(lost - 1, 0, -1):
             other = np.random.randint(0, item + 1)
             bag[item], bag[other] = bag[other], bag[item]
-        size, complete = put_back(
-            cost, least, trial, trial_cut, trial_slope, trial_kit, trial_at, size, bag, lost, ahead,
-            behind, fixed, usual, 0.25, grid.least_gap, grid.apart, wide, near, blinks,
-            noise * heat, into, on,
-        )  # fmt: skip
+        size, complete = put_back(costs, there, size, bag, lost, rows, putting)
         if not complete:
             continue
-        found = judged(
-            cost, trial, trial_cut, trial_slope, size, behind, grid, expense, trial_at, trial_kit,
-            fresh,
-        )  # fmt: skip
+        found = judged(cost, there, size, behind, grid, expense, fresh)
         if found < present + 3.0 * heat:
             # Once more with the slopes of what came out.
-            backwards(
-                cost, trial, trial_cut, fresh, trial_at, grid.least_gap, grid.apart, wide,
-                size - 1, size, behind,
-            )  # fmt: skip
             trial_slope[:] = fresh
-            found = judged(
-                cost, trial, trial_cut, trial_slope, size, behind, grid, expense, trial_at,
-                trial_kit, fresh,
-            )  # fmt: skip
+            backwards(cost, there, grid, wide, size - 1, size, behind)
+            found = judged(cost, there, size, behind, grid, expense, fresh)
         if found < present - heat * math.log(1.0 - np.random.random()):
             present = found
             now[:], cut[:], when[:] = trial, trial_cut, trial_at
@@ -275,4 +290,4 @@ def anneal(
                 best_order[:], best_begins[:] = now[:count], cut[:count]
                 best_at[:] = when[:count]
     order[:], begins[:], at[:] = now[:count], cut[:count], when[:count]
-    return best, best_order, best_begins, best_at
+    return best, TourTimes(best_order, best_begins, best_at)

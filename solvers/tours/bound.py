@@ -25,7 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .costs import FORBIDDEN, Costs, TimeGrid, TourExpense
-from .walks import sweep, trace
+from .walks import LeastWalks, MassCosts, Memories, sweep, trace
 
 FloatArray = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -154,14 +154,8 @@ def neighbourhoods(cells: Costs, count: int) -> Integers:
     return np.argsort(-near, axis=1, kind="stable")[:, :count]
 
 
-def memories(neighbours: Integers) -> tuple[Integers, npt.NDArray[np.uint16]]:
-    """What walks remember, for :func:`~.walks.sweep`.
-
-    Returns
-    -------
-    bit : (targets, targets) int64
-    carried : (targets, targets, memories) uint16
-    """
+def memories(neighbours: Integers) -> Memories:
+    """What walks remember, for :func:`~.walks.sweep`."""
     targets, count = neighbours.shape
     bit = np.full((targets, targets), -1, np.int64)
     for i in range(targets):
@@ -177,7 +171,7 @@ def memories(neighbours: Integers) -> tuple[Integers, npt.NDArray[np.uint16]]:
                 if bit[j, other] >= 0:
                     found |= ((memory >> place) & 1) << bit[j, other]
             carried[i, j] = found
-    return bit, carried
+    return Memories(bit, carried)
 
 
 def levels_of(expense: TourExpense, tangent: Tangent, count: int) -> FloatArray:
@@ -210,8 +204,7 @@ class _Walks:
         grid: TimeGrid,
         expense: TourExpense,
         tangent: Tangent,
-        bit: Integers,
-        carried: npt.NDArray[np.uint16],
+        memory_of: Memories,
         levels: int,
         kind: type[np.floating],
     ) -> None:
@@ -220,25 +213,25 @@ class _Walks:
         self._cells, self._expense, self._tangent = cells, expense, tangent
         self._growth = growths(expense, grid.unit_m_s).astype(kind)
         self._level = levels_of(expense, tangent, levels).astype(kind)
-        self._rules = grid.apart, grid.least_gap, bit, carried
-        self._walks = np.empty((targets, carried.shape[2], levels, times), kind)
-        self._ended = np.empty(times + 1, kind)
+        self._rules = grid, memory_of
+        self._least = LeastWalks(
+            np.empty((targets, memory_of.carried.shape[2], levels, times), kind),
+            np.empty(times + 1, kind),
+        )
         self._done = np.zeros(targets, np.int64)
 
     def _asked(self, prices: FloatArray, fee: float) -> tuple[Any, ...]:
         kind, tangent = self._kind, self._tangent
         costs = kind(tangent.per_kg), kind(tangent.fixed + fee), kind(self._expense.kit_kg)
-        return (
-            self._cells, self._growth, self._level, *costs, prices.astype(kind), *self._rules,
-            self._walks, self._ended,
-        )  # fmt: skip
+        masses = MassCosts(self._growth, self._level, *costs)
+        return self._cells, masses, prices.astype(kind), *self._rules, self._least
 
     def value(self, prices: FloatArray, fee: float) -> float:
         """The least of all walks at some prices and a fee for launches, and all prices."""
         sweep(*self._asked(prices, fee))
         # No mission at all is a walk too.
         total = float(prices.astype(self._kind).sum(dtype=np.float64))
-        return total + min(float(self._ended[-1]), 0.0)
+        return total + min(float(self._least.ended[-1]), 0.0)
 
     def missing(
         self, prices: FloatArray, fee: float, random: np.random.Generator
@@ -256,17 +249,36 @@ class _Walks:
         return 1.0 - done / DRAWN, missions / DRAWN, carried_kg
 
 
+@dataclass(frozen=True)
+class FirstPrices:
+    """What a bound begins with.
+
+    Attributes
+    ----------
+    prices : (targets,) float64, optional
+        All the same, and no mission worth it, without.
+    missions : int, optional
+        The bound is on tours of so many missions; on all by default.
+    fee : float
+        For each launch, where their number is given.
+    """
+
+    prices: FloatArray | None = None
+    missions: int | None = None
+    fee: float = 0.0
+
+
+ALL_TOURS = FirstPrices()
+
+
 def bound(
     cells: Costs,
     grid: TimeGrid,
     expense: TourExpense,
     tangent: Tangent,
-    bit: Integers,
-    carried: npt.NDArray[np.uint16],
+    memory_of: Memories,
     settings: Bounding,
-    prices: FloatArray | None = None,
-    missions: int | None = None,
-    fee: float = 0.0,
+    first: FirstPrices = ALL_TOURS,
     tell: Callable[[int, float], None] | None = None,
 ) -> Bound:
     """The best bound that rounds of prices find.
@@ -280,18 +292,14 @@ def bound(
     expense : TourExpense
     tangent : Tangent
         Of that expense.
-    bit, carried : int64, uint16
+    memory_of : Memories
         See :func:`memories`.
     settings : Bounding
-    prices : (targets,) float64, optional
-        To begin with; all the same, and no mission worth it, without.
-    missions : int, optional
-        The bound is on tours of so many missions; on all by default.
-    fee : float
-        To begin with, where it is given.
+    first : FirstPrices
     tell : callable, optional
         Is called with the round and the best bound so far.
     """
+    prices, missions, fee = first.prices, first.missions, first.fee
     count = cells.shape[1]
     kit_price = tangent.per_kg * expense.kit_kg
     now = np.full(count, kit_price) if prices is None else prices.astype(float)
@@ -299,7 +307,7 @@ def bound(
     # The fee stands behind the prices; where it is none, nothing ever moves it.
     now = best_prices = np.append(now, fee / FEE if missions else 0.0)
     carried_kg, given = 0.0, missions or 0
-    asked = cells, grid, expense, tangent, bit, carried, settings.levels
+    asked = cells, grid, expense, tangent, memory_of, settings.levels
     if settings.rounds > 0:
         walks, random = _Walks(*asked, np.float32), np.random.default_rng(0)
         share, stalled, direction = settings.share, 0, np.zeros(count + 1)

@@ -40,6 +40,44 @@ class TimeGrid(NamedTuple):
     unit_m_s: float
 
 
+class TourCosts(NamedTuple):
+    """What legs cost.
+
+    Attributes
+    ----------
+    legs : (targets, targets, gaps, times) uint16
+        By the two targets, the gap from arrival to arrival, and the earlier arrival.
+    least : (targets, targets, blocks) uint16
+        The least of each pair about each block of times, see :func:`nearby`.
+    """
+
+    legs: Costs
+    least: Costs
+
+
+class TourRows(NamedTuple):
+    """A tour as rows, with room for one more target than there are.
+
+    Attributes
+    ----------
+    order : (targets + 1,) int64
+    begins : (targets + 1,) bool
+        Whether a mission begins with a target.
+    at : (targets + 1,) int64
+        About which time each is reached.
+    slope : (targets + 1,) float32
+        What another unit costs on the leg to it.
+    kit : (targets + 1,) float64
+        What one more target costs in its mission, besides legs.
+    """
+
+    order: npt.NDArray[np.int64]
+    begins: npt.NDArray[np.bool_]
+    at: npt.NDArray[np.int64]
+    slope: npt.NDArray[np.float32]
+    kit: npt.NDArray[np.float64]
+
+
 class TourExpense(NamedTuple):
     """What a mission costs by what its chaser carries at launch.
 

@@ -1,11 +1,25 @@
 """Where one more target costs a tour least."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.core.memory import borrowed
 
-from .costs import BLOCK, FAR
-from .sweeps import against, along, backwards, ended, forwards, launched, settle, wiped
+from .costs import BLOCK, FAR, TimeGrid
+from .sweeps import (
+    LegWindows,
+    TourLeg,
+    against,
+    along,
+    backwards,
+    ended,
+    forwards,
+    launched,
+    settle,
+    wiped,
+)
 
 BETWEEN, LAST, FIRST, ALONE = 0, 1, 2, 3
 """How a target is put in: between two of a mission, at an end of one, as a mission of its own."""
@@ -15,6 +29,50 @@ HOPE = 2
 
 SETTLED = 16
 """So many places before and after a new target get their windows anew."""
+
+
+class CostRows(NamedTuple):
+    """Costs of a tour by time.
+
+    Attributes
+    ----------
+    ahead, behind : (targets, times) float32
+        Up to each target, and from it on.
+    into, on : (1, times) float32
+        To work in.
+    """
+
+    ahead: np.ndarray
+    behind: np.ndarray
+    into: np.ndarray
+    on: np.ndarray
+
+
+class PuttingRules(NamedTuple):
+    """How targets are put in.
+
+    Attributes
+    ----------
+    grid : TimeGrid
+    wide, near : int
+        Half of the windows of the tour, and of that in which times of a target are looked for.
+    fixed, slope, kit : float
+        Of a mission of one target: what it costs, slope of the leg to it, and what one more target
+        costs it, besides legs.
+    blinks : float
+        Share of places that are overlooked.
+    noise : float
+        Costs of places are up to so much off.
+    """
+
+    grid: TimeGrid
+    wide: int
+    near: int
+    fixed: float
+    slope: np.float32
+    kit: float
+    blinks: float
+    noise: float
 
 
 @inlined
@@ -28,24 +86,21 @@ def least_sum(one, other, low, high):
 
 
 @kernel
-def at_place(
-    cost, order, begins, slope, kit, at, size, ahead, behind, target, k, fixed, least_gap, apart,
-    wide, near, into, on,
-):  # fmt: skip
+def at_place(cost, tour, size, rows, target, k, rules):
     """Cost of a tour with one more target before place k, and how that is put in.
 
     Parameters
     ----------
-    kit : (targets + 1,) float64
-        What one more target costs in the mission of each, besides legs.
+    cost : (targets, targets, gaps, times) uint16
+    tour : TourRows
+    size : int
+    rows : CostRows
     target, k : int
-    fixed : float
-        What a mission of one target costs.
-    near : int
-        Half of the window in which times of the target are looked for.
-    into, on : (1, times) float32
-        For use here.
+    rules : PuttingRules
     """
+    order, begins, at, slope, kit = borrowed(tour)
+    ahead, behind, into, on = borrowed(rows)
+    least_gap, apart, wide, near = rules.grid.least_gap, rules.grid.apart, rules.wide, rules.near
     times = cost.shape[3]
     first = at[k - 1] if k > 0 else at[0] - near
     last = at[k] if k < size else at[size - 1] + near
@@ -56,16 +111,14 @@ def at_place(
     if k < size:
         low, high = max(0, at[k] - wide), min(times, at[k] + wide)
         after, other = behind[order[k]], order[k]
-        against(
-            behind, other, cost, target, other, slope[k], least_gap, first, last, low, high, on, 0
-        )
+        leg = TourLeg(target, other, slope[k], least_gap)
+        against(behind, other, cost, leg, LegWindows(first, last, low, high), on, 0)
     if k > 0:
         low, high = max(0, at[k - 1] - wide), min(times, at[k - 1] + wide)
         before, one = ahead[order[k - 1]], order[k - 1]
         wiped(into[0])
-        along(
-            ahead, one, cost, one, target, slope[k - 1], least_gap, low, high, first, last, into, 0
-        )
+        leg = TourLeg(one, target, slope[k - 1], least_gap)
+        along(ahead, one, cost, leg, LegWindows(low, high, first, last), into, 0)
         if not alone:
             return least_sum(into[0], on[0], first, last) + kit[k - 1], BETWEEN
     if not alone:
@@ -93,7 +146,7 @@ def at_place(
         found = least_sum(into[0], rest, first, last) + kit[k - 1]
         if found < best:
             best, how = found, LAST
-    found = least_sum(launch, rest, first, last) + fixed
+    found = least_sum(launch, rest, first, last) + rules.fixed
     if found < best:
         best, how = found, ALONE
     return best, how
@@ -119,8 +172,9 @@ def least_legs(least, order, begins, slope, at, size, target, k):
 
 
 @kernel
-def put_in(order, begins, slope, kit, at, size, target, k, how, slope_alone, kit_alone):
+def put_in(tour, size, target, k, how, rules):
     """Put a target into a tour before place k."""
+    order, begins, at, slope, kit = borrowed(tour)
     for place in range(size, k, -1):
         order[place], begins[place] = order[place - 1], begins[place - 1]
         slope[place], kit[place] = slope[place - 1], kit[place - 1]
@@ -138,38 +192,39 @@ def put_in(order, begins, slope, kit, at, size, target, k, how, slope_alone, kit
         begins[k], begins[k + 1] = True, False
         slope[k], kit[k] = slope[k + 1], kit[k + 1]
     else:
-        begins[k], slope[k], kit[k] = True, slope_alone, kit_alone
+        begins[k], slope[k], kit[k] = True, rules.slope, rules.kit
         if k < size:
             begins[k + 1] = True
     begins[0] = True
 
 
 @kernel
-def put_back(
-    cost, least, order, begins, slope, kit, at, size, bag, count, ahead, behind, fixed,
-    slope_alone, kit_alone, least_gap, apart, wide, near, blinks, noise, into, on,
-):  # fmt: skip
+def put_back(costs, tour, size, bag, count, rows, rules):
     """Put targets into a tour one by one, each where it costs least.
 
     Parameters
     ----------
+    costs : TourCosts
+    tour : TourRows
+        Its first ``size`` targets are there.
     bag : (targets,) int64
         The first ``count`` of them are put in, in that order.
-    slope_alone, kit_alone : float
-        Of a new mission.
-    blinks : float
-        Share of places that are overlooked.
-    noise : float
-        Costs of places are up to so much off.
+    rows : CostRows
+        Written.
+    rules : PuttingRules
 
     Returns
     -------
     size : int
     complete : bool
     """
-    times = cost.shape[3]
-    forwards(cost, order, begins, slope, at, least_gap, apart, wide, 0, size, ahead)
-    backwards(cost, order, begins, slope, at, least_gap, apart, wide, size - 1, size, behind)
+    cost, least = borrowed(costs)
+    tour, rows = borrowed(tour), borrowed(rows)
+    order, begins, at, slope, _ = tour
+    ahead, behind = rows.ahead, rows.behind
+    grid, wide, times = rules.grid, rules.wide, cost.shape[3]
+    forwards(cost, tour, grid, wide, 0, size, ahead)
+    backwards(cost, tour, grid, wide, size - 1, size, behind)
     lower = np.empty(order.size, np.float32)
     for item in range(count):
         target = bag[item]
@@ -189,24 +244,21 @@ def put_back(
             if turn >= 0:
                 if lower[k] > HOPE * (best - base):
                     continue
-                if np.random.random() < blinks:
+                if np.random.random() < rules.blinks:
                     continue
-            found, way = at_place(
-                cost, order, begins, slope, kit, at, size, ahead, behind, target, k, fixed,
-                least_gap, apart, wide, near, into, on,
-            )  # fmt: skip
-            found += noise * np.random.random()
+            found, way = at_place(cost, tour, size, rows, target, k, rules)
+            found += rules.noise * np.random.random()
             if way >= 0 and found < best:
                 best, place, how = found, k, way
         if place < 0 or best >= FAR:
             return size, False
-        put_in(order, begins, slope, kit, at, size, target, place, how, slope_alone, kit_alone)
+        put_in(tour, size, target, place, how, rules)
         at[place] = min(max(at[place], 0), times - 1)
         size += 1
-        backwards(cost, order, begins, slope, at, least_gap, apart, wide, place, size, behind)
+        backwards(cost, tour, grid, wide, place, size, behind)
         if item + 1 == count:
             break
-        forwards(cost, order, begins, slope, at, least_gap, apart, wide, place, size, ahead)
+        forwards(cost, tour, grid, wide, place, size, ahead)
         first, last = max(0, place - SETTLED), min(size, place + SETTLED)
         settle(ahead, behind, order, at, wide, first, last)
     return size, True

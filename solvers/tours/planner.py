@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from .annealing import anneal
-from .costs import FAR, Costs, TimeGrid, TourExpense, blocks, nearby
-from .inserting import put_back
+from .annealing import RuinRules, TourTimes, anneal
+from .costs import FAR, Costs, TimeGrid, TourCosts, TourExpense, TourRows, blocks, nearby
+from .inserting import CostRows, PuttingRules, put_back
 
 Integers = npt.NDArray[np.int64]
 
@@ -72,6 +72,10 @@ class Annealing:
         Iterations at one temperature; a multiple of them is made.
     missions : int
         So many are drawn at the beginning.
+    iterations : int, optional
+        Of a chain; the same number gives the same tour.
+    time_limit_s : float
+        Processor time of a chain's thread; what is cooled by without iterations.
     """
 
     hot: float = 8.0
@@ -87,13 +91,20 @@ class Annealing:
     rewarmed: float = 3.0
     chunk: int = 500
     missions: int = 10
+    iterations: int | None = None
+    time_limit_s: float = math.inf
+
+    @property
+    def ruin(self) -> RuinRules:
+        """What :func:`~.annealing.anneal` takes of it."""
+        return RuinRules(self.most, self.wide, self.near, self.blinks, self.noise)
 
 
 def first_tour(
-    cost: Costs, least: Costs, grid: TimeGrid, expense: TourExpense, seed: int, missions: int
+    costs: TourCosts, grid: TimeGrid, expense: TourExpense, seed: int, missions: int
 ) -> Tour:
     """Missions of one target each, spread over time, into which all others are put."""
-    count, times = cost.shape[1], cost.shape[3]
+    count, times = costs.legs.shape[1], costs.legs.shape[3]
     missions = max(1, min(missions, count, times // grid.apart))
     drawn = np.random.default_rng(seed).permutation(count)
     order, begins = np.zeros(count + 1, np.int64), np.zeros(count + 1, np.bool_)
@@ -104,10 +115,12 @@ def first_tour(
     slope, kit = np.full(count + 1, usual), np.full(count + 1, 0.37)
     rows = [np.full((count, times), FAR, np.float32) for _ in range(2)]
     helpers = [np.full((1, times), FAR, np.float32) for _ in range(2)]
+    rules = PuttingRules(
+        grid, times, min(times // 2, 40), expense.fixed, usual, 0.25, blinks=0.0, noise=0.0
+    )
     _, complete = put_back(
-        cost, least, order, begins, slope, kit, at, missions, drawn[missions:].copy(),
-        count - missions, *rows, expense.fixed, usual, 0.25, grid.least_gap, grid.apart, times,
-        min(times // 2, 40), 0.0, 0.0, *helpers,
+        costs, TourRows(order, begins, at, slope, kit), missions, drawn[missions:].copy(),
+        count - missions, CostRows(*rows, *helpers), rules,
     )  # fmt: skip
     if not complete:
         raise ValueError("the horizon has no room for all targets in the first missions")
@@ -115,24 +128,17 @@ def first_tour(
 
 
 def chain(
-    cost: Costs,
-    least: Costs,
+    costs: TourCosts,
     grid: TimeGrid,
     expense: TourExpense,
     seed: int,
     settings: Annealing,
-    iterations: int | None = None,
-    time_limit_s: float = math.inf,
     tell: Callable[[float, Tour], None] | None = None,
 ) -> Tour:
     """One chain of annealing.
 
     Parameters
     ----------
-    iterations : int, optional
-        The same number gives the same tour.
-    time_limit_s : float
-        Processor time of this thread [s]; what is cooled by without iterations.
     tell : callable, optional
         Is called with the share that is done, and each better tour.
     """
@@ -141,7 +147,7 @@ def chain(
     for place in range(settings.starts + 1):
         if place < settings.starts:
             tour = first_tour(
-                cost, least, grid, expense, seed * 1009 + place, settings.missions + place % 3 - 1
+                costs, grid, expense, seed * 1009 + place, settings.missions + place % 3 - 1
             )
             begin = settings.starting * place / settings.starts
             end = settings.starting * (place + 1) / settings.starts
@@ -150,21 +156,20 @@ def chain(
             assert best is not None
             tour, begin, end = best, settings.starting, 1.0
             hot, cold = settings.warm * settings.rewarmed, settings.cold
-        order, begins, at = tour.order.copy(), tour.begins.copy(), tour.at.copy()
+        here = TourTimes(tour.order.copy(), tour.begins.copy(), tour.at.copy())
         while True:
-            spent = (time.thread_time() - since) / time_limit_s
-            share = spent if iterations is None else max(spent, made / iterations)
+            spent = (time.thread_time() - since) / settings.time_limit_s
+            share = spent if settings.iterations is None else max(spent, made / settings.iterations)
             if share >= end:
                 break
             heat = hot * (cold / hot) ** max((share - begin) / (end - begin), 0.0)
-            found, places, cuts, times = anneal(
-                cost, least, order, begins, at, grid, expense, settings.chunk,
-                seed * 100_003 + made, heat, settings.most, settings.wide, settings.near,
-                settings.blinks, settings.noise,
+            found, better = anneal(
+                costs, here, grid, expense, settings.chunk, seed * 100_003 + made, heat,
+                settings.ruin,
             )  # fmt: skip
             made += settings.chunk
             if best is None or found < best.expense:
-                best = Tour(places, cuts, times, found)
+                best = Tour(*better, found)
                 if tell is not None:
                     tell(share, best)
     assert best is not None
@@ -175,11 +180,9 @@ def plan(
     cost: Costs,
     grid: TimeGrid,
     expense: TourExpense,
+    settings: Annealing,
     seed: int = 0,
     chains: int = 2,
-    settings: Annealing | None = None,
-    iterations: int | None = None,
-    time_limit_s: float = math.inf,
     tell: Callable[[float, Tour], None] | None = None,
 ) -> list[Tour]:
     """Tours of several chains, each in a thread of its own, the best one first.
@@ -188,30 +191,20 @@ def plan(
     ----------
     cost : (targets, targets, gaps, times) uint16
         By the two targets, the gap from arrival to arrival, and the earlier arrival.
+    settings : Annealing
+        Of each chain, with a number of iterations or a time limit.
     seed : int
         Of the first chain; the others count on.
     chains : int
-    iterations, time_limit_s : int, float
-        Of each chain.
     """
-    settings = settings or Annealing()
-    if iterations is None and math.isinf(time_limit_s):
+    if settings.iterations is None and math.isinf(settings.time_limit_s):
         raise ValueError("a chain needs a number of iterations or a time limit")
     least = np.zeros((*cost.shape[:2], blocks(cost.shape[3])), np.uint16)
     nearby(cost, least)
     with ThreadPoolExecutor(chains) as threads:
         running = [
             threads.submit(
-                chain,
-                cost,
-                least,
-                grid,
-                expense,
-                seed + place,
-                settings,
-                iterations,
-                time_limit_s,
-                tell,
+                chain, TourCosts(cost, least), grid, expense, seed + place, settings, tell
             )
             for place in range(chains)
         ]

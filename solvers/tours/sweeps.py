@@ -4,15 +4,36 @@ A mission's expense is taken as linear: each leg has a slope, what another unit 
 Rows of costs lie along time, so that loops over them use all lanes of the processor.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.core.memory import borrowed
 
 from .costs import FAR
 
 
+class TourLeg(NamedTuple):
+    """A leg of a tour: its two targets, what a unit costs (float32), and the first gap."""
+
+    one: int
+    other: int
+    slope: np.float32
+    least_gap: int
+
+
+class LegWindows(NamedTuple):
+    """Windows of its arrivals: the earlier from ``low`` to ``high``, then ``first`` to ``last``."""
+
+    low: int
+    high: int
+    first: int
+    last: int
+
+
 @inlined
-def along(source, i, cost, j, k, slope, least_gap, low, high, first, last, target, o):
+def along(source, i, cost, leg, windows, target, o):
     """Lower the costs of arrivals to what legs from earlier arrivals give.
 
     Numbers of places are unsigned: for others each look asks whether it counts from the end, and
@@ -22,19 +43,15 @@ def along(source, i, cost, j, k, slope, least_gap, low, high, first, last, targe
     ----------
     source : (…, times) float32
         Row ``i`` holds the costs up to the earlier arrival.
-    i, j, k, o : int
+    i, o : int
     cost : (targets, targets, gaps, times) uint16
-        By gap and earlier arrival for the pair ``j``, ``k``.
-    slope : float32
-        What a unit costs.
-    least_gap : int
-    low, high : int
-        Window of the earlier arrival.
-    first, last : int
-        Window of the later one.
+    leg : TourLeg
+    windows : LegWindows
     target : (…, times) float32
         Row ``o`` is lowered.
     """
+    j, k, slope, least_gap = leg
+    low, high, first, last = windows
     i, j, k, o = np.uint64(i), np.uint64(j), np.uint64(k), np.uint64(o)
     for g in range(np.uint64(cost.shape[2])):
         step = least_gap + np.int64(g)
@@ -47,13 +64,14 @@ def along(source, i, cost, j, k, slope, least_gap, low, high, first, last, targe
 
 
 @inlined
-def against(source, i, cost, j, k, slope, least_gap, low, high, first, last, target, o):
+def against(source, i, cost, leg, windows, target, o):
     """Lower the costs from arrivals on to what legs to later arrivals give.
 
-    As :func:`along`, with row ``i`` of the source the costs from the later arrival on, whose window
-    is from ``first`` to ``last``, and row ``o`` of the target those from the earlier one on, from
-    ``low`` to ``high``.
+    As :func:`along`, with row ``i`` of the source the costs from the later arrival on, and row
+    ``o`` of the target those from the earlier one on.
     """
+    j, k, slope, least_gap = leg
+    low, high, first, last = windows
     i, j, k, o = np.uint64(i), np.uint64(j), np.uint64(k), np.uint64(o)
     for g in range(np.uint64(cost.shape[2])):
         step = least_gap + np.int64(g)
@@ -97,25 +115,22 @@ def wiped(row):
 
 
 @kernel
-def forwards(cost, order, begins, slope, at, least_gap, apart, wide, start, size, ahead):
+def forwards(cost, tour, grid, wide, start, size, ahead):
     """Costs up to the targets of a tour, from one of them on.
 
     Parameters
     ----------
     cost : (targets, targets, gaps, times) uint16
-    order : (targets + 1,) int64
-    begins : (targets + 1,) bool
-        Whether a mission begins with it.
-    slope : (targets + 1,) float32
-        Of the leg to it.
-    at : (targets + 1,) int64
-        About which time its window lies.
-    least_gap, apart, wide : int
-        See :class:`~.costs.Grid`; half of the window.
+    tour : TourRows
+        Windows lie about its times.
+    grid : TimeGrid
+    wide : int
+        Half of a window.
     start, size : int
     ahead : (targets, times) float32
-        Rows of ``order`` from ``start`` to ``size`` are filled, far outside of windows.
+        Rows of its order from ``start`` to ``size`` are filled, far outside of windows.
     """
+    order, begins, at, slope, _ = borrowed(tour)
     times = cost.shape[3]
     for k in range(start, size):
         first, last = max(0, at[k] - wide), min(times, at[k] + wide)
@@ -128,18 +143,17 @@ def forwards(cost, order, begins, slope, at, least_gap, apart, wide, start, size
         low, high = max(0, at[k - 1] - wide), min(times, at[k - 1] + wide)
         before = ahead[order[k - 1]]
         if begins[k]:
-            launched(before, apart, low, high, first, last, now)
+            launched(before, grid.apart, low, high, first, last, now)
         else:
             one, other = order[k - 1], order[k]
-            along(
-                ahead, one, cost, one, other, slope[k], least_gap, low, high, first, last, ahead,
-                other,
-            )  # fmt: skip
+            leg = TourLeg(one, other, slope[k], grid.least_gap)
+            along(ahead, one, cost, leg, LegWindows(low, high, first, last), ahead, other)
 
 
 @kernel
-def backwards(cost, order, begins, slope, at, least_gap, apart, wide, start, size, behind):
+def backwards(cost, tour, grid, wide, start, size, behind):
     """Costs from the targets of a tour on, from ``start`` back to the first (:func:`forwards`)."""
+    order, begins, at, slope, _ = borrowed(tour)
     times = cost.shape[3]
     for k in range(start, -1, -1):
         low, high = max(0, at[k] - wide), min(times, at[k] + wide)
@@ -152,13 +166,11 @@ def backwards(cost, order, begins, slope, at, least_gap, apart, wide, start, siz
         first, last = max(0, at[k + 1] - wide), min(times, at[k + 1] + wide)
         after = behind[order[k + 1]]
         if begins[k + 1]:
-            ended(after, apart, low, high, first, last, now)
+            ended(after, grid.apart, low, high, first, last, now)
         else:
             one, other = order[k], order[k + 1]
-            against(
-                behind, other, cost, one, other, slope[k + 1], least_gap, low, high, first, last,
-                behind, one,
-            )  # fmt: skip
+            leg = TourLeg(one, other, slope[k + 1], grid.least_gap)
+            against(behind, other, cost, leg, LegWindows(low, high, first, last), behind, one)
 
 
 @kernel

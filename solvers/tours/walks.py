@@ -18,11 +18,65 @@ with the mass of an empty chaser, the first level. In the place of walks there a
 them, whose masses are right in the mean.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from adr_opt.kernels.core.compile import inlined, kernel
 
 from .costs import FAR, FORBIDDEN
+
+
+class MassCosts(NamedTuple):
+    """What missions cost by their mass.
+
+    Attributes
+    ----------
+    growth : (65536,)
+        The share by which a leg makes mass grow, at most, by its cost.
+    level : (levels,)
+        Masses, the first one that of an empty chaser [kg].
+    per_kg, fixed : float
+        A mission costs ``fixed + per_kg mass`` at least, by its mass at launch.
+    kit : float
+        [kg].
+    """
+
+    growth: np.ndarray
+    level: np.ndarray
+    per_kg: float
+    fixed: float
+    kit: float
+
+
+class Memories(NamedTuple):
+    """What walks remember.
+
+    Attributes
+    ----------
+    bit : (targets, targets) int64
+        [i, j] is the bit that j has in the memory of i, −1 if i does not remember j.
+    carried : (targets, targets, memories) uint16
+        [i, j, m] is the memory at j after memory m at i.
+    """
+
+    bit: np.ndarray
+    carried: np.ndarray
+
+
+class LeastWalks(NamedTuple):
+    """The least costs of walks.
+
+    Attributes
+    ----------
+    walks : (targets, memories, levels, times)
+        Of those that arrive in a cell, if so much mass goes on from the target.
+    ended : (times + 1,)
+        Of those whose last arrival is no later; after the last cell the least of all.
+    """
+
+    walks: np.ndarray
+    ended: np.ndarray
 
 
 @inlined
@@ -104,35 +158,25 @@ def slope_of(value, level, b, per_kg):
 
 
 @kernel
-def sweep(cost, growth, level, per_kg, fixed, kit, price, apart, least_gap, bit, carried, walks,
-          ended):  # fmt: skip
+def sweep(cost, masses, price, grid, memory_of, least):
     """The least cost of a walk, less the prices of what it does.
 
     Parameters
     ----------
     cost : (times, targets, targets, gaps) uint16
         At most the cost of any leg between arrivals in two cells, by the first and the gap.
-    growth : (65536,)
-        The share by which such a leg makes mass grow, at most.
-    level : (levels,)
-        Masses, the first one that of an empty chaser [kg].
-    per_kg, fixed : float
-        A mission costs ``fixed + per_kg mass`` at least, by its mass at launch.
-    kit : float
-        [kg].
+    masses : MassCosts
     price : (targets,)
-    apart, least_gap : int
-        Least cells from the last arrival of a mission to the next launch; of the first gap.
-    bit : (targets, targets) int64
-        [i, j] is the bit that j has in the memory of i, −1 if i does not remember j.
-    carried : (targets, targets, memories) uint16
-        [i, j, m] is the memory at j after memory m at i.
-    walks : (targets, memories, levels, times)
-        Is filled: the least cost of walks if so much mass goes on from a target.
-    ended : (times + 1,)
-        Is filled: the least cost of walks whose last arrival is no later; after the last cell the
-        least of all.
+    grid : TimeGrid
+        Of the cells.
+    memory_of : Memories
+    least : LeastWalks
+        Is filled.
     """
+    growth, level, per_kg, fixed, kit = masses
+    apart, least_gap = grid.apart, grid.least_gap
+    bit, carried = memory_of
+    walks, ended = least
     times, targets, _, gaps = cost.shape
     memories, levels = walks.shape[1:3]
     masks, values = np.empty(memories, np.int64), np.empty((memories, levels), walks.dtype)
@@ -222,8 +266,7 @@ def at_mass(walks, i, memory, t, level, mass, per_kg):
 
 
 @kernel
-def trace(cost, growth, level, per_kg, fixed, kit, price, apart, least_gap, bit, carried, walks,
-          ended, draws, done):  # fmt: skip
+def trace(cost, masses, price, grid, memory_of, least_walks, draws, done):
     """How often a walk of the cheapest mixture does each target.
 
     Parameters
@@ -240,6 +283,10 @@ def trace(cost, growth, level, per_kg, fixed, kit, price, apart, least_gap, bit,
         Of its missions at launch, together [kg].
     missions : int
     """
+    growth, level, per_kg, fixed, kit = masses
+    apart, least_gap = grid.apart, grid.least_gap
+    bit, carried = memory_of
+    walks, ended = least_walks
     times, targets, _, gaps = cost.shape
     memories = walks.shape[1]
     for i in range(targets):

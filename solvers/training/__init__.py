@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from adr_opt.common.errors import MissingExtra
+from adr_opt.learning.trainer import Report, Trainer, TrainingOptions
 
 if TYPE_CHECKING:
     from .policies import SetPolicy
@@ -30,15 +31,21 @@ def _need(who: str) -> None:
             raise MissingExtra(who, package, "rl")
 
 
-def _training_of(name: str) -> Callable[..., None]:
+def _training_of(name: str) -> Trainer:
     """The training of a configuration of :mod:`.configs`."""
 
-    def train(folder: Path, **options: Any) -> None:
+    def train(
+        folder: Path,
+        options: TrainingOptions,
+        *,
+        enough: Callable[[], bool],
+        report: Report,
+    ) -> None:
         _need("train")
         from . import configs
         from .trainer import train as run
 
-        run(configs.config(name), folder, **options)
+        run(configs.config(name), folder, options, enough=enough, report=report)
 
     train.__doc__ = (
         f"Train the configuration {name!r}; see :class:`adr_opt.learning.trainer.Trainer`."

@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,6 +24,21 @@ from .walks import bonuses
 
 USUAL_SLOT_M_S = 20.0
 """What certificates have for a slot where ΔV is not looked at."""
+
+
+class BestWalks(NamedTuple):
+    """Values of all states, each packed with the next body of its walk.
+
+    Attributes
+    ----------
+    best : integers
+        Of the best walk from each state.
+    second : the same shape
+        Of the best one with another next body.
+    """
+
+    best: np.ndarray
+    second: np.ndarray
 
 
 class StreamBound:

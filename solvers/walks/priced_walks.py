@@ -28,7 +28,7 @@ from adr_opt.kernels.core.compile import kernel
 from adr_opt.mission.mission import Mission
 
 from ..networks.packed_legs import AHEAD, DEPARTURE, DESTINATION, FIELD, Stream, first_leg
-from .packed_bound import StreamBound
+from .packed_bound import BestWalks, StreamBound
 
 NEVER = -(2**60)
 """Value of what is not possible; far enough from −2⁶³ that adding to it cannot wrap around."""
@@ -63,17 +63,18 @@ class Worths(NamedTuple):
 
 
 @kernel
-def _sweep(stream, worths, best, second, pointer, begin, stride, high, low):
+def _sweep(stream, worths, values, pointer, begin, stride, high, low):
     """Values of the steps ``low`` to ``high`` − 1 of every stride-th body, backwards.
 
     Parameters
     ----------
-    best, second : (steps + 1, bodies) int64
-        Of the best walk from there, and of the best one with another next body.
+    values : BestWalks
+        From each step and body, shape (steps + 1, bodies), int64.
     pointer : (bodies,) int64
         Behind the last leg that departs before ``high``; moved.
     """
     legs, gain, toll = stream.legs, worths.gain, worths.toll
+    best, second = values
     mask = (np.int64(1) << worths.bits) - 1
     for i in range(begin, best.shape[1], stride):
         came_from = mask if worths.is_station[i] else np.int64(i)
@@ -100,8 +101,9 @@ def _sweep(stream, worths, best, second, pointer, begin, stride, high, low):
 
 
 @kernel
-def _trace(stream, worths, best, second, step, body, walk, costs):
+def _trace(stream, worths, values, step, body, walk, costs):
     """Follow the best walk from a step and a body: bodies and units of ΔV; returns its length."""
+    best, second = values
     mask = (np.int64(1) << worths.bits) - 1
     came_from, length = mask, 0
     while True:
@@ -205,12 +207,13 @@ class PooledBound(StreamBound):
         # In the last step a walk can only stop, where it may, and has itself as next.
         best[stream.steps] = np.where(self._may_end, bodies, NEVER)
         second[stream.steps] = NEVER
-        self._sweep(partial(_sweep, stream, worths, best, second, pointer))
+        values = BestWalks(best, second)
+        self._sweep(partial(_sweep, stream, worths, values, pointer))
         root = int(best[stream.root, self._start])
         if root < NEVER // 2:
             self.walk = self._walk[:0]
             return -math.inf
         start = stream.root, self._start
-        length = _trace(stream, worths, best, second, *start, self._walk, self._costs)
+        length = _trace(stream, worths, values, *start, self._walk, self._costs)
         self.walk = self._walk[:length].copy()
         return ((root >> self._bits) + toll * self._units) * self._unit

@@ -40,12 +40,55 @@ class Values(NamedTuple):
     landed_second: np.ndarray
 
 
+class WalkTerms(NamedTuple):
+    """What walks gain and pay, and how their values are packed and laid out.
+
+    Attributes
+    ----------
+    code : (bodies,) int32
+        What each service is worth, packed with its body as values are.
+    toll : (kits + 1 or 1, legs) int32
+        What each leg takes off a value [units]; empty for nothing.
+    stop : (buckets,) int32
+        What a walk that ends in a bucket pays for time, packed; empty for nothing.
+    bits : int
+        Of the next body in a packed value.
+    width, top : int
+        Numbers of a bucket, and the slot of a full tank.
+    """
+
+    code: np.ndarray
+    toll: np.ndarray
+    stop: np.ndarray
+    bits: int
+    width: int
+    top: int
+
+
+class WalkState(NamedTuple):
+    """A state that a walk goes on from: bucket, its body, kits aboard, slots of ΔV left."""
+
+    bucket: int
+    body: int
+    kits: int
+    left: int
+
+
 @kernel
-def _sweep_buckets(
-    buckets, best, second, landed_best, landed_second, code, toll, stop, bits, width, top, i, high,
-    low,
-):  # fmt: skip
-    """Values of the buckets ``low`` to ``high`` − 1 (counted within body i), backwards."""
+def _sweep_buckets(buckets, layer, terms, toll, full_tank, i, high, low):
+    """Values of the buckets ``low`` to ``high`` − 1 (counted within body i), backwards.
+
+    Parameters
+    ----------
+    layer : Values
+        One layer of them, without that axis.
+    toll : (legs,) int32
+        That of the layer.
+    full_tank : int
+        Slot of a tank that a station has filled.
+    """
+    best, second, landed_best, landed_second = layer
+    code, stop, bits, width = terms.code, terms.stop, terms.bits, terms.width
     mask = (1 << bits) - 1
     keep_value = simd.spread(~mask)
     keep_next = simd.spread(mask)
@@ -74,9 +117,9 @@ def _sweep_buckets(
                 j = buckets.destination[leg]
                 landing = (buckets.landing[leg] + 1) * width
                 if buckets.is_station[j]:
-                    full = landed_best[landing + top]
+                    full = landed_best[landing + full_tank]
                     if full & mask == i:
-                        full = landed_second[landing + top]
+                        full = landed_second[landing + full_tank]
                     value = simd.both(simd.spread(full), keep_value)
                 else:
                     value = simd.load(landed_best, landing + c - cost)
@@ -113,8 +156,9 @@ def _land(values, layers, width, i, first, last):
 
 
 @kernel
-def begin(buckets, values, layers, stop, width, begun):
+def begin(buckets, values, layers, terms, begun):
     """In closing buckets a walk can only stop, where it may; what lies before all is NEVER."""
+    stop, width = terms.stop, terms.width
     for array in values:
         array[:, :width] = NEVER
     for i in range(buckets.start.size - 1):
@@ -130,10 +174,9 @@ def begin(buckets, values, layers, stop, width, begun):
 
 
 @kernel
-def sweep_until(
-    buckets, values, layers, code, toll, stop, bits, width, top, begun, begin, step, time
-):  # fmt: skip
+def sweep_until(buckets, values, layers, terms, begun, begin, step, time):
     """Values of all buckets that open at a time or after, of every step-th body from ``begin``."""
+    toll, width = terms.toll, terms.width
     earliest = earliest_taken(time)
     best, second, landed_best, landed_second = values
     for i in range(begin, buckets.start.size - 1, step):
@@ -142,10 +185,10 @@ def sweep_until(
         while low > 0 and buckets.opens[buckets.start[i] + low - 1] >= earliest:
             low -= 1
         for kits in range(best.shape[0]):
-            full = top_of(layers, top, kits)
+            layer = Values(best[kits], second[kits], landed_best[kits], landed_second[kits])
             _sweep_buckets(
-                buckets, best[kits], second[kits], landed_best[kits], landed_second[kits],
-                code, toll[min(kits, toll.shape[0] - 1)], stop, bits, width, full, i, high, low,
+                buckets, layer, terms, toll[min(kits, toll.shape[0] - 1)],
+                top_of(layers, terms.top, kits), i, high, low,
             )  # fmt: skip
         if layers is not None:
             _land(values, layers, width, i, buckets.start[i] + low, buckets.start[i] + high)
@@ -153,10 +196,10 @@ def sweep_until(
 
 
 @kernel
-def trace(
-    buckets, values, layers, code, toll, stop, bits, width, top, bucket, body, kits, left, walk
-):  # fmt: skip
+def trace(buckets, values, layers, terms, state, walk):
     """Follow the best walk from a state; returns its length."""
+    code, toll, bits, width = terms.code, terms.toll, terms.bits, terms.width
+    bucket, body, kits, left = state
     best, second, landed_best, landed_second = values
     mask = (1 << bits) - 1
     came_from = mask
@@ -174,7 +217,7 @@ def trace(
             if buckets.destination[leg] == j and buckets.cost[leg] <= left:
                 rest = left - buckets.cost[leg]
                 if buckets.is_station[j]:
-                    rest = top_of(layers, top, kits)
+                    rest = top_of(layers, terms.top, kits)
                 landing = buckets.landing[leg]
                 ahead = landed_best[kits, (landing + 1) * width + rest]
                 if not buckets.is_station[body] and ahead & mask == body:

@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,7 +27,7 @@ from adr_opt.mission.mission import Mission
 
 from ..networks import simd
 from ..networks.packed_legs import AHEAD, DEPARTURE, DESTINATION, FIELD, Stream, first_leg, units_of
-from .packed_bound import StreamBound
+from .packed_bound import BestWalks, StreamBound
 from .sweeps import NEVER
 from .walks import LARGEST
 
@@ -39,22 +40,43 @@ def width_of(budget: float, unit: float) -> int:
     return (units_of(budget, unit) // simd.LANES + 1) * simd.LANES
 
 
+class TankTerms(NamedTuple):
+    """What walks gain, and how their values are packed and laid out.
+
+    Attributes
+    ----------
+    gain : (bodies,) int32
+        Of a service, ``value << bits | body``.
+    is_station : (bodies,) bool
+    bits : int
+    width : int
+        Numbers of a body and step.
+    top : int
+        Units of a full tank.
+    """
+
+    gain: np.ndarray
+    is_station: np.ndarray
+    bits: np.int64
+    width: int
+    top: int
+
+
 @kernel
-def _sweep(stream, gain, is_station, bits, width, top, best, second, pointer, begin, stride, high,
-           low):  # fmt: skip
+def _sweep(stream, terms, values, pointer, begin, stride, high, low):
     """Values of the steps ``low`` to ``high`` − 1 of every stride-th body, backwards.
 
     Parameters
     ----------
-    gain : (bodies,) int32
-        Of a service, ``value << bits | body``.
-    best, second : (width + bodies (steps + 1) width,) int32
-        Of the best walk from there with so many units left, and of the best one with another next
-        body; packed with the next body.
+    values : BestWalks
+        From each body and step with each number of units left, shape
+        (width + bodies (steps + 1) width,), int32.
     pointer : (bodies,) int64
         Behind the last leg that departs before ``high``; moved.
     """
     legs, bodies, steps = stream.legs, stream.first.size, stream.steps
+    gain, is_station, bits, width, top = terms
+    best, second = values
     mask = (1 << bits) - 1
     keep_value, keep_next, never = simd.spread(~mask), simd.spread(mask), simd.spread(NEVER)
     for i in range(begin, bodies, stride):
@@ -103,8 +125,10 @@ def _sweep(stream, gain, is_station, bits, width, top, best, second, pointer, be
 
 
 @kernel
-def _trace(stream, gain, is_station, bits, width, top, best, second, step, body, walk):
+def _trace(stream, terms, values, step, body, walk):
     """Follow the best walk from a step and a body with a full tank; returns its length."""
+    gain, is_station, bits, width, top = terms
+    best, second = values
     mask, steps = (1 << bits) - 1, stream.steps
     came_from, length, left = mask, 0, top
     while True:
@@ -206,13 +230,14 @@ class TankBound(StreamBound):
         best[width:].reshape(shape)[:, -1] = np.where(self._may_end, bodies, NEVER)[:, None]
         second[width:].reshape(shape)[:, -1] = NEVER
         best[:width], second[:width] = NEVER, NEVER
-        rules = worth, self._is_station, np.int64(self._bits), width, self._units
-        self._sweep(partial(_sweep, stream, *rules, best, second, pointer))
+        terms = TankTerms(worth, self._is_station, np.int64(self._bits), width, self._units)
+        values = BestWalks(best, second)
+        self._sweep(partial(_sweep, stream, terms, values, pointer))
         root = self._start * (stream.steps + 1) + stream.root + 1
         found = int(best[root * width + self._units])
         if found < NEVER // 2:
             self.walk = self._walk[:0]
             return -math.inf
-        length = _trace(stream, *rules, best, second, stream.root, self._start, self._walk)
+        length = _trace(stream, terms, values, stream.root, self._start, self._walk)
         self.walk = self._walk[:length].copy()
         return (found >> self._bits) * self._unit

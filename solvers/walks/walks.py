@@ -26,7 +26,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,7 +40,7 @@ from ..networks.buckets import Buckets, assign
 from ..networks.buckets import build as fill
 from ..networks.layers import SLACK, layers_of
 from ..networks.network import build
-from .sweeps import Values, begin, sweep_until, trace
+from .sweeps import Values, WalkState, WalkTerms, begin, sweep_until, trace
 
 LARGEST = 2**29
 """No sum of values exceeds it in size, code included."""
@@ -101,6 +101,24 @@ def bonuses(mission: Mission) -> np.ndarray:
     return np.where(mission.is_required, np.minimum(mission.bonus, mission.rules.prize), 0.0)
 
 
+class Paid(NamedTuple):
+    """What walks pay for, as far as the legs that they move on depend on it.
+
+    Attributes
+    ----------
+    parts : int
+        Steps of ΔV in a slot that legs are told apart by, for walks that pay for it.
+    time : bool
+        Whether the network has ends of services, for walks that pay for time.
+    """
+
+    parts: int = 1
+    time: bool = False
+
+
+NOTHING_PAID = Paid()
+
+
 class WalkBound:
     """Best walks of a mission for given multipliers, again and again.
 
@@ -117,12 +135,9 @@ class WalkBound:
         Asked now and then whether the time is over.
     network : Network, optional
         That of the missions, where it is known.
-    parts : int
-        Steps of ΔV in a slot that legs are told apart by, for walks that pay for it.
+    paid : Paid
     others : sequence of Mission
         That move on the same network, see :func:`solvers.networks.network.build`.
-    with_ends : bool
-        Whether the network has ends of services, for walks that pay for time.
 
     Attributes
     ----------
@@ -174,9 +189,8 @@ class WalkBound:
         jobs: int = 1,
         over: Callable[[], bool] = lambda: False,
         network: Network | None = None,
-        parts: int = 1,
+        paid: Paid = NOTHING_PAID,
         others: Sequence[Mission] = (),
-        with_ends: bool = False,
     ) -> None:
         rules = mission.rules
         self._over = over
@@ -188,7 +202,7 @@ class WalkBound:
         self.since = np.array([each.rules.ready for each in (mission, *others)])
         self.most_targets = rules.most_targets
         bodies = self.prize.size
-        self.network = network or build(mission, others=others, jobs=jobs, with_ends=with_ends)
+        self.network = network or build(mission, others=others, jobs=jobs, with_ends=paid.time)
         assignment = assign(self.network, bucket_share)
         self.loads = rules.loads
         layers = 1 if self.loads is None else self.loads.full.size
@@ -200,7 +214,7 @@ class WalkBound:
         self.width = (self.top // simd.LANES + 1) * simd.LANES
         self._jobs = jobs
         self.buckets = fill(
-            self.network, assignment, rules.budget, self.slot, parts=parts, jobs=jobs
+            self.network, assignment, rules.budget, self.slot, parts=paid.parts, jobs=jobs
         )
         self.layers = layers_of(self.loads, self.slot, self.top, self.width)
         size = layers, (int(self.buckets.start[-1]) + 1) * self.width
@@ -225,7 +239,7 @@ class WalkBound:
         self.tank = np.array([rules.budget]) if self.loads is None else np.array(self.loads.first)
         self.constant = np.zeros(self.tank.size)
         self._begun = np.empty(bodies, dtype=np.int64)
-        self._common: tuple[Any, ...] = ()
+        self._common: tuple[object, ...] = ()
         self._kept: np.ndarray | None = None
         self._walk = np.empty(self.most_legs + 1, dtype=np.int64)
         self.walk = self._walk[:0]
@@ -327,11 +341,9 @@ class WalkBound:
 
     def _sweep_all(self, code: np.ndarray) -> None:
         """The values of all states; ``code`` holds what each service is worth, packed."""
-        self._common = (
-            self.buckets, self.values, self.layers, code, self.toll, self.stop, self.bits,
-            self.width, self.top,
-        )  # fmt: skip
-        begin(self.buckets, self.values, self.layers, self.stop, self.width, self._begun)
+        terms = WalkTerms(code, self.toll, self.stop, self.bits, self.width, self.top)
+        self._common = self.buckets, self.values, self.layers, terms
+        begin(*self._common, self._begun)
         self._sweep(sweep_until, *self._common, self._begun)
 
     def holds(self, multipliers: np.ndarray) -> bool:
@@ -357,5 +369,6 @@ class WalkBound:
         paid = np.floor((self.constant - self.ahead(number)) / self.unit)
         worth = np.where(possible, found - paid, -np.inf)
         kits = int(np.argmax(worth))
-        length = trace(*self._common, root, start, kits, int(tops[kits]), self._walk)
+        state = WalkState(root, start, kits, int(tops[kits]))
+        length = trace(*self._common, state, self._walk)
         return float(worth[kits]) * self.unit, self._walk[:length].copy()

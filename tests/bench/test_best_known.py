@@ -20,7 +20,7 @@ import adr_opt
 from adr_opt.common.constants import SLACK_M_S
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
-from adr_opt.kernels.rules.schedule import follow
+from adr_opt.kernels.rules.schedule import Visit, follow
 from adr_opt.legs.connections import ConnectionFinder
 from adr_opt.legs.service_limits import limits_of
 from adr_opt.mission.certified import certify, certify_routes
@@ -106,10 +106,11 @@ def flown(instance: Instance, routes: Routes) -> tuple[float, float]:
             assert j != i
             pair = connecting.of_pair(i, j, connecting.planning_resolution_m_s)
             flown = (pair.departure, pair.arrival, pair.delta_v, pair.delta_v)
-            ready, left, spent, _, _ = follow(
-                ready, left, spent, np.empty(0), flown, limits.service[j], limits.opens[j],
-                limits.closes[j], -1.0 if j >= first else budget, loads, j, kits,
+            visit = Visit(
+                j, kits, limits.service[j], limits.opens[j], limits.closes[j],
+                -1.0 if j >= first else budget,
             )  # fmt: skip
+            ready, left, spent, _, _ = follow(ready, left, spent, np.empty(0), flown, visit, loads)
             kits -= 0 if loads is None else int(loads.takes[j])
             assert ready.size
         total += float(spent.min())

@@ -157,7 +157,7 @@ def test_the_parameters_of_a_function_are_options_too() -> None:
     """A method that declares parameters with defaults gets a class of options made of them."""
     given: dict[str, Any] = {}
 
-    def plain(
+    def plain(  # noqa: PLR0913
         mission, *, seed, stop, progress, start=None, depth=5, seen=[], limit=math.inf,  # noqa: B006
         most=10**12, what=None, jobs=0, options="none",
     ):  # fmt: skip

@@ -15,7 +15,7 @@ from gmat_script import fly_script
 from plans import with_legs
 
 import adr_opt
-from adr_opt.export.flights import FORMATS, FRAMES, write_plan
+from adr_opt.export.flights import FORMATS, FRAMES, FlightFile, write_plan
 from adr_opt.fly.trajectory import Trajectory, body_states, propagate, sample
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
@@ -123,7 +123,7 @@ def test_oem_interpolates_as_it_says(tiny: Instance, plan: Plan, tmp_path: Path)
 def test_both_messages_pass_a_second_reader(tiny: Instance, plan: Plan, tmp_path: Path) -> None:
     """``ccsds-ndm``, which is made from the standard's schema, reads the same numbers."""
     ndm_io = pytest.importorskip("ccsds_ndm.ndm_io")
-    path = write_plan(tiny, plan, tmp_path / "plan.oem", frame="TEME")
+    path = write_plan(tiny, plan, tmp_path / "plan.oem", file=FlightFile(frame="TEME"))
     read = ndm_io.NdmIo().from_path(tmp_path / "plan.oem")
     segments = read.body.segment
     assert len(segments) == sum(1 for _ in path.arcs())
@@ -250,7 +250,7 @@ def test_gmat_script_of_one_leg_in_another_frame(
     """A leg alone begins when its chaser is ready, at a whole millisecond; ICRF is made first."""
     instance = tiny.replace(epoch=datetime(2026, 2, 3, 4, 5, 6, 789_123, tzinfo=UTC))
     plan = plan.replace(instance=plan.instance.replace(sha256=instance.sha256))
-    write_plan(instance, plan, tmp_path / "leg.script", leg=2, frame="ICRF")
+    write_plan(instance, plan, tmp_path / "leg.script", leg=2, file=FlightFile(frame="ICRF"))
     text = (tmp_path / "leg.script").read_text(encoding="ascii")
     assert text.index("Create CoordinateSystem EarthICRF;") < text.index("Create Spacecraft")
     assert "EarthMJ2000Eq" not in text
@@ -279,7 +279,7 @@ def test_every_format_says_what_it_was_made_from(
     assert bent_plan is not None
     for format in FORMATS:
         for instance, of in ((tiny, plan), (bent, bent_plan)):
-            write_plan(instance, of, tmp_path / "file", format=format)
+            write_plan(instance, of, tmp_path / "file", file=FlightFile(format))
             said = (tmp_path / "file").read_text(encoding="utf-8")
             said = " ".join(re.sub(r"^(COMMENT|%) ", "", line) for line in said.splitlines()[:20])
             assert f"sha256 {instance.sha256}" in said
@@ -313,9 +313,9 @@ def test_what_cannot_be_exported_is_refused(tiny: Instance, plan: Plan, tmp_path
     for path, options, said in (
         ("plan.xyz", {}, "suffix '.xyz' is unknown"),
         ("plan", {}, "suffix '' is unknown"),
-        ("plan.oem", {"format": "spk"}, "format = 'spk'"),
-        ("plan.oem", {"frame": "ITRF"}, "frame = 'ITRF'"),
-        ("plan.script", {"frame": "TEME"}, "GMAT has no such axes"),
+        ("plan.oem", {"file": FlightFile("spk")}, "format = 'spk'"),
+        ("plan.oem", {"file": FlightFile(frame="ITRF")}, "frame = 'ITRF'"),
+        ("plan.script", {"file": FlightFile(frame="TEME")}, "GMAT has no such axes"),
         ("plan.oem", {"leg": 0}, "leg = 0: the plan has the legs 1 to"),
         ("plan.oem", {"leg": 99}, "leg = 99"),
         ("plan.oem", {"step_s": -1.0}, "step_s = -1"),
@@ -331,7 +331,7 @@ def test_what_cannot_be_exported_is_refused(tiny: Instance, plan: Plan, tmp_path
     late_plan = plan.replace(instance=plan.instance.replace(sha256=late.sha256))
     for format in ("oem", "opm", "czml"):  # a script counts seconds from its beginning
         with pytest.raises(adr_opt.InputError, match="years 1 to 9999"):
-            write_plan(late, late_plan, tmp_path / "plan", format=format)
+            write_plan(late, late_plan, tmp_path / "plan", file=FlightFile(format))
     assert list(tmp_path.iterdir()) == []
 
 

@@ -19,7 +19,7 @@ from conftest import Cli
 from gmat_script import fly_script
 
 import adr_opt
-from adr_opt.export.flights import write_plan
+from adr_opt.export.flights import FlightFile, write_plan
 from adr_opt.export.flights.refined_oem import write_refined
 from adr_opt.fly.refine.bodies import moved
 from adr_opt.fly.refine.states import state_of
@@ -94,7 +94,7 @@ def test_opm_of_a_refined_plan_leads_to_every_target(
     axes = axes_of(instance, frame)
     coast = coasting(one, axes.matrix)
     for leg in one.legs:
-        write_refined(instance, one, tmp_path / "a.opm", format="opm", leg=leg.leg, frame=frame)
+        write_refined(instance, one, tmp_path / "a.opm", file=FlightFile("opm", frame), leg=leg.leg)
         read = message(tmp_path / "a.opm")
         assert read.metadata.ref_frame == (frame or "TEME")
         start = read.data.state_vector
@@ -127,7 +127,7 @@ def test_gmat_script_of_a_refined_plan_flies_the_mission(
     instance, _, one = mission(gravity)
     matrix = axes_of(instance, "EME2000").matrix
     for leg in (None, 2):
-        write_refined(instance, one, tmp_path / "a.script", format="script", leg=leg)
+        write_refined(instance, one, tmp_path / "a.script", file=FlightFile("script"), leg=leg)
         text = (tmp_path / "a.script").read_text(encoding="ascii")
         assert "DisplayStateType = Cartesian;" in text
         assert "BrouwerMean" not in text
@@ -147,7 +147,7 @@ def test_a_refined_leg_after_a_tow_begins_where_the_tow_led(tmp_path: Path) -> N
     after = next(leg for leg in one.legs if leg.tow_before is not None)
     assert plan.tows_before
     for number, legs in ((None, one.legs), (after.leg, (after,))):
-        write_refined(instance, one, tmp_path / "a.script", format="script", leg=number)
+        write_refined(instance, one, tmp_path / "a.script", file=FlightFile("script"), leg=number)
         text = (tmp_path / "a.script").read_text(encoding="ascii")
         reports, _ = fly_script(text, coasting(one, None))
         assert len(reports) == len(legs)
@@ -163,7 +163,8 @@ def test_ephemerides_of_refined_plans_are_turned(tmp_path: Path) -> None:
     for body in (None, one.legs[0].destination):
         found = {}
         for frame in (None, "GCRF"):
-            write_refined(instance, one, tmp_path / "a.oem", frame=frame, body=body, leg=1)
+            file = FlightFile(frame=frame)
+            write_refined(instance, one, tmp_path / "a.oem", file=file, body=body, leg=1)
             read = oem.OrbitEphemerisMessage.open(tmp_path / "a.oem")
             found[frame] = np.array(
                 [state.position for segment in read.segments for state in segment.states]
@@ -247,7 +248,7 @@ def test_masses_of_a_message_are_those_of_the_plan(tmp_path: Path) -> None:
     write_plan(instance, plan, tmp_path / "leg.opm", leg=2)
     second = next(before for number, _, before, _ in burns if number == 2)
     assert masses(tmp_path / "leg.opm")[0] == pytest.approx(second, abs=2e-6)
-    write_refined(instance, one, tmp_path / "r.opm", format="opm")
+    write_refined(instance, one, tmp_path / "r.opm", file=FlightFile("opm"))
     assert masses(tmp_path / "r.opm")[0] == pytest.approx(1300.0)
     read = message(tmp_path / "r.opm").data
     assert all(float(burn.man_delta_mass.value) < 0.0 for burn in read.maneuver_parameters)

@@ -16,7 +16,7 @@ from conftest import Cli
 from gmat_script import fly_script
 
 import adr_opt
-from adr_opt.export.flights import write_plan
+from adr_opt.export.flights import FlightFile, write_plan
 from adr_opt.fly.trajectory import body_states, sample
 from adr_opt.fly.trajectory.axes import axes_of, rotation
 from adr_opt.plan.plan import Plan
@@ -268,7 +268,7 @@ def test_a_frame_turns_states_and_burns(
 ) -> None:
     """What is written in another frame is what TEME holds, turned: 44 km off, and back the same."""
     write_plan(tiny, plan, tmp_path / "own.oem")
-    write_plan(tiny, plan, tmp_path / "other.oem", frame=frame)
+    write_plan(tiny, plan, tmp_path / "other.oem", file=FlightFile(frame=frame))
     _, own = states_of(tmp_path / "own.oem")
     said, other = states_of(tmp_path / "other.oem")
     assert said == [f"REF_FRAME = {frame}"]
@@ -279,7 +279,7 @@ def test_a_frame_turns_states_and_burns(
 
     found = {}
     for name, asked in (("own", None), ("other", frame)):
-        write_plan(tiny, plan, tmp_path / f"{name}.opm", frame=asked)
+        write_plan(tiny, plan, tmp_path / f"{name}.opm", file=FlightFile(frame=asked))
         text = (tmp_path / f"{name}.opm").read_text(encoding="ascii")
         numbers = re.findall(r"^(?:[XYZ]|[XYZ]_DOT|MAN_DV_\d) = (\S+)", text, re.MULTILINE)
         found[name] = np.array(numbers, dtype=float).reshape(-1, 3)
@@ -334,7 +334,7 @@ def test_gmat_gets_axes_that_it_has(dynamics: str, tiny: Instance, tmp_path: Pat
     assert np.linalg.norm(position - matrix @ true[0]) < 10.0  # begins at a whole millisecond
     assert np.linalg.norm(velocity - matrix @ true[1]) < 0.01
     with pytest.raises(adr_opt.InputError, match="GMAT has no such axes"):
-        write_plan(instance, plan, tmp_path / "a.script", frame="TEME")
+        write_plan(instance, plan, tmp_path / "a.script", file=FlightFile(frame="TEME"))
 
 
 def test_without_a_frame_the_flag_is_a_name(tmp_path: Path) -> None:
@@ -344,7 +344,7 @@ def test_without_a_frame_the_flag_is_a_name(tmp_path: Path) -> None:
     assert plan is not None
     found = []
     for frame in (None, *FRAMES):
-        write_plan(instance, plan, tmp_path / "a.oem", frame=frame)
+        write_plan(instance, plan, tmp_path / "a.oem", file=FlightFile(frame=frame))
         said, states = states_of(tmp_path / "a.oem")
         assert said[0] == f"REF_FRAME = {frame or 'EME2000'}"
         assert (len(said) > 1) == (frame == "TEME")
@@ -449,7 +449,7 @@ def test_what_has_to_be_turned_needs_the_library(
     write_plan(tiny, plan, tmp_path / "a.oem")
     for name, frame in (("b.oem", "GCRF"), ("b.script", None), ("b.czml", None)):
         with pytest.raises(adr_opt.MissingExtra, match=r"astropy.*\[astro\]"):
-            write_plan(tiny, plan, tmp_path / name, frame=frame)
+            write_plan(tiny, plan, tmp_path / name, file=FlightFile(frame=frame))
         assert not (tmp_path / name).exists()
 
 

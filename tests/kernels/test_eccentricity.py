@@ -19,6 +19,7 @@ from adr_opt.judge.check.eccentric import StatedSequence, matching_cost
 from adr_opt.kernels.legs import co_elliptic, precession
 from adr_opt.kernels.orbits import eccentricity, ephemeris
 from adr_opt.problem.orbit import Orbit
+from adr_opt.sources.catalogue import MissionOutline
 
 BENCH = Path(__file__).parents[2] / "bench"
 DATA = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", "../shared/data"))
@@ -199,8 +200,9 @@ def test_the_optimum_can_be_flown(measured: ModuleType) -> None:
 def test_a_real_cloud_is_planned_near_the_optimum(measured: ModuleType, dynamics: str) -> None:
     """Legs of a real cloud: the charge adds less than 1 %, and the optimum asks for no more."""
     field = measured.to_instance(
-        measured.read(CLOUD), max_targets=24, skip_bad=True, dynamics=dynamics
-    ).instance
+        measured.read(CLOUD), max_targets=24, skip_bad=True,
+        mission=MissionOutline(dynamics=dynamics),
+    ).instance  # fmt: skip
     plan = adr_opt.solve(field, "greedy-guarded").plan
     assert plan is not None
     assert adr_opt.check(field, plan) == ()

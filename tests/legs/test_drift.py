@@ -153,7 +153,8 @@ def test_the_page_on_importing_states_the_drift_of_its_cloud() -> None:
     """The figures of docs/importing.md are those that its example is warned with."""
     pytest.importorskip("sgp4")
     page = " ".join((CLOUD.parents[2] / "docs/importing.md").read_text(encoding="utf-8").split())
-    made = catalogue.to_instance(catalogue.read([CLOUD]), dynamics="two-body")
+    still = catalogue.MissionOutline(dynamics="two-body")
+    made = catalogue.to_instance(catalogue.read([CLOUD]), mission=still)
     _, *told = numbers(drift_warning(made.instance))
     stated = re.search(
         r"([\d.]+)° in the median and ([\d.]+)° or more .* worth (\d+) and (\d+) m/s a leg", page

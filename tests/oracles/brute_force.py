@@ -22,7 +22,7 @@ from adr_opt.problem.orbit import Orbit
 
 
 @kernel
-def _enumerate(
+def _enumerate(  # noqa: PLR0913
     first_leg, departure, arrival, delta_v, service, opens, closes, first_target, stations, start,
     begin, full, at_start, most, takes, kits, kit, dry, exhaust, weighs, limited, tows, last,
 ):  # fmt: skip

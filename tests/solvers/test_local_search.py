@@ -21,6 +21,7 @@ from adr_opt.common.stop import Interrupted, MaxIterations
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 from adr_opt.run.methods import get
+from solvers.orders.cooling import AnnealingSchedule
 from solvers.orders.timed_order import make_labels, time_order, with_refuelling
 from solvers.planners.local_search import local_search
 from solvers.planners.local_search.annealing import anneal
@@ -121,10 +122,10 @@ def test_annealing_with_one_move_keeps_plans_legal(
     order, length = order_of(field, start)
     targets = order.size
     weights = (np.arange(len(NAMES)) >= kind).astype(float)
+    schedule = AnnealingSchedule(20.0 / field.rules.duration, 0.3, 0.01, 4000)
     best, prize, last, accepted = anneal(
-        field.rules, order, length, make_labels(field),
-        make_labels(field), 20.0 / field.rules.duration, weights, 0.3, 0.01,
-        4000, np.random.default_rng(kind),
+        field.rules, order, length, make_labels(field), make_labels(field), weights, schedule,
+        np.random.default_rng(kind),
     )  # fmt: skip
     timing = field.time(best)
     assert timing.made == len(best)

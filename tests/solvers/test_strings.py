@@ -90,7 +90,7 @@ def test_what_changes_is_timed_as_the_whole_is(field):
     """After a target is put in, fronts are those of an order that is timed from nothing."""
     rules, connections = field.rules, table_of(field)
     reach = reach_of(connections, rules.stations, rules.duration)
-    workspace, trial = fronts.new_workspace(connections), fronts.new_front(2)
+    workspace = fronts.new_workspace(connections)
     rng = np.random.default_rng(4)
     strings = Strings(field, 3, ENDLESS)
     visited = [int(j) for j in strings.anneal(60) if j >= rules.first_target]
@@ -100,27 +100,23 @@ def test_what_changes_is_timed_as_the_whole_is(field):
         order = visited[:take] + visited[take + 1 :] + [visited[take], *others]
         size = len(visited) - 1
         course = begun(field, order, size)
-        assert bit_orders.time_back(
-            rules, connections, course, size, size - 1, -1, workspace, trial
-        )
-        assert bit_orders.time_forth(rules, connections, course, size, 0, size, workspace, trial)
+        assert bit_orders.time_back(rules, connections, course, size, size - 1, -1, workspace)
+        assert bit_orders.time_forth(rules, connections, course, size, 0, size, workspace)
         place = bit_orders.best_position(
-            rules, connections, reach, course, size, visited[take], workspace, trial, rng
+            rules, connections, reach, course, size, visited[take], workspace, rng
         )
         if place < 0:
             continue
         bit_orders.insert(course.order, size, place)
         assert bit_orders.time_back(
-            rules, connections, course, size + 1, place, place - 1, workspace, trial
+            rules, connections, course, size + 1, place, place - 1, workspace
         )
         assert bit_orders.time_forth(
-            rules, connections, course, size + 1, place, place + 1, workspace, trial
+            rules, connections, course, size + 1, place, place + 1, workspace
         )
         anew = begun(field, course.order.tolist(), size + 1)
-        assert bit_orders.time_back(rules, connections, anew, size + 1, size, -1, workspace, trial)
-        assert bit_orders.time_forth(
-            rules, connections, anew, size + 1, 0, size + 1, workspace, trial
-        )
+        assert bit_orders.time_back(rules, connections, anew, size + 1, size, -1, workspace)
+        assert bit_orders.time_forth(rules, connections, anew, size + 1, 0, size + 1, workspace)
         for j in course.order[: size + 1]:
             point = anew.suffices.size[j]
             assert course.suffices.size[j] == point
@@ -137,19 +133,15 @@ def test_what_is_refused_does_not_fit(field):
     for mission in (field, *(Mission(drifting_mission(seed)) for seed in range(12))):
         rules, connections = mission.rules, table_of(mission)
         reach = reach_of(connections, rules.stations, rules.duration)
-        workspace, trial = fronts.new_workspace(connections), fronts.new_front(2)
+        workspace = fronts.new_workspace(connections)
         visited = [int(j) for j in Strings(mission, 3, ENDLESS).anneal(40)]
         visited = [j for j in visited if j >= rules.first_target]
         for j in range(rules.first_target, rules.service.size):
             kept = [other for other in visited if other != j]
             course, size = begun(mission, [*kept, j], len(kept)), len(kept)
             if not (
-                bit_orders.time_back(
-                    rules, connections, course, size, size - 1, -1, workspace, trial
-                )
-                and bit_orders.time_forth(
-                    rules, connections, course, size, 0, size, workspace, trial
-                )
+                bit_orders.time_back(rules, connections, course, size, size - 1, -1, workspace)
+                and bit_orders.time_forth(rules, connections, course, size, 0, size, workspace)
             ):
                 continue
             came, suffices = course.came, course.suffices
@@ -162,7 +154,7 @@ def test_what_is_refused_does_not_fit(field):
                 tanks = came.tank[i, came.size[i] - 1], need
                 may = may_fit(rules, reach, i, j, k, times, tanks, p > 0)
                 left = bit_orders.left_with(
-                    rules, connections, course, size, j, p, latest, workspace, trial
+                    rules, connections, course, size, j, p, latest, workspace
                 )
                 assert may or left == -math.inf
                 refused += not may

@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from solvers.tours import walks
-from solvers.tours.bound import Bounding, Tangent, bound, memories, neighbourhoods
+from solvers.tours.bound import (
+    Bounding,
+    FirstPrices,
+    Tangent,
+    bound,
+    memories,
+    neighbourhoods,
+)
 from solvers.tours.costs import FORBIDDEN, TimeGrid, TourExpense
 from solvers.tours.planner import Annealing, plan
 
@@ -94,7 +102,7 @@ def judged_apart(cost, tour):
 def test_the_search_finds_what_trying_everything_finds(tried):
     """On tiny campaigns the tour is legal, costs what it says, and is the best one or near it."""
     cost, least = tried
-    tour = plan(cost, GRID, EXPENSE, seed=3, settings=QUICK, iterations=2000)[0]
+    tour = plan(cost, GRID, EXPENSE, replace(QUICK, iterations=2000), seed=3)[0]
     assert judged_apart(cost, tour) == pytest.approx(tour.expense, rel=1e-6)
     assert tour.expense >= least - 1e-4
     assert tour.expense <= 1.05 * least
@@ -104,7 +112,7 @@ def test_the_search_is_the_same_again():
     """A seed and a number of iterations give one tour, however often and in how many chains."""
     cost = drawn(9, targets=6, times=20)
     tours = [
-        plan(cost, GRID, EXPENSE, seed=5, chains=chains, settings=QUICK, iterations=300)
+        plan(cost, GRID, EXPENSE, replace(QUICK, iterations=300), seed=5, chains=chains)
         for chains in (1, 1, 2)
     ]
     first = tours[0][0]
@@ -123,10 +131,12 @@ def test_no_bound_exceeds_the_best_tour(tried, remembered, carried_kg):
     cost, least = tried
     cells = np.ascontiguousarray(cost.transpose(3, 0, 1, 2))
     tangent = Tangent.at(EXPENSE, carried_kg)
-    bit, carried = memories(neighbourhoods(cells, remembered))
-    found = bound(cells, GRID, EXPENSE, tangent, bit, carried, Bounding(rounds=60))
+    memory = memories(neighbourhoods(cells, remembered))
+    found = bound(cells, GRID, EXPENSE, tangent, memory, Bounding(rounds=60))
     assert found.value <= least + 1e-9
-    again = bound(cells, GRID, EXPENSE, tangent, bit, carried, Bounding(rounds=0), found.prices)
+    again = bound(
+        cells, GRID, EXPENSE, tangent, memory, Bounding(rounds=0), FirstPrices(found.prices)
+    )
     assert again.value == pytest.approx(found.value, abs=1e-3)
 
 
@@ -136,21 +146,22 @@ def test_no_bound_on_so_many_missions_exceeds_their_best_tour(tried, missions, c
     """With the number of missions given, bounds lie below the best tour that has as many."""
     cost, least = tried
     cells = np.ascontiguousarray(cost.transpose(3, 0, 1, 2))
-    bit, carried = memories(neighbourhoods(cells, 2))
+    memory = memories(neighbourhoods(cells, 2))
     tangent = Tangent.at(EXPENSE, carried_kg)
     own = every_tour(cost, missions)
     assert own >= least
     settings = Bounding(rounds=60)
-    found = bound(cells, GRID, EXPENSE, tangent, bit, carried, settings, missions=missions)
+    found = bound(cells, GRID, EXPENSE, tangent, memory, settings, FirstPrices(missions=missions))
     assert found.value <= own + 1e-9
-    fixed = (cells, GRID, EXPENSE, tangent, bit, carried)
-    again = bound(*fixed, Bounding(rounds=0), found.prices, missions, found.fee)
+    fixed = (cells, GRID, EXPENSE, tangent, memory)
+    first = FirstPrices(found.prices, missions, found.fee)
+    again = bound(*fixed, Bounding(rounds=0), first)
     assert again.value == pytest.approx(found.value, abs=1e-3)
     random = np.random.default_rng(missions)
     for _ in range(10):
         prices = random.normal(8.0, 12.0, cells.shape[1])
         fee = random.normal(0.0, 40.0)
-        asked = bound(*fixed, Bounding(rounds=0), prices, missions, fee)
+        asked = bound(*fixed, Bounding(rounds=0), FirstPrices(prices, missions, fee))
         assert asked.value <= own
 
 
@@ -158,13 +169,13 @@ def test_prices_of_any_kind_give_bounds(tried):
     """Random prices, also large and negative ones, never give more than the best tour costs."""
     cost, least = tried
     cells = np.ascontiguousarray(cost.transpose(3, 0, 1, 2))
-    bit, carried = memories(neighbourhoods(cells, 2))
+    memory = memories(neighbourhoods(cells, 2))
     random = np.random.default_rng(0)
     for _ in range(30):
         tangent = Tangent.at(EXPENSE, random.uniform(60.0, 6000.0))
         prices = random.normal(8.0, 12.0, cells.shape[1])
         settings = Bounding(rounds=0, levels=int(random.integers(2, 6)))
-        found = bound(cells, GRID, EXPENSE, tangent, bit, carried, settings, prices)
+        found = bound(cells, GRID, EXPENSE, tangent, memory, settings, FirstPrices(prices))
         assert found.value <= least
 
 
@@ -207,10 +218,10 @@ def test_walks_are_no_dearer_than_missions_at_any_price():
         prices = random.uniform(0.5, 2.5, count) * launch
         true = prices.sum() + cheapest_walk(cost, tangent, prices)
         for remembered in (0, 1, count - 1):
-            bit, carried = memories(neighbourhoods(cells, remembered))
+            memory = memories(neighbourhoods(cells, remembered))
             for levels in (2, 3, 5, 40):
                 settings = Bounding(rounds=0, levels=levels)
-                found = bound(cells, GRID, EXPENSE, tangent, bit, carried, settings, prices)
+                found = bound(cells, GRID, EXPENSE, tangent, memory, settings, FirstPrices(prices))
                 assert found.value <= true + 1e-9, (seed, remembered, levels)
         met += found.value >= true - 1e-4 * prices.sum()
     assert met > 40

@@ -5,7 +5,16 @@ import pytest
 
 from adr_opt.kernels.rules.loads import KITS_BIT, Loads
 from solvers.labels.pending import is_preceded, more_room, next_of, pending_room, send, take
-from solvers.labels.waiting import Labels, Waiting, arrive, is_dominated, keep, larger, room
+from solvers.labels.waiting import (
+    Candidate,
+    Labels,
+    Waiting,
+    arrive,
+    is_dominated,
+    keep,
+    larger,
+    room,
+)
 
 LABELS = 1500
 
@@ -54,6 +63,14 @@ def dominates(
     )
 
 
+def as_candidate(labels: Labels, label: int) -> Candidate:
+    """What could come there in place of a label."""
+    return Candidate(
+        labels.value[label], labels.left[label], np.int64(labels.visits[label]),
+        labels.worth[label],
+    )  # fmt: skip
+
+
 def waits(waiting: Waiting, body: int) -> set[int]:
     """The labels in a list."""
     return {int(label) for label in waiting.label[body, : waiting.size[body]] if label >= 0}
@@ -74,12 +91,9 @@ def test_exactly_those_wait_that_none_dominates(words, whole, what):
     alive: set[int] = set()
     refused = 0
     for label in range(LABELS):
-        value, left, memory = labels.value[label], labels.left[label], labels.memory[label]
+        candidate, memory = as_candidate(labels, label), labels.memory[label]
         dominated = any(dominates(labels, other, label, compared, what) for other in alive)
-        assert dominated == is_dominated(
-            waiting, labels, 1, value, left, labels.visits[label], labels.worth[label], memory,
-            compared, loads,
-        )  # fmt: skip
+        assert dominated == is_dominated(waiting, labels, 1, candidate, memory, compared, loads)
         if not arrive(waiting, labels, 1, label, compared, loads):
             waiting = larger(waiting, words)
             assert arrive(waiting, labels, 1, label, compared, loads)
@@ -108,9 +122,8 @@ def test_all_that_are_sent_arrive_and_precede_others_until_then(words):
         row = int(rng.integers(rows))
         preceded = any(dominates(labels, other, label, compared) for other in under_way[row])
         assert preceded == is_preceded(
-            pending, row, labels, labels.value[label], labels.left[label], labels.visits[label],
-            labels.worth[label], labels.memory[label], compared, None,
-        )  # fmt: skip
+            pending, row, labels, as_candidate(labels, label), labels.memory[label], compared, None
+        )
         while not send(pending, row, labels, label):
             pending, grown = more_room(pending, words), grown + 1
         under_way[row].add(label)

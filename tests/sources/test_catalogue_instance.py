@@ -21,7 +21,7 @@ from catalogue_files import (
 
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M
-from adr_opt.sources.catalogue import Filters, read, to_instance
+from adr_opt.sources.catalogue import Filters, MissionOutline, read, to_instance
 from adr_opt.sources.catalogue.reading import read_bytes
 from adr_opt.sources.catalogue.station import densest, normals, plane_angles
 
@@ -176,11 +176,12 @@ def test_warnings_name_days_altitudes_and_numbers() -> None:
     """Old elements, unreachable altitudes and too many targets are warned of, with numbers."""
     records = field(10)
     # Half a day: time for a leg, and too little for drag to show.
-    assert to_instance(records, duration_s=43_200.0).warnings == ()
+    assert to_instance(records, mission=MissionOutline(duration_s=43_200.0)).warnings == ()
     late = max(record.epoch for record in records) + timedelta(days=30)
-    (warning,) = to_instance(records, epoch=late, duration_s=43_200.0).warnings
+    later = MissionOutline(epoch=late, duration_s=43_200.0)
+    (warning,) = to_instance(records, mission=later).warnings
     assert "10 of 10 objects are more than 7 days from the epoch" in warning
     assert "30." in warning
     high = one(as_json(records[:1]).replace(str(records[0].mean_motion_rev_day), "2.0"))
-    (warning,) = to_instance([high], duration_s=172_800.0).warnings
+    (warning,) = to_instance([high], mission=MissionOutline(duration_s=172_800.0)).warnings
     assert "2 of 2 bodies are outside the altitudes of phasing, 300 to 2000 km" in warning

@@ -212,7 +212,8 @@ def test_a_crew_in_python() -> None:
     """What the options say is there in Python too, and is refused there as well."""
     crew = catalogue.Crew(launches=2, apart_s=DAY_S, kits=3)
     demands = catalogue.Demands({str(RECORDS[2].number): DAY_S})
-    made = catalogue.to_instance(RECORDS, crew=crew, demands=demands, refuelling=False)
+    mission = catalogue.MissionOutline(refuelling=False)
+    made = catalogue.to_instance(RECORDS, crew=crew, demands=demands, mission=mission)
     assert made.home is None
     assert made.to_dict()["start"] == {
         "name": "chaser-1", "from": "at the first target of each chaser", "orbit": None

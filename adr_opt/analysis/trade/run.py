@@ -70,7 +70,7 @@ class _Reached:
         return math.inf if self._stop is None else self._stop.remaining_s()
 
 
-def tradeoff(
+def tradeoff(  # noqa: PLR0913
     instance: Instance,
     axes: Sequence[Axis],
     *,

@@ -8,11 +8,12 @@ from .czml import to_czml
 from .gmat import to_gmat
 from .oem import to_oem
 from .opm import to_opm
-from .write import FORMATS, FRAMES, write_plan
+from .write import FORMATS, FRAMES, FlightFile, write_plan
 
 __all__ = [
     "FORMATS",
     "FRAMES",
+    "FlightFile",
     "to_czml",
     "to_gmat",
     "to_oem",

@@ -20,7 +20,7 @@ from ...problem.instance import Instance
 from .kvn import header, metadata, object_name, plain, who
 from .oem import segment
 from .refined_messages import to_gmat, to_opm
-from .write import axes_in, check_frame
+from .write import BY_SUFFIX, FlightFile, axes_in, check_frame
 
 FORMATS = ("oem", "opm", "script")
 """Of refined plans."""
@@ -31,13 +31,11 @@ def write_refined(
     refined: RefinedPlan,
     path: str | os.PathLike[str],
     *,
-    frame: str | None = None,
+    file: FlightFile = BY_SUFFIX,
     body: str | None = None,
     step_s: float | None = None,
     leg: int | None = None,
     chaser: str | None = None,
-    format: str = "oem",
-    object_id: str | None = None,
 ) -> tuple[EphemerisTrack, ...]:
     """Write the flight of the chaser, or of a visited body, whole or not at all.
 
@@ -46,17 +44,13 @@ def write_refined(
     instance : Instance
     refined : RefinedPlan
     path : path
-    frame : {"EME2000", "GCRF", "ICRF", "TEME"}, optional
-        As for :func:`.write.write_plan`.
+    file : FlightFile
+        Of the formats "oem", by default, "opm" and "script"; the last two hold the first osculating
+        state and the burns of the chaser. A body is called by default what the instance says.
     body, step_s, leg
         As :func:`adr_opt.fly.refine.ephemeris.tracks` takes them.
     chaser : str, optional
         Whose flight; needed where there are several chasers, unless a leg or a body is named.
-    format : {"oem", "opm", "script"}
-        The last two hold the first osculating state and the burns of the chaser.
-    object_id : str, optional
-        International designator of the chaser, or of the body; by default that which the instance
-        has of the body, else UNKNOWN.
 
     Returns
     -------
@@ -73,6 +67,7 @@ def write_refined(
         There is something to turn to the frame, and astropy is not installed.
     """
     refuse_foreign(instance, refined)
+    format, frame, object_id = file.format or "oem", file.frame, file.object_id
     check_frame(frame)
     check_writable(path)
     if format not in FORMATS:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ...common.errors import InputError
@@ -27,17 +27,40 @@ TOGETHER = ("czml",)
 """Formats that may hold the flights of several chasers."""
 
 
+@dataclass(frozen=True)
+class FlightFile:
+    """How a flight is written.
+
+    Attributes
+    ----------
+    format : {"oem", "opm", "czml", "script"}, optional
+        By default that of the file's suffix.
+    frame : {"EME2000", "GCRF", "ICRF", "TEME"}, optional
+        By default the frame of the instance, and EME2000 if it names none. Where it names one,
+        states and burns are turned from that to this, by astropy; else this is only a name. CZML
+        has only Cesium's INERTIAL, the ICRF, and takes no notice; GMAT has no TEME, and a script
+        is in EME2000 for it.
+    object_id : str, optional
+        International designator of what flies, for ``oem`` and ``opm``; else UNKNOWN.
+    """
+
+    format: str | None = None
+    frame: str | None = None
+    object_id: str | None = None
+
+
+BY_SUFFIX = FlightFile()
+
+
 def write_plan(
     instance: Instance,
     plan: Plan,
     path: str | os.PathLike[str],
     *,
-    format: str | None = None,
-    frame: str | None = None,
+    file: FlightFile = BY_SUFFIX,
     step_s: float | None = None,
     leg: int | None = None,
     chaser: str | None = None,
-    object_id: str | None = None,
 ) -> Trajectory:
     """Fly a plan and write the flight, whole or not at all.
 
@@ -46,13 +69,8 @@ def write_plan(
     instance : Instance
     plan : Plan
     path : path
-        Its suffix chooses the format where ``format`` does not.
-    format : {"oem", "opm", "czml", "script"}, optional
-    frame : {"EME2000", "GCRF", "ICRF", "TEME"}, optional
-        By default the frame of the instance, and EME2000 if it names none. Where it names one,
-        states and burns are turned from that to this, by astropy; else this is only a name. CZML
-        has only Cesium's INERTIAL, the ICRF, and takes no notice; GMAT has no TEME, and a script
-        is in EME2000 for it.
+        Its suffix chooses the format where ``file`` does not.
+    file : FlightFile
     step_s : float, optional
         Largest time between two states of ``oem`` and ``czml``; by default that of
         :func:`adr_opt.fly.trajectory.sampling.sample` [s].
@@ -61,8 +79,6 @@ def write_plan(
     chaser : str, optional
         Only the legs of this chaser. Where there are several, all formats but ``czml`` need it, or
         a leg.
-    object_id : str, optional
-        International designator of the chaser, for ``oem`` and ``opm``; else UNKNOWN.
 
     Returns
     -------
@@ -78,11 +94,11 @@ def write_plan(
     MissingExtra
         There is something to turn, and astropy is not installed.
     """
-    kind = format_of(path, format)
-    check_frame(frame)
+    kind = format_of(path, file.format)
+    check_frame(file.frame)
     check_writable(path)
     trajectory = flown(instance, plan, step_s, leg, chaser, together=kind in TOGETHER)
-    write_trajectory(trajectory, path, format=format, frame=frame, object_id=object_id)
+    write_trajectory(trajectory, path, file)
     return trajectory
 
 
@@ -117,12 +133,7 @@ def flown(
 
 
 def write_trajectory(
-    trajectory: Trajectory,
-    path: str | os.PathLike[str],
-    *,
-    format: str | None = None,
-    frame: str | None = None,
-    object_id: str | None = None,
+    trajectory: Trajectory, path: str | os.PathLike[str], file: FlightFile = BY_SUFFIX
 ) -> Axes:
     """Write a flight with at least one leg; the parameters are those of :func:`write_plan`.
 
@@ -131,13 +142,13 @@ def write_trajectory(
     Axes
         Those of the file.
     """
-    format = format_of(path, format)
+    format, frame = format_of(path, file.format), file.frame
     check_frame(frame)
     axes = axes_in(format, trajectory.instance, frame)
     if format == "oem":
-        text = to_oem(trajectory, frame, object_id)
+        text = to_oem(trajectory, frame, file.object_id)
     elif format == "opm":
-        text = to_opm(trajectory, frame, object_id)
+        text = to_opm(trajectory, frame, file.object_id)
     elif format == "czml":
         text = to_czml(trajectory)
     else:

@@ -47,7 +47,7 @@ class _Flights(NamedTuple):
     revolution_s: float
 
 
-def sample_flights(
+def sample_flights(  # noqa: PLR0913
     instance: Instance,
     refined: RefinedPlan,
     flights: int = 1000,

@@ -145,7 +145,7 @@ def _rank(plan: Plan, refined: RefinedPlan) -> tuple[float, float]:
     return plan.objective, -refined.flown_delta_v_m_s
 
 
-def solve_refined(
+def solve_refined(  # noqa: PLR0913
     instance: AnyProblem,
     method: str = DEFAULT_METHOD,
     *,

@@ -67,6 +67,55 @@ class Ahead(NamedTuple):
     unit: float
 
 
+class StepLegs(NamedTuple):
+    """Legs in whole numbers, by the step that they leave in.
+
+    Attributes
+    ----------
+    origin, destination : (legs,) int64
+    cost : (legs,) int64
+        [slots].
+    lands_in : (legs,) int64
+        Step.
+    first : (steps + 1,) int64
+        First leg of each step.
+    """
+
+    origin: npt.NDArray[np.int64]
+    destination: npt.NDArray[np.int64]
+    cost: npt.NDArray[np.int64]
+    lands_in: npt.NDArray[np.int64]
+    first: npt.NDArray[np.int64]
+
+
+class Onward(NamedTuple):
+    """One leg for the values of its origin.
+
+    Attributes
+    ----------
+    cost : int
+        [slots].
+    top : int
+        Slot of the tank that is filled where it lands; −1 at a target.
+    code : int
+        What the destination gives, packed with it.
+    came_from : int
+        Body that the walk leaves, to which it does not go straight back.
+    """
+
+    cost: int
+    top: int
+    code: int
+    came_from: int
+
+
+class Packing(NamedTuple):
+    """Bits of the next body in a packed value, and the value of what is not possible."""
+
+    mask: int
+    never: int
+
+
 @inlined
 def slots_in(delta_v, slot):
     """Slots that a tank holds which is left with so much."""
@@ -115,7 +164,7 @@ def _served(values, image, desk):
 
 
 @kernel
-def put(own, other, landed, landed_second, top, code, mask, came_from, cost, never):
+def put(own, other, landed, landed_second, leg, packing):
     """Improve the values of a body and step by one leg.
 
     Parameters
@@ -124,13 +173,11 @@ def put(own, other, landed, landed_second, top, code, mask, came_from, cost, nev
         Best and second best; updated.
     landed, landed_second : (slots,) int32
         Those where the leg lands.
-    top : int
-        Slot of the tank that is filled there; −1 at a target.
-    code : int
-        What the destination gives, packed with it.
-    mask, came_from, cost, never : int
-        Bits of the next body, body that the walk leaves, slots, value of what is not possible.
+    leg : Onward
+    packing : Packing
     """
+    cost, top, code, came_from = leg
+    mask, never = packing
     for c in range(cost, own.size):
         at = c - cost if top < 0 else top
         value = landed[at]
@@ -176,13 +223,26 @@ def _mark_useful(first, departure, lands_in, cost, slots, steps, useful):
 
 
 @kernel
-def _sweep(
-    origin, destination, cost, lands_in, first, code, is_station, may_end, cargo, tops, image, bits,
-    best, second,
-):  # fmt: skip
-    """Fill the values, from the last step to the first one."""
+def _sweep(legs, code, terms, tops, image, bits, best, second):
+    """Fill the values, from the last step to the first one.
+
+    Parameters
+    ----------
+    legs : StepLegs
+    code : (bodies,) int32
+        What each body gives, packed with it.
+    terms : Terms
+    tops, image
+        As of :func:`_images`.
+    bits : int
+    best, second : (kits + 1, steps + 1, bodies, slots) int32
+        Written, as :class:`Ahead` has them.
+    """
+    origin, destination, cost, lands_in, first = legs
+    is_station, may_end, cargo = terms.is_station, terms.may_end, terms.cargo
     layers, steps, bodies, slots = best.shape[0], best.shape[1] - 1, best.shape[2], best.shape[3]
-    mask, never = np.int32((1 << bits) - 1), np.int32(NEVER)
+    mask = np.int32((1 << bits) - 1)
+    packing = Packing(mask, np.int32(NEVER))
     desk, other_desk = np.empty(slots, np.int32), np.empty(slots, np.int32)
     for kits in range(layers):
         for i in range(bodies):
@@ -206,9 +266,10 @@ def _sweep(
                 if changes(cargo, j, kits):
                     landed = _served(landed, image[j, kits], desk)
                     landed_second = _served(landed_second, image[j, kits], other_desk)
+                top = tops[kits] if is_station[j] else -1
                 put(
                     best[kits, step, i], second[kits, step, i], landed, landed_second,
-                    tops[kits] if is_station[j] else -1, code[j], mask, came_from, cost[leg], never,
+                    Onward(cost[leg], top, code[j], came_from), packing,
                 )  # fmt: skip
 
 
@@ -263,8 +324,6 @@ def look_ahead(
     shape = layers, last.size + 1, bodies, slots
     best, second = np.empty(shape, dtype=np.int32), np.empty(shape, dtype=np.int32)
     pair = legs.pair[order]
-    _sweep(
-        pair // bodies, pair % bodies, cost[order], lands_in[order], first, code,
-        legs.terms.is_station, legs.terms.may_end, cargo, tops, image, bits, best, second,
-    )  # fmt: skip
+    counted = StepLegs(pair // bodies, pair % bodies, cost[order], lands_in[order], first)
+    _sweep(counted, code, legs.terms, tops, image, bits, best, second)
     return Ahead(last, best, second, bits, slot_m_s, unit)

@@ -47,6 +47,8 @@ class WalkLabels(NamedTuple):
         Bit j % 63 of word j // 63: may not go to target j.
     following : (labels,) int64
         Next label that will be ready in the same step, −1 for none.
+    head : (steps + 1,) int64
+        First label that will be ready in each step, −1 for none.
     """
 
     body: npt.NDArray[np.int32]
@@ -58,6 +60,7 @@ class WalkLabels(NamedTuple):
     value: npt.NDArray[np.int64]
     memory: npt.NDArray[np.int64]
     following: npt.NDArray[np.int64]
+    head: npt.NDArray[np.int64]
 
 
 class KeptLabels(NamedTuple):
@@ -209,13 +212,11 @@ def _rest(cargo, to_station, j, kits, left):
 
 
 @kernel
-def _extend(legs, ahead, question, labels, kept, head, count, label, memory):
+def _extend(legs, ahead, question, labels, kept, count, label, memory):
     """Make the labels that go on from one; returns how many there are then.
 
     Parameters
     ----------
-    head : (steps + 1,) int64
-        First label of each step, −1 for none; updated.
     count : int
         Labels made so far.
     memory : (words,) int64
@@ -228,7 +229,7 @@ def _extend(legs, ahead, question, labels, kept, head, count, label, memory):
     """
     bodies, words = question.gain.size, memory.size
     i, time, left = labels.body[label], labels.time[label], labels.left[label]
-    kits, cargo = labels.kits[label], legs.terms.cargo
+    kits, cargo, head = labels.kits[label], legs.terms.cargo, labels.head
     came_from = np.int32(-1) if legs.terms.is_station[i] else i
     for j in range(bodies):
         pair = i * bodies + j
@@ -285,13 +286,11 @@ def _extend(legs, ahead, question, labels, kept, head, count, label, memory):
 
 
 @kernel
-def search(legs, ahead, question, labels, kept, head, cursor, ready):
+def search(legs, ahead, question, labels, kept, cursor, ready):
     """Go through all labels, step by step.
 
     Parameters
     ----------
-    head : (steps + 1,) int64
-        First label that will be ready in each step; updated.
     cursor : (4,) int64
         Step, labels made, and those of the step that were gone through of how many; updated.
     ready : (labels,) int64
@@ -303,7 +302,8 @@ def search(legs, ahead, question, labels, kept, head, cursor, ready):
         NONE if labels have run out, FOUND if one of them collects as much as is asked for, FULL if
         there is no room.
     """
-    cargo, memory = legs.terms.cargo, np.empty(labels.memory.shape[1], np.int64)
+    cargo, head = legs.terms.cargo, labels.head
+    memory = np.empty(labels.memory.shape[1], np.int64)
     while cursor[0] < head.size:
         step = cursor[0]
         if cursor[3] < 0:
@@ -344,7 +344,7 @@ def search(legs, ahead, question, labels, kept, head, cursor, ready):
                 at = kept.size[place]
                 if at == kept.left.shape[1]:
                     return FULL
-                count = _extend(legs, ahead, question, labels, kept, head, cursor[1], label, memory)
+                count = _extend(legs, ahead, question, labels, kept, cursor[1], label, memory)
                 cursor[1] = abs(count)
                 if count < 0:
                     return FULL

@@ -28,7 +28,7 @@ from ...common.errors import InputError
 from ...common.memory import available_bytes
 from ...kernels.core.compile import kernel
 from ...legs.connections import ConnectionFinder
-from .ahead import SLOT_SLACK, put, slots_in
+from .ahead import SLOT_SLACK, Onward, Packing, put, slots_in
 from .terms import Terms, flown_from
 
 DEPARTURE, DESTINATION, AHEAD, FIELD = 48, 32, 16, 0xFFFF
@@ -63,12 +63,61 @@ OF_TANKS = Counting(np.int32, 2**28, -(2**30))
 OF_PRICES = Counting(np.int64, 2**60, -(2**62))
 
 
+class StepGrid(NamedTuple):
+    """What time and ΔV are counted in.
+
+    Attributes
+    ----------
+    length : float
+        Of a step [s].
+    slot : float
+        Of ΔV [m/s].
+    slots, steps : int
+        How many there are.
+    """
+
+    length: float
+    slot: float
+    slots: int
+    steps: int
+
+
+class StepTerms(NamedTuple):
+    """What walks in steps gain and pay; *values* are integers of one kind.
+
+    Attributes
+    ----------
+    code : (bodies,) values
+        What each body gives, packed with it.
+    toll : values
+        Of a slot, packed; 0 where walks know how much is left.
+    is_station : (bodies,) bool
+    top : int
+        Slot of a full tank; −1 where ΔV has a price.
+    packing : Packing
+    """
+
+    code: npt.NDArray[Any]
+    toll: Any
+    is_station: npt.NDArray[np.bool_]
+    top: int
+    packing: Packing
+
+
+class StepValues(NamedTuple):
+    """Most that walks collect, and most of those that go to another body next, packed."""
+
+    best: npt.NDArray[Any]
+    second: npt.NDArray[Any]
+
+
 @kernel
-def _packed(departure, end, delta_v, j, length, slot, slots, steps, earliest, legs):
+def _packed(departure, end, delta_v, j, grid, earliest, legs):
     """Pack the legs of one pair, in order of departure, that no later one makes superfluous.
 
     Parameters
     ----------
+    grid : StepGrid
     earliest : (slots,) int64
         Scratch: when one lands at the earliest who leaves no sooner and costs no more.
     legs : (legs,) int64
@@ -80,6 +129,7 @@ def _packed(departure, end, delta_v, j, length, slot, slots, steps, earliest, le
     shortest : int
         Least steps of one of them.
     """
+    length, slot, slots, steps = grid
     count, shortest = 0, steps + 1
     earliest[:] = steps + 1
     for leg in range(departure.size - 1, -1, -1):
@@ -104,9 +154,7 @@ def _packed(departure, end, delta_v, j, length, slot, slots, steps, earliest, le
 
 
 @kernel
-def _sweep(
-    legs, behind, i, came_from, code, toll, is_station, top, mask, never, high, low, best, second
-):  # fmt: skip
+def _sweep(legs, behind, i, came_from, terms, values, high, low):
     """Values of the steps ``low`` to ``high`` − 1 of a body; returns what legs are still to come.
 
     Parameters
@@ -117,14 +165,12 @@ def _sweep(
         So many of them depart before ``high``.
     came_from : values
         The body, to which walks do not go straight back, or nothing at a station.
-    code : (bodies,) values
-        What each body gives, packed with it.
-    toll : values
-        Of a slot, packed; 0 where walks know how much is left.
-    top : int
-        Slot of a full tank; −1 where ΔV has a price.
-    best, second : (bodies, steps + 1, slots) values
+    terms : StepTerms
+    values : StepValues
+        By body, step and slot.
     """
+    code, toll, is_station, top, packing = terms
+    best, second = values
     for step in range(high - 1, low - 1, -1):
         own, other = best[i, step], second[i, step]
         own[:] = best[i, step + 1]
@@ -136,14 +182,15 @@ def _sweep(
             lands = step + ((leg >> AHEAD) & FIELD)
             landed, landed_second = best[j, lands], second[j, lands]
             if top >= 0:
+                full = top if is_station[j] else -1
                 put(
-                    own, other, landed, landed_second, top if is_station[j] else -1, code[j], mask,
-                    came_from, cost, never,
+                    own, other, landed, landed_second, Onward(cost, full, code[j], came_from),
+                    packing,
                 )  # fmt: skip
             else:
                 put(
-                    own, other, landed, landed_second, -1, code[j] - cost * toll, mask, came_from,
-                    0, never,
+                    own, other, landed, landed_second,
+                    Onward(0, -1, code[j] - cost * toll, came_from), packing,
                 )  # fmt: skip
     return behind
 
@@ -196,7 +243,7 @@ def most_in_steps(
     counting, width = (OF_TANKS, slots) if worth_per_m_s is None else (OF_PRICES, 1)
     size = terms.bodies * (steps + 1) * width
     _find_room(2.0 * np.dtype(counting.kind).itemsize * size)
-    legs, shortest = _legs(terms, connecting, length_s, slot_m_s, slots, steps)
+    legs, shortest = _legs(terms, connecting, StepGrid(length_s, slot_m_s, slots, steps))
     count = sum(each.size for each in legs)
     price = Fraction(0) if worth_per_m_s is None else worth_per_m_s * Fraction(slot_m_s)
     unit, units, toll = _in_units(gains, price, slots, steps // max(1, shortest) + 2, counting)
@@ -211,16 +258,18 @@ def most_in_steps(
     best, second = np.empty(shape, dtype=kind), np.empty(shape, dtype=kind)
     best[:, steps] = np.where(terms.may_end, mask, counting.never)[:, None]
     second[:, steps] = counting.never
+    step_terms = StepTerms(
+        code, kind(toll << bits), terms.is_station, slots - 1 if worth_per_m_s is None else -1,
+        Packing(mask, kind(counting.never)),
+    )  # fmt: skip
+    values = StepValues(best, second)
     behind = [each.size for each in legs]
     high = steps
     while high > 0:
         low = max(0, high - shortest)  # no leg that departs in these steps lands in one of them
         for i in range(terms.bodies):
-            behind[i] = _sweep(
-                legs[i], behind[i], i, kind(-1 if terms.is_station[i] else i), code,
-                kind(toll << bits), terms.is_station, slots - 1 if worth_per_m_s is None else -1,
-                mask, kind(counting.never), high, low, best, second,
-            )  # fmt: skip
+            came_from = kind(-1 if terms.is_station[i] else i)
+            behind[i] = _sweep(legs[i], behind[i], i, came_from, step_terms, values, high, low)
         high = low
     found = [
         int(best[body, _step(float(terms.ready[body]) - SLACK_S, length_s), min(begun, width - 1)])
@@ -259,10 +308,7 @@ def _find_room(size: float) -> None:
 def _legs(
     terms: Terms,
     connecting: ConnectionFinder,
-    length_s: float,
-    slot_m_s: float,
-    slots: int,
-    steps: int,
+    grid: StepGrid,
 ) -> tuple[list[npt.NDArray[np.int64]], int]:
     """The legs of each body, in order of departure, and the least steps of any.
 
@@ -271,15 +317,14 @@ def _legs(
     InputError
         A leg ends in the step that it leaves in, or there is no room for all of them.
     """
-    earliest, legs, shortest = np.empty(slots, dtype=np.int64), [], steps + 1
+    earliest, legs = np.empty(grid.slots, dtype=np.int64), []
+    shortest = grid.steps + 1
     for i in range(terms.bodies):
         parts = [np.empty(0, dtype=np.int64)]
         for j, departure, end, delta_v in flown_from(i, terms, connecting):
             assert np.all(departure[1:] >= departure[:-1])  # what is superfluous depends on it
             part = np.empty(departure.size, dtype=np.int64)
-            count, least = _packed(
-                departure, end, delta_v, j, length_s, slot_m_s, slots, steps, earliest, part
-            )
+            count, least = _packed(departure, end, delta_v, j, grid, earliest, part)
             shortest = min(shortest, least)
             parts.append(part[:count].copy())
         legs.append(np.sort(np.concatenate(parts)))
@@ -287,7 +332,7 @@ def _legs(
         _find_room(held * (terms.bodies - i - 1) / (i + 1))
     if shortest < 1:
         raise InputError(
-            f"field time_step_s = {length_s!r}: there are legs that do not take as long"
+            f"field time_step_s = {grid.length!r}: there are legs that do not take as long"
         )
     return legs, shortest
 

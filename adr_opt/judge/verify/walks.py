@@ -75,17 +75,16 @@ def walks_reach(
         remembered[i, j // WORD] |= 1 << (j % WORD)
     counts = legs.terms.most_targets < int(np.count_nonzero(~legs.terms.is_station))
     question = Question(np.array(worth), need, remembered, counts)
-    labels = _labels_room(FIRST_LABELS, words)
+    labels = _labels_room(FIRST_LABELS, words, ahead.last.size)
     kept = _kept_room(len(gains) * legs.terms.cargo.full.size, words, FIRST_KEPT)
-    head = np.full(ahead.last.size + 1, -1)
-    cursor = _begin(legs, ahead.last, question, labels, head)
+    cursor = _begin(legs, ahead.last, question, labels)
     ready = np.empty(FIRST_LABELS, dtype=np.int64)
     while True:
-        state = search(legs, ahead, question, labels, kept, head, cursor, ready)
+        state = search(legs, ahead, question, labels, kept, cursor, ready)
         if state != FULL:
             return WalkAnswer(state == FOUND, int(cursor[1]))
         if cursor[1] == labels.body.size:
-            more = _labels_room(2 * labels.body.size, words)
+            more = _labels_room(2 * labels.body.size, words, ahead.last.size)
             arrays: Iterable[tuple[Array, Array]] = zip(more, labels, strict=True)
             for new, old in arrays:
                 new[: old.shape[0]] = old
@@ -104,7 +103,6 @@ def _begin(
     last: npt.NDArray[np.float64],
     question: Question,
     labels: WalkLabels,
-    head: npt.NDArray[np.int64],
 ) -> npt.NDArray[np.int64]:
     """The first labels, and the cursor of the search.
 
@@ -127,18 +125,19 @@ def _begin(
             labels.value[at] = question.gain[body] if is_launch else 0
             labels.memory[at] = 0
             step = int(np.searchsorted(last, legs.terms.ready[body] - SLACK_S))
-            labels.following[at], head[step] = head[step], at
+            labels.following[at], labels.head[step] = labels.head[step], at
             at += 1
     return np.array([0, at, 0, -1])
 
 
-def _labels_room(size: int, words: int) -> WalkLabels:
-    """Room for labels."""
+def _labels_room(size: int, words: int, steps: int) -> WalkLabels:
+    """Room for labels that will be ready in so many steps."""
     body, kits, visits, came_from = (np.empty(size, dtype=np.int32) for _ in range(4))
     time, left = np.empty(size), np.empty(size)
     value, following = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
     memory = np.empty((size, words), dtype=np.int64)
-    return WalkLabels(body, kits, visits, came_from, time, left, value, memory, following)
+    head = np.full(steps + 1, -1)
+    return WalkLabels(body, kits, visits, came_from, time, left, value, memory, following, head)
 
 
 def _kept_room(places: int, words: int, size: int) -> KeptLabels:

@@ -77,6 +77,50 @@ NOTHING_HOURS = 12.0
 """What no move at all costs as the move after the next [h]."""
 
 
+class Gains(NamedTuple):
+    """What targets count for.
+
+    Attributes
+    ----------
+    gain : (bodies,) float64
+    per_gain : (bodies,) float64
+        Factor of the cost of each: 1 over its gain.
+    """
+
+    gain: np.ndarray
+    per_gain: np.ndarray
+
+
+class ChainRule(NamedTuple):
+    """How a chain chooses moves.
+
+    Attributes
+    ----------
+    hours_per_m_s : float
+        Worth of ΔV [h per m/s].
+    foresight : float
+        Share of the cost of the cheapest move after it that counts as a move's own.
+    """
+
+    hours_per_m_s: float
+    foresight: float
+
+
+class Stamps(NamedTuple):
+    """Which targets a chain has been at.
+
+    Attributes
+    ----------
+    stamp : (bodies,) int64
+        Scratch.
+    mark : int
+        What stands there for them: larger than every other number in it.
+    """
+
+    stamp: np.ndarray
+    mark: int
+
+
 class Promises(NamedTuple):
     """What chains promise after each move of many episodes; for planners, not to be observed.
 
@@ -101,9 +145,7 @@ _FORESIGHT = np.array([share for _, share in CHAINS])
 
 
 @kernel
-def observe_lookahead(
-    pool, episodes, order, first, last, moves, mission, mask, legal, prized, promises
-):
+def observe_lookahead(pool, episodes, order, first, last, into, prized, promises):
     """Observations ``lookahead`` of the episodes ``order[first:last]``.
 
     As :func:`.observation.observe_transfer`, with :data:`CHAIN_FIELDS` after the
@@ -114,9 +156,9 @@ def observe_lookahead(
     promises : Promises
         Written.
     """
-    observe_transfer(pool, episodes, order, first, last, moves, mission, mask, legal, prized)
+    observe_transfer(pool, episodes, order, first, last, into, prized)
     pool, episodes = borrowed(pool), borrowed(episodes)
-    moves, mask = borrowed(moves), borrowed(mask)
+    moves, mask = borrowed(into.moves), borrowed(into.mask)
     promises = Promises(
         borrowed(promises.prize), borrowed(promises.time_left), borrowed(promises.lead)
     )
@@ -127,6 +169,7 @@ def observe_lookahead(
     rows = np.empty(FOLLOWED + 1, dtype=np.int64)
     most, slack = np.empty(FOLLOWED + 1), np.empty(FOLLOWED + 1)
     gain, per_gain = np.ones(targets + 1), np.ones(targets + 1)
+    gains = Gains(gain, per_gain)
     as_good = EQUAL_PRIZES if prized else EQUAL_TARGETS
     for place in range(first, last):
         e = order[place]
@@ -158,8 +201,8 @@ def observe_lookahead(
             for chain in range(chains):
                 mark += 1
                 worth, collected, end, rest = greedy_chain(
-                    rules, outlook, state, visited, move, gain, per_gain,
-                    1.0 / _WORTH[chain], _FORESIGHT[chain], stamp, mark,
+                    rules, outlook, state, visited, move, gains,
+                    ChainRule(1.0 / _WORTH[chain], _FORESIGHT[chain]), Stamps(stamp, mark),
                 )  # fmt: skip
                 left_s = rules.duration - end
                 seen[2 * chain] = clip(worth * PER_TEN, 0.0, LIMIT)
@@ -232,9 +275,7 @@ def cheapest_moves(rules, state, per_gain, mask, rows):
 
 
 @inlined
-def greedy_chain(
-    rules, outlook, state, visited, move, gain, per_gain, hours_per_m_s, foresight, stamp, mark
-):
+def greedy_chain(rules, outlook, state, visited, move, gains, choosing, stamps):
     """Make a move, and then the cheapest next move again and again, as far as it goes.
 
     Inlined although it is long: of rules that come as an argument every step counts references,
@@ -250,15 +291,9 @@ def greedy_chain(
     visited : (bodies,) bool
     move : int
         The first move, a legal one.
-    gain, per_gain : (bodies,) float64
-        What each target counts for, and the factor of its cost: 1 over that.
-    hours_per_m_s : float
-        Worth of ΔV [h per m/s].
-    foresight : float
-        Share of the cost of the cheapest move after it that counts as a move's own.
-    stamp : (bodies,) int64
-        Scratch; ``mark`` must be larger than every number in it.
-    mark : int
+    gains : Gains
+    choosing : ChainRule
+    stamps : Stamps
 
     Returns
     -------
@@ -268,6 +303,9 @@ def greedy_chain(
         End of the last service [s] and ΔV left then [m/s].
     """
     table, home = rules.table, outlook.home
+    gain, per_gain = gains
+    hours_per_m_s, foresight = choosing
+    stamp, mark = stamps
     guarded_until = rules.duration - UNGUARDED_S
     worth, collected = 0.0, 0.0
     choice = move

@@ -10,6 +10,7 @@ time, and angles between planes those at t = 0. What the published study lists i
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -109,6 +110,37 @@ DEGREES = 180.0 / math.pi
 FAR = LIMIT
 
 
+class ObservationArrays(NamedTuple):
+    """Where observations are written, by episode.
+
+    Attributes
+    ----------
+    moves : (episodes, actions, fields) float32
+        :data:`MOVE_FIELDS` of every action; 0 for targets that are visited or that the field does
+        not have. What cannot be reached has the upper limit for its costs. There may be more
+        columns, which are 0 in the same rows.
+    mission : (episodes, len(MISSION_FIELDS)) float32
+        :data:`MISSION_FIELDS`.
+    mask : (episodes, actions) bool
+        Legal actions.
+    legal : (episodes,) int32
+        Number of legal actions.
+    """
+
+    moves: np.ndarray
+    mission: np.ndarray
+    mask: np.ndarray
+    legal: np.ndarray
+
+
+class BodyCounts(NamedTuple):
+    """Numbers of a field's bodies, of targets not visited yet, and of legal moves."""
+
+    bodies: int
+    unvisited: int
+    legal: int
+
+
 @inlined
 def _cheapest_ahead(line, visited, left, hours):
     """What the two cheapest moves need from a target that a ΔV and some hours suffice for.
@@ -154,11 +186,12 @@ def _open_nearby(outlook, visited, j):
 
 
 @inlined
-def _write_mission(row, rules, home, orbit, raan, left, remaining, bodies, unvisited, legal):
+def _write_mission(row, rules, home, orbit, raan, left, remaining, counts):
     """Write what is left of the mission, and where the chaser's orbit lies from the station's.
 
     ``raan`` is how far its node is from the station's now [rad].
     """
+    bodies, unvisited, legal = counts
     row[LEFT] = clip(left * PER_KM_S, 0.0, LIMIT)
     row[LEFT_OF_BUDGET] = clip(left / max(rules.budget, 1.0), 0.0, LIMIT)
     row[BUDGET] = clip(rules.budget * PER_KM_S, 0.0, LIMIT)
@@ -177,7 +210,7 @@ def _write_mission(row, rules, home, orbit, raan, left, remaining, bodies, unvis
 
 
 @kernel
-def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, legal, prized):
+def observe_transfer(pool, episodes, order, first, last, into, prized):
     """Observations ``transfer`` of the episodes ``order[first:last]``.
 
     Those of one field side by side are quicker: their table is then in the cache.
@@ -185,26 +218,13 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
     Parameters
     ----------
     order : (episodes,) int32
-    moves : (episodes, actions, len(MOVE_FIELDS)) float32
-        Written: :data:`MOVE_FIELDS` of every action; 0 for targets that are visited or that the
-        field does not have. What cannot be reached has the upper limit for its costs. There may
-        be more columns, which are 0 in the same rows.
-    mission : (episodes, len(MISSION_FIELDS)) float32
-        Written: :data:`MISSION_FIELDS`.
-    mask : (episodes, actions) bool
-        Written: legal actions.
-    legal : (episodes,) int32
-        Written: number of legal actions.
+    into : ObservationArrays
+        Written.
     prized : bool
         Write the prize of every move, into column :data:`PRIZE`.
     """
     pool, episodes = borrowed(pool), borrowed(episodes)
-    moves, mission, mask, legal = (
-        borrowed(moves),
-        borrowed(mission),
-        borrowed(mask),
-        borrowed(legal),
-    )
+    moves, mission, mask, legal = borrowed(into)
     targets = mask.shape[1] - 1
     costs, ends, lefts = np.empty(targets + 1), np.empty(targets + 1), np.empty(targets + 1)
     fits = np.empty(targets + 1, dtype=np.bool_)
@@ -322,7 +342,7 @@ def observe_transfer(pool, episodes, order, first, last, moves, mission, mask, l
         legal[e] = count
         _write_mission(
             mission[e], rules, orbits[HOME], orbits[body], raan - home_raan, left, remaining,
-            bodies, unvisited, count,
+            BodyCounts(bodies, unvisited, count),
         )  # fmt: skip
         mission[e, DOCKED] = 1.0 if body == HOME else 0.0
         mission[e, EARNED] = 1.0 if since > 0 else 0.0

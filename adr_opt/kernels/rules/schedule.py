@@ -16,6 +16,8 @@ least such mass, and at the greatest one that the second has it does not need it
 second does.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..core.compile import kernel
@@ -94,10 +96,31 @@ def undominated(ready, left, cost, count):
     return order, kept
 
 
+class Visit(NamedTuple):
+    """A stop at the next body of an order.
+
+    Attributes
+    ----------
+    body, kits : int
+        The body, and the kits aboard on the way there.
+    service : float
+        Time at it [s].
+    opens, closes : float
+        Service there begins no earlier and ends no later [s].
+    refill : float
+        What the tank holds after it, −1 for what is left [m/s].
+    """
+
+    body: int
+    kits: int
+    service: float
+    opens: float
+    closes: float
+    refill: float
+
+
 @kernel
-def follow(
-    ready, left, cost, weight, connections, service, opens, closes, refill, loads, body, kits
-):  # fmt: skip
+def follow(ready, left, cost, weight, connections, visit, loads):
     """Labels at the next body of an order.
 
     Parameters
@@ -108,15 +131,8 @@ def follow(
         What one of the price of a connection adds to the cost of each; empty for one.
     connections : tuple of (connections,) float64
         Departure [s], arrival [s], ΔV [m/s] and price of the pair, in order of departure.
-    service : float
-        Time at the next body [s].
-    opens, closes : float
-        Service there begins no earlier and ends no later [s].
-    refill : float
-        What the tank holds after a stop at the next body, −1 for what is left [m/s].
+    visit : Visit
     loads : Loads or None
-    body, kits : int
-        The next body, and the kits aboard on the way there.
 
     Returns
     -------
@@ -126,6 +142,7 @@ def follow(
         Label before, and connection.
     """
     departure, arrival, delta_v, price = connections
+    body, kits, service, opens, closes, refill = visit
     alike = weight.size == 0
     room = 256
     ends, lefts, costs = np.empty(room), np.empty(room), np.empty(room)

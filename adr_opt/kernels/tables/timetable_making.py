@@ -68,7 +68,7 @@ def pair_at(number, pairs):
 
 
 @kernel
-def fill(first, last, pairs, leaving, bodies, extra_delta_v, rule, limits, table):
+def fill(first, last, pairs, inputs, limits, table):
     """Fill the pairs from number ``first`` to before ``last``; all may be filled in parallel.
 
     Parameters
@@ -76,16 +76,16 @@ def fill(first, last, pairs, leaving, bodies, extra_delta_v, rule, limits, table
     first, last : int
     pairs : Pairs
         Each once.
-    leaving, bodies : (bodies, columns) float64
-        Rows of :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`, of bodies as they are left
-        and as they are arrived at.
-    extra_delta_v : (bodies, bodies) float64
-        What matching the eccentricity vectors alone would cost [m/s].
-    rule : TransferRule
+    inputs : tuple
+        What transfers follow from: rows of
+        :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`, of bodies as they are left and as
+        they are arrived at, shape (bodies, columns); what matching the eccentricity vectors alone
+        would cost, shape (bodies, bodies) [m/s]; TransferRule.
     limits : ServiceLimits
     table : Table
         Written in place, these pairs only.
     """
+    leaving, bodies, extra_delta_v, rule = inputs
     most = table.entries.shape[1]
     for number in range(first, last):
         i, rank = pair_at(number, pairs)

@@ -93,6 +93,9 @@ class Board:
             moves, mission = len(move_fields(name)), len(kernels.MISSION_FIELDS)
             self._moves = np.zeros((count, targets + 1, moves), dtype=np.float32)
             self._mission = np.zeros((count, mission), dtype=np.float32)
+            self._into = kernels.ObservationArrays(
+                self._moves, self._mission, self.mask, self.legal
+            )
 
     def observe(self, pool: StackedFields, episodes: Episodes, first: int, last: int) -> None:
         """Write mask and observation of the episodes ``order[first:last]``."""
@@ -115,12 +118,13 @@ class Board:
         if self.name == "published":
             observe_published(pool, episodes, order, first, last, self._flat, self.mask, self.legal)
             return
-        prized = sees_prizes(self.name)
-        into = (self._moves, self._mission, self.mask, self.legal, prized)
+        prized, into = sees_prizes(self.name), self._into
         if self.promises is None:
-            kernels.observe_transfer(pool, episodes, order, first, last, *into)
+            kernels.observe_transfer(pool, episodes, order, first, last, into, prized)
         else:
-            lookahead.observe_lookahead(pool, episodes, order, first, last, *into, self.promises)
+            lookahead.observe_lookahead(
+                pool, episodes, order, first, last, into, prized, self.promises
+            )
 
     @property
     def arrays(self) -> Observation:

@@ -14,7 +14,7 @@ kilometres by which an osculating orbit wiggles within each revolution.
 >>> instance = catalogue.to_instance(found, max_targets=50).instance  # doctest: +SKIP
 """
 
-from .assemble import Imported, to_instance
+from .assemble import Imported, MissionOutline, to_instance
 from .crew import Crew
 from .criticality import criticality
 from .demands import Demands
@@ -31,6 +31,7 @@ __all__ = [
     "ElementSet",
     "Filters",
     "Imported",
+    "MissionOutline",
     "Wish",
     "criticality",
     "read",

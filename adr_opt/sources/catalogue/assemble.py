@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal
@@ -19,7 +19,7 @@ from ...common.files import sentence
 from ...common.wording import counted
 from ...plan.plane_drift import drift_warning
 from ...problem.bodies import Station
-from ...problem.chasers import AtStation, InOrbit, Tank
+from ...problem.chasers import AtStation, InOrbit
 from ...problem.frame import Frame
 from ...problem.instance import Instance
 from ...problem.least_time import too_short
@@ -50,6 +50,53 @@ LAUNCHED = "at the first target of each chaser"
 
 MANY_TARGETS = 1000
 """More targets than this are warned of: the timetable grows with their square."""
+
+
+@dataclass(frozen=True)
+class MissionOutline:
+    """The mission that is made of a catalogue, but for its bodies and chasers.
+
+    Attributes
+    ----------
+    name : str, optional
+        Of the instance.
+    epoch : datetime, optional
+        With its time zone; by default the latest epoch of the elements.
+    duration_s : float
+        Of the mission.
+    dynamics : {"j2", "two-body"}
+        How bodies move after the epoch.
+    transfer : TransferSettings or mapping, optional
+        Or some of its fields; what is left open follows from the mission under J2
+        (:func:`adr_opt.problem.transfer_sizes.transfers_for`), else from the defaults of the file.
+    refuelling : bool
+        Whether there is a station; else the chaser starts where it would be, and nobody refuels.
+    """
+
+    name: str | None = None
+    epoch: datetime | None = None
+    duration_s: float = 7.0 * DAY_S
+    dynamics: Literal["two-body", "j2"] = "j2"
+    transfer: TransferSettings | Mapping[str, float | None] | None = None
+    refuelling: bool = True
+
+    def __post_init__(self) -> None:
+        epoch = self.epoch
+        if epoch is not None and epoch.tzinfo is None:
+            raise InputError(f"epoch {epoch.isoformat()}: must say its time zone; add Z for UTC")
+
+    def transfer_settings(self, orbits: Sequence[Orbit]) -> TransferSettings:
+        """Transfer settings: as wanted, and what that leaves open by the mission."""
+        wanted = self.transfer
+        if isinstance(wanted, TransferSettings):
+            return wanted
+        given = {name: value for name, value in (wanted or {}).items() if value is not None}
+        if self.dynamics == "j2":
+            return transfers_for(self.duration_s, orbits=orbits, **given)
+        return TransferSettings().replace(**given)
+
+
+A_WEEK = MissionOutline()
 
 
 @dataclass(frozen=True)
@@ -110,54 +157,32 @@ class Imported:
 def to_instance(
     catalogue: Catalogue | Iterable[ElementSet],
     *,
-    epoch: datetime | None = None,
     filters: Filters | None = None,
     max_targets: int | None = None,
     station: str | None = None,
-    duration_s: float = 7.0 * DAY_S,
-    delta_v_m_s: float = 3000.0,
-    name: str | None = None,
     skip_bad: bool = False,
-    dynamics: Literal["two-body", "j2"] = "j2",
-    transfer: TransferSettings | Mapping[str, float | None] | None = None,
-    refuelling: bool = True,
+    mission: MissionOutline = A_WEEK,
     crew: Crew | None = None,
     demands: Demands | None = None,
-    by_criticality: bool = False,
 ) -> Imported:
     """Propagate a catalogue to one epoch, filter it and make an instance of it.
 
     Parameters
     ----------
     catalogue : Catalogue or records
-    epoch : datetime, optional
-        With its time zone; by default the latest epoch of the elements.
     filters : Filters, optional
     max_targets : int, optional
         Keep so many, those with planes nearest to the station's first.
     station : str, optional
         ``ALTITUDE_KM,INCLINATION,RAAN[,U]``, or an object by number or name, which is then no
         target; by default the densest plane among the objects that pass the filters.
-    duration_s, delta_v_m_s : float
-        Limits of the mission.
-    name : str, optional
-        Of the instance.
     skip_bad : bool
         Leave out objects that SGP4 cannot bring to the epoch; else the first one is an error.
-    dynamics : {"j2", "two-body"}
-        How bodies move after the epoch.
-    transfer : TransferSettings or mapping, optional
-        Or some of its fields; what is left open follows from the mission under J2
-        (:func:`adr_opt.problem.transfer_sizes.transfers_for`), else from the defaults of the file.
-    refuelling : bool
-        Whether there is a station; else the chaser starts where it would be, and nobody refuels.
+    mission : MissionOutline
     crew : Crew, optional
-        The chasers; by default one, with ``delta_v_m_s``.
+        The chasers; by default one with a tank of 3000 m/s.
     demands : Demands, optional
         What is asked of some objects.
-    by_criticality : bool
-        Whether prizes are those of :func:`.criticality.criticality`, but where ``demands`` say
-        others; else all are 1.
 
     Returns
     -------
@@ -176,8 +201,6 @@ def to_instance(
     dropped = list(catalogue.dropped) if isinstance(catalogue, Catalogue) else []
     if max_targets is not None and max_targets < 1:
         raise InputError(f"max targets = {max_targets}: must be at least 1")
-    if epoch is not None and epoch.tzinfo is None:
-        raise InputError(f"epoch {epoch.isoformat()}: must say its time zone; add Z for UTC")
 
     told = None if station is None else parse_orbit(station)
     host = find(records, station) if station is not None and told is None else None
@@ -187,8 +210,7 @@ def to_instance(
     if not candidates:
         raise _nothing_left(len(records), dropped)
     moved = candidates if host is None else [host, *candidates]
-    if epoch is None:
-        epoch = max(record.epoch for record in moved)
+    epoch = mission.epoch or max(record.epoch for record in moved)
     elements, failed = mean_elements(moved, epoch)
     if failed and (not skip_bad or (host is not None and np.isnan(elements[0, 0]))):
         raise InputError(_failed_sentence(failed, epoch, host))
@@ -206,21 +228,16 @@ def to_instance(
     home = host.label if host else "station"
     check_musts(choice, targets, candidates, dropped)
     asked = demands.of(targets, records, choice)
-    crew = crew or Crew(Tank(delta_v_m_s=float(delta_v_m_s)))
-    fields = filled(asked, targets, records, crew, by_criticality=by_criticality)
-    orbits = _orbits(elements[rows])
+    crew, refuelling = crew or Crew(), mission.refuelling
+    fields = filled(asked, targets, records, crew, by_criticality=demands.by_criticality)
     instance = _instance(
-        name or _default_name(targets, len(rows)),
-        epoch,
+        replace(mission, name=mission.name or _default_name(targets, len(rows)), epoch=epoch),
         Station(name=home, object_id=host.designator if host else None) if refuelling else None,
         place,
         _unique([record.label for record in targets], {home} if refuelling else set()),
-        orbits,
-        duration_s,
+        _orbits(elements[rows]),
         crew,
         fields,
-        dynamics=dynamics,
-        transfer=_transfer(transfer, dynamics, duration_s, orbits),
     )
     placed = f"at {host.label}" if host else "as told" if told is not None else PLACED
     return Imported(
@@ -228,7 +245,7 @@ def to_instance(
         read=len(records),
         dropped=tuple(dropped),
         warnings=(
-            *((told_masses(targets, fields),) if by_criticality else ()),
+            *((told_masses(targets, fields),) if demands.by_criticality else ()),
             *((told_left_out(asked.left_out),) if asked.left_out else ()),
             *_warnings(targets, host, instance, epoch),
         ),
@@ -254,33 +271,20 @@ def _orbits(elements: FLOAT) -> list[Orbit]:
     ]
 
 
-def _transfer(
-    wanted: TransferSettings | Mapping[str, float | None] | None,
-    dynamics: str,
-    duration_s: float,
-    orbits: Sequence[Orbit],
-) -> TransferSettings:
-    """Transfer settings: as wanted, and what that leaves open by the mission."""
-    if isinstance(wanted, TransferSettings):
-        return wanted
-    given = {name: value for name, value in (wanted or {}).items() if value is not None}
-    if dynamics == "j2":
-        return transfers_for(duration_s, orbits=orbits, **given)
-    return TransferSettings().replace(**given)
-
-
 def _instance(
-    name: str,
-    epoch: datetime,
+    mission: MissionOutline,
     station: Station | None,
     place: FLOAT,
     names: Sequence[str],
     orbits: Sequence[Orbit],
-    duration_s: float,
     crew: Crew,
     fields: Mapping[int, Mapping[str, Any]],
-    **settings: Any,
 ) -> Instance:
+    """The instance of a mission whose name and epoch are known."""
+    transfer = mission.transfer_settings(orbits)
+    assert mission.name is not None
+    assert mission.epoch is not None
+    epoch = mission.epoch.astimezone(UTC)
     try:
         (home,) = _orbits(place[None, :])
         stations: tuple[Station, ...] = ()
@@ -289,23 +293,24 @@ def _instance(
             stations = (station.replace(orbit=home),)
             start = AtStation(station=station.name)
         return Instance(
-            name=name,
-            epoch=epoch.astimezone(UTC),
+            name=mission.name,
+            epoch=epoch,
             # SGP4 gives elements in TEME of date: at the epoch those of the epoch.
-            frame=Frame(name="TEME", axes_epoch=epoch.astimezone(UTC)),
+            frame=Frame(name="TEME", axes_epoch=epoch),
             stations=stations,
             targets=targets_of(names, orbits, crew, fields),
             chasers=crew.chasers(
-                start, [*(station.name for station in stations), *names], duration_s
+                start, [*(station.name for station in stations), *names], mission.duration_s
             ),
             mission=MissionSettings(
-                duration_s=float(duration_s),
+                duration_s=float(mission.duration_s),
                 service_s=crew.service_s,
                 launch_separation_s=crew.separation_s,
                 disposal_altitude_m=crew.disposal_altitude_m,
             ),
             objective=crew.objective,
-            **settings,
+            dynamics=mission.dynamics,
+            transfer=transfer,
         )
     except ValidationError as error:
         raise InputError(sentence(error)) from None

@@ -66,6 +66,9 @@ class Demands:
         that are no targets. Each may be several with commas between them.
     wishes : collection of Wish
         Of a table, see :func:`.wishes.read_wishes`.
+    by_criticality : bool
+        Whether prizes are those of :func:`.criticality.criticality`, but where a table says
+        others; else all are 1.
     """
 
     deadlines_s: Mapping[str, float] = field(default_factory=dict)
@@ -73,6 +76,7 @@ class Demands:
     musts: Collection[str] = ()
     excluded: Collection[str] = ()
     wishes: Collection[Wish] = ()
+    by_criticality: bool = False
 
     def __post_init__(self) -> None:
         for said, deadline_s in self.deadlines_s.items():

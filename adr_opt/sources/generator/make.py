@@ -32,7 +32,7 @@ NAME = re.compile(
 )
 
 
-def generate(
+def generate(  # noqa: PLR0913
     name: str,
     seed: int,
     *,

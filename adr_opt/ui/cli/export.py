@@ -13,6 +13,7 @@ from .output import emit_json, say
 from .parameters import check_out, instance_argument, json_option, plan_argument, quiet_option
 
 if TYPE_CHECKING:
+    from ...export.flights.write import FlightFile
     from ...fly.trajectory.axes import Axes
 
 
@@ -83,7 +84,13 @@ def command(
     if object_id is not None and not object_id.isprintable():
         raise InputError(f"--object-id {object_id!r}: give it in one line")
 
-    from ...export.flights.write import TOGETHER, flown, format_of, write_trajectory
+    from ...export.flights.write import (
+        TOGETHER,
+        FlightFile,
+        flown,
+        format_of,
+        write_trajectory,
+    )
     from ...plan.plan import load_plan
     from ...plan.refined_plan import is_refined
     from ...problem.instance import load
@@ -92,8 +99,8 @@ def command(
     check_out(out, instance_path, plan_path)
     if is_refined(plan_path):
         return _refined(
-            instance_path, plan_path, out, format_, frame, step_s, leg, body, chaser, object_id,
-            as_json, quiet,
+            instance_path, plan_path, out, FlightFile(format_, frame, object_id), step_s, leg,
+            body, chaser, as_json, quiet,
         )  # fmt: skip
     if body is not None:
         raise InputError(f"--body {body}: only of a refined plan bodies are exported")
@@ -102,7 +109,7 @@ def command(
         written = flown(instance, plan, step_s, leg, chaser, together=format_ in TOGETHER)
     except InputError as error:
         raise InputError(f"{plan_path}: {error}") from None
-    axes = write_trajectory(written, out, format=format_, frame=frame, object_id=object_id)
+    axes = write_trajectory(written, out, FlightFile(format_, frame, object_id))
     arcs = [arc for _, arc in written.arcs()]
     if as_json:
         emit_json(
@@ -146,13 +153,11 @@ def _refined(
     instance_path: str,
     refined_path: str,
     out: str,
-    format_: str,
-    frame: str | None,
+    file: FlightFile,
     step_s: float | None,
     leg: int | None,
     body: str | None,
     chaser: str | None,
-    object_id: str | None,
     as_json: bool,
     quiet: bool,
 ) -> int:
@@ -163,26 +168,26 @@ def _refined(
     from ...plan.routes import several
     from ...problem.instance import load
 
-    if format_ == "czml":
+    if file.format == "czml":
         raise InputError(
             f"{out}: a refined plan is written as .oem, .opm or .script; name such a file"
         )
     instance, refined = load(instance_path), load_refined(refined_path)
     try:
         written = write_refined(
-            instance, refined, out, frame=frame, body=body, step_s=step_s, leg=leg, chaser=chaser,
-            format=format_, object_id=object_id,
-        )  # fmt: skip
+            instance, refined, out, file=file, body=body, step_s=step_s, leg=leg, chaser=chaser
+        )
     except InputError as error:
         raise InputError(f"{refined_path}: {error}") from None
-    axes, whose = axes_in(format_, instance, frame), chaser if several(instance) else None
+    axes = axes_in(str(file.format), instance, file.frame)
+    whose = chaser if several(instance) else None
     legs = [one for one in refined.legs if leg in (None, one.leg) and whose in (None, one.chaser)]
     if as_json:
         emit_json(
             {
                 "instance": instance.name,
                 "path": out,
-                "format": format_,
+                "format": file.format,
                 **_frame(axes),
                 "body": body,
                 **({"chaser": legs[0].chaser} if several(instance) and body is None else {}),

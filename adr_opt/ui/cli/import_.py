@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from datetime import datetime
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -130,7 +131,8 @@ def command(
             f"--duration-days = {duration_days:g}: must be at most {LARGEST_DURATION_S / DAY_S:g}"
         )
     given = CrewOptions.of(crew_given)
-    crew, demands = given.crew(), given.demands()
+    crew = given.crew()
+    demands = replace(given.demands(), by_criticality=criticality)
     filters = catalogue.Filters(
         altitude_km=None if altitude is None else parse_range(altitude, "--altitude"),
         inclination_deg=None if inclination is None else parse_range(inclination, "--inclination"),
@@ -141,21 +143,20 @@ def command(
         dynamics, drift_step_days, max_drift_days, departure_spacing_days, resolution
     )
     epoch = None if epoch_text is None else parse_epoch(epoch_text)
+    mission = catalogue.MissionOutline(
+        epoch=epoch, duration_s=DAY_S * duration_days, dynamics=dynamics, transfer=transfer,
+        refuelling=not no_refuelling,
+    )  # fmt: skip
     found = catalogue.read(files, skip_bad=skip_bad)
     made = catalogue.to_instance(
         found,
-        epoch=epoch,
         filters=filters,
         max_targets=max_targets,
         station=station,
-        duration_s=DAY_S * duration_days,
         skip_bad=skip_bad,
-        dynamics=dynamics,
-        transfer=transfer,
-        refuelling=not no_refuelling,
+        mission=mission,
         crew=crew,
         demands=demands,
-        by_criticality=criticality,
     )
     write_text(out, made.instance.to_json())
     if as_json:

@@ -143,7 +143,7 @@ def least_cost(pair, begin, end, longest):
 
 
 @kernel
-def fill_cells(pair, first, step, stay, most, least_gap, unit, most_units, table):
+def fill_cells(pair, first, step, stay, most, least_gap, unit, most_units, table):  # noqa: PLR0913
     """Fill the bounds of a pair.
 
     Parameters

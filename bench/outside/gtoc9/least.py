@@ -12,7 +12,14 @@ import math
 import time
 from dataclasses import dataclass
 
-from solvers.tours.bound import Bounding, Tangent, bound, memories, neighbourhoods
+from solvers.tours.bound import (
+    Bounding,
+    FirstPrices,
+    Tangent,
+    bound,
+    memories,
+    neighbourhoods,
+)
 from solvers.tours.costs import TimeGrid
 
 from ..reading import FloatArray
@@ -121,7 +128,7 @@ def proven(rows: FloatArray, time_limit_s: float, step_d: float = STEP_D) -> Pro
     since = time.thread_time()
     table, count = cells(rows, step_d), len(rows)
     grid = TimeGrid(round(STAY_D / step_d), round((STAY_D + APART_D) / step_d), UNIT_M_S)
-    bit, carried = memories(neighbourhoods(table, REMEMBERED))
+    memory_of = memories(neighbourhoods(table, REMEMBERED))
     few = []
     while len(few) < count and launches_and_kits_meur(len(few) + 1, count) < DEAR_MEUR:
         missions = len(few) + 1
@@ -143,9 +150,8 @@ def proven(rows: FloatArray, time_limit_s: float, step_d: float = STEP_D) -> Pro
         # A launch of so much goes on to cost walks what it did, whatever the tangent.
         mass_kg = EXPENSE.dry_kg + now.carried_kg
         fee = 0.0 if now.launch is None else now.launch - tangent.fixed - tangent.per_kg * mass_kg
-        found = bound(
-            table, grid, EXPENSE, tangent, bit, carried, settings, now.prices, now.missions, fee
-        )
+        first = FirstPrices(now.prices, now.missions, fee)
+        found = bound(table, grid, EXPENSE, tangent, memory_of, settings, first)
         rounds += found.rounds
         now.stages, now.value = now.stages + 1, max(now.value, found.value)
         now.carried_kg = 0.5 * (now.carried_kg + found.carried_kg)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from solvers.tours.costs import TimeGrid, TourExpense
@@ -85,7 +85,8 @@ def planned(
     since = time.process_time()
     grid = TimeGrid(round(STAY_D / STEP_D), round((STAY_D + APART_D) / STEP_D), UNIT_M_S)
     cost = table(rows, STEP_D, SLACK_D, FINE)
-    tours = plan(cost, grid, EXPENSE, seed, chains, settings, iterations, time_limit_s, tell)
+    cooling = replace(settings or Annealing(), iterations=iterations, time_limit_s=time_limit_s)
+    tours = plan(cost, grid, EXPENSE, cooling, seed, chains, tell)
     best: Planned | None = None
     for tour in tours[:REFINED]:
         missions = better_times(missions_of(tour.order, tour.begins, tour.at, STEP_D), rows, step_d)

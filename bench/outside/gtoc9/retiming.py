@@ -24,7 +24,7 @@ from .scoring import STAY_D, WITHIN_D
 
 
 @kernel
-def _before(after, cost, stay, within, exhaust, kit, mass, leaves, arrives):
+def _before(after, cost, stay, within, exhaust, kit, mass, leaves, arrives):  # noqa: PLR0913
     """Least masses on arrival at a stop from those at the next, and the leg that gives them.
 
     Parameters

@@ -19,7 +19,7 @@ UNIT_M_S = 0.1
 
 
 @kernel
-def fill_pair(pair, first, step, stay, most, least_gap, slack, fine, unit, table):
+def fill_pair(pair, first, step, stay, most, least_gap, slack, fine, unit, table):  # noqa: PLR0913
     """Fill the costs of a pair.
 
     Parameters

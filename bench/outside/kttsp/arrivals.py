@@ -124,7 +124,7 @@ def within(r_1, v_1, r_2, v_2, seconds, limit):
 
 
 @kernel
-def earliest(elements_i, elements_j, step, least, longest, limit, first, last, arrival):
+def earliest(elements_i, elements_j, step, least, longest, limit, first, last, arrival):  # noqa: PLR0913
     """The earliest arrival within a limit, by when one is ready, on a grid of times.
 
     Who is ready may wait, so that nobody arrives earlier who is ready later.
@@ -172,7 +172,7 @@ def earliest(elements_i, elements_j, step, least, longest, limit, first, last, a
 
 
 @kernel
-def _departure_for(elements_i, elements_j, ready, about, wide, arrival, least, limit, ends):
+def _departure_for(elements_i, elements_j, ready, about, wide, arrival, least, limit, ends):  # noqa: PLR0913
     """A departure near another one for which an arrival is within the limit; NaN if none is."""
     r_1, v_1, r_2, v_2 = ends
     kepler.state(elements_j, arrival, r_2, v_2)

@@ -288,7 +288,7 @@ def _possible_tilted(box, sine_1, sine_2, least_across, limit):
 
 
 @kernel
-def _possible_way(
+def _possible_way(  # noqa: PLR0913
     one, other, theta_low, theta_high, sign, cos_1, cos_2, least_across, inverse_low,
     inverse_high, fewest, most, fly_low, fly_high, limit,
 ):  # fmt: skip

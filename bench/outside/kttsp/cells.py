@@ -47,7 +47,7 @@ def _first_within(pair, k, m, step, depth, least, limit, scratch):
 
 
 @kernel
-def first_arrivals(
+def first_arrivals(  # noqa: PLR0913
     elements_i, elements_j, normal_1, normal_2, between, step, widest, depth, least, longest,
     limit, first, last, wanted, out,
 ):  # fmt: skip

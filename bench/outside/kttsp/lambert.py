@@ -243,7 +243,7 @@ def arcs(r_1, r_2, seconds, mu, most_revolutions, found):
 
 
 @inlined
-def _velocities(
+def _velocities(  # noqa: PLR0913
     x, ratio, sign, s, chord, mu, r_1, r_2, length_1, length_2, tangent_1, tangent_2, out
 ):
     """Both velocities of the arc of x, by their radial and transverse parts."""

@@ -33,7 +33,7 @@ def _arrival(given, departure, slot, first):
 
 
 @kernel
-def _best(travel, score, service, opens, closes, longest, slot, first, ready):
+def _best(travel, score, service, opens, closes, longest, slot, first, ready):  # noqa: PLR0913
     """The best set: its score, the set, the last place of it and when the tour ends.
 
     Parameters

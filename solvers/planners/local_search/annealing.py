@@ -9,6 +9,7 @@ import numpy as np
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.memory import borrowed, write
 
+from ...orders.cooling import temperature
 from ...orders.timed_order import time_order, with_refuelling
 from . import moves
 
@@ -27,7 +28,7 @@ def _copy_labels(source, destination, first, last):
 
 
 @kernel
-def anneal(rules, order, length, labels, kept, worth, weights, hot, cold, iterations, rng):
+def anneal(rules, order, length, labels, kept, weights, schedule, rng):
     """Anneal an order: its value is the prizes collected less what the time used is worth.
 
     Parameters
@@ -39,13 +40,9 @@ def anneal(rules, order, length, labels, kept, worth, weights, hot, cold, iterat
     length : int
     labels, kept : OrderLabels
         Desks.
-    worth : float
-        Worth of a second [prizes per s].
     weights : (kinds,) float64
         Cumulative probabilities of the moves, see :data:`.moves.NAMES`.
-    hot, cold : float
-        Temperatures at the beginning and at the end [prizes].
-    iterations : int
+    schedule : solvers.orders.cooling.AnnealingSchedule
     rng : numpy.random.Generator
 
     Returns
@@ -75,8 +72,8 @@ def anneal(rules, order, length, labels, kept, worth, weights, hot, cold, iterat
     best = with_refuelling(order, length, labels)
     best_prize, best_end = prize, end
     accepted = 0
-    for iteration in range(iterations):
-        temperature = hot * (cold / hot) ** (iteration / iterations)
+    for iteration in range(schedule.iterations):
+        allowed = temperature(schedule, iteration)
         draw = rng.random()
         kind = 0
         while kind < weights.size - 1 and draw > weights[kind]:
@@ -84,14 +81,14 @@ def anneal(rules, order, length, labels, kept, worth, weights, hot, cold, iterat
         first, behind, new_length = moves.apply_move(kind, trial, length, rng)
         if behind == 0:
             continue
-        slack = -temperature * math.log(1.0 - rng.random())
+        slack = -allowed * math.log(1.0 - rng.random())
         new_prize = prize
         if new_length != length or kind == moves.REPLACE or kind == moves.SUBSTITUTE:
             new_prize = 0.0
             for p in range(new_length):
                 new_prize += rules.prize[trial[p]]
         # The latest end that is accepted.
-        latest = end + (new_prize - prize + slack) / worth
+        latest = end + (new_prize - prize + slack) / schedule.worth
         new_end = np.inf
         if new_length > rules.most_targets:
             new_end = np.inf

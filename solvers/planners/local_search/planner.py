@@ -19,6 +19,7 @@ from adr_opt.mission.result import Result
 from ...beams.exchange_rates import worth_of
 from ...beams.greedy_order import guarded_sequence
 from ...beams.recreate import recreate
+from ...orders.cooling import AnnealingSchedule
 from ...orders.timed_order import make_labels
 from ...progress.incumbent import Incumbent
 from .annealing import anneal
@@ -65,9 +66,10 @@ class LocalSearch:
         others = sorted(set(targets) - set(visited))
         order = np.array(visited + others, dtype=np.int64)
         worth = max(self.best.objective, self._mean) / rules.duration
+        schedule = AnnealingSchedule(worth, hot * self._mean, cold * self._mean, iterations)
         best, _, _, _ = anneal(
-            rules, order, len(visited), self._labels, self._kept, worth, self._weights,
-            hot * self._mean, cold * self._mean, iterations, self._rng,
+            rules, order, len(visited), self._labels, self._kept, self._weights, schedule,
+            self._rng,
         )  # fmt: skip
         return self.best.offer(best)
 

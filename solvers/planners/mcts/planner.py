@@ -112,10 +112,10 @@ class _Player:
                 # Moves are tried from the end of the list.
                 tree.moves[root, : liked.size] = liked[::-1]
                 tree.untried[root] = liked.size
+            game = trees.Game(root, used, played, collected, visited)
             body, root, used = trees.step(
-                rules, self.policy, self.search, self.rng, tree, used, root, played, collected,
-                visited, self.scratch, self.record,
-            )  # fmt: skip
+                rules, self.policy, self.search, self.rng, tree, game, self.scratch, self.record
+            )
             self.steps += 1
             if body != trees.NONE:
                 # Simulations write into the sequence beyond what is played, never before it.

@@ -101,6 +101,30 @@ class SearchRecord(NamedTuple):
     returns: np.ndarray
 
 
+class Game(NamedTuple):
+    """A mission as far as it is played.
+
+    Attributes
+    ----------
+    root : int
+        The node where it is.
+    used : int
+        Nodes in use.
+    played : int
+        Moves before the root; they stand at the beginning of the sequence to work in.
+    collected : float
+        Their prizes.
+    visited : (bodies,) bool
+        Targets visited there.
+    """
+
+    root: int
+    used: int
+    played: int
+    collected: float
+    visited: np.ndarray
+
+
 def allocate(nodes: int, width: int) -> Tree:
     """Memory for a tree; nodes are written when they are made."""
 
@@ -236,7 +260,7 @@ def move_to_play(search, tree, root):
 
 
 @kernel
-def step(rules, policy, search, rng, tree, used, root, played, collected, visited, scratch, record):
+def step(rules, policy, search, rng, tree, game, scratch, record):
     """The simulations of one step, and the move that comes out of them.
 
     Selection by UCT, one new node, a rollout, and the return in every node of the path. The
@@ -245,17 +269,9 @@ def step(rules, policy, search, rng, tree, used, root, played, collected, visite
 
     Parameters
     ----------
-    used : int
-        Nodes in use.
-    root : int
-    played : int
-        Moves before the root; they stand at the beginning of ``scratch.sequence``.
-    collected : float
-        Their prizes.
-    visited : (bodies,) bool
-        Targets visited there.
     tree : Tree
         With room for the simulations and one more; begun anew at the root when room runs out.
+    game : Game
     record : SearchRecord
         Updated.
 
@@ -267,6 +283,7 @@ def step(rules, policy, search, rng, tree, used, root, played, collected, visite
         The node of that move, and the nodes in use.
     """
     rules, tree, scratch = borrowed(rules), borrowed(tree), borrowed(scratch)
+    root, used, played, collected, visited = game
     if used + search.simulations > tree.body.size:
         used, root = copy_root(tree, root), 0
     path = scratch.path
