@@ -87,7 +87,7 @@ def main() -> None:
             continue
         plan = adr_opt.solve(instance, arguments.method, time_limit=30.0, seed=0).plan
         assert plan is not None
-        matching = matchings(instance.orbits())
+        matching = matchings(instance.orbits(), 0.0)
         for freedom in ("free", "planned"):
             refined = adr_opt.refine(instance, plan, freedom=freedom, jobs=arguments.jobs)
             for kind in ("short", "drift"):

@@ -22,6 +22,7 @@ from ...common.constants import SLACK_S, TURN_RAD
 from ..core.compile import kernel
 from ..core.lists import ending
 from ..core.memory import borrowed
+from ..orbits.ephemeris import EPOCH_S
 from . import co_elliptic, phasing, zones
 from .found import ConnectionArrays
 
@@ -179,7 +180,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
     -------
     ConnectionArrays
     """
-    pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule)
+    pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule, EPOCH_S)
     first = co_elliptic.first_departure(pair)[0]
     lap = TURN_RAD / pair.rate_j
     approach = rule.approach_revolutions * lap

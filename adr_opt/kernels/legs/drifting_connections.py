@@ -11,6 +11,7 @@ import numpy as np
 
 from ..core.compile import kernel
 from ..core.lists import chosen, ranks, rising
+from ..orbits.ephemeris import EPOCH_S
 from . import co_elliptic, drift_grid, drift_pair
 from .found import ConnectionArrays
 from .short_transfers import short
@@ -118,7 +119,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolution):
     ConnectionArrays
         Long transfers have −1 revolutions.
     """
-    pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule)
+    pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule, EPOCH_S)
     found, order = short(pair, rule, duration, times.interval, times.most, resolution)
     shorts = order.size
     _by_departure(found.departure, found.arrival, order)
@@ -127,7 +128,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolution):
     cost, laps = chosen(found.delta_v, order, shorts), chosen(found.revolutions, order, shorts)
     if times.longest < times.step:
         return ConnectionArrays(departure, arrival, cost, laps, ranks(arrival))
-    drifts = drift_pair.prepare(orbit_i, orbit_j, rule)
+    drifts = drift_pair.prepare(orbit_i, orbit_j, rule, EPOCH_S)
     kept = np.empty(shorts, np.bool_)
     leaves, lands, long_cost = drift_grid.of_pair(
         drifts, rule.zones, times.step, times.longest, duration, times.most, resolution,

@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 from ..core.compile import inlined, kernel
+from ..orbits.ephemeris import planes_drift
 from . import co_elliptic, precession
 from .curves import NODES, Curves
 
@@ -53,7 +54,7 @@ def curves_of(pair, rule):
     time, coefficients = np.empty((counts, NODES)), np.empty((counts, 5, NODES))
     if counts == 0:
         return Curves(time, coefficients)
-    drifts = rule.oblateness != 0.0
+    drifts = planes_drift(rule.oblateness)
     parts = 5 if drifts else 4
     flight, lap, radius = np.empty(NODES), np.empty(NODES), np.empty(NODES)
     direct, phased = np.empty((4, NODES)), np.empty((4, NODES))

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...common.constants import MU_M3_S2
 from ..core.compile import inlined, kernel
-from . import columns
+from .ephemeris import eccentricity_at, inclination_at, node_at, perigee_at, radius_at
 
 
 @kernel
@@ -84,13 +84,15 @@ def matching(pair, time):
 
 
 @kernel
-def matchings(bodies):
-    """The same of all pairs, with the orbits as they are at t = 0 [m/s].
+def matchings(bodies, time):
+    """The same of all pairs, with the orbits as they are at a time [m/s].
 
     Parameters
     ----------
     bodies : (bodies, columns) float64
         Rows of :data:`.columns.ORBIT_COLUMNS`.
+    time : float
+        [s].
 
     Returns
     -------
@@ -100,15 +102,14 @@ def matchings(bodies):
     costs = np.zeros((count, count))
     for i in range(count):
         for j in range(i):
+            one, other = bodies[i], bodies[j]
             costs[i, j] = costs[j, i] = _alone(
-                math.sqrt(
-                    MU_M3_S2 / math.sqrt(bodies[i, columns.RADIUS] * bodies[j, columns.RADIUS])
-                ),
-                bodies[i, columns.ECCENTRICITY],
-                bodies[j, columns.ECCENTRICITY],
-                bodies[j, columns.PERIGEE] - bodies[i, columns.PERIGEE],
-                bodies[i, columns.INCLINATION],
-                bodies[j, columns.INCLINATION],
-                bodies[j, columns.RAAN] - bodies[i, columns.RAAN],
+                math.sqrt(MU_M3_S2 / math.sqrt(radius_at(one, time) * radius_at(other, time))),
+                eccentricity_at(one, time),
+                eccentricity_at(other, time),
+                perigee_at(other, time) - perigee_at(one, time),
+                inclination_at(one, time),
+                inclination_at(other, time),
+                node_at(other, time) - node_at(one, time),
             )
     return costs
