@@ -12,6 +12,8 @@ from rows import HIGHEST_M, LOWEST_M, FloatArray, oblate_rule, row
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
 from adr_opt.judge.check.drift import drift_cost
 from adr_opt.kernels.legs import drift, drift_arcs, drift_free, drift_grid, drift_laps, drift_pair
+from adr_opt.kernels.legs.short_transfers import Shorts
+from adr_opt.kernels.legs.wanted import Times
 from adr_opt.kernels.orbits import columns, ephemeris
 
 CASES = 1500
@@ -204,8 +206,9 @@ def test_what_is_listed_is_what_nothing_else_dominates():
         shorts = short_ones(rng, duration, 0.5 * most, most)
         kept = np.empty(len(shorts), np.bool_)
         begins, ends, costs = drift_grid.of_pair(
-            pair, NO_ZONES, step, longest, duration, most, resolution, *shorts.T.copy(), kept
-        )
+            pair, NO_ZONES, Times(0.0, step, longest, most), duration, resolution,
+            Shorts(*shorts.T.copy(), np.zeros(len(shorts), np.int8)), kept,
+        )  # fmt: skip
         assert np.all(np.diff(begins * 100000 + ends) > 0)
         long = np.column_stack([begins * step, ends * step, costs])
         listed = np.concatenate([long, shorts[kept]])
@@ -242,7 +245,8 @@ def test_zones_that_are_closed_anywhere_near_forbid_a_drift():
     """What is listed beside a zone is what no zone touches that is closed meanwhile."""
     rng = np.random.default_rng(7)
     forbidden = allowed = 0
-    none = np.empty(0)
+    duration = 40.0 * DAY_S
+    times, none = Times(0.0, DAY_S, duration, 1e9), Shorts(*np.empty((3, 0)), np.empty(0, np.int8))
     for _ in range(60):
         first, second = drawn(rng)
         pair = drift_pair.prepare(first, second, RULE, 0.0)
@@ -250,9 +254,8 @@ def test_zones_that_are_closed_anywhere_near_forbid_a_drift():
         opens = rng.uniform(0.0, 40.0) * DAY_S
         zones = np.array([[low, low + 20e3, opens, opens + rng.uniform(0.0, 10.0) * DAY_S]])
         begins, ends, _ = drift_grid.of_pair(
-            pair, zones, DAY_S, 40.0 * DAY_S, 40.0 * DAY_S, 1e9, 0.0, none, none, none,
-            np.empty(0, np.bool_),
-        )  # fmt: skip
+            pair, zones, times, duration, 0.0, none, np.empty(0, np.bool_)
+        )
         for begin, end in zip(begins * DAY_S, ends * DAY_S, strict=True):
             touches = zones[0, 2] <= end and begin <= zones[0, 3]
             climb = drift.best_split(pair, begin, end).climb
@@ -262,9 +265,8 @@ def test_zones_that_are_closed_anywhere_near_forbid_a_drift():
             assert not (touches and crosses), (first, second, zones, begin, end)
             allowed += 1
         free, _, _ = drift_grid.of_pair(
-            pair, NO_ZONES, DAY_S, 40.0 * DAY_S, 40.0 * DAY_S, 1e9, 0.0, none, none, none,
-            np.empty(0, np.bool_),
-        )  # fmt: skip
+            pair, NO_ZONES, times, duration, 0.0, none, np.empty(0, np.bool_)
+        )
         forbidden += free.size > begins.size
     assert allowed > 1000
     assert forbidden > 10

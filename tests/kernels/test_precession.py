@@ -22,12 +22,13 @@ from adr_opt.kernels.legs import (
     drifting_connections,
     precession,
 )
+from adr_opt.kernels.legs.wanted import Times
 from adr_opt.kernels.orbits import columns
 from adr_opt.legs.connections import ConnectionFinder
 from adr_opt.problem.settings import TransferSettings
 
 WEEK_S = 7.0 * DAY_S
-NO_DRIFT = drifting_connections.Times(0.0, DAY_S, 0.0, 1e9)
+NO_DRIFT = Times(0.0, DAY_S, 0.0, 1e9)
 
 
 @pytest.fixture(scope="module")
@@ -181,7 +182,7 @@ def test_no_connection_dominates_another():
     law = oblate_rule()
     both = all_ = superfluous = 0
     for number, pair in enumerate(pairs(5, 18, spread_deg=6.0)):
-        times = drifting_connections.Times(DAY_S * (number % 2), DAY_S, 40.0 * DAY_S, 1500.0)
+        times = Times(DAY_S * (number % 2), DAY_S, 40.0 * DAY_S, 1500.0)
         resolution = (0.1, 1.0, 5.0)[number % 3]
         found = drifting_connections.of_pair(
             pair.i, pair.j, 0.0, law, times, 60.0 * DAY_S, resolution

@@ -9,6 +9,7 @@ for. What is left of interpolation is at the level of rounding where the altitud
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -101,11 +102,27 @@ def parts_at(curves, k, time):
     return climb, rest, chord, square, shift
 
 
+class _Laps(NamedTuple):
+    """A number of phasing revolutions, and between which flight times it can be flown [s]."""
+
+    k: int
+    low: float
+    high: float
+
+
+class _Price(NamedTuple):
+    """What makes a ΔV of the four numbers: 4 sin²(θ/2), v |Δe| / 2 and the approach [–, m/s]."""
+
+    turn: float
+    matching: float
+    fixed: float
+
+
 @kernel
-def _lower(
-    times, size, k, low, high, nodes, coefficients, turn, matching, fixed, cost, revolutions
-):
+def _lower(times, size, laps, nodes, coefficients, price, cost, revolutions):
     """Lower costs to those of sequences with k revolutions; one loop that becomes vectors."""
+    k, low, high = laps
+    turn, matching, fixed = price
     for t in range(size):
         time = times[t]
         climb = rest = chord = square = 0.0
@@ -144,9 +161,10 @@ def lower(pair, rule, curves, k, times, size, cost, revolutions):
     low = pair.shortest + k * pair.shortest_lap
     high = pair.longest + k * pair.longest_lap
     if curves.time.shape[0] > 0:
+        price = _Price(pair.turn, pair.matching, pair.fixed_delta_v)
         _lower(
-            times, size, k, low, high, curves.time[k], curves.coefficients[k],
-            pair.turn, pair.matching, pair.fixed_delta_v, cost, revolutions,
+            times, size, _Laps(k, low, high), curves.time[k], curves.coefficients[k], price,
+            cost, revolutions,
         )  # fmt: skip
         return
     for t in range(size):
