@@ -22,8 +22,8 @@ from ..common.errors import InputError
 from ..common.files import check_writable, parse_model, read_model, sentence, write_text
 from ..common.records import Window
 from ..kernels.legs.co_elliptic import TransferRule
-from ..kernels.orbits.eccentricity import matchings
 from ..kernels.orbits.ephemeris import EPOCH_S
+from ..kernels.orbits.matchings import matchings
 from .chasers import availability
 from .given import Given
 from .given_files import read_named, write_given

@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from ..common.constants import EARTH_RADIUS_M
 from ..common.records import Angle, Length, Record
-from ..kernels.orbits.body_rows import body_row
+from ..kernels.orbits.ephemeris import body_row
 
 
 class Orbit(Record):

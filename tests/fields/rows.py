@@ -11,7 +11,7 @@ import numpy.typing as npt
 from adr_opt.common.constants import EARTH_RADIUS_M, OBLATENESS_M2
 from adr_opt.kernels.legs import co_elliptic
 from adr_opt.kernels.orbits import columns
-from adr_opt.kernels.orbits.body_rows import body_row
+from adr_opt.kernels.orbits.ephemeris import body_row
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -11,7 +11,8 @@ from rows import oblate_rule
 from adr_opt.common.constants import DAY_S, OBLATENESS_M2
 from adr_opt.kernels.legs import co_elliptic, drift_pair
 from adr_opt.kernels.orbits import columns, elements, ephemeris
-from adr_opt.kernels.orbits.body_rows import as_left, body_row, with_orbit
+from adr_opt.kernels.orbits.body_rows import as_left, with_orbit
+from adr_opt.kernels.orbits.ephemeris import body_row
 
 BOTH = {
     elements.radii: ephemeris.radius_at,

@@ -1,4 +1,7 @@
-"""Rows of bodies, made: what kernels take, and :mod:`.ephemeris` and :mod:`.elements` read."""
+"""Rows of bodies, changed: as they are left, and on another orbit.
+
+A row is made by :func:`.ephemeris.body_row`, and read there and in :mod:`.elements`.
+"""
 
 from __future__ import annotations
 
@@ -6,46 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import columns
-from .ephemeris import secular_rates
 
 FloatArray = npt.NDArray[np.float64]
-
-
-def body_row(
-    radius_m: float,
-    inclination: float,
-    node: float,
-    latitude: float,
-    *,
-    eccentricity: float = 0.0,
-    perigee: float = 0.0,
-    oblateness_m2: float = 0.0,
-) -> tuple[float, ...]:
-    """A body on a mean orbit, with its secular rates (docs/model.md section 1).
-
-    Parameters
-    ----------
-    radius_m, inclination : float
-        Of the circle that is planned with [m], [rad].
-    node, latitude : float
-        RAAN and argument of latitude at t = 0 [rad].
-    eccentricity, perigee : float
-        Of the true orbit, and its argument of perigee at t = 0 [rad].
-    oblateness_m2 : float
-        J2 R², 0 for two bodies.
-
-    Returns
-    -------
-    (columns,) float
-        :data:`.columns.ORBIT_COLUMNS`.
-    """
-    node_rate, perigee_rate, anomaly_rate = secular_rates(
-        radius_m, eccentricity, inclination, oblateness_m2
-    )
-    return (
-        radius_m, inclination, node, latitude, node_rate, perigee_rate + anomaly_rate,
-        eccentricity, perigee, perigee_rate,
-    )  # fmt: skip
 
 
 def as_left(bodies: FloatArray) -> FloatArray:

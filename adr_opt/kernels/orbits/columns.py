@@ -1,7 +1,8 @@
 """The columns of a body: elements at t = 0, and their secular rates.
 
 Known in this room alone: others ask :mod:`.ephemeris` for the elements of a body at a time, or
-:mod:`.elements` for those of many, and have rows made by :mod:`.body_rows`.
+:mod:`.elements` for those of many. Rows are made by :func:`.ephemeris.body_row` and changed by
+:mod:`.body_rows`.
 """
 
 ORBIT_COLUMNS = (

@@ -4,7 +4,7 @@ A body is a row of :data:`ORBIT_COLUMNS`, angles at t = 0. It moves on a circle 
 argument of latitude advance at the rates of the row: those of two-body motion, or the secular ones
 of J2 (docs/model.md section 1). Elements, rates and states of a body at a time are asked for here,
 and no other room knows how a row holds them: :mod:`.elements` has those of many bodies as arrays,
-:mod:`.body_rows` makes rows.
+:func:`body_row` makes a row, and :mod:`.body_rows` changes some.
 
 Every element takes a time, also those that do not change in today's dynamics. So an orbit that
 changes with time is a change of this room.
@@ -92,6 +92,43 @@ def secular_rates(axis, eccentricity, inclination, oblateness):
         0.5 * strength * (5.0 * cosine * cosine - 1.0),
         n + 0.5 * strength * math.sqrt(square) * (3.0 * cosine * cosine - 1.0),
     )
+
+
+def body_row(
+    radius_m: float,
+    inclination: float,
+    node: float,
+    latitude: float,
+    *,
+    eccentricity: float = 0.0,
+    perigee: float = 0.0,
+    oblateness_m2: float = 0.0,
+) -> tuple[float, ...]:
+    """A body on a mean orbit, with its secular rates (docs/model.md section 1).
+
+    Parameters
+    ----------
+    radius_m, inclination : float
+        Of the circle that is planned with [m], [rad].
+    node, latitude : float
+        RAAN and argument of latitude at t = 0 [rad].
+    eccentricity, perigee : float
+        Of the true orbit, and its argument of perigee at t = 0 [rad].
+    oblateness_m2 : float
+        J2 R², 0 for two bodies.
+
+    Returns
+    -------
+    (columns,) float
+        :data:`ORBIT_COLUMNS`.
+    """
+    node_rate, perigee_rate, anomaly_rate = secular_rates(
+        radius_m, eccentricity, inclination, oblateness_m2
+    )
+    return (
+        radius_m, inclination, node, latitude, node_rate, perigee_rate + anomaly_rate,
+        eccentricity, perigee, perigee_rate,
+    )  # fmt: skip
 
 
 @inlined
